@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The baked file's contents in memory: a mip pyramid whose texels each hold a mixture of von Mises-Fisher lobes
+// (Han et al. 2007, section 7). This is the only code that the bakes (OpenCL) and the runtime (GL) both link.
+//
+// A lobe is stored as a * (r_x, r_y, r_z, 1): a = amplitude (the lobes of a texel sum to 1), r = the mean vector of the
+// lobe's normals, |r| <= 1, tangent space with +X right (u grows), +Y up (towards the image's first row), +Z out.
+// All four channels are linear in the normals, so hardware filtering T(.) gives exact first moments: a = T(a),
+// r = T(a r) / T(a).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "host/base/wrap_mode.h"
+
+namespace multum {
+
+constexpr int kLobeCountMax = 8;
+
+/// How channel values are rounded when stored; docs/FORMAT.md states what each loses.
+enum class StorageEncoding {
+  kSnorm16,  // multiples of 1/32767 in a float channel: RGBA16_SNORM on the GPU, the default
+  kHalf,     // 16-bit floats: RGBA16F on the GPU
+  kFloat,    // 32-bit floats: RGBA32F on the GPU
+};
+
+const char* storage_encoding_name(StorageEncoding encoding);
+
+/// One level, level 0 = finest. Rows from the image's top to its bottom.
+struct MovmfLevel {
+  int width = 0;
+  int height = 0;
+  std::vector<std::vector<glm::vec4>> lobes;    // [lobe][y * width + x] = (a r_x, a r_y, a r_z, a)
+  std::vector<std::vector<glm::vec3>> colours;  // [lobe][y * width + x] = a * linear RGB; empty: the map has no colours
+};
+
+/// What the file says of itself beside its pixels.
+struct MovmfProvenance {
+  std::string software;        // "multum 0.1.0"
+  std::string source_name;     // file name of the normal map, without folder
+  std::string source_hash;     // SHA-256 of the normal map's file, 64 hexadecimal digits
+  std::string settings;        // JSON: every setting that changes pixels
+  std::string settings_hash;   // SHA-256 of `settings`
+  std::string measured_error;  // JSON: relative L1 error of this file against its source (docs/ACCURACY.md); may be empty
+};
+
+struct MovmfMipmap {
+  StorageEncoding encoding = StorageEncoding::kSnorm16;
+  WrapMode wrap_s = WrapMode::kPeriodic;
+  WrapMode wrap_t = WrapMode::kPeriodic;
+  MovmfProvenance provenance;
+  std::vector<MovmfLevel> levels;  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
+
+  int width() const { return levels.empty() ? 0 : levels.front().width; }
+  int height() const { return levels.empty() ? 0 : levels.front().height; }
+  int lobe_count() const { return levels.empty() ? 0 : static_cast<int>(levels.front().lobes.size()); }
+  bool has_colours() const { return !levels.empty() && !levels.front().colours.empty(); }
+};
+
+/// Number of ROUND_DOWN levels of a width x height map: 1 + floor(log2(max(width, height))).
+int mip_level_count(int width, int height);
+inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? size >> level : 1; }
+
+struct MovmfWriteOptions {
+  std::string compression = "zip";  // none, rle, zips, zip, piz, pxr24; with ":LEVEL" for zip and zips
+  int tile_size = 64;
+  int threads = 2;
+};
+
+/// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Throws Error(kEnvironment) when the
+/// disk refuses, Error(kUsage) for an unknown compression.
+void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options);
+
+/// Reads a file of write_movmf_mipmap(). Throws Error(kInput) naming the file, what was found and what was expected.
+MovmfMipmap read_movmf_mipmap(const std::string& path);
+
+/// Rounds every value to what `mipmap.encoding` stores. The rule (docs/FORMAT.md, "Rounding"): amplitudes sum to 1
+/// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1.
+void quantize_movmf(MovmfMipmap& mipmap, int threads);
+
+}  // namespace multum

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/base/error.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+
+namespace multum {
+
+int exit_code(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kUsage: return 2;
+    case ErrorCode::kInput: return 3;
+    case ErrorCode::kEnvironment: return 4;
+    case ErrorCode::kVerification: return 5;
+  }
+  return 1;
+}
+
+int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv) {
+  try {
+    return body(argc, argv);
+  } catch (const Cancelled&) {
+    std::fprintf(stderr, "%s: cancelled, nothing was written\n", program);
+    return 130;
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s: %s\n", program, error.what());
+    return exit_code(error.code());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: out of memory\n", program);
+    return exit_code(ErrorCode::kEnvironment);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: unexpected error: %s\n", program, error.what());
+    return 1;
+  }
+}
+
+void check_failed(const char* condition, const char* file, int line) {
+  std::fprintf(stderr, "%s:%d: check failed: %s\n", file, line, condition);
+  std::abort();
+}
+
+}  // namespace multum

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The three kinds of trouble, never mixed (docs/ARCHITECTURE.md, "Errors"):
+//   programmer error      MULTUM_CHECK / MULTUM_DCHECK stop the program;
+//   bad input, bad world  throw Error{code, message}: which file, what was found, what was expected;
+//   numerical trouble     is clamped by a documented rule and counted in the report, never thrown.
+#pragma once
+
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+namespace multum {
+
+enum class ErrorCode {
+  kUsage,        // the command line or a setting is wrong
+  kInput,        // a file that was given cannot be used: missing, damaged, of the wrong kind
+  kEnvironment,  // device, driver, disk, memory: the machine cannot do it now
+  kVerification, // a check of a finished file failed
+};
+
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  ErrorCode code() const { return code_; }
+
+ private:
+  ErrorCode code_;
+};
+
+/// Thrown at the next tile boundary after a Progress callback asked to stop. Nothing partial is left behind.
+class Cancelled : public std::exception {
+ public:
+  const char* what() const noexcept override { return "cancelled"; }
+};
+
+/// The exit code of a program that ends with this error: usage 2, input 3, environment 4, verification 5.
+int exit_code(ErrorCode code);
+
+/// Runs `body`, maps every exception to a message on stderr ("PROGRAM: message") and an exit code (Cancelled: 130).
+/// The only place, with the daemon's job and a C boundary, where exceptions are caught.
+int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv);
+
+[[noreturn]] void check_failed(const char* condition, const char* file, int line);
+
+}  // namespace multum
+
+/// Stops the program when `condition` is false, in release builds too: a bug of ours, never bad input.
+#define MULTUM_CHECK(condition) \
+  ((condition) ? static_cast<void>(0) : ::multum::check_failed(#condition, __FILE__, __LINE__))
+
+#ifdef MULTUM_DEBUG_CHECKS
+#define MULTUM_DCHECK(condition) MULTUM_CHECK(condition)
+#else
+#define MULTUM_DCHECK(condition) static_cast<void>(0)
+#endif

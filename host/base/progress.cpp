@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/base/progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+
+#include "host/base/error.h"
+
+namespace multum {
+
+void Progress::start(std::uint64_t units_total) {
+  event_.units_total = units_total;
+  event_.units_done = 0;
+  report();
+}
+
+void Progress::stage(const std::string& name) {
+  event_.stage = name;
+  report();
+}
+
+void Progress::advance(std::uint64_t units) {
+  event_.units_done += units;
+  report();
+}
+
+void Progress::report() {
+  if (callback_ && !callback_(event_)) throw Cancelled();
+}
+
+namespace {
+
+volatile std::sig_atomic_t g_interrupted = 0;
+
+void on_interrupt(int) { g_interrupted = 1; }
+
+void install_interrupt_handlers() {
+  struct sigaction action = {};
+  action.sa_handler = on_interrupt;
+  // One Ctrl-C asks politely; SA_RESETHAND lets a second one end a program that does not listen.
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+class TerminalBar {
+ public:
+  ~TerminalBar() { clear(); }
+
+  void show(const ProgressEvent& event) {
+    const auto now = std::chrono::steady_clock::now();
+    const bool finished = event.units_total > 0 && event.units_done >= event.units_total;
+    if (!finished && shown_ && now - last_ < std::chrono::milliseconds(80)) return;
+    last_ = now;
+    shown_ = true;
+    constexpr int kCells = 30;
+    const double fraction =
+        event.units_total == 0 ? 0.0
+                               : std::min(1.0, static_cast<double>(event.units_done) / static_cast<double>(event.units_total));
+    const int filled = static_cast<int>(fraction * kCells);
+    const std::string bar = std::string(static_cast<size_t>(filled), '#') + std::string(static_cast<size_t>(kCells - filled), '.');
+    std::fprintf(stderr, "\r\033[K[%s] %3.0f%%  %s", bar.c_str(), fraction * 100.0, event.stage.c_str());
+    if (finished) clear();
+    std::fflush(stderr);
+  }
+
+ private:
+  void clear() {
+    if (shown_) std::fprintf(stderr, "\r\033[K");
+    shown_ = false;
+  }
+  std::chrono::steady_clock::time_point last_;
+  bool shown_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Progress> make_terminal_progress(bool show_bar) {
+  install_interrupt_handlers();
+  auto bar = show_bar && isatty(STDERR_FILENO) != 0 ? std::make_shared<TerminalBar>() : nullptr;
+  return std::make_unique<Progress>([bar](const ProgressEvent& event) {
+    if (bar) bar->show(event);
+    return g_interrupted == 0;
+  });
+}
+
+}  // namespace multum

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Progress and cancelling of long calls. Work is counted in units declared up front; a callback that returns false
+// cancels: the next advance() throws Cancelled and the caller's objects clean up as they are destroyed.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace multum {
+
+struct ProgressEvent {
+  std::string stage;           // "read", "fit level 3", "write": what is being done now
+  std::uint64_t units_done;    // of all stages together
+  std::uint64_t units_total;   // declared by start(); 0 while unknown
+};
+
+class Progress {
+ public:
+  using Callback = std::function<bool(const ProgressEvent&)>;  // false: cancel
+
+  explicit Progress(Callback callback) : callback_(std::move(callback)) {}
+
+  /// Declares the whole work. Called once by the outermost long call.
+  void start(std::uint64_t units_total);
+  /// Names what comes next. Throws Cancelled when the callback says so.
+  void stage(const std::string& name);
+  /// Counts finished units. Throws Cancelled when the callback says so.
+  void advance(std::uint64_t units);
+
+ private:
+  void report();
+  Callback callback_;
+  ProgressEvent event_{"", 0, 0};
+};
+
+// The same on an optional Progress: null means that nobody listens.
+inline void progress_start(Progress* p, std::uint64_t units) { if (p != nullptr) p->start(units); }
+inline void progress_stage(Progress* p, const std::string& name) { if (p != nullptr) p->stage(name); }
+inline void progress_advance(Progress* p, std::uint64_t units) { if (p != nullptr) p->advance(units); }
+
+/// A bar on a terminal's stderr, silent when stderr is not a terminal. Ctrl-C and SIGTERM cancel.
+std::unique_ptr<Progress> make_terminal_progress(bool show_bar);
+
+}  // namespace multum

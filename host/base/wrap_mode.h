@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lies beyond an image's border, by maketx's names.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace multum {
+
+enum class WrapMode { kBlack, kClamp, kPeriodic, kMirror };
+
+inline const char* wrap_mode_name(WrapMode mode) {
+  switch (mode) {
+    case WrapMode::kBlack: return "black";
+    case WrapMode::kClamp: return "clamp";
+    case WrapMode::kPeriodic: return "periodic";
+    case WrapMode::kMirror: return "mirror";
+  }
+  return "?";
+}
+
+inline std::optional<WrapMode> parse_wrap_mode(std::string_view name) {
+  for (WrapMode mode : {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror})
+    if (name == wrap_mode_name(mode)) return mode;
+  return std::nullopt;
+}
+
+}  // namespace multum

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The project's own test map: four quarters that each defeat one shortcut. Made from a seed, at any even size, so that every
+// figure in docs/ACCURACY.md can be made again anywhere.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "host/image/normal_map.h"
+
+namespace multum {
+
+struct FourQuarterMap {
+  NormalMap normals;  // rounded to 16 bits as the PNG stores them, then normalised
+  ColourMap albedo;   // colours correlated with slope
+};
+
+/// `size` >= 16, even. Top left: armour of overlapping hemispherical scales (period 24 texels); top right: carved rings
+/// (wavelength 16, 55 % cut); bottom left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 % flat) with red and
+/// blue facets; bottom right: fine noise whose slope grows to the right (rms 0.45 on average).
+FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed);
+
+/// Writes PREFIX_normal.png (16 bits, green up) and PREFIX_albedo.png (16 bits, sRGB).
+void write_four_quarter_map(const FourQuarterMap& map, const std::string& prefix);
+
+}  // namespace multum
