@@ -46,6 +46,7 @@ struct MovmfProvenance {
   std::string settings;        // JSON: every setting that changes pixels
   std::string settings_hash;   // SHA-256 of `settings`
   std::string measured_error;  // JSON: relative L1 error of this file against its source (docs/ACCURACY.md); may be empty
+  std::string content_hash;    // of every channel value in the file; filled by write and read, see movmf_content_hash()
 };
 
 struct MovmfMipmap {
@@ -71,12 +72,23 @@ struct MovmfWriteOptions {
   int threads = 2;
 };
 
+/// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's levels, lobes before colours, part by part, finest
+/// level first; a level's digest covers its rows as little-endian 32-bit floats in channel order (docs/FORMAT.md).
+std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
+
 /// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Throws Error(kEnvironment) when the
 /// disk refuses, Error(kUsage) for an unknown compression.
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options);
 
 /// Reads a file of write_movmf_mipmap(). Throws Error(kInput) naming the file, what was found and what was expected.
 MovmfMipmap read_movmf_mipmap(const std::string& path);
+
+/// The same without pixels: levels have sizes and empty lobes. Cheap for files of any size.
+MovmfMipmap read_movmf_header(const std::string& path);
+
+/// Largest kappa whose spread (1/kappa) a lobe of amplitude 1 keeps to within about a quarter; sharper lobes are stored
+/// sharper, up to a single direction.
+float storage_kappa_max(StorageEncoding encoding);
 
 /// Rounds every value to what `mipmap.encoding` stores. The rule (docs/FORMAT.md, "Rounding"): amplitudes sum to 1
 /// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1.

@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writing and reading of the baked file with OpenEXR: one tiled, mip-mapped part a lobe. docs/FORMAT.md describes the
+// result for readers that do not use this code; both change together.
+#include "host/asset/movmf_mipmap.h"
+
+#include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfIntAttribute.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <ImfThreading.h>
+#include <ImfTiledInputPart.h>
+#include <ImfTiledOutputPart.h>
+#include <fmt/format.h>
+#include <half.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <thread>
+
+#include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+constexpr int kFormatVersion = 1;
+constexpr char kRepresentation[] = "movmf";
+constexpr int kSideMax = 1 << 20;
+
+std::string lobe_channel(int lobe, const char* channel) { return fmt::format("lobe{}.vMF.{}", lobe, channel); }
+std::string colour_channel(int lobe, const char* channel) { return fmt::format("colour{}.{}", lobe, channel); }
+
+struct CompressionChoice {
+  Imf::Compression compression;
+  int zip_level;  // -1: the library's
+};
+
+CompressionChoice parse_compression(const std::string& text) {
+  static const std::map<std::string, Imf::Compression> kNames = {
+      {"none", Imf::NO_COMPRESSION}, {"rle", Imf::RLE_COMPRESSION},   {"zips", Imf::ZIPS_COMPRESSION},
+      {"zip", Imf::ZIP_COMPRESSION}, {"piz", Imf::PIZ_COMPRESSION}};
+  const std::size_t colon = text.find(':');
+  const auto found = kNames.find(text.substr(0, colon));
+  int level = -1;
+  if (colon != std::string::npos) {
+    const std::string digits = text.substr(colon + 1);
+    if (digits.size() == 1 && digits[0] >= '1' && digits[0] <= '9') level = digits[0] - '0';
+  }
+  const bool level_ok = colon == std::string::npos || (level > 0 && text.rfind("zip", 0) == 0);
+  if (found == kNames.end() || !level_ok)
+    throw Error(ErrorCode::kUsage, "compression '" + text +
+                                       "' is unknown; expected none, rle, zips, zip or piz (every one is lossless), and for "
+                                       "zip and zips an optional level such as zip:4");
+  return {found->second, level};
+}
+
+// One part of the file: which channels, and where in a level their values lie. Lobe parts have four channels, colour parts
+// three; `values` points at the first float of a level's first texel.
+struct PartLayout {
+  std::string name;
+  std::vector<std::string> channels;
+  int lobe;
+  bool colour;
+
+  const float* values(const MovmfLevel& level) const {
+    const auto index = static_cast<std::size_t>(lobe);
+    return colour ? &level.colours[index][0].x : &level.lobes[index][0].x;
+  }
+  float* values(MovmfLevel& level) const {
+    return const_cast<float*>(values(static_cast<const MovmfLevel&>(level)));
+  }
+};
+
+std::vector<PartLayout> part_layouts(int lobe_count, bool has_colours) {
+  std::vector<PartLayout> parts;
+  for (int j = 0; j < lobe_count; ++j)
+    parts.push_back({fmt::format("lobe.{}", j),
+                     {lobe_channel(j, "R"), lobe_channel(j, "G"), lobe_channel(j, "B"), lobe_channel(j, "A")}, j, false});
+  for (int j = 0; has_colours && j < lobe_count; ++j)
+    parts.push_back({fmt::format("colour.{}", j),
+                     {colour_channel(j, "R"), colour_channel(j, "G"), colour_channel(j, "B")}, j, true});
+  return parts;
+}
+
+// Half values go to HALF channels exactly (they were rounded before); everything else to FLOAT.
+Imf::PixelType pixel_type(StorageEncoding encoding, bool colour) {
+  const bool half_stored = encoding == StorageEncoding::kHalf || (colour && encoding == StorageEncoding::kSnorm16);
+  return half_stored ? Imf::HALF : Imf::FLOAT;
+}
+
+void set_text(Imf::Header& header, const char* name, const std::string& text) {
+  header.insert(name, Imf::StringAttribute(text));
+}
+
+Imf::Header make_header(const MovmfMipmap& mipmap, const PartLayout& part, const MovmfWriteOptions& options,
+                        const std::string& content_hash) {
+  const CompressionChoice choice = parse_compression(options.compression);
+  Imf::Header header(mipmap.width(), mipmap.height());
+  header.setName(part.name);
+  header.setType(Imf::TILEDIMAGE);
+  header.compression() = choice.compression;
+  if (choice.zip_level > 0) header.zipCompressionLevel() = choice.zip_level;
+  header.lineOrder() = Imf::INCREASING_Y;
+  const auto tile = static_cast<unsigned>(options.tile_size);
+  header.setTileDescription(Imf::TileDescription(tile, tile, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN));
+  for (const std::string& channel : part.channels)
+    header.channels().insert(channel, Imf::Channel(pixel_type(mipmap.encoding, part.colour)));
+  Imf::addWrapmodes(header, std::string(wrap_mode_name(mipmap.wrap_s)) + "," + wrap_mode_name(mipmap.wrap_t));
+  const MovmfProvenance& from = mipmap.provenance;
+  set_text(header, "software", from.software);
+  set_text(header, "colorInteropID", "data");
+  set_text(header, "multum:representation", kRepresentation);
+  header.insert("multum:formatVersion", Imf::IntAttribute(kFormatVersion));
+  header.insert("multum:lobeCount", Imf::IntAttribute(mipmap.lobe_count()));
+  header.insert("multum:hasColours", Imf::IntAttribute(mipmap.has_colours() ? 1 : 0));
+  set_text(header, "multum:encoding", storage_encoding_name(mipmap.encoding));
+  set_text(header, "multum:channels",
+           part.colour ? "R,G,B = a*linear RGB of the lobe; a is in the lobe part of the same number"
+                       : "R,G,B,A = a*r.x,a*r.y,a*r.z,a; r = mean normal, +X right, +Y up, +Z out; data, not colour");
+  header.insert("multum:kappaMax", Imf::FloatAttribute(storage_kappa_max(mipmap.encoding)));
+  set_text(header, "multum:sourceName", from.source_name);
+  set_text(header, "multum:sourceHash", from.source_hash);
+  set_text(header, "multum:settings", from.settings);
+  set_text(header, "multum:settingsHash", from.settings_hash);
+  set_text(header, "multum:measuredError", from.measured_error);
+  set_text(header, "multum:contentHash", content_hash);
+  return header;
+}
+
+// Slices of one level: floats interleaved `channel_count` to a texel, or the same as halfs in `halfs`.
+template <typename Value>
+Imf::FrameBuffer frame_buffer(const PartLayout& part, Value* values, int width, Imf::PixelType type) {
+  Imf::FrameBuffer buffer;
+  const std::size_t stride = sizeof(Value) * part.channels.size();
+  for (std::size_t c = 0; c < part.channels.size(); ++c)
+    buffer.insert(part.channels[c], Imf::Slice(type, const_cast<char*>(reinterpret_cast<const char*>(values + c)), stride,
+                                               stride * static_cast<std::size_t>(width)));
+  return buffer;
+}
+
+std::size_t value_count(const MovmfLevel& level, const PartLayout& part) {
+  return static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height) * part.channels.size();
+}
+
+void write_part(Imf::MultiPartOutputFile& file, int part_index, const PartLayout& part, const MovmfMipmap& mipmap) {
+  Imf::TiledOutputPart out(file, part_index);
+  const Imf::PixelType type = pixel_type(mipmap.encoding, part.colour);
+  std::vector<half> halfs;
+  for (int l = 0; l < out.numLevels(); ++l) {
+    const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
+    const float* values = part.values(level);
+    if (type == Imf::HALF) {
+      halfs.resize(value_count(level, part));
+      std::transform(values, values + halfs.size(), halfs.begin(), [](float v) { return half(v); });
+      out.setFrameBuffer(frame_buffer(part, halfs.data(), level.width, type));
+    } else {
+      out.setFrameBuffer(frame_buffer(part, values, level.width, type));
+    }
+    out.writeTiles(0, out.numXTiles(l) - 1, 0, out.numYTiles(l) - 1, l);
+  }
+}
+
+[[noreturn]] void refuse(const std::string& path, const std::string& found, const std::string& expected) {
+  throw Error(ErrorCode::kInput, path + ": found " + found + ", expected " + expected);
+}
+
+std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+  if (attribute == nullptr)
+    refuse(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
+}
+
+int int_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::IntAttribute>(name);
+  if (attribute == nullptr)
+    refuse(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
+}
+
+StorageEncoding parse_encoding(const std::string& name, const std::string& path) {
+  for (StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat})
+    if (name == storage_encoding_name(encoding)) return encoding;
+  refuse(path, "encoding '" + name + "'", "snorm16, half or float");
+}
+
+WrapMode parse_wrap(const std::string& name, const std::string& path) {
+  const auto mode = parse_wrap_mode(name);
+  if (!mode) refuse(path, "wrap mode '" + name + "'", "black, clamp, periodic or mirror");
+  return *mode;
+}
+
+// Everything but pixels, from the first part's header.
+MovmfMipmap parse_header(const Imf::MultiPartInputFile& file, const std::string& path) {
+  const Imf::Header& header = file.header(0);
+  const std::string representation = text_attribute(header, "multum:representation", path);
+  if (representation != kRepresentation) refuse(path, "representation '" + representation + "'", "'movmf'");
+  const int version = int_attribute(header, "multum:formatVersion", path);
+  if (version != kFormatVersion)
+    refuse(path, fmt::format("format version {}", version), fmt::format("version {}", kFormatVersion));
+  const int lobe_count = int_attribute(header, "multum:lobeCount", path);
+  if (lobe_count < 1 || lobe_count > kLobeCountMax)
+    refuse(path, fmt::format("{} lobes", lobe_count), fmt::format("1 to {}", kLobeCountMax));
+  const bool has_colours = int_attribute(header, "multum:hasColours", path) != 0;
+  const Imath::Box2i window = header.dataWindow();
+  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+  if (window.min.x != 0 || window.min.y != 0 || width < 1 || height < 1 || width > kSideMax || height > kSideMax)
+    refuse(path, fmt::format("a data window of {} x {} at ({}, {})", width, height, window.min.x, window.min.y),
+           fmt::format("a map of 1 to {} texels a side at (0, 0)", kSideMax));
+
+  MovmfMipmap mipmap;
+  mipmap.encoding = parse_encoding(text_attribute(header, "multum:encoding", path), path);
+  const std::string wraps = Imf::hasWrapmodes(header) ? Imf::wrapmodes(header) : "periodic";
+  const std::size_t comma = wraps.find(',');
+  mipmap.wrap_s = parse_wrap(wraps.substr(0, comma), path);
+  mipmap.wrap_t = comma == std::string::npos ? mipmap.wrap_s : parse_wrap(wraps.substr(comma + 1), path);
+  mipmap.provenance = {text_attribute(header, "software", path),
+                       text_attribute(header, "multum:sourceName", path),
+                       text_attribute(header, "multum:sourceHash", path),
+                       text_attribute(header, "multum:settings", path),
+                       text_attribute(header, "multum:settingsHash", path),
+                       text_attribute(header, "multum:measuredError", path),
+                       text_attribute(header, "multum:contentHash", path)};
+  const int levels = mip_level_count(static_cast<int>(width), static_cast<int>(height));
+  for (int l = 0; l < levels; ++l) {
+    MovmfLevel level;
+    level.width = mip_level_size(static_cast<int>(width), l);
+    level.height = mip_level_size(static_cast<int>(height), l);
+    level.lobes.resize(static_cast<std::size_t>(lobe_count));
+    if (has_colours) level.colours.resize(static_cast<std::size_t>(lobe_count));
+    mipmap.levels.push_back(std::move(level));
+  }
+  return mipmap;
+}
+
+void check_part(const Imf::MultiPartInputFile& file, int index, const PartLayout& part, const MovmfMipmap& mipmap,
+                const std::string& path) {
+  const Imf::Header& header = file.header(index);
+  if (!header.hasName() || header.name() != part.name)
+    refuse(path, fmt::format("part {} named '{}'", index, header.hasName() ? header.name() : ""), "'" + part.name + "'");
+  if (!header.hasTileDescription() || header.tileDescription().mode != Imf::MIPMAP_LEVELS ||
+      header.tileDescription().roundingMode != Imf::ROUND_DOWN)
+    refuse(path, "part " + part.name + " without ROUND_DOWN mip levels", "tiles with ROUND_DOWN mip levels");
+  if (header.dataWindow() != file.header(0).dataWindow())
+    refuse(path, "part " + part.name + " of another size than the first part", "parts of one size");
+  const Imf::PixelType type = pixel_type(mipmap.encoding, part.colour);
+  for (const std::string& name : part.channels) {
+    const Imf::Channel* channel = header.channels().findChannel(name);
+    if (channel == nullptr) refuse(path, "no channel " + name + " in part " + part.name, "one");
+    if (channel->type != type || channel->xSampling != 1 || channel->ySampling != 1)
+      refuse(path, "channel " + name + " of another pixel type",
+             std::string(type == Imf::HALF ? "half" : "float") + " for encoding " + storage_encoding_name(mipmap.encoding));
+  }
+}
+
+void read_part(Imf::MultiPartInputFile& file, int part_index, const PartLayout& part, MovmfMipmap& mipmap) {
+  Imf::TiledInputPart in(file, part_index);
+  for (int l = 0; l < in.numLevels(); ++l) {
+    MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
+    const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
+    const auto lobe = static_cast<std::size_t>(part.lobe);
+    if (part.colour) level.colours[lobe].resize(texels);
+    else level.lobes[lobe].resize(texels);
+    in.setFrameBuffer(frame_buffer(part, part.values(level), level.width, Imf::FLOAT));
+    in.readTiles(0, in.numXTiles(l) - 1, 0, in.numYTiles(l) - 1, l);
+  }
+}
+
+// Opens the file and checks its structure; calls `body(file, mipmap, parts)`. Library exceptions become Errors.
+template <typename Body>
+MovmfMipmap open_checked(const std::string& path, const Body& body) {
+  try {
+    Imf::MultiPartInputFile file(path.c_str());
+    MovmfMipmap mipmap = parse_header(file, path);
+    const std::vector<PartLayout> parts = part_layouts(mipmap.lobe_count(), mipmap.has_colours());
+    if (file.parts() != static_cast<int>(parts.size()))
+      refuse(path, fmt::format("{} parts", file.parts()), fmt::format("{}", parts.size()));
+    for (int i = 0; i < file.parts(); ++i) check_part(file, i, parts[static_cast<std::size_t>(i)], mipmap, path);
+    body(file, mipmap, parts);
+    return mipmap;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kInput, path + ": not a readable baked file: " + error.what());
+  }
+}
+
+}  // namespace
+
+const char* storage_encoding_name(StorageEncoding encoding) {
+  switch (encoding) {
+    case StorageEncoding::kSnorm16: return "snorm16";
+    case StorageEncoding::kHalf: return "half";
+    case StorageEncoding::kFloat: return "float";
+  }
+  return "?";
+}
+
+int mip_level_count(int width, int height) {
+  int count = 1;
+  for (int side = std::max(width, height); side > 1; side >>= 1) ++count;
+  return count;
+}
+
+std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
+  const std::vector<PartLayout> parts = part_layouts(mipmap.lobe_count(), mipmap.has_colours());
+  std::vector<std::string> digests(parts.size() * mipmap.levels.size());
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < digests.size(); i = next++) {
+      const PartLayout& part = parts[i / mipmap.levels.size()];
+      const MovmfLevel& level = mipmap.levels[i % mipmap.levels.size()];
+      ContentHash hash;
+      hash.update(part.values(level), value_count(level, part) * sizeof(float));
+      digests[i] = hash.finish();
+    }
+  };
+  std::vector<std::jthread> helpers;
+  for (int t = 1; t < threads; ++t) helpers.emplace_back(work);
+  work();
+  helpers.clear();
+  ContentHash all;
+  for (const std::string& digest : digests) all.update(digest);
+  return all.finish();
+}
+
+void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options) {
+  MULTUM_CHECK(mipmap.lobe_count() >= 1 && mipmap.lobe_count() <= kLobeCountMax);
+  MULTUM_CHECK(static_cast<int>(mipmap.levels.size()) == mip_level_count(mipmap.width(), mipmap.height()));
+  const std::vector<PartLayout> parts = part_layouts(mipmap.lobe_count(), mipmap.has_colours());
+  const std::string content_hash = movmf_content_hash(mipmap, options.threads);
+  std::vector<Imf::Header> headers;
+  for (const PartLayout& part : parts) headers.push_back(make_header(mipmap, part, options, content_hash));
+  Imf::setGlobalThreadCount(options.threads);
+  AtomicFile file(path);
+  try {
+    Imf::MultiPartOutputFile out(file.temporary_path().c_str(), headers.data(), static_cast<int>(headers.size()));
+    for (std::size_t i = 0; i < parts.size(); ++i) write_part(out, static_cast<int>(i), parts[i], mipmap);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kEnvironment, path + ": writing failed: " + error.what());
+  }
+  file.commit();
+}
+
+MovmfMipmap read_movmf_mipmap(const std::string& path) {
+  return open_checked(path, [](Imf::MultiPartInputFile& file, MovmfMipmap& mipmap, const std::vector<PartLayout>& parts) {
+    for (std::size_t i = 0; i < parts.size(); ++i) read_part(file, static_cast<int>(i), parts[i], mipmap);
+  });
+}
+
+MovmfMipmap read_movmf_header(const std::string& path) {
+  return open_checked(path, [](Imf::MultiPartInputFile&, MovmfMipmap&, const std::vector<PartLayout>&) {});
+}
+
+}  // namespace multum
