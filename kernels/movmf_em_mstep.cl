@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The other half of an iteration on coarse levels: adds the partial sums of movmf_em_partial and does the M-step.
+// Han et al. 2007, section 7, equation 16. Scalar in both variants: there is little of it.
+
+#include "device/movmf_em.clh"
+#include "shared/movmf_fit.h"
+#include "shared/vmf_lobe.h"
+
+#if MULTUM_VECTOR_WIDTH != 1
+#error "movmf_em_mstep has only a scalar variant"
+#endif
+#define PARTIAL_SUMS 5
+
+// One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
+//   partial [slot][chunk][lobe][PARTIAL_SUMS]
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: the E-step's parameters; out: the next one's
+//   level   [lobe][height * width]                            written in the last iteration, which leaves `start` alone
+// Sums of up to 2^16 chunks are compensated: their rounding stays that of one addition. Memory bound.
+__kernel void movmf_em_mstep(__global const float *restrict partial, __global float *restrict start,
+                             __global const int *restrict texel_list, __global MultumVmfLobe *restrict level,
+                             MultumMovmfFit fit, int is_last) {
+  const int item = (int)get_global_id(0);
+  const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
+  if (slot >= fit.slot_count) return;
+  const int texel = texel_list[fit.list_offset + slot];
+  if (texel < 0) return;
+
+  float sum[PARTIAL_SUMS] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f}, carry[PARTIAL_SUMS] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  for (int chunk = 0; chunk < fit.chunk_count; ++chunk) {
+    __global const float *in = partial + (((size_t)slot * fit.chunk_count + chunk) * MULTUM_LOBES + lobe) * PARTIAL_SUMS;
+    for (int k = 0; k < PARTIAL_SUMS; ++k) add_compensated(&sum[k], &carry[k], in[k]);
+  }
+  for (int k = 0; k < PARTIAL_SUMS; ++k) sum[k] += carry[k];
+
+  __global float *p = start + ((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES * MULTUM_GROUP +
+                      slot % MULTUM_GROUP;
+#define PLANE(plane) p[(plane)*MULTUM_GROUP]
+  const LobeMoments m = lobe_moments(sum[0], sum[1], sum[2], sum[3], sum[4], PLANE(MULTUM_START_MU), PLANE(MULTUM_START_MU + 1),
+                                     PLANE(MULTUM_START_MU + 2), fit.total_weight_inverse);
+  if (is_last) {
+    __global MultumVmfLobe *out = level + (size_t)lobe * fit.width * fit.height + texel;
+    out->mean_x = m.x * m.length;
+    out->mean_y = m.y * m.length;
+    out->mean_z = m.z * m.length;
+    out->amplitude = m.amplitude;
+    return;
+  }
+  float mu_x, mu_y, mu_z, log_weight;
+  float sharpness = PLANE(MULTUM_START_SHARPNESS);
+  M_STEP(m, PLANE(MULTUM_START_PRIOR), PLANE(MULTUM_START_PRIOR + 1), PLANE(MULTUM_START_PRIOR + 2), fit.kappa_max, mu_x, mu_y,
+         mu_z, sharpness, log_weight)
+  PLANE(MULTUM_START_MU) = mu_x;
+  PLANE(MULTUM_START_MU + 1) = mu_y;
+  PLANE(MULTUM_START_MU + 2) = mu_z;
+  PLANE(MULTUM_START_SHARPNESS) = sharpness;
+  PLANE(MULTUM_START_LOG) = log_weight;
+}

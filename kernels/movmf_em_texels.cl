@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// EM of fine levels: every iteration of a texel inside one work-item. Han et al. 2007, section 7, Algorithm 1.
+//
+// One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
+//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return the parameters of the last
+//                                                                      E-step, for movmf_features
+//   level   [lobe][height * width]                                     written: r and amplitude of each texel's lobes
+// Sums run over the samples in their order: the same bytes from both variants. Compute bound: about 26 operations a lobe
+// and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.
+
+#include "device/movmf_em.clh"
+#include "shared/movmf_fit.h"
+#include "shared/vmf_lobe.h"
+
+#ifndef MULTUM_WEIGHTED
+#define MULTUM_WEIGHTED 0
+#endif
+#define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
+
+static void store_texels(__global MultumVmfLobe *level, __global const int *texels, int texel_count, int lobe,
+                         const LobeMoments *m) {
+  float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
+  STORE_V(m->x * m->length, x);
+  STORE_V(m->y * m->length, y);
+  STORE_V(m->z * m->length, z);
+  STORE_V(m->amplitude, a);
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    if (texels[lane] < 0) continue;
+    __global MultumVmfLobe *out = level + (size_t)lobe * texel_count + texels[lane];
+    out->mean_x = x[lane];
+    out->mean_y = y[lane];
+    out->mean_z = z[lane];
+    out->amplitude = a[lane];
+  }
+}
+
+__kernel void movmf_em_texels(__global const float *restrict samples, __global float *restrict start,
+                              __global const int *restrict texel_list, __global MultumVmfLobe *restrict level,
+                              MultumMovmfFit fit) {
+  const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
+  if (slot >= fit.slot_count) return;
+  const int group = slot / MULTUM_GROUP, lane = slot % MULTUM_GROUP;
+  const int sample_count = fit.sample_columns * fit.sample_rows;
+  __global const float *first_sample = samples + (size_t)group * sample_count * SAMPLE_STRIDE + lane;
+  __global float *lobe_start = start + (size_t)group * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + lane;
+#define START(j, plane) (lobe_start + ((j) * MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
+
+  real_v mu_x[MULTUM_LOBES], mu_y[MULTUM_LOBES], mu_z[MULTUM_LOBES], sharpness[MULTUM_LOBES], log_weight[MULTUM_LOBES];
+  real_v sum_s[MULTUM_LOBES], sum_x[MULTUM_LOBES], sum_y[MULTUM_LOBES], sum_z[MULTUM_LOBES], sum_d[MULTUM_LOBES];
+  _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
+    mu_x[j] = LOAD_V(START(j, MULTUM_START_MU));
+    mu_y[j] = LOAD_V(START(j, MULTUM_START_MU + 1));
+    mu_z[j] = LOAD_V(START(j, MULTUM_START_MU + 2));
+    sharpness[j] = LOAD_V(START(j, MULTUM_START_SHARPNESS));
+    log_weight[j] = LOAD_V(START(j, MULTUM_START_LOG));
+  }
+  for (int iteration = 0; iteration < fit.iteration_count; ++iteration) {
+    _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j)
+        sum_s[j] = sum_x[j] = sum_y[j] = sum_z[j] = sum_d[j] = (real_v)(0.0f);
+    for (int i = 0; i < sample_count; ++i) {
+      __global const float *sample = first_sample + (size_t)i * SAMPLE_STRIDE;
+      const real_v x = LOAD_V(sample), y = LOAD_V(sample + MULTUM_GROUP), z = LOAD_V(sample + 2 * MULTUM_GROUP);
+#if MULTUM_WEIGHTED
+      const real_v weight = LOAD_V(sample + 3 * MULTUM_GROUP);
+      E_STEP(x, y, z, weight)
+#else
+      E_STEP(x, y, z, WHOLE)
+#endif
+    }
+    if (iteration + 1 == fit.iteration_count) break;
+    _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
+      const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
+                                         (real_v)(fit.total_weight_inverse));
+      const real_v prior_x = LOAD_V(START(j, MULTUM_START_PRIOR));
+      const real_v prior_y = LOAD_V(START(j, MULTUM_START_PRIOR + 1));
+      const real_v prior_z = LOAD_V(START(j, MULTUM_START_PRIOR + 2));
+      M_STEP(m, prior_x, prior_y, prior_z, fit.kappa_max, mu_x[j], mu_y[j], mu_z[j], sharpness[j], log_weight[j])
+    }
+  }
+  // The last E-step's own moments are stored, without the prior: it steers which lobe is which and never biases them.
+  for (int j = 0; j < MULTUM_LOBES; ++j) {
+    const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
+                                       (real_v)(fit.total_weight_inverse));
+    store_texels(level, texel_list + fit.list_offset + slot, fit.width * fit.height, j, &m);
+    STORE_V(mu_x[j], START(j, MULTUM_START_MU));
+    STORE_V(mu_y[j], START(j, MULTUM_START_MU + 1));
+    STORE_V(mu_z[j], START(j, MULTUM_START_MU + 2));
+    STORE_V(sharpness[j], START(j, MULTUM_START_SHARPNESS));
+    STORE_V(log_weight[j], START(j, MULTUM_START_LOG));
+  }
+}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Per-lobe colours (any linear material feature): a_j y_j = sum_i z_ij y_i / N, with the responsibilities of the very
+// E-step that gave the stored amplitudes, so that the sum over lobes is the texel's mean colour exactly
+// (Han et al. 2007, section 7.3; METHODS 3).
+
+#include "device/texel_coverage.clh"
+#include "device/vmf.clh"
+#include "shared/movmf_fit.h"
+
+#ifndef MULTUM_LOBES
+#define MULTUM_LOBES 4
+#endif
+
+// One work-item = one chunk of rows of one slot; global size chunk_count * slot_count.
+//   normal_x, normal_y, normal_z, red, green, blue [map_height * map_width]
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  as the EM kernels left it
+//   partial [slot][chunk][lobe][3]                            written
+// Compute bound: an exponential a lobe and sample.
+__kernel void movmf_feature_partial(__global const float *normal_x, __global const float *normal_y,
+                                    __global const float *normal_z, __global const float *red, __global const float *green,
+                                    __global const float *blue, __global const float *start, __global const int *texel_list,
+                                    __global float *partial, MultumMovmfFit fit) {
+  const int item = (int)get_global_id(0);
+  const int slot = item / fit.chunk_count, chunk = item % fit.chunk_count;
+  if (slot >= fit.slot_count) return;
+  const int texel = texel_list[fit.list_offset + slot];
+  if (texel < 0) return;
+  const int x = texel % fit.width, y = texel / fit.width;
+
+  float sum[MULTUM_LOBES][3];
+  for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
+  __global const float *lobes = start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP +
+                                slot % MULTUM_GROUP;
+#define PARAMETER(j, plane) lobes[((j) * MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
+  const int top_row = first_covered(y, fit.map_height, fit.height);
+  const int first_row = top_row + chunk * fit.chunk_rows;
+  const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
+  const int first_column = first_covered(x, fit.map_width, fit.width);
+  const int last_column = min(first_column + fit.sample_columns, fit.map_width);
+  for (int row = first_row; row < last_row; ++row) {
+    const float row_weight = coverage(row, y, fit.map_height, fit.height);
+    for (int column = first_column; column < last_column; ++column) {
+      const size_t source = (size_t)row * fit.map_width + column;
+      const float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
+      float e[MULTUM_LOBES], largest = -1e30f, total = 0.0f;
+      for (int j = 0; j < MULTUM_LOBES; ++j) {
+        const float u = fma(-PARAMETER(j, MULTUM_START_MU), nx,
+                            fma(-PARAMETER(j, MULTUM_START_MU + 1), ny, fma(-PARAMETER(j, MULTUM_START_MU + 2), nz, 1.0f)));
+        e[j] = fma(-PARAMETER(j, MULTUM_START_SHARPNESS), u, PARAMETER(j, MULTUM_START_LOG));
+        largest = MAX_V(largest, e[j]);
+      }
+      for (int j = 0; j < MULTUM_LOBES; ++j) {
+        e[j] = exp2_v(e[j] - largest);
+        total += e[j];
+      }
+      const float scale = row_weight * coverage(column, x, fit.map_width, fit.width) / total;
+      for (int j = 0; j < MULTUM_LOBES; ++j) {
+        const float responsibility = e[j] * scale;
+        sum[j][0] = fma(responsibility, red[source], sum[j][0]);
+        sum[j][1] = fma(responsibility, green[source], sum[j][1]);
+        sum[j][2] = fma(responsibility, blue[source], sum[j][2]);
+      }
+    }
+  }
+  __global float *out = partial + (size_t)item * MULTUM_LOBES * 3;
+  for (int j = 0; j < MULTUM_LOBES; ++j)
+    for (int c = 0; c < 3; ++c) out[j * 3 + c] = sum[j][c];
+}
+
+// One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
+//   partial [slot][chunk][lobe][3];  colours [lobe][height * width][3], written: premultiplied by the amplitude
+__kernel void movmf_feature_sum(__global const float *partial, __global const int *texel_list, __global float *colours,
+                                MultumMovmfFit fit) {
+  const int item = (int)get_global_id(0);
+  const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
+  if (slot >= fit.slot_count) return;
+  const int texel = texel_list[fit.list_offset + slot];
+  if (texel < 0) return;
+  float sum[3] = {0.0f, 0.0f, 0.0f}, carry[3] = {0.0f, 0.0f, 0.0f};
+  for (int chunk = 0; chunk < fit.chunk_count; ++chunk) {
+    __global const float *in = partial + (((size_t)slot * fit.chunk_count + chunk) * MULTUM_LOBES + lobe) * 3;
+    for (int c = 0; c < 3; ++c) add_compensated(&sum[c], &carry[c], in[c]);
+  }
+  __global float *out = colours + ((size_t)lobe * fit.width * fit.height + texel) * 3;
+  for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one launch of the EM kernels fits: some texels ("slots") of one level. Valid OpenCL C and C++.
+#ifndef MULTUM_KERNELS_SHARED_MOVMF_FIT_H
+#define MULTUM_KERNELS_SHARED_MOVMF_FIT_H
+
+// Texels are fitted in groups of this many slots: the width of the vector variant, and the unit of the packed layouts.
+#define MULTUM_GROUP 16
+
+// Values of MovmfFit::order: which same-level neighbours are done when a texel is fitted.
+#define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1): METHODS 3b
+#define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, from left to right: Han et al. 2007, section 7
+
+// Floats a lobe in the start buffer: one plane of MULTUM_GROUP lanes each.
+#define MULTUM_START_MU 0         // 3 planes: direction, unit length
+#define MULTUM_START_SHARPNESS 3  // kappa * log2(e)
+#define MULTUM_START_LOG 4        // log2(a kappa / (1 - exp(-2 kappa)))
+#define MULTUM_START_PRIOR 5      // 3 planes: C * sum over done neighbours k of a_k mu_k
+#define MULTUM_START_PLANES 8
+
+typedef struct MultumMovmfFit {
+  int map_width;      // finest level, texels, at most 32768 a side
+  int map_height;
+  int width;          // this level
+  int height;
+  int parent_width;   // next coarser level; 0: none, the level's own lobes are the start
+  int parent_height;
+  int sample_columns;  // finest texels that a texel's samples span, the largest of the level (narrower ones: weight 0)
+  int sample_rows;
+  int slot_count;      // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
+  int list_offset;     // of this launch in texel_list
+  int order;           // MULTUM_ORDER_*
+  int iteration_count;
+  int chunk_rows;      // rows a chunk sums (movmf_em_chunks.cl)
+  int chunk_count;     // chunks a texel
+  float alignment;     // C of the alignment prior, >= 0
+  float kappa_max;     // cap inside EM
+  float total_weight_inverse;  // 1 / (finest texels that a texel covers)
+} MultumMovmfFit;
+
+#endif

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// One von Mises-Fisher lobe as the kernels keep it. Valid OpenCL C and C++.
+#ifndef MULTUM_KERNELS_SHARED_VMF_LOBE_H
+#define MULTUM_KERNELS_SHARED_VMF_LOBE_H
+
+typedef struct MultumVmfLobe {
+  float mean_x;     // r = mean vector of the lobe's normals, |r| <= 1; its direction is the lobe's, 1 - |r| its spread
+  float mean_y;
+  float mean_z;
+  float amplitude;  // share of the texel's normals; the lobes of a texel sum to 1
+} MultumVmfLobe;
+
+#endif
