@@ -27,7 +27,7 @@ typedef struct MultumMovmfFit {
   int sample_columns;  // finest texels that a texel's samples span, the largest of the level (narrower ones: weight 0)
   int sample_rows;
   int slot_count;      // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
-  int list_offset;     // of this launch in texel_list
+  int list_offset;     // of this launch in texel_list, in slots
   int order;           // MULTUM_ORDER_*
   int iteration_count;
   int chunk_rows;      // rows a chunk sums (movmf_em_chunks.cl)

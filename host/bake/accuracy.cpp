@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/accuracy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "host/bake/mip_coverage.h"
+#include "host/bake/parallel_rows.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+using Plane = std::vector<double>;
+
+// A point of the pyramid as weighted texels: one for a centre, two midway, up to five between levels.
+struct Tap {
+  int level;
+  int texel;
+  double weight;
+};
+struct SamplePoint {
+  AccuracyPoint kind;
+  int level;
+  std::array<Tap, 5> taps;
+  int tap_count;
+};
+
+struct SplitMix64 {
+  std::uint64_t state;
+  std::uint64_t next() {
+    std::uint64_t z = (state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+  }
+};
+
+// One texel at random in each cell of a regular grid: spread evenly, no two alike. All texels when they are few enough.
+std::vector<int> sampled_texels(int width, int height, std::int64_t wanted, SplitMix64& random) {
+  const std::int64_t count = std::int64_t{width} * height;
+  std::vector<int> texels;
+  const int stride = wanted <= 0 || count <= wanted
+                         ? 1
+                         : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count) / static_cast<double>(wanted))));
+  for (int y = 0; y < height; y += stride)
+    for (int x = 0; x < width; x += stride) {
+      const int cell_width = std::min(stride, width - x), cell_height = std::min(stride, height - y);
+      const int dx = static_cast<int>(random.next() % static_cast<unsigned>(cell_width));
+      const int dy = static_cast<int>(random.next() % static_cast<unsigned>(cell_height));
+      texels.push_back((y + dy) * width + x + dx);
+    }
+  return texels;
+}
+
+// The four texels of `size` around the point that is the centre of texel i of `fine_size`, along one axis, clamped.
+struct AxisTaps {
+  int first, second;
+  double second_weight;
+};
+AxisTaps bilinear_axis(int i, int fine_size, int size) {
+  const double position = (i + 0.5) / fine_size * size - 0.5;
+  const int low = static_cast<int>(std::floor(position));
+  return {std::clamp(low, 0, size - 1), std::clamp(low + 1, 0, size - 1), position - low};
+}
+
+SamplePoint between_point(const MovmfMipmap& mipmap, int level, int x, int y) {
+  const MovmfLevel& fine = mipmap.levels[static_cast<std::size_t>(level)];
+  const MovmfLevel& coarse = mipmap.levels[static_cast<std::size_t>(level) + 1];
+  const AxisTaps h = bilinear_axis(x, fine.width, coarse.width), v = bilinear_axis(y, fine.height, coarse.height);
+  SamplePoint point{AccuracyPoint::kBetween, level, {}, 5};
+  point.taps[0] = {level, y * fine.width + x, 0.5};
+  point.taps[1] = {level + 1, v.first * coarse.width + h.first, 0.5 * (1 - h.second_weight) * (1 - v.second_weight)};
+  point.taps[2] = {level + 1, v.first * coarse.width + h.second, 0.5 * h.second_weight * (1 - v.second_weight)};
+  point.taps[3] = {level + 1, v.second * coarse.width + h.first, 0.5 * (1 - h.second_weight) * v.second_weight};
+  point.taps[4] = {level + 1, v.second * coarse.width + h.second, 0.5 * h.second_weight * v.second_weight};
+  return point;
+}
+
+std::vector<SamplePoint> make_points(const MovmfMipmap& mipmap, const AccuracySettings& settings) {
+  std::vector<SamplePoint> points;
+  SplitMix64 random{settings.seed};
+  const int level_count = static_cast<int>(mipmap.levels.size());
+  for (int l = 0; l < level_count; ++l) {
+    const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
+    for (int texel : sampled_texels(level.width, level.height, settings.samples_per_level, random)) {
+      const int x = texel % level.width, y = texel / level.width;
+      points.push_back({AccuracyPoint::kCentre, l, {Tap{l, texel, 1.0}}, 1});
+      if (x + 1 < level.width)
+        points.push_back({AccuracyPoint::kMidX, l, {Tap{l, texel, 0.5}, Tap{l, texel + 1, 0.5}}, 2});
+      if (y + 1 < level.height)
+        points.push_back({AccuracyPoint::kMidY, l, {Tap{l, texel, 0.5}, Tap{l, texel + level.width, 0.5}}, 2});
+      if (l + 1 < level_count) points.push_back(between_point(mipmap, l, x, y));
+    }
+  }
+  return points;
+}
+
+// The lobes at each point as hardware filtering gives them.
+std::vector<glm::vec4> filtered_lobes(const MovmfMipmap& mipmap, const std::vector<SamplePoint>& points, std::size_t first,
+                                      std::size_t count) {
+  const auto lobe_count = static_cast<std::size_t>(mipmap.lobe_count());
+  std::vector<glm::vec4> lobes(count * lobe_count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const SamplePoint& point = points[first + i];
+    for (std::size_t j = 0; j < lobe_count; ++j) {
+      glm::dvec4 sum(0.0);
+      for (int t = 0; t < point.tap_count; ++t) {
+        const Tap& tap = point.taps[static_cast<std::size_t>(t)];
+        sum += tap.weight * glm::dvec4(mipmap.levels[static_cast<std::size_t>(tap.level)].lobes[j][static_cast<std::size_t>(tap.texel)]);
+      }
+      lobes[i * lobe_count + j] = glm::vec4(sum);
+    }
+  }
+  return lobes;
+}
+
+// x^n for whole n by squaring, else pow.
+double power(double x, double exponent) {
+  const auto whole = static_cast<unsigned>(exponent);
+  if (exponent > 1e6 || static_cast<double>(whole) != exponent) return std::pow(x, exponent);
+  double result = 1.0, square = x;
+  for (unsigned bits = whole; bits != 0; bits >>= 1) {
+    if ((bits & 1u) != 0) result *= square;
+    square *= square;
+  }
+  return result;
+}
+
+class AccuracyMeter {
+ public:
+  AccuracyMeter(Device& device, const MovmfMipmap& mipmap, const NormalMap& map, const AccuracySettings& settings)
+      : device_(device),
+        mipmap_(mipmap),
+        map_(map),
+        settings_(settings),
+        directions_(accuracy_directions()),
+        points_(make_points(mipmap, settings)),
+        brdf_count_(settings.exponents.size() + 1),
+        difference_(points_.size() * brdf_count_, 0.0),
+        truth_(points_.size() * brdf_count_, 0.0) {}
+
+  std::vector<AccuracyRow> run(Progress* progress) {
+    shade_model();
+    const std::size_t half_count = directions_.half_vectors.size();
+    for (std::size_t d = 0; d < half_count; ++d) {
+      for (std::size_t e = 0; e < settings_.exponents.size(); ++e)
+        compare(e, e * half_count + d, truth_plane(directions_.half_vectors[d], settings_.exponents[e]));
+      progress_advance(progress, progress_unit());
+    }
+    for (std::size_t d = 0; d < directions_.lights.size(); ++d)
+      compare(brdf_count_ - 1, settings_.exponents.size() * half_count + d, truth_plane(directions_.lights[d], 0.0));
+    return rows();
+  }
+
+ private:
+  std::uint64_t progress_unit() const { return 1; }
+
+  // Model values at every point, [point][value], by the runtime's formula on the device.
+  void shade_model() {
+    const std::size_t half_count = directions_.half_vectors.size(), light_count = directions_.lights.size();
+    value_count_ = settings_.exponents.size() * half_count + light_count;
+    std::vector<glm::vec4> halfs, lights;
+    for (const glm::dvec3& h : directions_.half_vectors) halfs.emplace_back(glm::vec3(h), 0.0f);
+    for (const glm::dvec3& l : directions_.lights) lights.emplace_back(glm::vec3(l), 0.0f);
+    const std::vector<float> exponents(settings_.exponents.begin(), settings_.exponents.end());
+    const DeviceBuffer half_buffer = device_.wrap_buffer(halfs.data(), halfs.size() * sizeof(glm::vec4), "half vectors");
+    const DeviceBuffer light_buffer = device_.wrap_buffer(lights.data(), lights.size() * sizeof(glm::vec4), "lights");
+    const DeviceBuffer exponent_buffer =
+        device_.wrap_buffer(exponents.data(), exponents.size() * sizeof(float), "exponents");
+    Kernel kernel = device_.kernel("movmf_shade", "movmf_shade", {mipmap_.lobe_count(), 1, false});
+    model_.resize(points_.size() * value_count_);
+    constexpr std::size_t kBatch = 1 << 16;
+    DeviceBuffer values = device_.make_buffer(std::min(kBatch, points_.size()) * value_count_ * sizeof(float), "shaded values");
+    for (std::size_t first = 0; first < points_.size(); first += kBatch) {
+      const std::size_t count = std::min(kBatch, points_.size() - first);
+      const std::vector<glm::vec4> lobes = filtered_lobes(mipmap_, points_, first, count);
+      const DeviceBuffer lobe_buffer = device_.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "filtered lobes");
+      kernel.launch({count}, lobe_buffer, half_buffer, light_buffer, exponent_buffer, values, static_cast<int>(count),
+                    static_cast<int>(half_count), static_cast<int>(light_count), static_cast<int>(exponents.size()));
+      device_.read(values, model_.data() + first * value_count_, count * value_count_ * sizeof(float));
+    }
+  }
+
+  // f(omega . n) of every finest normal: normalised Blinn-Phong, or max(t, 0) for exponent 0.
+  Plane truth_plane(const glm::dvec3& omega, double exponent) const {
+    Plane plane(map_.x.size());
+    const double scale = exponent > 0.0 ? (exponent + 1.0) / (2.0 * M_PI) : 1.0;
+    const auto width = static_cast<std::size_t>(map_.width);
+    parallel_rows(map_.height, settings_.threads, [&](int y) {
+      const std::size_t begin = static_cast<std::size_t>(y) * width;
+      for (std::size_t i = begin; i < begin + width; ++i) {
+        const double t = std::max(0.0, omega.x * static_cast<double>(map_.x[i]) + omega.y * static_cast<double>(map_.y[i]) +
+                                           omega.z * static_cast<double>(map_.z[i]));
+        plane[i] = exponent > 0.0 ? scale * power(t, exponent) : t;
+      }
+    });
+    return plane;
+  }
+
+  // The truth of every level, from level 0: its averages over what each texel covers.
+  std::vector<Plane> truth_pyramid(Plane finest) const {
+    std::vector<Plane> levels;
+    levels.push_back(std::move(finest));
+    const PlaneSize full = {map_.width, map_.height};
+    PlaneSize above = full;
+    for (std::size_t l = 1; l < mipmap_.levels.size(); ++l) {
+      const PlaneSize size = {mipmap_.levels[l].width, mipmap_.levels[l].height};
+      // Where blocks nest, averages of averages are the same and cheaper.
+      const bool nested = above.width % size.width == 0 && above.height % size.height == 0 && full.width % above.width == 0 &&
+                          full.height % above.height == 0;
+      levels.push_back(nested ? average_over_texels(levels[l - 1], above, size, settings_.threads)
+                              : average_over_texels(levels[0], full, size, settings_.threads));
+      above = size;
+    }
+    return levels;
+  }
+
+  void compare(std::size_t brdf, std::size_t value, Plane finest) {
+    const std::vector<Plane> truth = truth_pyramid(std::move(finest));
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      double sum = 0.0;
+      for (int t = 0; t < points_[i].tap_count; ++t) {
+        const Tap& tap = points_[i].taps[static_cast<std::size_t>(t)];
+        sum += tap.weight * truth[static_cast<std::size_t>(tap.level)][static_cast<std::size_t>(tap.texel)];
+      }
+      difference_[i * brdf_count_ + brdf] += std::abs(static_cast<double>(model_[i * value_count_ + value]) - sum);
+      truth_[i * brdf_count_ + brdf] += sum;
+    }
+  }
+
+  // Ratio of sums, and the half width of its 95 % interval by the delta method, over the points of one level and kind.
+  AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf) const {
+    AccuracyRow row{level, kind, brdf + 1 == brdf_count_ ? "lambert" : fmt::format("blinn-phong:{}", settings_.exponents[brdf]),
+                    0.0, 0.0, 0};
+    double difference = 0.0, truth = 0.0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (points_[i].level != level || points_[i].kind != kind) continue;
+      difference += difference_[i * brdf_count_ + brdf];
+      truth += truth_[i * brdf_count_ + brdf];
+      ++row.sample_count;
+    }
+    if (!(truth > 0.0)) return row;
+    row.error = difference / truth;
+    const MovmfLevel& size = mipmap_.levels[static_cast<std::size_t>(level)];
+    const bool all = settings_.samples_per_level <= 0 ||
+                     std::int64_t{size.width} * size.height <= settings_.samples_per_level;
+    if (all || row.sample_count < 2) return row;
+    double squares = 0.0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (points_[i].level != level || points_[i].kind != kind) continue;
+      const double residual = difference_[i * brdf_count_ + brdf] - row.error * truth_[i * brdf_count_ + brdf];
+      squares += residual * residual;
+    }
+    const auto n = static_cast<double>(row.sample_count);
+    row.confidence = 1.96 * std::sqrt(squares / (n * (n - 1))) / (truth / n);
+    return row;
+  }
+
+  std::vector<AccuracyRow> rows() const {
+    std::vector<AccuracyRow> rows;
+    for (int l = 0; l < static_cast<int>(mipmap_.levels.size()); ++l)
+      for (AccuracyPoint kind : {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
+        for (std::size_t b = 0; b < brdf_count_; ++b) {
+          AccuracyRow made = row(l, kind, b);
+          if (made.sample_count > 0) rows.push_back(std::move(made));
+        }
+    return rows;
+  }
+
+  Device& device_;
+  const MovmfMipmap& mipmap_;
+  const NormalMap& map_;
+  const AccuracySettings settings_;
+  const AccuracyDirections directions_;
+  const std::vector<SamplePoint> points_;
+  const std::size_t brdf_count_;  // exponents, then Lambert
+  std::size_t value_count_ = 0;
+  std::vector<float> model_;        // [point][value]
+  std::vector<double> difference_;  // [point][brdf], summed over directions
+  std::vector<double> truth_;
+};
+
+}  // namespace
+
+const char* accuracy_point_name(AccuracyPoint point) {
+  switch (point) {
+    case AccuracyPoint::kCentre: return "centre";
+    case AccuracyPoint::kMidX: return "midway-x";
+    case AccuracyPoint::kMidY: return "midway-y";
+    case AccuracyPoint::kBetween: return "between-levels";
+  }
+  return "?";
+}
+
+AccuracyDirections accuracy_directions() {
+  AccuracyDirections directions;
+  for (const glm::dvec3& light : {glm::dvec3(.3, .2, .93), glm::dvec3(-.7, .1, .7), glm::dvec3(.1, -.9, .45), glm::dvec3(.5, .6, .6)})
+    directions.lights.push_back(glm::normalize(light));
+  for (const glm::dvec3& light : directions.lights)
+    for (const glm::dvec3& view : {glm::dvec3(0, 0, 1), glm::dvec3(.6, 0, .8), glm::dvec3(-.3, .7, .6)})
+      directions.half_vectors.push_back(glm::normalize(light + glm::normalize(view)));
+  return directions;
+}
+
+std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
+                                          const AccuracySettings& settings, Progress* progress) {
+  MULTUM_CHECK(mipmap.width() == map.width && mipmap.height() == map.height);
+  return AccuracyMeter(device, mipmap, map, settings).run(progress);
+}
+
+}  // namespace multum

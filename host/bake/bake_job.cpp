@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/bake_job.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "host/bake/movmf_bake.h"
+#include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+
+namespace multum {
+namespace {
+
+class StageClock {
+ public:
+  explicit StageClock(BakeReport& report) : report_(report) {}
+  void finish(const std::string& name) {
+    const auto now = std::chrono::steady_clock::now();
+    report_.stages.push_back({name, std::chrono::duration<double>(now - last_).count()});
+    last_ = now;
+  }
+
+ private:
+  BakeReport& report_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+// Every setting that changes pixels, the reading's too: what an unchanged bake is recognised by.
+std::string all_settings_json(const BakeJob& job) {
+  nlohmann::json json = nlohmann::json::parse(settings_json(job.fitting));
+  const NormalMapSettings& r = job.reading;
+  json["bump_format"] = r.bump_format == BumpFormat::kAuto ? "auto" : r.bump_format == BumpFormat::kHeight ? "height" : "normal";
+  json["green"] = !r.green ? "auto" : *r.green == GreenAxis::kUp ? "up" : "down";
+  json["signed"] = !r.is_signed ? "auto" : *r.is_signed ? "yes" : "no";
+  json["two_channel"] = !r.two_channel ? "auto" : *r.two_channel ? "yes" : "no";
+  json["height_scale"] = r.height_scale;
+  json["wrap"] = std::string(wrap_mode_name(r.wrap_s)) + "," + wrap_mode_name(r.wrap_t);
+  json["fixnan"] = r.fix_nan == FixNan::kNone ? "none" : r.fix_nan == FixNan::kBlack ? "black" : "box3";
+  json["encoding"] = storage_encoding_name(job.encoding);
+  json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
+  return json.dump();
+}
+
+std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const AccuracyRow& row : rows)
+    json.push_back({row.level, accuracy_point_name(row.point), row.brdf, std::round(row.error * 1e6) / 1e6});
+  return json.dump();
+}
+
+// Fails early, before minutes of work, when the output could not be written.
+void check_writable(const std::string& path) { AtomicFile probe(path); }
+
+}  // namespace
+
+BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
+  validate(job.fitting);
+  check_writable(job.output);
+  if (!job.report.empty()) check_writable(job.report);
+  BakeReport report;
+  StageClock clock(report);
+  progress_stage(progress, "read");
+  const NormalMap map = read_normal_map(job.input, job.reading, job.threads, nullptr);
+  report.source = std::filesystem::path(job.input).filename().string();
+  report.input = map.report;
+  std::optional<ColourMap> albedo;
+  if (!job.albedo.empty()) albedo = read_albedo_map(job.albedo, map.width, map.height, job.threads);
+  log_info(fmt::format("{}: {} x {}, {}; {}", job.input, map.width, map.height, map.report.encoding, map.report.encoding_reason));
+  clock.finish("read");
+
+  // Measuring and writing count as about a level's work each.
+  const std::uint64_t level_units = movmf_bake_units(map.width, map.height) /
+                                    static_cast<std::uint64_t>(mip_level_count(map.width, map.height));
+  progress_start(progress, movmf_bake_units(map.width, map.height) + 2 * level_units);
+  MovmfMipmap mipmap = bake_movmf(device, map, albedo ? &*albedo : nullptr, job.fitting, report, progress);
+  mipmap.encoding = job.encoding;
+  mipmap.wrap_s = job.reading.wrap_s;
+  mipmap.wrap_t = job.reading.wrap_t;
+  clock.finish("fit");
+  quantize_movmf(mipmap, job.threads);
+  clock.finish("round");
+  if (job.measure) {
+    progress_stage(progress, "measure");
+    AccuracySettings accuracy;
+    accuracy.threads = job.threads;
+    report.accuracy = measure_accuracy(device, mipmap, map, accuracy, progress);
+    clock.finish("measure");
+  }
+  progress_advance(progress, level_units);
+  progress_stage(progress, "write");
+  mipmap.provenance.software = std::string("multum ") + MULTUM_VERSION;
+  mipmap.provenance.source_name = report.source;
+  mipmap.provenance.source_hash = hash_file(job.input);
+  mipmap.provenance.settings = all_settings_json(job);
+  mipmap.provenance.settings_hash = hash_text(mipmap.provenance.settings);
+  mipmap.provenance.measured_error = measured_error_json(report.accuracy);
+  write_movmf_mipmap(job.output, mipmap, job.writing);
+  clock.finish("write");
+  report.launches = device.launch_counts();
+  report.programs_built = device.program_count();
+  if (!job.report.empty()) write_text_file(job.report, report.to_json());
+  progress_advance(progress, level_units);
+  return report;
+}
+
+}  // namespace multum

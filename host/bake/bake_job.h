@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole bake from file to file: read, fit, round, measure, write. The command line and later the service call this.
+#pragma once
+
+#include <string>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/bake/bake_report.h"
+#include "host/bake/bake_settings.h"
+#include "host/base/progress.h"
+#include "host/image/normal_map.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+struct BakeJob {
+  std::string input;         // a normal map or height field
+  std::string albedo;        // empty: no colours
+  std::string output;        // *.ndf.exr
+  std::string report;        // JSON file; empty: none
+  NormalMapSettings reading;
+  MovmfSettings fitting;
+  StorageEncoding encoding = StorageEncoding::kSnorm16;
+  MovmfWriteOptions writing;
+  bool measure = true;       // measure the error of what is written
+  int threads = 2;           // of the host's own loops
+};
+
+/// Appears as JOB.output when all is done, or not at all. Throws Error, Cancelled.
+BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/bake_report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace multum {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json accuracy_json(const std::vector<AccuracyRow>& rows) {
+  Json list = Json::array();
+  for (const AccuracyRow& row : rows)
+    list.push_back({{"level", row.level},
+                    {"point", accuracy_point_name(row.point)},
+                    {"brdf", row.brdf},
+                    {"relative_l1", row.error},
+                    {"confidence_95", row.confidence},
+                    {"samples", row.sample_count}});
+  return list;
+}
+
+const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, AccuracyPoint point, const std::string& brdf) {
+  for (const AccuracyRow& row : rows)
+    if (row.level == level && row.point == point && row.brdf == brdf) return &row;
+  return nullptr;
+}
+
+std::string accuracy_text(const std::vector<AccuracyRow>& rows) {
+  if (rows.empty()) return "";
+  std::vector<std::string> brdfs;
+  int level_max = 0;
+  for (const AccuracyRow& row : rows) {
+    if (std::find(brdfs.begin(), brdfs.end(), row.brdf) == brdfs.end()) brdfs.push_back(row.brdf);
+    level_max = std::max(level_max, row.level);
+  }
+  std::string text = "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n  level";
+  for (const std::string& brdf : brdfs) text += fmt::format("{:>20}", brdf);
+  text += "\n";
+  for (int level = 0; level <= level_max; ++level) {
+    std::string line;
+    for (const std::string& brdf : brdfs) {
+      const AccuracyRow* centre = find_row(rows, level, AccuracyPoint::kCentre, brdf);
+      const AccuracyRow* x = find_row(rows, level, AccuracyPoint::kMidX, brdf);
+      const AccuracyRow* y = find_row(rows, level, AccuracyPoint::kMidY, brdf);
+      const double midway = std::max(x != nullptr ? x->error : 0.0, y != nullptr ? y->error : 0.0);
+      line += centre == nullptr ? fmt::format("{:>20}", "-")
+                                : fmt::format("{:>20}", fmt::format("{:.2f} | {:.2f}", centre->error * 100, midway * 100));
+    }
+    text += fmt::format("  {:>5}{}\n", level, line);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string BakeReport::to_json() const {
+  Json json;
+  json["source"] = source;
+  json["device"] = device;
+  json["input"] = {{"format", input.format},
+                   {"encoding", input.encoding},
+                   {"reason", input.encoding_reason},
+                   {"nonfinite_repaired", input.nonfinite_repaired},
+                   {"zero_length_repaired", input.zero_length_repaired},
+                   {"below_horizon_repaired", input.below_horizon_repaired}};
+  json["stages"] = Json::array();
+  for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+  json["levels"] = Json::array();
+  for (const LevelReport& level : levels)
+    json["levels"].push_back({{"level", level.level},
+                              {"width", level.width},
+                              {"height", level.height},
+                              {"seconds", level.seconds},
+                              {"launches", level.launches}});
+  json["launches"] = launches;
+  json["programs"] = programs_built;
+  json["counts"] = {{"lobes", lobe_count_total},       {"nonfinite", nonfinite},   {"kappa_clamped", kappa_clamped},
+                    {"dead_lobes", dead_lobes},        {"undirected_lobes", undirected_lobes}};
+  json["measured_error"] = accuracy_json(accuracy);
+  return json.dump(2) + "\n";
+}
+
+std::string BakeReport::to_text() const {
+  std::string text;
+  double total = 0.0;
+  for (const StageTime& stage : stages) {
+    text += fmt::format("{}{} {:.2f} s", text.empty() ? "" : ", ", stage.name, stage.seconds);
+    total += stage.seconds;
+  }
+  text += fmt::format("; {:.2f} s in all on {}\n", total, device);
+  text += fmt::format("{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction\n",
+                      lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes);
+  return text + accuracy_text(accuracy);
+}
+
+}  // namespace multum

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bake did, took and clamped: for people (a table) and for programs (JSON).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/bake/accuracy.h"
+#include "host/image/normal_map.h"
+
+namespace multum {
+
+struct StageTime {
+  std::string name;  // "read", "fit", "measure", "write"
+  double seconds;
+};
+
+struct LevelReport {
+  int level, width, height;
+  double seconds;
+  std::uint64_t launches;
+};
+
+struct BakeReport {
+  std::string source;
+  std::string device;
+  NormalMapReport input;
+  std::vector<StageTime> stages;
+  std::vector<LevelReport> levels;               // finest first
+  std::map<std::string, std::uint64_t> launches;  // by kernel
+  int programs_built = 0;
+  // Rare numerical events, over all texels and lobes of all levels.
+  std::uint64_t lobe_count_total = 0;
+  std::uint64_t nonfinite = 0;       // must be 0
+  std::uint64_t kappa_clamped = 0;   // lobes sharper than MovmfSettings::kappa_max: fitted as if of that kappa
+  std::uint64_t dead_lobes = 0;      // amplitude below 1e-6: keeps its last direction
+  std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
+  std::vector<AccuracyRow> accuracy;
+
+  std::string to_json() const;
+  /// Some lines for a terminal.
+  std::string to_text() const;
+};
+
+}  // namespace multum

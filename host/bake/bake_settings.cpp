@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/bake_settings.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+template <typename Value>
+void check_range(const char* name, Value value, Value low, Value high) {
+  if (!(value >= low && value <= high))
+    throw Error(ErrorCode::kUsage, fmt::format("{} is {}, expected {} to {}", name, value, low, high));
+}
+
+}  // namespace
+
+void validate(const MovmfSettings& s) {
+  check_range("--lobes", s.lobe_count, 1, 8);
+  check_range("--iterations", s.iteration_count, 1, 1000);
+  check_range("the iteration count of the coarsest level", s.iteration_count_top, 1, 1000);
+  check_range("--align", s.alignment, 0.0f, 10.0f);
+  check_range("--kappa-max", s.kappa_max, 1.0f, 1.0e5f);
+  check_range("the kappa factor of starts", s.start_kappa_factor, 0.01f, 1.0f);
+  check_range("the least amplitude of starts", s.start_amplitude_min, 0.0f, 0.125f);
+}
+
+std::string settings_json(const MovmfSettings& s) {
+  nlohmann::json json;  // an object: keys are sorted
+  json["representation"] = "movmf";
+  json["lobes"] = s.lobe_count;
+  json["iterations"] = s.iteration_count;
+  json["iterations_top"] = s.iteration_count_top;
+  json["order"] = s.order == FitOrder::kColour ? "colour" : "scanline";
+  json["align"] = s.alignment;
+  json["aligned_start"] = s.aligned_start;
+  json["kappa_max"] = s.kappa_max;
+  json["start_kappa_factor"] = s.start_kappa_factor;
+  json["start_amplitude_min"] = s.start_amplitude_min;
+  return json.dump();
+}
+
+}  // namespace multum

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Settings of the bakes: defaults, units and legal ranges. Validated once, by the bake.
+#pragma once
+
+#include <string>
+
+namespace multum {
+
+enum class FitOrder { kColour, kScanline };
+
+struct MovmfSettings {
+  int lobe_count = 4;              // 1..8
+  int iteration_count = 20;        // EM iterations a texel below the coarsest level, 1..1000
+  int iteration_count_top = 60;    // of the coarsest level, 1..1000
+  FitOrder order = FitOrder::kColour;
+  float alignment = 0.2f;          // C of the alignment prior, 0..10; 0: none
+  bool aligned_start = true;       // false: every texel starts by itself (for comparison: filtering then mixes lobes up)
+  float kappa_max = 1.0e4f;        // cap inside EM, 1..1e5
+  float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1 (METHODS 3b)
+  float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
+  bool force_scalar = false;       // run the kernels' scalar variant on any device
+};
+
+/// Throws Error(kUsage) naming the setting, its value and its range.
+void validate(const MovmfSettings& settings);
+
+/// Every setting that changes pixels, as JSON with sorted keys: the text behind the file's settings hash.
+std::string settings_json(const MovmfSettings& settings);
+
+}  // namespace multum

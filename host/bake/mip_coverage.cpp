@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/mip_coverage.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "host/base/error.h"
+#include "host/bake/parallel_rows.h"
+
+namespace multum {
+namespace {
+
+struct Tap {
+  int index;
+  double weight;
+};
+
+// For each texel of an axis: the finest texels that it overlaps and their shares, which sum to 1.
+std::vector<std::vector<Tap>> axis_taps(int from, int to) {
+  std::vector<std::vector<Tap>> taps(static_cast<std::size_t>(to));
+  for (std::int64_t x = 0; x < to; ++x) {
+    const std::int64_t begin = x * from, end = (x + 1) * from;  // in units of 1/to of a finest texel
+    for (std::int64_t i = begin / to; i * to < end; ++i) {
+      const std::int64_t overlap = std::min((i + 1) * to, end) - std::max(i * to, begin);
+      taps[static_cast<std::size_t>(x)].push_back({static_cast<int>(i), static_cast<double>(overlap) / from});
+    }
+  }
+  return taps;
+}
+
+}  // namespace
+
+std::vector<double> average_over_texels(const std::vector<double>& plane, PlaneSize from, PlaneSize to, int threads) {
+  MULTUM_CHECK(to.width >= 1 && to.width <= from.width && to.height >= 1 && to.height <= from.height);
+  const auto columns = axis_taps(from.width, to.width);
+  const auto rows = axis_taps(from.height, to.height);
+  const auto from_width = static_cast<std::size_t>(from.width), to_width = static_cast<std::size_t>(to.width);
+  std::vector<double> result(to_width * static_cast<std::size_t>(to.height));
+  parallel_rows(to.height, threads, [&](int y) {
+    std::vector<double> row(from_width, 0.0);
+    for (const Tap& tap : rows[static_cast<std::size_t>(y)]) {
+      const double* source = &plane[static_cast<std::size_t>(tap.index) * from_width];
+      for (std::size_t x = 0; x < from_width; ++x) row[x] += tap.weight * source[x];
+    }
+    double* out = &result[static_cast<std::size_t>(y) * to_width];
+    for (std::size_t x = 0; x < to_width; ++x) {
+      double sum = 0.0;
+      for (const Tap& tap : columns[x]) sum += tap.weight * row[static_cast<std::size_t>(tap.index)];
+      out[x] = sum;
+    }
+  });
+  return result;
+}
+
+}  // namespace multum

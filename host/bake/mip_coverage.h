@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exact box averages over the finest texels that a texel of a coarser level covers (METHODS, "Notation"): texel x of a level
+// w wide covers [x W/w, (x + 1) W/w), fractions included. For powers of two these are whole blocks.
+#pragma once
+
+#include <vector>
+
+namespace multum {
+
+struct PlaneSize {
+  int width;
+  int height;
+};
+
+/// Averages of `plane` (row-major, `from`) over the texels of a level of size `to`, to <= from on each axis, in double.
+std::vector<double> average_over_texels(const std::vector<double>& plane, PlaneSize from, PlaneSize to, int threads);
+
+}  // namespace multum

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/opencl/build_options.h"
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+
+namespace multum {
+
+std::string build_options(const KernelVariant& variant) {
+  MULTUM_CHECK(variant.lobes >= 1 && variant.lobes <= 8);
+  MULTUM_CHECK(variant.vector_width == 1 || variant.vector_width == 16);
+  return fmt::format("-cl-std=CL1.2 -DMULTUM_LOBES={} -DMULTUM_VECTOR_WIDTH={} -DMULTUM_WEIGHTED={}", variant.lobes,
+                     variant.vector_width, variant.weighted ? 1 : 0);
+}
+
+}  // namespace multum

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// The only place where OpenCL compiler options come from. Nothing here relaxes mathematics: -cl-fast-relaxed-math and
+// -cl-finite-math-only delete the kernels' guards on PoCL and gain nothing (docs/STABILITY.md).
+#pragma once
+
+#include <string>
+
+namespace multum {
+
+/// Structural choices that are compiled into a kernel.
+struct KernelVariant {
+  int lobes = 4;            // 1..8
+  int vector_width = 1;     // 1: scalar, one work-item a texel (GPUs); 16: float16 (CPUs)
+  bool weighted = false;    // texels cover fractions of finest texels: the map's sides are no powers of two
+};
+
+std::string build_options(const KernelVariant& variant);
+
+}  // namespace multum

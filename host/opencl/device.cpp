@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/opencl/device.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/opencl/cl_error.h"
+#include "host/opencl/device_state.h"
+
+namespace multum {
+namespace {
+
+struct FoundDevice {
+  cl_device_id id;
+  DeviceInfo info;
+};
+
+std::string trimmed(std::string text) {
+  while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.pop_back();
+  return text;
+}
+
+std::string device_text(cl_device_id device, cl_device_info what) {
+  std::size_t size = 0;
+  check_cl(clGetDeviceInfo(device, what, 0, nullptr, &size), "clGetDeviceInfo");
+  std::string text(size, '\0');
+  check_cl(clGetDeviceInfo(device, what, size, text.data(), nullptr), "clGetDeviceInfo");
+  return trimmed(text);
+}
+
+template <typename Value>
+Value device_value(cl_device_id device, cl_device_info what) {
+  Value value{};
+  check_cl(clGetDeviceInfo(device, what, sizeof(value), &value, nullptr), "clGetDeviceInfo");
+  return value;
+}
+
+std::string platform_name(cl_platform_id platform) {
+  std::size_t size = 0;
+  check_cl(clGetPlatformInfo(platform, CL_PLATFORM_NAME, 0, nullptr, &size), "clGetPlatformInfo");
+  std::string text(size, '\0');
+  check_cl(clGetPlatformInfo(platform, CL_PLATFORM_NAME, size, text.data(), nullptr), "clGetPlatformInfo");
+  return trimmed(text);
+}
+
+std::vector<FoundDevice> find_devices() {
+  std::vector<FoundDevice> found;
+  cl_uint platform_count = 0;
+  const cl_int status = clGetPlatformIDs(0, nullptr, &platform_count);
+  if (status == CL_PLATFORM_NOT_FOUND_KHR || platform_count == 0) return found;
+  check_cl(status, "clGetPlatformIDs");
+  std::vector<cl_platform_id> platforms(platform_count);
+  check_cl(clGetPlatformIDs(platform_count, platforms.data(), nullptr), "clGetPlatformIDs");
+  for (cl_platform_id platform : platforms) {
+    cl_uint count = 0;
+    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;
+    std::vector<cl_device_id> ids(count);
+    check_cl(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr), "clGetDeviceIDs");
+    for (cl_device_id id : ids) {
+      DeviceInfo info{static_cast<int>(found.size()),
+                      device_text(id, CL_DEVICE_NAME),
+                      platform_name(platform),
+                      device_text(id, CL_DRIVER_VERSION),
+                      (device_value<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0,
+                      device_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE),
+                      device_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE)};
+      found.push_back({id, std::move(info)});
+    }
+  }
+  return found;
+}
+
+bool matches(const DeviceInfo& info, const std::string& selector) {
+  const bool is_number = std::all_of(selector.begin(), selector.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (is_number) return std::to_string(info.index) == selector;
+  return info.name.find(selector) != std::string::npos || info.platform.find(selector) != std::string::npos;
+}
+
+const FoundDevice* choose(const std::vector<FoundDevice>& devices, const std::string& selector) {
+  if (selector.empty()) {
+    for (bool want_cpu : {false, true})
+      for (const FoundDevice& device : devices)
+        if (device.info.is_cpu == want_cpu) return &device;
+    return nullptr;
+  }
+  for (const FoundDevice& device : devices)
+    if (matches(device.info, selector)) return &device;
+  return nullptr;
+}
+
+void CL_CALLBACK on_context_error(const char* message, const void*, std::size_t, void*) {
+  log_warning(std::string("OpenCL: ") + message);
+}
+
+}  // namespace
+
+std::vector<DeviceInfo> list_devices() {
+  std::vector<DeviceInfo> infos;
+  for (FoundDevice& device : find_devices()) infos.push_back(std::move(device.info));
+  return infos;
+}
+
+DeviceState::~DeviceState() {
+  for (auto& entry : programs) clReleaseProgram(entry.second);
+  if (queue != nullptr) clReleaseCommandQueue(queue);
+  if (context != nullptr) clReleaseContext(context);
+}
+
+Device Device::open(const std::string& selector) {
+  const std::vector<FoundDevice> devices = find_devices();
+  if (devices.empty())
+    throw Error(ErrorCode::kEnvironment,
+                "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
+  const FoundDevice* chosen = choose(devices, selector);
+  if (chosen == nullptr) {
+    std::string known;
+    for (const FoundDevice& device : devices) known += fmt::format("\n  {}: {}", device.info.index, device.info.name);
+    throw Error(ErrorCode::kEnvironment, "no OpenCL device matches '" + selector + "'; expected a number or part of a name of" + known);
+  }
+  Device device;
+  device.state_ = std::make_shared<DeviceState>();
+  DeviceState& state = *device.state_;
+  state.info = chosen->info;
+  state.device = chosen->id;
+  cl_int status = CL_SUCCESS;
+  state.context = clCreateContext(nullptr, 1, &state.device, on_context_error, nullptr, &status);
+  check_cl(status, state.info.name + ": clCreateContext");
+  state.queue = clCreateCommandQueue(state.context, state.device, 0, &status);
+  check_cl(status, state.info.name + ": clCreateCommandQueue");
+  return device;
+}
+
+const DeviceInfo& Device::info() const { return state_->info; }
+const std::map<std::string, std::uint64_t>& Device::launch_counts() const { return state_->launch_counts; }
+int Device::program_count() const { return static_cast<int>(state_->programs.size()); }
+
+namespace {
+
+std::shared_ptr<void> create_memory(const DeviceState& state, cl_mem_flags flags, std::size_t byte_count, void* host,
+                                    const std::string& what) {
+  if (byte_count > state.info.buffer_bytes_max)
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}: needs a buffer of {} MiB, the device {} allows at most {} MiB", what,
+                                                     byte_count >> 20, state.info.name, state.info.buffer_bytes_max >> 20));
+  cl_int status = CL_SUCCESS;
+  cl_mem memory = clCreateBuffer(state.context, flags, std::max<std::size_t>(byte_count, 1), host, &status);
+  check_cl(status, fmt::format("{}: a buffer of {} bytes", what, byte_count));
+  return {memory, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
+}
+
+}  // namespace
+
+DeviceBuffer Device::make_buffer(std::size_t byte_count, const std::string& what) {
+  DeviceBuffer buffer;
+  buffer.memory_ = create_memory(*state_, CL_MEM_READ_WRITE, byte_count, nullptr, what);
+  buffer.byte_count_ = byte_count;
+  return buffer;
+}
+
+DeviceBuffer Device::wrap_buffer(const void* data, std::size_t byte_count, const std::string& what) {
+  DeviceBuffer buffer;
+  const cl_mem_flags how = state_->info.is_cpu ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR;
+  buffer.memory_ = create_memory(*state_, CL_MEM_READ_ONLY | how, byte_count, const_cast<void*>(data), what);
+  buffer.byte_count_ = byte_count;
+  return buffer;
+}
+
+void Device::write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
+  MULTUM_CHECK(byte_count <= buffer.byte_count_);
+  check_cl(clEnqueueWriteBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data, 0,
+                                nullptr, nullptr), "clEnqueueWriteBuffer");
+}
+
+void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count) {
+  MULTUM_CHECK(byte_count <= buffer.byte_count_);
+  check_cl(clEnqueueReadBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data, 0,
+                               nullptr, nullptr), "clEnqueueReadBuffer");
+}
+
+void Device::finish() { check_cl(clFinish(state_->queue), "clFinish"); }
+void Device::flush() { check_cl(clFlush(state_->queue), "clFlush"); }
+
+Kernel Device::kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant) {
+  const std::string options = build_options(variant);
+  const std::string key = file + " " + options;
+  auto found = state_->programs.find(key);
+  if (found == state_->programs.end())
+    found = state_->programs.emplace(key, load_program(*state_, file, options)).first;
+  cl_int status = CL_SUCCESS;
+  cl_kernel made = clCreateKernel(found->second, kernel_name.c_str(), &status);
+  check_cl(status, "kernel " + kernel_name + " of " + file + ".cl");
+  Kernel kernel;
+  kernel.device_ = state_;
+  kernel.kernel_ = {made, [](void* k) { clReleaseKernel(static_cast<cl_kernel>(k)); }};
+  kernel.name_ = kernel_name;
+  return kernel;
+}
+
+}  // namespace multum

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// Program binaries kept between runs, keyed by SHA-256 of source, options, device and driver version. A damaged or foreign
+// file means a rebuild, never an error.
+#pragma once
+
+#include <string>
+
+namespace multum {
+
+/// Where binaries are kept; empty turns the cache off. Programs set it once at start (default: off).
+void set_program_cache_folder(const std::string& folder);
+
+}  // namespace multum

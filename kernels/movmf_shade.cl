@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shades filtered lobes by the runtime's formula, so that a bake can measure the error of what it wrote (METHODS 1: the
+// convolution alone, without n . l).
+
+#include "device/vmf_shading.clh"
+
+#if MULTUM_VECTOR_WIDTH != 1
+#error "movmf_shade has only a scalar variant"
+#endif
+#ifndef MULTUM_LOBES
+#define MULTUM_LOBES 4
+#endif
+
+// One work-item = one sample point; global size sample_count.
+//   lobes      [sample][lobe]                 (a r_x, a r_y, a r_z, a), already filtered
+//   half_vectors [half_count], lights [light_count]   unit vectors, w unused
+//   exponents  [exponent_count]               Blinn-Phong s
+//   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
+// Compute bound.
+__kernel void movmf_shade(__global const float4 *lobes, __global const float4 *half_vectors, __global const float4 *lights,
+                          __global const float *exponents, __global float *values, int sample_count, int half_count,
+                          int light_count, int exponent_count) {
+  const int sample = (int)get_global_id(0);
+  if (sample >= sample_count) return;
+  __global float *out = values + (size_t)sample * (exponent_count * half_count + light_count);
+  for (int e = 0; e < exponent_count; ++e)
+    for (int d = 0; d < half_count; ++d) {
+      float sum = 0.0f;
+      for (int j = 0; j < MULTUM_LOBES; ++j) {
+        const FilteredLobe lobe = take_apart(lobes[(size_t)sample * MULTUM_LOBES + j]);
+        sum = fma(lobe.amplitude, shade_blinn_phong(lobe, half_vectors[d].xyz, exponents[e]), sum);
+      }
+      *out++ = sum;
+    }
+  for (int d = 0; d < light_count; ++d) {
+    float sum = 0.0f;
+    for (int j = 0; j < MULTUM_LOBES; ++j) {
+      const FilteredLobe lobe = take_apart(lobes[(size_t)sample * MULTUM_LOBES + j]);
+      sum = fma(lobe.amplitude, shade_lambert(lobe, lights[d].xyz), sum);
+    }
+    *out++ = sum;
+  }
+}

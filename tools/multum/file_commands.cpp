@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum info, verify, devices, testmap: look inside, check, list, make.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/asset/movmf_verify.h"
+#include "host/base/error.h"
+#include "host/image/four_quarter_map.h"
+#include "host/opencl/device.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+int run_info(const std::string& path) {
+  const MovmfMipmap file = read_movmf_header(path);
+  const MovmfProvenance& from = file.provenance;
+  std::uint64_t texels = 0;
+  for (const MovmfLevel& level : file.levels)
+    texels += static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height);
+  const unsigned value_bytes = file.encoding == StorageEncoding::kFloat ? 4 : 2;
+  const unsigned lobe_bytes = 4 * value_bytes + (file.has_colours() ? 4 * value_bytes : 0);
+  const double mib = static_cast<double>(texels * lobe_bytes * static_cast<unsigned>(file.lobe_count())) / (1 << 20);
+  std::string text;
+  text += fmt::format("file            {}\n", path);
+  text += fmt::format("representation  movmf: {} von Mises-Fisher lobes a texel{}\n", file.lobe_count(),
+                      file.has_colours() ? ", with a colour a lobe" : "");
+  text += fmt::format("size            {} x {}, {} levels, wrap {}, {}\n", file.width(), file.height(), file.levels.size(),
+                      wrap_mode_name(file.wrap_s), wrap_mode_name(file.wrap_t));
+  text += fmt::format("encoding        {}; kappa up to {:.0f} survives it\n", storage_encoding_name(file.encoding),
+                      static_cast<double>(storage_kappa_max(file.encoding)));
+  text += fmt::format("on disk         {:.1f} MiB\n", static_cast<double>(std::filesystem::file_size(path)) / (1 << 20));
+  text += fmt::format("on the GPU      {:.1f} MiB\n", mib);
+  text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
+  text += fmt::format("settings        {}\n", from.settings);
+  text += fmt::format("measured error  {}\n", from.measured_error == "[]" ? "not measured" : from.measured_error);
+  text += fmt::format("checksum        {}\n", from.content_hash);
+  text += fmt::format("written by      {}\n", from.software);
+  std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
+int run_verify(const std::string& path, const CommonOptions& common) {
+  bool all_passed = true;
+  for (const VerifyFinding& finding : verify_movmf(path, apply(common))) {
+    std::printf("%-6s %-10s %s\n", finding.passed ? "ok" : "FAILED", finding.check.c_str(), finding.detail.c_str());
+    all_passed = all_passed && finding.passed;
+  }
+  if (!all_passed) throw Error(ErrorCode::kVerification, path + ": verification failed");
+  return 0;
+}
+
+int run_devices() {
+  const std::vector<DeviceInfo> devices = list_devices();
+  if (devices.empty())
+    throw Error(ErrorCode::kEnvironment, "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
+  for (const DeviceInfo& d : devices)
+    std::printf("%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(), d.platform.c_str(),
+                d.driver.c_str(), d.is_cpu ? "CPU" : "GPU", static_cast<double>(d.memory_bytes) / (1u << 30),
+                static_cast<double>(d.buffer_bytes_max) / (1u << 30));
+  return 0;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, int* exit_code) {
+  auto path = std::make_shared<std::string>();
+  CLI::App* info = app.add_subcommand("info", "print what a baked file says of itself");
+  info->add_option("file", *path, "a baked file, *.ndf.exr")->required();
+  info->callback([path, exit_code] { *exit_code = run_info(*path); });
+}
+
+void add_verify_command(CLI::App& app, int* exit_code) {
+  auto path = std::make_shared<std::string>();
+  auto common = std::make_shared<CommonOptions>();
+  CLI::App* verify = app.add_subcommand("verify", "check a baked file: structure, finite values, sums, checksum");
+  verify->add_option("file", *path, "a baked file, *.ndf.exr")->required();
+  add_common_options(*verify, *common);
+  verify->callback([path, common, exit_code] { *exit_code = run_verify(*path, *common); });
+}
+
+void add_devices_command(CLI::App& app, int* exit_code) {
+  CLI::App* devices = app.add_subcommand("devices", "list the OpenCL devices");
+  devices->callback([exit_code] { *exit_code = run_devices(); });
+}
+
+void add_testmap_command(CLI::App& app, int* exit_code) {
+  struct Options {
+    std::string prefix;
+    int size = 1024;
+    std::uint64_t seed = 7;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* testmap = app.add_subcommand("testmap", "make the four-quarter test map: scales, rings, grooves, noise");
+  testmap->add_option("prefix", options->prefix, "writes PREFIX_normal.png and PREFIX_albedo.png")->required();
+  testmap->add_option("--size", options->size, "texels a side, even, at least 16")->capture_default_str();
+  testmap->add_option("--seed", options->seed, "of the noise quarter")->capture_default_str();
+  testmap->callback([options, exit_code] {
+    write_four_quarter_map(make_four_quarter_map(options->size, options->seed), options->prefix);
+    std::printf("%s_normal.png, %s_albedo.png: written\n", options->prefix.c_str(), options->prefix.c_str());
+    *exit_code = 0;
+  });
+}
+
+}  // namespace multum

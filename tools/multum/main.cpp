@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum: the command line.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/opencl/program_cache.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+// $MULTUM_CACHE_DIR, else $XDG_CACHE_HOME/multum, else ~/.cache/multum; empty MULTUM_CACHE_DIR turns the cache off.
+std::string program_cache_folder() {
+  if (const char* folder = std::getenv("MULTUM_CACHE_DIR")) return folder;
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') return std::string(xdg) + "/multum";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return std::string(home) + "/.cache/multum";
+  return "";
+}
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "multum bakes normal maps into textures that look right at every distance:\n"
+      "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
+      "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
+      "  multum-view bricks.ndf.exr -o frame.png             render it\n"
+      "  multum info bricks.ndf.exr                          look inside");
+  app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
+  app.require_subcommand(1);
+  int exit_code = 0;
+  add_bake_command(app, &exit_code);
+  add_info_command(app, &exit_code);
+  add_verify_command(app, &exit_code);
+  add_devices_command(app, &exit_code);
+  add_testmap_command(app, &exit_code);
+  set_program_cache_folder(program_cache_folder());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
+  }
+  // Results count as given only when they reached stdout: a full disk or a closed pipe must not end in exit code 0.
+  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  return exit_code;
+}
+
+}  // namespace
+
+int apply(const CommonOptions& options) {
+  set_log_level(options.quiet ? LogLevel::kQuiet : options.verbose ? LogLevel::kVerbose : LogLevel::kNormal);
+  const unsigned cores = std::thread::hardware_concurrency();
+  const int threads = options.threads > 0 ? options.threads : static_cast<int>(cores > 0 ? cores : 1);
+  // PoCL takes its thread count from the environment when the first platform is looked for.
+  setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1);
+  return threads;
+}
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_option("--threads", options.threads, "threads to use (default: all cores)")->check(CLI::Range(1, 1024));
+  command.add_flag("-v,--verbose", options.verbose, "print plans, caches and timings too");
+  command.add_flag("-q,--quiet", options.quiet, "print nothing but errors and results");
+}
+
+}  // namespace multum
+
+int main(int argc, char** argv) { return multum::run_guarded("multum", multum::run, argc, argv); }
