@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The project's own test map: four quarters that each defeat one shortcut. Made from a seed, at any even size, so that every
-// figure in docs/ACCURACY.md can be made again anywhere.
+// The project's own test map: four quarters that each defeat one shortcut. Made from a seed, at any even size, so that
+// every figure in docs/ACCURACY.md can be made again anywhere.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ struct FourQuarterMap {
 };
 
 /// `size` >= 16, even. Top left: armour of overlapping hemispherical scales (period 24 texels); top right: carved rings
-/// (wavelength 16, 55 % cut); bottom left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 % flat) with red and
-/// blue facets; bottom right: fine noise whose slope grows to the right (rms 0.45 on average).
+/// (wavelength 16, 55 % cut); bottom left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 % flat) with red
+/// and blue facets; bottom right: fine noise whose slope grows to the right (rms 0.45 on average).
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed);
 
 /// Writes PREFIX_normal.png (16 bits, green up) and PREFIX_albedo.png (16 bits, sRGB).

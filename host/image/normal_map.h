@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of normal maps and height fields: what the file's numbers mean is found from their statistics, printed, and can
-// be overridden; what is doubtful is refused with the reason, not guessed.
+// Reading of normal maps and height fields: what the file's numbers mean is found from their statistics, printed, and
+// can be overridden; what is doubtful is refused with the reason, not guessed.
 #pragma once
 
 #include <cstdint>
@@ -10,38 +10,41 @@
 
 #include "host/base/progress.h"
 #include "host/base/wrap_mode.h"
+#include "host/image/colour_map.h"
 
 namespace multum {
 
 enum class BumpFormat { kAuto, kHeight, kNormal };  // maketx --bumpformat
 enum class GreenAxis { kUp, kDown };                // OpenGL, DirectX
-enum class FixNan { kNone, kBlack, kBox3 };         // maketx --fixnan: refuse, flat normal, mean of the 3 x 3 neighbours
+enum class FixNan { kNone, kBlack, kBox3 };  // maketx --fixnan: refuse, flat normal, mean of the 3 x 3 neighbours
 
 struct NormalMapSettings {
   BumpFormat bump_format = BumpFormat::kAuto;
-  std::optional<GreenAxis> green;       // unset: from statistics, up when they cannot tell
-  std::optional<bool> is_signed;        // unset: from statistics; true: values are the vector, false: 0..1 encoded
-  std::optional<bool> two_channel;      // unset: from statistics; true: z = sqrt(1 - x^2 - y^2)
-  float height_scale = 1.0f;            // height difference in texels that a value difference of 1 stands for; finite, != 0
+  std::optional<GreenAxis> green;   // unset: from statistics, up when they cannot tell
+  std::optional<bool> is_signed;    // unset: from statistics; true: values are the vector, false: 0..1 encoded
+  std::optional<bool> two_channel;  // unset: from statistics; true: z = sqrt(1 - x^2 - y^2)
+  float height_scale = 1.0f;        // height difference in texels that a value difference of 1 stands for; finite, != 0
   WrapMode wrap_s = WrapMode::kPeriodic;  // used by height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
-  bool check_nan = false;               // refuse the first NaN or Inf, with its position
+  bool check_nan = false;  // refuse the first NaN or Inf, with its position
   FixNan fix_nan = FixNan::kBox3;
-  float repair_share_max = 0.01f;       // of all texels, 0..1: more repairs than this refuse the file
+  float repair_share_max = 0.01f;  // of all texels, 0..1: more repairs than this refuse the file
   std::int64_t texel_count_max = std::int64_t{1} << 30;
 };
 
 /// What was found and done; printed by the bake and written into its report.
 struct NormalMapReport {
-  std::string format;         // "png uint8, 3 channels"
-  std::string encoding;       // "normal map, unsigned, green up (OpenGL)", "height field"
-  std::string encoding_reason;  // the statistics behind it, one line
-  std::int64_t nonfinite_repaired = 0;
-  std::int64_t zero_length_repaired = 0;
-  std::int64_t below_horizon_repaired = 0;
+  std::string format;                     // "png uint8, 3 channels"
+  std::string encoding;                   // "normal map, unsigned, green up (OpenGL)", "height field"
+  std::string encoding_reason;            // the statistics behind it, one line
+  std::int64_t unused_texels = 0;         // all channels exactly 0 in an unsigned file: never written; flat, no repair
+  std::int64_t nonfinite_repaired = 0;    // by NormalMapSettings::fix_nan
+  std::int64_t zero_length_repaired = 0;  // mean of the 3 x 3 neighbours, else flat
+  std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/image/normal_decode.h)
 };
 
-/// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out; planes of width * height floats, row 0 on top.
+/// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out; planes of width * height floats, row 0 on
+/// top.
 struct NormalMap {
   int width = 0;
   int height = 0;
@@ -49,18 +52,9 @@ struct NormalMap {
   NormalMapReport report;
 };
 
-/// Throws Error(kInput) naming the file, what was found and what was expected.
+/// Reads PNG, JPEG, WebP, TIFF or OpenEXR. Throws Error(kInput) naming the file, what was found and what was expected;
+/// Error(kUsage) for settings outside their ranges. Progress: names its stage and cancels at bands of rows, counts no
+/// units. The result does not depend on `threads` (<= 0: as many as the machine has).
 NormalMap read_normal_map(const std::string& path, const NormalMapSettings& settings, int threads, Progress* progress);
-
-/// Linear RGB, planes of width * height floats.
-struct ColourMap {
-  int width = 0;
-  int height = 0;
-  std::vector<float> r, g, b;
-};
-
-/// Reads an albedo: 8- and 16-bit integers are sRGB unless the file says otherwise, floats are linear. Alpha is ignored.
-/// Throws Error(kInput); also when its size is not `width` x `height`.
-ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
 
 }  // namespace multum

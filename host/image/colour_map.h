@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Albedo: linear RGB, so that averages over texels are averages of light.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace multum {
+
+/// Linear RGB, planes of width * height floats.
+struct ColourMap {
+  int width = 0;
+  int height = 0;
+  std::vector<float> r, g, b;
+  std::string format;              // "png uint8, 3 channels, sRGB"
+  std::int64_t clamped_count = 0;  // texels with a negative or non-finite value, which was read as 0
+};
+
+/// Reads an albedo: 8- and 16-bit integers are sRGB unless the file says otherwise, floats are linear; grey becomes
+/// RGB; alpha is ignored. Throws Error(kInput); also when its size is not `width` x `height`.
+ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
+
+// The sRGB transfer functions (IEC 61966-2-1), on 0..1.
+double linear_from_srgb(double encoded);
+double srgb_from_linear(double linear);
+
+}  // namespace multum

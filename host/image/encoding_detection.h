@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the numbers of an image mean, found from their statistics: height field or normal map, signed or 0..1, two or
+// three channels, green up or down. The answer carries its reason; a file that is neither is refused with the reason.
+#pragma once
+
+#include <string>
+
+#include "host/image/image_io.h"
+#include "host/image/normal_decode.h"
+#include "host/image/normal_map.h"
+
+namespace multum {
+
+struct DetectedEncoding {
+  bool is_height_field = false;
+  VectorEncoding vectors;   // of a normal map
+  std::string description;  // NormalMapReport::encoding of a normal map
+  std::string reason;       // NormalMapReport::encoding_reason
+};
+
+/// Follows the overrides in `settings`. Throws Error(kInput) with the reason when the file is neither a normal map nor
+/// a height field, unless settings.bump_format says which.
+DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const NormalMapSettings& settings,
+                                 int threads);
+
+}  // namespace multum

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first look at an image file, by our own few lines, before any image library sees it: which format it is by its
+// first bytes, how large it says it is, and which byte ranges hold the picture. Libraries trust headers (they allocate,
+// or parse metadata for minutes); fuzzed files show where.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace multum {
+
+struct ByteRange {
+  std::int64_t begin;
+  std::int64_t end;
+};
+
+struct ImageContainer {
+  std::string format;  // OpenImageIO's reader: "png", "jpeg", "webp", "tiff" or "openexr"
+  std::int64_t file_size = 0;
+  std::int64_t width = 0;  // 0 where the format's own reader is the first to say (TIFF, WebP)
+  std::int64_t height = 0;
+  bool has_metadata = false;      // ranges leave something out
+  std::vector<ByteRange> ranges;  // the file without its metadata (texts, EXIF, XMP, ICC), in order
+};
+
+/// Throws Error(kInput) when the file is missing, of another format, cut, or declares a size that is not within
+/// 1..texel_count_max texels or that its bytes cannot hold.
+ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max);
+
+/// Throws Error(kInput) unless 1 <= width * height <= texel_count_max.
+void check_image_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t texel_count_max);
+
+}  // namespace multum

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Work on an image in bands of rows by several threads. A band's result must depend on its rows alone; results are
+// combined by the caller in band order, so that every thread count gives the same bytes.
+#pragma once
+
+#include <functional>
+
+namespace multum {
+
+/// Calls `body(band, row_begin, row_end)` once for each band of `rows_per_band` rows (the last may be shorter), from at
+/// most `threads` threads (<= 0: as many as the machine has). The first exception is thrown again after all threads
+/// ended.
+void for_each_row_band(int row_count, int rows_per_band, int threads,
+                       const std::function<void(int band, int row_begin, int row_end)>& body);
+
+inline int row_band_count(int row_count, int rows_per_band) { return (row_count + rows_per_band - 1) / rows_per_band; }
+
+/// Rows a band where the work is the same for every texel: few enough to share out, enough to be worth a hand-over.
+constexpr int kRowsPerBand = 16;
+
+}  // namespace multum

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an image's numbers look like when they are read as vectors: the evidence for host/image/encoding_detection.
+#pragma once
+
+#include "host/image/image_io.h"
+#include "host/image/normal_decode.h"
+
+namespace multum {
+
+/// Statistics of a normal map under one reading of its numbers; shares are of the texels that hold a vector.
+struct VectorStatistics {
+  double texel_count = 0.0;     // finite and written
+  double unit_share_5 = 0.0;    // | |v| - 1 | <= 0.05
+  double unit_share_10 = 0.0;   // 0.10
+  double unit_share_20 = 0.0;   // 0.20
+  double below_share = 0.0;     // z < 0
+  double beyond_share = 0.0;    // x^2 + y^2 > 1.04: no unit vector, beyond the quantum of 8 bits
+  double tilted_share = 0.0;    // |x| or |y| > 0.02
+  double negative_share = 0.0;  // x or y < -0.02
+  double mean_x = 0.0, mean_y = 0.0, mean_z = 0.0;
+  double rebuilt_z_mean = 0.0;         // of sqrt(1 - x^2 - y^2)
+  double rebuilt_z_correlation = 0.0;  // of z with it
+  double blue_min = 0.0, blue_max = 0.0;
+  double gradient_agreement = 0.0;  // -1..1, see vector_statistics.cpp; + green up, - green down, 0 no surface's slopes
+  double gradient_sample_count = 0.0;
+};
+
+/// Reads at most about 16 Mi texels of the image (whole bands of rows, evenly spaced).
+VectorStatistics vector_statistics(const RawImage& image, const VectorEncoding& encoding, int threads);
+
+}  // namespace multum
