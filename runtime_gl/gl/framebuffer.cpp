@@ -48,9 +48,9 @@ void Framebuffer::bind() const {
   gl_->Viewport(0, 0, width_, height_);
 }
 
-void Framebuffer::clear_colour() const {
-  const GLfloat zero[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-  gl_->ClearNamedFramebufferfv(framebuffer_, GL_COLOR, 0, zero);
+void Framebuffer::clear_colour(float value) const {
+  const GLfloat values[4] = {value, value, value, value};
+  gl_->ClearNamedFramebufferfv(framebuffer_, GL_COLOR, 0, values);
 }
 
 void Framebuffer::clear_depth() const {

@@ -25,7 +25,8 @@ class Framebuffer {
 
   /// Draws go here from now on, over the whole of it.
   void bind() const;
-  void clear_colour() const;
+  /// Every channel of every pixel.
+  void clear_colour(float value = 0.0f) const;
   void clear_depth() const;
   /// The colour buffer as a texture; its filter is nearest.
   void bind_colour(int unit) const { gl_->BindTextureUnit(static_cast<GLuint>(unit), colour_); }

@@ -16,13 +16,13 @@
 // Used instead: mean cosines multiply exactly under spherical convolution, so the convolved lobe has the mean cosine
 // A = |r| c_f, c_f = the mean cosine of f. Between the two shapes with that mean cosine - vMF, right for a broad lobe, and
 // cosine power, right for a lobe sharper than f and exact at |r| = 1 - one weight blends. Errors, by quadrature
-// (tools/fit_shading.py): s = 5 at most 1.5 %, s = 20 0.8 %, s >= 100 0.25 %, at every kappa from 0.5 to 1e5.
+// (tools/fit_shading.py): s = 5 at most 1.5 %, s >= 20 0.8 %, s >= 100 0.25 %, at every kappa from 0.5 to 1e5.
 
 const float MULTUM_PI = 3.14159265358979;
 const float MULTUM_AMPLITUDE_MIN = 1e-6;  // below: no lobe; 1/32767, the least stored amplitude, is 30 times this
 
 // Weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 - c_f)), fitted.
-const float MULTUM_SHAPE_BLEND = 1.5;
+const float MULTUM_SHAPE_BLEND = 1.4;
 
 // 1 - |r|, the lobe's spread: 0 = one direction, 1 = all directions. Formed from (a - |a r|) / a; rounding of stored
 // values can leave |r| a little above 1, which means 1.
