@@ -55,6 +55,7 @@ __kernel void movmf_em_texels(__global const float *restrict samples, __global f
     sharpness[j] = LOAD_V(START(j, MULTUM_START_SHARPNESS));
     log_weight[j] = LOAD_V(START(j, MULTUM_START_LOG));
   }
+  real_v cap = (real_v)(fit.kappa_cap);
   for (int iteration = 0; iteration < fit.iteration_count; ++iteration) {
     _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j)
         sum_s[j] = sum_x[j] = sum_y[j] = sum_z[j] = sum_d[j] = (real_v)(0.0f);
@@ -68,6 +69,15 @@ __kernel void movmf_em_texels(__global const float *restrict samples, __global f
       E_STEP(x, y, z, WHOLE)
 #endif
     }
+    if (iteration == 0) {
+      real_v x = (real_v)(0.0f), y = (real_v)(0.0f), z = (real_v)(0.0f);
+      _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
+        x += sum_x[j];
+        y += sum_y[j];
+        z += sum_z[j];
+      }
+      cap = kappa_cap_of_texel(x, y, z, (real_v)(fit.total_weight_inverse), fit.kappa_cap, fit.kappa_cap_slope);
+    }
     if (iteration + 1 == fit.iteration_count) break;
     _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
       const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
@@ -75,7 +85,7 @@ __kernel void movmf_em_texels(__global const float *restrict samples, __global f
       const real_v prior_x = LOAD_V(START(j, MULTUM_START_PRIOR));
       const real_v prior_y = LOAD_V(START(j, MULTUM_START_PRIOR + 1));
       const real_v prior_z = LOAD_V(START(j, MULTUM_START_PRIOR + 2));
-      M_STEP(m, prior_x, prior_y, prior_z, fit.kappa_max, mu_x[j], mu_y[j], mu_z[j], sharpness[j], log_weight[j])
+      M_STEP(m, prior_x, prior_y, prior_z, cap, mu_x[j], mu_y[j], mu_z[j], sharpness[j], log_weight[j])
     }
   }
   // The last E-step's own moments are stored, without the prior: it steers which lobe is which and never biases them.

@@ -79,7 +79,7 @@ __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const M
     kappa *= start_kappa_factor;
     amplitude = max(amplitude, start_amplitude_min);
   }
-  kappa = clamp(kappa, 0.05f, fit.kappa_max);
+  kappa = clamp(kappa, 0.05f, 1e6f);
   __global float *out = start + (((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES) * MULTUM_GROUP +
                         slot % MULTUM_GROUP;
   out[(MULTUM_START_MU + 0) * MULTUM_GROUP] = from.mean_x * inverse;

@@ -23,7 +23,8 @@ void validate(const MovmfSettings& s) {
   check_range("--iterations", s.iteration_count, 1, 1000);
   check_range("the iteration count of the coarsest level", s.iteration_count_top, 1, 1000);
   check_range("--align", s.alignment, 0.0f, 10.0f);
-  check_range("--kappa-max", s.kappa_max, 1.0f, 1.0e5f);
+  check_range("--kappa-cap", s.kappa_cap, 1.0f, 1.0e5f);
+  check_range("the slope of the kappa cap", s.kappa_cap_slope, 0.0f, 1000.0f);
   check_range("the kappa factor of starts", s.start_kappa_factor, 0.01f, 1.0f);
   check_range("the least amplitude of starts", s.start_amplitude_min, 0.0f, 0.125f);
 }
@@ -37,7 +38,8 @@ std::string settings_json(const MovmfSettings& s) {
   json["order"] = s.order == FitOrder::kColour ? "colour" : "scanline";
   json["align"] = s.alignment;
   json["aligned_start"] = s.aligned_start;
-  json["kappa_max"] = s.kappa_max;
+  json["kappa_cap"] = s.kappa_cap;
+  json["kappa_cap_slope"] = s.kappa_cap_slope;
   json["start_kappa_factor"] = s.start_kappa_factor;
   json["start_amplitude_min"] = s.start_amplitude_min;
   return json.dump();

@@ -10,12 +10,15 @@ enum class FitOrder { kColour, kScanline };
 
 struct MovmfSettings {
   int lobe_count = 4;              // 1..8
-  int iteration_count = 20;        // EM iterations a texel below the coarsest level, 1..1000
+  int iteration_count = 30;        // EM iterations a texel below the coarsest level, 1..1000
   int iteration_count_top = 60;    // of the coarsest level, 1..1000
   FitOrder order = FitOrder::kColour;
-  float alignment = 0.2f;          // C of the alignment prior, 0..10; 0: none
+  float alignment = 0.1f;          // C of the alignment prior, 0..10; 0: none
   bool aligned_start = true;       // false: every texel starts by itself (for comparison: filtering then mixes lobes up)
-  float kappa_max = 1.0e4f;        // cap inside EM, 1..1e5
+  // Cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals (what a lobe stores is its
+  // normals' own spread, whatever the cap).
+  float kappa_cap = 500.0f;        // 1..1e5
+  float kappa_cap_slope = 10.0f;   // 0..1000
   float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1 (METHODS 3b)
   float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
   bool force_scalar = false;       // run the kernels' scalar variant on any device

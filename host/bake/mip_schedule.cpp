@@ -84,7 +84,8 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.chunk_rows = std::max(1, kSamplesPerChunk / padded_columns);
     fit.chunk_count = (fit.sample_rows + fit.chunk_rows - 1) / fit.chunk_rows;
     fit.alignment = settings.alignment;
-    fit.kappa_max = settings.kappa_max;
+    fit.kappa_cap = settings.kappa_cap;
+    fit.kappa_cap_slope = settings.kappa_cap_slope;
     fit.total_weight_inverse = static_cast<float>(static_cast<double>(fit.width) * fit.height /
                                                   (static_cast<double>(map_width) * map_height));
     level.chunked = static_cast<std::int64_t>(fit.sample_columns) * fit.sample_rows > kSamplesUnchunkedMax;

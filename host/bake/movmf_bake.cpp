@@ -129,7 +129,7 @@ class MovmfBaker {
     if (albedo_) colours = device_.make_buffer(lobe_count() * texels * 3 * sizeof(float), "the colours of a level");
     MultumMovmfFit fit = level.fit;
     if (fit.parent_width == 0 || !settings_.aligned_start) {
-      write_unaligned_start(level, lobes);
+      write_parentless_start(level, lobes);
       fit.parent_width = fit.parent_height = 0;
     }
     device_.write(list_buffer_, level.texel_list.data(), level.texel_list.size() * sizeof(int));
@@ -163,7 +163,7 @@ class MovmfBaker {
         em_partial_kernel_.launch(partial_size, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], start_buffer_,
                                   list_buffer_, partial_buffer_, fit);
         mstep_kernel_.launch({used * lobe_count()}, partial_buffer_, start_buffer_, list_buffer_, lobes, fit,
-                             static_cast<int>(i + 1 == fit.iteration_count));
+                             i);
       }
     } else {
       const std::size_t groups = slots / MULTUM_GROUP;
@@ -185,21 +185,27 @@ class MovmfBaker {
   }
 
   // Texels without a parent: the coarsest level, and every level of an unaligned bake.
-  void write_unaligned_start(const LevelSchedule& level, DeviceBuffer& lobes) {
+  void write_parentless_start(const LevelSchedule& level, DeviceBuffer& lobes) {
     const MultumMovmfFit& fit = level.fit;
     const std::size_t texels = texel_count(fit.width, fit.height);
     std::vector<MultumVmfLobe> start(lobe_count() * texels);
     for (int y = 0; y < fit.height; ++y)
       for (int x = 0; x < fit.width; ++x) {
-        const auto edge = [](std::int64_t texel, int map_size, int size) { return static_cast<int>(texel * map_size / size); };
-        const int x0 = edge(x, map_.width, fit.width), y0 = edge(y, map_.height, fit.height);
-        const TexelRectangle covered = {x0, y0, std::max(x0 + 1, edge(x + 1, map_.width, fit.width)),
-                                        std::max(y0 + 1, edge(y + 1, map_.height, fit.height))};
-        const std::vector<MultumVmfLobe> chosen = farthest_first_lobes(map_, covered, settings_.lobe_count);
+        const std::vector<MultumVmfLobe> chosen = parentless_start(level, x, y);
         for (std::size_t j = 0; j < lobe_count(); ++j)
           start[j * texels + static_cast<std::size_t>(y * fit.width + x)] = chosen[j];
       }
     device_.write(lobes, start.data(), start.size() * sizeof(MultumVmfLobe));
+  }
+
+  std::vector<MultumVmfLobe> parentless_start(const LevelSchedule& level, int x, int y) const {
+    if (level.fit.parent_width == 0)
+      return likeliest_lobes(map_, {settings_.lobe_count, settings_.kappa_cap, 1, 2});
+    const auto edge = [](std::int64_t texel, int map_size, int size) { return static_cast<int>(texel * map_size / size); };
+    const int x0 = edge(x, map_.width, level.fit.width), y0 = edge(y, map_.height, level.fit.height);
+    const TexelRectangle covered = {x0, y0, std::max(x0 + 1, edge(x + 1, map_.width, level.fit.width)),
+                                    std::max(y0 + 1, edge(y + 1, map_.height, level.fit.height))};
+    return farthest_first_lobes(map_, covered, settings_.lobe_count);
   }
 
   void read_level(const LevelSchedule& level, const DeviceBuffer& lobes, const DeviceBuffer& colours) {
@@ -232,7 +238,7 @@ class MovmfBaker {
       if (!std::isfinite(squared) || !std::isfinite(lobe.amplitude)) ++report_.nonfinite;
       else if (lobe.amplitude < 1e-6f) ++report_.dead_lobes;
       else if (squared < 1e-6f) ++report_.undirected_lobes;
-      else if (1.0f - std::sqrt(squared) < 1.0f / settings_.kappa_max) ++report_.kappa_clamped;
+      else if (1.0f - std::sqrt(squared) < 1.0f / settings_.kappa_cap) ++report_.kappa_clamped;
     }
     report_.lobe_count_total += lobes.size();
   }
@@ -254,7 +260,7 @@ class MovmfBaker {
       const int rows = std::min(band_rows, map_.height - first_row);
       const std::size_t texels = texel_count(map_.width, rows);
       level_zero_kernel_.launch({texels}, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], parent, band, map_.width,
-                                parent_width, parent_height, first_row, rows, settings_.kappa_max);
+                                parent_width, parent_height, first_row, rows, settings_.kappa_cap);
       device_.read(band, fitted.data(), lobe_count() * texels * sizeof(MultumVmfLobe));
       const std::size_t offset = texel_count(map_.width, first_row);
       for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, offset);

@@ -15,7 +15,8 @@
 #define MULTUM_START_SHARPNESS 3  // kappa * log2(e)
 #define MULTUM_START_LOG 4        // log2(a kappa / (1 - exp(-2 kappa)))
 #define MULTUM_START_PRIOR 5      // 3 planes: C * sum over done neighbours k of a_k mu_k
-#define MULTUM_START_PLANES 8
+#define MULTUM_START_CAP 8       // the texel's cap of kappa, known after the first E-step
+#define MULTUM_START_PLANES 9
 
 typedef struct MultumMovmfFit {
   int map_width;      // finest level, texels, at most 32768 a side
@@ -33,7 +34,8 @@ typedef struct MultumMovmfFit {
   int chunk_rows;      // rows a chunk sums (movmf_em_chunks.cl)
   int chunk_count;     // chunks a texel
   float alignment;     // C of the alignment prior, >= 0
-  float kappa_max;     // cap inside EM
+  float kappa_cap;        // cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
+  float kappa_cap_slope;
   float total_weight_inverse;  // 1 / (finest texels that a texel covers)
 } MultumMovmfFit;
 

@@ -62,7 +62,8 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--iterations", f.iteration_count, "EM iterations a texel")->capture_default_str();
   bake.add_option("--order", f.order, "colour (parallel) or scanline (the paper's)")->transform(one_of(kOrders));
   bake.add_option("--align", f.alignment, "weight of the alignment prior; 0: none")->capture_default_str();
-  bake.add_option("--kappa-max", f.kappa_max, "sharpest lobe that EM uses")->capture_default_str();
+  bake.add_option("--kappa-cap", f.kappa_cap, "sharpest lobe that EM uses on rough texels; smooth ones get sharper ones")
+      ->capture_default_str();
 }
 
 void add_output_options(CLI::App& bake, BakeOptions& o) {
