@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fits and checks the constants of runtime_gl/shaders/common/movmf_shading.glsl against quadrature in double precision.
+"""Checks the constants of runtime_gl/shaders/common/movmf_shading.glsl against quadrature in double precision.
 
 Prints, for every exponent s and lobe kappa, the relative L1 error over the hemisphere of half vectors (weight: solid
-angle) of: the vMF shape alone, the cosine-power shape alone, Han et al. 2007 eq. 20, and the blend that is used; then the
-errors of the polynomial inverse of A(kappa) = coth kappa - 1/kappa and of the convolved Lambert term.
-`fit_shading.py --fit` also searches the constants again. Needs numpy; takes about 20 s."""
+angle) of: the vMF shape alone, the cosine-power shape alone, Han et al. 2007 eq. 20, and the blend that is used; then
+the errors of the polynomial inverse of A(kappa) = coth kappa - 1/kappa and of the convolved Lambert term.
+`fit_shading.py --fit` also tabulates other values of the blend's constant. Needs numpy; takes about 5 s."""
 import sys
 
 import numpy as np

@@ -44,7 +44,8 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
 /// GLB: 12 bytes of header ("glTF", version, length), then chunks of (length, type, data); the first one is JSON.
 std::string glb_json(const std::string& bytes, const std::string& path) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
-  if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0) refuse(path, "is not a GLB file: it does not begin with glTF");
+  if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0)
+    refuse(path, "is not a GLB file: it does not begin with glTF");
   const std::size_t length = little_endian(bytes, 12);
   if (little_endian(bytes, 16) != kJsonChunk || length > bytes.size() - 20)
     refuse(path, "is a damaged GLB file: its JSON chunk of " + std::to_string(length) + " bytes is not all there");
@@ -70,7 +71,8 @@ void check_gltf_file(const std::string& path) {
   if (required == json.end() || !required->is_array()) return;
   for (const auto& name : *required)
     if (name.is_string() && !leaves_geometry_alone(name.get<std::string>()))
-      refuse(path, "requires the glTF extension " + name.get<std::string>() + ", which cannot be read; export without it");
+      refuse(path, "requires the glTF extension " + name.get<std::string>() +
+                       ", which cannot be read; export without it");
 }
 
 }  // namespace multum

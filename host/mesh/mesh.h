@@ -22,8 +22,8 @@ struct TriangleMesh {
   std::vector<std::uint32_t> indices;  // three a triangle
 };
 
-/// Reads OBJ, glTF, GLB and what else assimp reads; node transforms are applied, normals and tangents made where the file
-/// has none. Throws Error(kInput) naming the file and what is wrong: no texture coordinates, indices out of range,
+/// Reads OBJ, glTF, GLB and what else assimp reads; node transforms are applied, normals and tangents made where the
+/// file has none. Throws Error(kInput) naming the file and what is wrong: no texture coordinates, indices out of range,
 /// coordinates that are not finite, a required extension that cannot be read.
 TriangleMesh read_mesh(const std::string& path);
 

@@ -142,7 +142,8 @@ class EglContext final : public HeadlessContext {
       throw;
     }
   }
-  // The display stays initialised: Mesa hands one display to every caller, and eglTerminate would end the others' contexts.
+  // The display stays initialised: Mesa hands one display to every caller, and eglTerminate would end the others'
+  // contexts.
   void close() {
     if (context_ == EGL_NO_CONTEXT) return;
     egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);

@@ -36,7 +36,8 @@ class HeadlessContext {
 
  protected:
   HeadlessContext() = default;
-  /// Called by a back-end once its context is current: fills the function table, checks the version, turns on KHR_debug.
+  /// Called by a back-end once its context is current: fills the function table, checks the version, turns KHR_debug on
+  /// (in the core since 4.3).
   void load(GetProcAddress get_proc_address);
 
   GlFunctions functions_;

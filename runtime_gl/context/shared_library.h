@@ -16,7 +16,8 @@ class SharedLibrary {
   explicit SharedLibrary(const char* name) : name_(name), handle_(dlopen(name, RTLD_NOW | RTLD_LOCAL)) {
     if (handle_ != nullptr) return;
     const char* reason = dlerror();
-    throw Error(ErrorCode::kEnvironment, "cannot open " + name_ + ": " + (reason != nullptr ? reason : "no reason given"));
+    throw Error(ErrorCode::kEnvironment,
+                "cannot open " + name_ + ": " + (reason != nullptr ? reason : "no reason given"));
   }
 
   template <typename Function>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenGL functions that this runtime calls, and no others, filled from a back-end's GetProcAddress. Measured reasons
-// for a table of our own: libepoxy crashes under OSMesa 22.3.6 and GLEW does not find its functions there.
+// The OpenGL functions that this runtime calls, and no others, filled from a back-end's GetProcAddress. Measured
+// reasons for a table of our own: libepoxy crashes under OSMesa 22.3.6 and GLEW does not find its functions there.
 // GetProcAddress answers with an address for names that do not exist, so the version is checked first.
 #pragma once
 

@@ -7,7 +7,8 @@
 
 namespace multum::gl {
 
-Mesh::Mesh(const GlFunctions& gl, const MeshData& data) : gl_(&gl), index_count_(static_cast<GLsizei>(data.indices.size())) {
+Mesh::Mesh(const GlFunctions& gl, const MeshData& data)
+    : gl_(&gl), index_count_(static_cast<GLsizei>(data.indices.size())) {
   MULTUM_CHECK(!data.vertices.empty() && !data.indices.empty());
   gl.CreateBuffers(2, buffers_);
   gl.NamedBufferStorage(buffers_[0], static_cast<GLsizeiptr>(data.vertices.size() * sizeof(MeshVertex)),

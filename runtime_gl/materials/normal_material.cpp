@@ -42,8 +42,8 @@ std::vector<Coverage> coverage(int from, int to) {
   return all;
 }
 
-/// The next coarser level, box filter. (Of the level above, not of the finest texels: for sizes that are no powers of two
-/// a baseline's weights are those of any mip generator.)
+/// The next coarser level, box filter. (Of the level above, not of the finest texels: for sizes that are no powers of
+/// two a baseline's weights are those of any mip generator.)
 Plane halve(const Plane& fine) {
   Plane coarse{std::max(1, fine.width / 2), std::max(1, fine.height / 2), {}};
   const std::vector<Coverage> columns = coverage(fine.width, coarse.width);

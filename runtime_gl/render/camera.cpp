@@ -12,7 +12,8 @@ glm::mat4 view_projection(const Camera& camera, int width, int height, glm::vec2
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
   const glm::mat4 projection =
       glm::perspective(glm::radians(camera.fov_y_degrees), aspect, camera.near_distance, camera.far_distance);
-  const glm::vec3 shift(2.0f * jitter.x / static_cast<float>(width), 2.0f * jitter.y / static_cast<float>(height), 0.0f);
+  const glm::vec3 shift(2.0f * jitter.x / static_cast<float>(width), 2.0f * jitter.y / static_cast<float>(height),
+                        0.0f);
   return glm::translate(glm::mat4(1.0f), shift) * projection * glm::lookAt(camera.eye, camera.target, camera.up);
 }
 

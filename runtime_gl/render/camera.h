@@ -9,8 +9,9 @@
 namespace multum::gl {
 
 struct Camera {
-  // The default looks over the plane z = 0 from 0.3 units up: its nearest row of pixels lies at 0.45 units (magnified for
-  // maps below 1024 texels a unit), its farthest at 11 units, 1.5 degrees under the horizon, which stays out of sight.
+  // The default looks over the plane z = 0 from 0.3 units up: its nearest row of pixels lies at 0.45 units (magnified
+  // for maps below 1024 texels a unit), its farthest at 11 units, 1.5 degrees under the horizon, which stays out of
+  // sight.
   glm::vec3 eye{0.0f, 0.0f, 0.3f};
   glm::vec3 target{0.0f, 1.0f, -0.0939f};  // 21.5 degrees down
   glm::vec3 up{0.0f, 0.0f, 1.0f};

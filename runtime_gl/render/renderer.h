@@ -20,7 +20,7 @@ enum class Baseline { kMip, kToksvig, kLean };
 
 struct Picture {
   FloatImage image;
-  double frame_time_ms;  // glFinish to glFinish of one frame, the median of 3 after one that warms up; truth: all passes
+  double frame_time_ms;  // glFinish to glFinish of one frame, the median of 3 after a first one; truth: all passes
 };
 
 class Renderer {
@@ -29,7 +29,7 @@ class Renderer {
 
   Picture draw_movmf(const Mesh& mesh, const MovmfMaterial& material, const Scene& scene, LobeFormula formula);
   Picture draw_baseline(const Mesh& mesh, const NormalMaterial& material, const Scene& scene, Baseline baseline);
-  /// The mean of `sample_count` pictures of unfiltered normals, each shifted by a fraction of a pixel (a low-discrepancy
+  /// The mean of `sample_count` pictures of unfiltered normals, each shifted by a fraction of a pixel (low-discrepancy
   /// sequence, box filter of one pixel): cosines and BRDF evaluated at every sample's own normal.
   Picture draw_truth(const Mesh& mesh, const NormalMaterial& material, const Scene& scene, int sample_count);
 

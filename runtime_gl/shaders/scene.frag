@@ -68,8 +68,8 @@ vec3 shade(vec3 l, vec3 h) {
     float cosine = max(dot(multum_movmf_mean_direction(lobe), l), 0.0);
     float diffuse = lobe.w * cosine;
 #else
-    float cosine = multum_movmf_cosine(lobe, h, l, u_exponent);
     float diffuse = multum_movmf_lambert(lobe, l);
+    float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
     vec3 albedo = vec3(1.0);
 #ifdef MULTUM_COLOURS

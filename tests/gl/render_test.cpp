@@ -21,7 +21,8 @@ constexpr int kHeight = 60;
 MeshData make_quad(float size) {
   const float half = 0.5f * size;
   MeshData mesh;
-  for (const auto& corner : {glm::vec2(0.0f, 0.0f), glm::vec2(1.0f, 0.0f), glm::vec2(1.0f, 1.0f), glm::vec2(0.0f, 1.0f)})
+  const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
+  for (const glm::vec2& corner : corners)
     mesh.vertices.push_back({{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f},
                              {1.0f, 0.0f, 0.0f, 1.0f}, corner});
   mesh.indices = {0, 1, 2, 0, 2, 3};
@@ -131,7 +132,8 @@ TEST_P(RenderTest, EveryLobeCountDraws) {
       level.lobes.resize(lobes, level.lobes[0]);
       for (auto& lobe : level.lobes)
         for (glm::vec4& texel : lobe) texel /= static_cast<float>(lobes);
-      level.colours.assign(lobes, std::vector<glm::vec3>(level.lobes[0].size(), glm::vec3(1.0f / static_cast<float>(lobes))));
+      const glm::vec3 white(1.0f / static_cast<float>(lobes));
+      level.colours.assign(lobes, std::vector<glm::vec3>(level.lobes[0].size(), white));
     }
     const Scene scene = distant_scene();
     EXPECT_LT(picture_error(movmf(map, scene), movmf(make_flat_map(4), scene)).relative_l1, 1e-3) << lobes;

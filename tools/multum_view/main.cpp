@@ -67,7 +67,8 @@ gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipma
   for (std::size_t i = 0; i < map.x.size(); ++i) image.normals.emplace_back(map.x[i], map.y[i], map.z[i]);
   if (options.albedo.empty()) return image;
   const ColourMap colours = read_albedo_map(options.albedo, map.width, map.height, 1);
-  for (std::size_t i = 0; i < colours.r.size(); ++i) image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
+  for (std::size_t i = 0; i < colours.r.size(); ++i)
+    image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
   return image;
 }
 
@@ -141,7 +142,8 @@ void write_report(const ViewOptions& options, const std::string& context, const 
       {"height", options.height},
       {"truth_samples", options.samples},
       {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
-      {"brdf", is_phong ? fmt::format("blinn-phong:{}", brdf.exponent) : fmt::format("torrance-sparrow:{}", brdf.sigma)},
+      {"brdf", is_phong ? "blinn-phong" : "torrance-sparrow"},
+      {is_phong ? "exponent" : "sigma", is_phong ? brdf.exponent : brdf.sigma},
       {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
       {"anisotropy", options.anisotropy},
       {"pictures", pictures}};

@@ -129,11 +129,13 @@ void finish(const RawOptions& raw, ViewOptions& options) {
 void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("file", o.input, "baked map, *.ndf.exr")->required();
   app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)")->required();
-  app.add_option("--compare", raw.compare, "also draw these beside it, of truth,mip,toksvig,lean; with truth: errors too");
+  app.add_option("--compare", raw.compare,
+                 "also draw these beside it, of truth,mip,toksvig,lean; with truth: errors too");
   app.add_option("--source", o.source, "normal map that the file was baked from, for the truth and the baselines "
                                        "(default: level 0 of the file)");
   app.add_option("--albedo", o.albedo, "the source's colours");
-  app.add_option("--green", raw.green, "the source's green axis (default: found)")->check(CLI::IsMember({"up", "down"}));
+  app.add_option("--green", raw.green, "the source's green axis (default: found)")
+      ->check(CLI::IsMember({"up", "down"}));
   app.add_option("--height-scale", o.source_settings.height_scale, "of a source that is a height field")
       ->capture_default_str();
   app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane that runs to the horizon)");
@@ -144,7 +146,7 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--brdf", raw.brdf, "blinn-phong:S or torrance-sparrow:SIGMA")->capture_default_str();
   app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b")->capture_default_str();
   app.add_option("--specular", raw.specular, "specular factor, grey or r,g,b")->capture_default_str();
-  app.add_option("--formula", raw.formula, "lobe and BRDF: product (mean cosines multiplied) or paper (Han 2007, eq. 20)")
+  app.add_option("--formula", raw.formula, "lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)")
       ->check(CLI::IsMember({"product", "paper"}))->capture_default_str();
   app.add_option("--size", raw.size, "of each picture, pixels")->capture_default_str();
   app.add_option("--samples", o.samples, "a pixel of the truth")->check(CLI::Range(1, 65536))->capture_default_str();
