@@ -2,8 +2,11 @@
 #include "host/mesh/mesh.h"
 
 #include <cmath>
+#include <mutex>
 
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <glm/geometric.hpp>
@@ -21,6 +24,31 @@ constexpr unsigned kSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiPr
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw Error(ErrorCode::kInput, path + ": " + what);
 }
+
+/// assimp drops triangles whose indices are out of range, and only its log says so. One import at a time may listen:
+/// the log belongs to the process.
+class ImportLog {
+ public:
+  ImportLog() {
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+    Assimp::DefaultLogger::get()->attachStream(new Listener(&warnings_), Assimp::Logger::Warn);  // the logger owns it
+  }
+  ~ImportLog() { Assimp::DefaultLogger::kill(); }
+  ImportLog(const ImportLog&) = delete;
+  ImportLog& operator=(const ImportLog&) = delete;
+  bool dropped_triangles() const { return warnings_.find("out-of-range indices") != std::string::npos; }
+
+ private:
+  class Listener : public Assimp::LogStream {
+   public:
+    explicit Listener(std::string* warnings) : warnings_(warnings) {}
+    void write(const char* message) override { *warnings_ += message; }
+
+   private:
+    std::string* warnings_;
+  };
+  std::string warnings_;
+};
 
 glm::vec3 to_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
@@ -83,8 +111,12 @@ void append_mesh(TriangleMesh& mesh, const aiMesh& part, const std::string& path
 
 TriangleMesh read_mesh(const std::string& path) {
   check_gltf_file(path);
+  static std::mutex log_mutex;
+  const std::lock_guard<std::mutex> lock(log_mutex);
+  const ImportLog log;
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path, kSteps);
+  if (log.dropped_triangles()) refuse(path, "has triangles whose indices are out of range");
   if (scene == nullptr) refuse(path, std::string("cannot be read as a mesh: ") + importer.GetErrorString());
   TriangleMesh mesh;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) append_mesh(mesh, *scene->mMeshes[i], path);

@@ -19,15 +19,20 @@ void check_size(const GlFunctions& gl, int width, int height) {
 
 }  // namespace
 
-Framebuffer::Framebuffer(const GlFunctions& gl, int width, int height) : gl_(&gl), width_(width), height_(height) {
-  check_size(gl, width, height);
+Framebuffer::Framebuffer(const GlFunctions& gl) : gl_(&gl) {
   gl.CreateTextures(GL_TEXTURE_2D, 1, &colour_);
+  gl.CreateRenderbuffers(1, &depth_);
+  gl.CreateFramebuffers(1, &framebuffer_);
+}
+
+Framebuffer::Framebuffer(const GlFunctions& gl, int width, int height) : Framebuffer(gl) {
+  width_ = width;
+  height_ = height;
+  check_size(gl, width, height);
   gl.TextureStorage2D(colour_, 1, GL_RGBA32F, width, height);
   gl.TextureParameteri(colour_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   gl.TextureParameteri(colour_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  gl.CreateRenderbuffers(1, &depth_);
   gl.NamedRenderbufferStorage(depth_, GL_DEPTH_COMPONENT32F, width, height);
-  gl.CreateFramebuffers(1, &framebuffer_);
   gl.NamedFramebufferTexture(framebuffer_, GL_COLOR_ATTACHMENT0, colour_, 0);
   gl.NamedFramebufferRenderbuffer(framebuffer_, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   check_gl(gl, "allocating the picture");

@@ -36,9 +36,11 @@ class Framebuffer {
   int height() const { return height_; }
 
  private:
+  explicit Framebuffer(const GlFunctions& gl);  // owns the names before anything can throw
+
   const GlFunctions* gl_;
-  int width_;
-  int height_;
+  int width_ = 0;
+  int height_ = 0;
   GLuint framebuffer_ = 0;
   GLuint colour_ = 0;
   GLuint depth_ = 0;

@@ -7,15 +7,18 @@
 
 namespace multum::gl {
 
-Mesh::Mesh(const GlFunctions& gl, const MeshData& data)
-    : gl_(&gl), index_count_(static_cast<GLsizei>(data.indices.size())) {
-  MULTUM_CHECK(!data.vertices.empty() && !data.indices.empty());
+Mesh::Mesh(const GlFunctions& gl) : gl_(&gl) {
   gl.CreateBuffers(2, buffers_);
+  gl.CreateVertexArrays(1, &vertex_array_);
+}
+
+Mesh::Mesh(const GlFunctions& gl, const MeshData& data) : Mesh(gl) {
+  MULTUM_CHECK(!data.vertices.empty() && !data.indices.empty());
+  index_count_ = static_cast<GLsizei>(data.indices.size());
   gl.NamedBufferStorage(buffers_[0], static_cast<GLsizeiptr>(data.vertices.size() * sizeof(MeshVertex)),
                         data.vertices.data(), 0);
   gl.NamedBufferStorage(buffers_[1], static_cast<GLsizeiptr>(data.indices.size() * sizeof(std::uint32_t)),
                         data.indices.data(), 0);
-  gl.CreateVertexArrays(1, &vertex_array_);
   gl.VertexArrayVertexBuffer(vertex_array_, 0, buffers_[0], 0, sizeof(MeshVertex));
   gl.VertexArrayElementBuffer(vertex_array_, buffers_[1]);
   const struct {

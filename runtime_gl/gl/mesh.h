@@ -53,8 +53,10 @@ class Mesh {
   void draw() const;
 
  private:
+  explicit Mesh(const GlFunctions& gl);  // owns the names before anything can throw
+
   const GlFunctions* gl_;
-  GLsizei index_count_;
+  GLsizei index_count_ = 0;
   GLuint vertex_array_ = 0;
   GLuint buffers_[2] = {0, 0};
 };

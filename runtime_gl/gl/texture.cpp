@@ -73,10 +73,14 @@ const char* texel_format_name(TexelFormat format) {
   return "?";
 }
 
-Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& shape, const SamplerSettings& sampler)
+Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& shape)
     : gl_(&gl), name_(std::move(name)), shape_(shape) {
-  check_size(gl, name_, shape);
   gl.CreateTextures(GL_TEXTURE_2D, 1, &id_);
+}
+
+Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& shape, const SamplerSettings& sampler)
+    : Texture(gl, std::move(name), shape) {
+  check_size(gl, name_, shape);
   gl.TextureStorage2D(id_, shape.level_count, internal_format(shape.format), shape.width, shape.height);
   gl.TextureParameteri(id_, GL_TEXTURE_WRAP_S, wrap_value(sampler.wrap_s));
   gl.TextureParameteri(id_, GL_TEXTURE_WRAP_T, wrap_value(sampler.wrap_t));

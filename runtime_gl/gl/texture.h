@@ -51,6 +51,9 @@ class Texture {
   const TextureShape& shape() const { return shape_; }
 
  private:
+  // Owns the name before anything can throw.
+  Texture(const GlFunctions& gl, std::string name, const TextureShape& shape);
+
   const GlFunctions* gl_;
   std::string name_;
   TextureShape shape_;

@@ -79,6 +79,33 @@ TEST(Mesh, RefusesWhatCannotCarryAMap) {
   EXPECT_NE(refusal(temporary_file("draco.gltf", draco)).find("KHR_draco_mesh_compression"), std::string::npos);
 }
 
+/// One right triangle and one whose last index is `index`, as glTF with its buffer inside.
+std::string two_triangles(char index) {
+  const char indices[12] = {0, 0, 1, 0, 2, 0, 0, 0, 1, 0, index, 0};
+  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  // Positions (0,0,0) (1,0,0) (0,1,0) and uvs (0,0) (1,0) (0,1), 60 bytes.
+  std::string base64 =
+      "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAA"
+      "AIA/AAAAAAAAAAAAAIA/";
+  for (int i = 0; i < 12; i += 3) {
+    const int bits = (indices[i] << 16) | (indices[i + 1] << 8) | indices[i + 2];
+    for (int shift = 18; shift >= 0; shift -= 6) base64 += digits[(bits >> shift) & 63];
+  }
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"indices":2}]}],)"
+         R"("buffers":[{"byteLength":72,"uri":"data:application/octet-stream;base64,)" + base64 + R"("}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24},)"
+         R"({"buffer":0,"byteOffset":60,"byteLength":12}],"accessors":[)"
+         R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+         R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"},)"
+         R"({"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"}]})";
+}
+
+TEST(Mesh, RefusesIndicesOutOfRange) {
+  EXPECT_EQ(read_mesh(temporary_file("good.gltf", two_triangles(2))).indices.size(), 6u);
+  EXPECT_NE(refusal(temporary_file("range.gltf", two_triangles(7))).find("out of range"), std::string::npos);
+}
+
 std::string shared_data() {
   const char* folder = std::getenv("MULTUM_SHARED_DATA");
   return folder != nullptr ? folder : "";
