@@ -69,6 +69,7 @@ bool is_grey(const RawImage& image, int threads) {
 // side.
 double plausibility(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
+  if (s.texel_count == 0.0) return -1.0;
   if (!reading.encoding.rebuild_z) return s.unit_share_10;
   return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
 }

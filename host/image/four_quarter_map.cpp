@@ -214,7 +214,7 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed) {
     }
   }
   map.normals.report.format = "generated, rounded to 16 bits";
-  map.normals.report.encoding = "normal map, unsigned, green up (OpenGL)";
+  map.normals.report.encoding = "normal map, unsigned, green up (OpenGL), as asked for";
   map.normals.report.encoding_reason = "the four-quarter map is made so";
   return map;
 }

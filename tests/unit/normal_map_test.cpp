@@ -181,6 +181,17 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
   }
 }
 
+TEST(NormalMapReading, FlatTwoChannelFloatsAreSigned) {
+  const TemporaryFolder folder;
+  TestImage image{
+      .width = 4, .height = 4, .channels = 2, .values = std::vector<float>(32, 0.0f), .type = TypeDesc::HALF};
+  image.channel_names = {"R", "G"};
+  write_test_image(folder / "flat.exr", image);
+  const NormalMap map = read_map(folder / "flat.exr");
+  EXPECT_TRUE(contains(map.report.encoding, ", signed")) << map.report.encoding;
+  EXPECT_EQ(map.z[5], 1.0f);
+}
+
 TEST(NormalMapReading, EightBitsDecodeAsAGpuDoes) {
   const glm::dvec3 v = decode_vector({.flat_pair = true}, 130.0f / 255.0f, 128.0f / 255.0f, 1.0f);
   EXPECT_NEAR(v.x, 130.0 / 255.0 * 2.0 - 1.0, 1e-6);
@@ -389,7 +400,8 @@ TEST(NormalMapReading, UnusedTexelsAreFlatAndNoRepairs) {
   TestImage image = normal_image(64, 64);
   for (int row = 0; row < 40; ++row)
     for (int column = 0; column < 64; ++column)
-      for (int channel = 0; channel < 3; ++channel) image.at(column, row, channel) = 0.0f;
+      for (int channel = 0; channel < 3; ++channel)
+        image.at(column, row, channel) = static_cast<float>(column % 5) / 255.0f;
   write_test_image(folder / "atlas.png", image);
   const NormalMap map = read_map(folder / "atlas.png");
   EXPECT_EQ(map.report.unused_texels, 40 * 64);
