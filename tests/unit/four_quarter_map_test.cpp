@@ -71,6 +71,24 @@ TEST(FourQuarterMap, QuartersAreAsDescribed) {
   EXPECT_NEAR(statistics(map, size - half / 8, half, half / 8, half).slope_x_rms, 0.45 * 1.525, 0.05);
 }
 
+// White noise under a Gaussian of sigma has the autocorrelation exp(-d^2 / (4 sigma^2)): between rows, which share their
+// gain, the slopes along x keep it.
+TEST(FourQuarterMap, NoiseHasItsSigma) {
+  const int size = 512;
+  const NormalMap map = make_four_quarter_map(size, 5).normals;
+  double product = 0.0, square = 0.0;
+  for (int row = size / 2; row + 1 < size; ++row) {
+    for (int column = size / 2; column < size; ++column) {
+      const auto i = static_cast<std::size_t>(row * size + column);
+      const auto below = i + static_cast<std::size_t>(size);
+      const double slope = static_cast<double>(map.x[i]) / static_cast<double>(map.z[i]);
+      product += slope * static_cast<double>(map.x[below]) / static_cast<double>(map.z[below]);
+      square += slope * slope;
+    }
+  }
+  EXPECT_NEAR(product / square, std::exp(-1.0 / (4.0 * 0.8 * 0.8)), 0.02);
+}
+
 TEST(FourQuarterMap, FilesReadBackAsTheSameMap) {
   const TemporaryFolder folder;
   const FourQuarterMap map = make_four_quarter_map(128, 11);
