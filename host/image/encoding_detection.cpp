@@ -2,7 +2,7 @@
 // Rules, in order. Thresholds lie between real maps on either side, whose numbers stand next to them; the test
 // SharedData.EveryFileOfTheManifestIsUnderstood prints the numbers of every file.
 //  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
-//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or mask cannot be told from a height: the reason says so.
+//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or mask is like a height: the reason says so.
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
 //  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
 //  4. Refused unless it looks like normals (`refusal` below).
