@@ -71,8 +71,8 @@ TEST(FourQuarterMap, QuartersAreAsDescribed) {
   EXPECT_NEAR(statistics(map, size - half / 8, half, half / 8, half).slope_x_rms, 0.45 * 1.525, 0.05);
 }
 
-// White noise under a Gaussian of sigma has the autocorrelation exp(-d^2 / (4 sigma^2)): between rows, which share their
-// gain, the slopes along x keep it.
+// White noise under a Gaussian of sigma has the autocorrelation exp(-d^2 / (4 sigma^2)): between rows, which share
+// their gain, the slopes along x keep it.
 TEST(FourQuarterMap, NoiseHasItsSigma) {
   const int size = 512;
   const NormalMap map = make_four_quarter_map(size, 5).normals;
