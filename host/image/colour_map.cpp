@@ -24,7 +24,8 @@ struct TransferFunction {
 };
 
 TransferFunction transfer_function(const RawImage& image) {
-  if (is_float_type(image.sample_type) || image.colour_space == "Linear") return {"linear", [](double v) { return v; }};
+  const bool is_linear = image.colour_space == "linear" || image.colour_space == "Linear";  // readers spell both
+  if (is_float_type(image.sample_type) || is_linear) return {"linear", [](double v) { return v; }};
   if (image.colour_space.starts_with("Gamma")) {
     const double gamma = std::strtod(image.colour_space.c_str() + 5, nullptr);
     // 2.2 is how PNG's gAMA spells sRGB (1 / 0.45455); others are meant as they stand.

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rules, in order; thresholds come from the table of measured maps in tests/unit/image_shared_data_test.cpp, each with
-// the nearest real file on either side.
+// Rules, in order. Thresholds lie between real maps on either side, whose numbers stand next to them; the test
+// SharedData.EveryFileOfTheManifestIsUnderstood prints the numbers of every file.
 //  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
-//  rms in
-//     8 bits; the greyest colour image 2.5.) A grey gloss or mask cannot be told from a height, which the reason says.
+//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or mask is like a height: the reason says so.
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
 //  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
 //  4. Refused unless it looks like normals (`refusal` below).
@@ -69,6 +68,7 @@ bool is_grey(const RawImage& image, int threads) {
 // side.
 double plausibility(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
+  if (s.texel_count == 0.0) return -1.0;
   if (!reading.encoding.rebuild_z) return s.unit_share_10;
   return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
 }
@@ -125,8 +125,9 @@ std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
 }
 
 // Why vectors (x, y, z) are no normals; nullopt when they are.
-//   below the horizon <= 5 %            normal maps reach 1 % (gutters of an atlas), colours start at 7 %
-//   |mean xy| <= 0.5 mean z, z >= 0.4   normal maps 0.27 and 0.61, a blue sky 0.7; not asked of vectors of unit length
+//   below the horizon <= 5 %            normal maps reach 1 % (gutters of an atlas), colours start at 9 %
+//   |mean xy| <= 0.5 mean z, z >= 0.4   normal maps 0.27 and 0.61, sky blue (135, 206, 235) 0.74; not asked of vectors
+//   of unit length
 //   and one of: unit within 10 % on 80 %; within 20 % on 60 % with blue or gradients agreeing; gradients agreeing
 //   strongly (maps of vectors that are not of unit length)
 std::optional<std::string> vector_refusal(const VectorStatistics& s) {

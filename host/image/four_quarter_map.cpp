@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every quarter is size/2 texels wide; (x, y) are texel centres counted from its top left corner, rows downwards. The
-// second slope is used as it stands for y (so the pictures are those of a map with green up whose shapes are turned
-// upside down).
+// second slope is used as it stands for y, although rows grow downwards: the numbers are those of the prototype that
+// docs/ACCURACY.md was measured with, and as a surface they are one with green down. The statistics of a reader say so.
 //   armour   unit hemispheres clipped at r^2 = 0.9025 (slope 3.04), rows shifted by half a period
 //   rings    slope 1.2 sin(2 pi phase / 0.55) for phase < 0.55 of a wavelength of 16, along the radius
 //   grooves  slope -1, +1, 0 for 40, 40, 20 % of a period of 12, along (cos 30, sin 30)
 //   noise    white noise filtered by a Gaussian of 0.8 texels; slopes of central differences (the quarter is periodic),
 //            scaled to rms 0.45, then by 0.4 .. 1.6 from left to right
 // Here slope means n_xy / n_z. The noise is SplitMix64 and Box-Muller, written out, so that a seed means the same map
-// under every standard library.
+// under every standard library (up to the last bits of log, sin and cos, which rounding to 16 bits hides but for ties).
 #include "host/image/four_quarter_map.h"
 
 #include <algorithm>
@@ -165,11 +165,17 @@ std::uint16_t rounded_16_bit(double value) {
   return static_cast<std::uint16_t>(std::clamp(std::nearbyint(value * 65535.0), 0.0, 65535.0));
 }
 
-// The unit normal of a slope after a round trip through 16 bits, as a reader of the PNG sees it.
-std::array<float, 3> stored_normal(const Texel& texel) {
+// The normal of a slope in 16 bits.
+std::array<std::uint16_t, 3> normal_code(const Texel& texel) {
   const double z = 1.0 / std::sqrt(1.0 + texel.slope_x * texel.slope_x + texel.slope_y * texel.slope_y);
-  std::array<double, 3> n = {texel.slope_x * z, texel.slope_y * z, z};
-  for (double& v : n) v = rounded_16_bit(v * 0.5 + 0.5) / 65535.0 * 2.0 - 1.0;
+  return {rounded_16_bit(texel.slope_x * z * 0.5 + 0.5), rounded_16_bit(texel.slope_y * z * 0.5 + 0.5),
+          rounded_16_bit(z * 0.5 + 0.5)};
+}
+
+// As a reader of the PNG decodes it.
+std::array<float, 3> unit_normal(const std::array<std::uint16_t, 3>& code) {
+  std::array<double, 3> n;
+  for (std::size_t c = 0; c < 3; ++c) n[c] = code[c] / 65535.0 * 2.0 - 1.0;
   const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
 }
@@ -186,6 +192,7 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed) {
   for (std::vector<float>* plane :
        {&map.normals.x, &map.normals.y, &map.normals.z, &map.albedo.r, &map.albedo.g, &map.albedo.b})
     plane->resize(count);
+  map.normal_codes.reserve(3 * count);
   for (int row = 0; row < size; ++row) {
     for (int column = 0; column < size; ++column) {
       const double x = column % half + 0.5;
@@ -193,7 +200,9 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed) {
       const bool right = column >= half;
       const Texel texel = row < half ? (right ? ring_texel(x, y, half) : armour_texel(x, y))
                                      : (right ? noise.texel(column - half, row - half) : groove_texel(x, y));
-      const std::array<float, 3> n = stored_normal(texel);
+      const std::array<std::uint16_t, 3> code = normal_code(texel);
+      map.normal_codes.insert(map.normal_codes.end(), code.begin(), code.end());
+      const std::array<float, 3> n = unit_normal(code);
       const std::size_t i =
           static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(column);
       map.normals.x[i] = n[0];
@@ -205,24 +214,20 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed) {
     }
   }
   map.normals.report.format = "generated, rounded to 16 bits";
-  map.normals.report.encoding = "normal map, unsigned, green up (OpenGL)";
+  map.normals.report.encoding = "normal map, unsigned, green up (OpenGL), as asked for";
   map.normals.report.encoding_reason = "the four-quarter map is made so";
   return map;
 }
 
 void write_four_quarter_map(const FourQuarterMap& map, const std::string& prefix) {
-  const std::size_t count = map.normals.x.size();
-  std::vector<std::uint16_t> normals(3 * count);
+  const std::size_t count = map.albedo.r.size();
   std::vector<std::uint16_t> albedo(3 * count);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::array<float, 3> n = {map.normals.x[i], map.normals.y[i], map.normals.z[i]};
     const std::array<float, 3> colour = {map.albedo.r[i], map.albedo.g[i], map.albedo.b[i]};
-    for (std::size_t c = 0; c < 3; ++c) {
-      normals[3 * i + c] = rounded_16_bit(static_cast<double>(n[c]) * 0.5 + 0.5);
+    for (std::size_t c = 0; c < 3; ++c)
       albedo[3 * i + c] = rounded_16_bit(srgb_from_linear(static_cast<double>(colour[c])));
-    }
   }
-  write_png16(prefix + "_normal.png", map.normals.width, map.normals.height, normals, "Linear");
+  write_png16(prefix + "_normal.png", map.normals.width, map.normals.height, map.normal_codes, "Linear");
   write_png16(prefix + "_albedo.png", map.albedo.width, map.albedo.height, albedo, "sRGB");
 }
 

@@ -5,14 +5,16 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "host/image/normal_map.h"
 
 namespace multum {
 
 struct FourQuarterMap {
-  NormalMap normals;  // rounded to 16 bits as the PNG stores them, then normalised
-  ColourMap albedo;   // colours correlated with slope
+  NormalMap normals;                        // rounded to 16 bits as the PNG stores them, then normalised
+  ColourMap albedo;                         // colours correlated with slope
+  std::vector<std::uint16_t> normal_codes;  // what the PNG stores of the normals, three a texel
 };
 
 /// `size` >= 16, even. Top left: armour of overlapping hemispherical scales (period 24 texels); top right: carved rings
@@ -20,7 +22,8 @@ struct FourQuarterMap {
 /// and blue facets; bottom right: fine noise whose slope grows to the right (rms 0.45 on average).
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed);
 
-/// Writes PREFIX_normal.png (16 bits, green up) and PREFIX_albedo.png (16 bits, sRGB).
+/// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB), atomically. To read back the
+/// same normals, say green up: its statistics say green down (see four_quarter_map.cpp).
 void write_four_quarter_map(const FourQuarterMap& map, const std::string& prefix);
 
 }  // namespace multum

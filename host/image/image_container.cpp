@@ -72,7 +72,8 @@ void keep(ImageContainer& container, std::int64_t begin, std::int64_t end) {
 }
 
 // signature, then chunks of [length 4][type 4][data][CRC 4]; what the picture needs is IHDR PLTE tRNS gAMA sRGB IDAT
-// IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s (ImageIo.DamagedAndHostileFilesAreRefused).
+// IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
+// (SharedDataDeathTest.DamagedAndHostileFilesEndInAnError).
 void inspect_png(const std::string& path, ByteReader& file, ImageContainer& container) {
   constexpr std::array<std::string_view, 7> kPicture = {"IHDR", "PLTE", "tRNS", "gAMA", "sRGB", "IDAT", "IEND"};
   keep(container, 0, 8);

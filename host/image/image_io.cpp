@@ -122,6 +122,21 @@ bool read_band(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int row_beg
   return input.read_scanlines(0, 0, y_begin, y_end, spec.z, 0, channel_count, OIIO::TypeDesc::FLOAT, band);
 }
 
+// Workaround "WebP alpha": OpenImageIO 2.4.7's WebP reader multiplies colour by alpha whatever it is asked for
+// (ImageIo.WebpWithAlphaIsRefused), and 8 bits cannot be divided back. Opaque alpha changes nothing.
+void check_webp_opaque(const std::string& path, OIIO::ImageInput& input, const OIIO::ImageSpec& spec) {
+  std::vector<float> row(static_cast<std::size_t>(spec.width));
+  for (int y = spec.y; y < spec.y + spec.height; ++y) {
+    if (!input.read_scanlines(0, 0, y, y + 1, spec.z, spec.alpha_channel, spec.alpha_channel + 1, OIIO::TypeDesc::FLOAT,
+                              row.data()))
+      refuse(path, fmt::format("damaged: row {} of {} cannot be read: {}", y, spec.height, input.geterror()));
+    if (std::any_of(row.begin(), row.end(), [](float alpha) { return alpha < 1.0f; }))
+      refuse(path, fmt::format("found a WebP whose alpha is not 1 (row {}), expected an opaque one: its colours come "
+                               "multiplied by alpha; save it as PNG, or without alpha",
+                               y));
+  }
+}
+
 void read_planes(const std::string& path, OIIO::ImageInput& input, const OIIO::ImageSpec& spec, RawImage& image,
                  Progress* progress) {
   const auto channel_count = image.planes.size();
@@ -133,9 +148,12 @@ void read_planes(const std::string& path, OIIO::ImageInput& input, const OIIO::I
   std::vector<float> band(static_cast<std::size_t>(rows) * width * channel_count);
   for (int row_begin = 0; row_begin < image.height; row_begin += rows) {
     const int row_end = std::min(image.height, row_begin + rows);
-    if (!read_band(input, spec, row_begin, row_end, static_cast<int>(channel_count), band.data()))
+    // The TIFF reader calls a band read that is cut; its message is the only sign.
+    const bool is_read = read_band(input, spec, row_begin, row_end, static_cast<int>(channel_count), band.data());
+    const std::string message = input.geterror();
+    if (!is_read || !message.empty())
       refuse(path, fmt::format("damaged: rows {} to {} of {} cannot be read: {}", row_begin, row_end - 1, image.height,
-                               input.geterror()));
+                               message));
     const std::size_t texel_count = static_cast<std::size_t>(row_end - row_begin) * width;
     const std::size_t offset = static_cast<std::size_t>(row_begin) * width;
     for (std::size_t c = 0; c < channel_count; ++c)
@@ -165,6 +183,7 @@ RawImage read_checked(const std::string& path, const ImageReadSettings& settings
   open.input->threads(std::max(0, settings.threads));
   const auto texel_count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
   image.planes.assign(static_cast<std::size_t>(channel_count), std::vector<float>(texel_count));
+  if (container.format == "webp" && spec.alpha_channel >= 0) check_webp_opaque(path, *open.input, spec);
   read_planes(path, *open.input, spec, image, progress);
   return image;
 }

@@ -39,9 +39,12 @@ inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g
   return v;
 }
 
-/// True where an unsigned file was never written: the area between the charts of an atlas is (0, 0, 0).
+/// True where an unsigned file was never written: the area between the charts of an atlas is black, up to the noise of
+/// lossy compression (4 codes of 8 bits). No normal is near (-1, -1, -1).
 inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b) {
-  return !encoding.is_signed && r == 0.0f && g == 0.0f && b == 0.0f;
+  constexpr float kBlackMax = 4.5f / 255.0f;
+  return !encoding.is_signed && r <= kBlackMax && g <= kBlackMax && b <= kBlackMax && r >= 0.0f && g >= 0.0f &&
+         b >= 0.0f;
 }
 
 /// Consumes `image` (2 or 3 planes). Fills the map's counts, not its encoding. Throws Error(kInput) for a non-finite

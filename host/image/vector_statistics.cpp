@@ -19,6 +19,7 @@ namespace {
 
 // A band is 64 rows: 16 rows at 4 texels, of which the inner 14 have derivatives.
 constexpr int kStatisticsRows = 64;
+constexpr int kStatisticsColumns = 1 << 18;  // of a very wide image, so that a band stays below 400 MB
 constexpr int kScaleCount = 3;
 // Slopes beyond 3 (72 degrees) are mostly compression noise of a small z, and would outweigh all others in a
 // correlation.
@@ -83,22 +84,24 @@ struct VectorBand {
 // Decodes the rows and sums what concerns single texels. Texels without a vector are flat for the gradients.
 VectorBand decode_band(const RawImage& image, const VectorEncoding& encoding, int row_begin, int row_end,
                        BandSums& sums) {
-  VectorBand band{image.width, row_end - row_begin, {}};
-  const auto width = static_cast<std::size_t>(image.width);
-  band.vectors.reserve(static_cast<std::size_t>(band.height) * width);
-  for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < static_cast<std::size_t>(row_end) * width;
-       ++i) {
-    const float r = image.planes[0][i];
-    const float g = image.planes[1][i];
-    const float b = image.planes.size() > 2 ? image.planes[2][i] : 0.0f;
-    glm::dvec3 v(0.0, 0.0, 1.0);
-    if (std::isfinite(r) && std::isfinite(g) && std::isfinite(b) && !is_unused(encoding, r, g, b)) {
-      v = decode_vector(encoding, r, g, b);
-      sums.add_vector(v);
-      sums.blue_min = std::min(sums.blue_min, static_cast<double>(b));
-      sums.blue_max = std::max(sums.blue_max, static_cast<double>(b));
+  VectorBand band{std::min(image.width, kStatisticsColumns), row_end - row_begin, {}};
+  band.vectors.reserve(static_cast<std::size_t>(band.height) * static_cast<std::size_t>(band.width));
+  for (int row = row_begin; row < row_end; ++row) {
+    for (int column = 0; column < band.width; ++column) {
+      const std::size_t i =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(column);
+      const float r = image.planes[0][i];
+      const float g = image.planes[1][i];
+      const float b = image.planes.size() > 2 ? image.planes[2][i] : 0.0f;
+      glm::dvec3 v(0.0, 0.0, 1.0);
+      if (std::isfinite(r) && std::isfinite(g) && std::isfinite(b) && !is_unused(encoding, r, g, b)) {
+        v = decode_vector(encoding, r, g, b);
+        sums.add_vector(v);
+        sums.blue_min = std::min(sums.blue_min, static_cast<double>(b));
+        sums.blue_max = std::max(sums.blue_max, static_cast<double>(b));
+      }
+      band.vectors.push_back(v);
     }
-    band.vectors.push_back(v);
   }
   return band;
 }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// What this device and driver make of the building blocks: for the tests, and for anyone who doubts a driver.
+
+#include "device/vmf_shading.clh"
+#include "shared/movmf_fit.h"
+#include "shared/vmf_lobe.h"
+
+#if MULTUM_VECTOR_WIDTH != 1
+#error "probe_numerics has only a scalar variant"
+#endif
+
+#define PROBE_EXP2 0
+#define PROBE_LOG2 1
+#define PROBE_KAPPA 2     // of a mean length given as spread
+#define PROBE_ISNAN 3     // 1 where isnan() sees a NaN: relaxed mathematics would answer 0
+
+// One work-item = one input; global size count. values[i] = function(inputs[i]).
+__kernel void probe_functions(__global const float *inputs, __global float *values, int count, int function) {
+  const int i = (int)get_global_id(0);
+  if (i >= count) return;
+  const float x = inputs[i];
+  values[i] = function == PROBE_EXP2    ? exp2_v(x)
+              : function == PROBE_LOG2  ? log2_v(x)
+              : function == PROBE_KAPPA ? kappa_of_mean_length(1.0f - x, x)
+                                        : (isnan(x) ? 1.0f : 0.0f);
+}
+
+// One work-item in all. sizes: the device's idea of the structs that it shares with the host.
+__kernel void probe_layout(__global int *sizes) {
+  if (get_global_id(0) != 0) return;
+  MultumMovmfFit fit;
+  MultumVmfLobe lobe;
+  sizes[0] = (int)sizeof(MultumVmfLobe);
+  sizes[1] = (int)((char *)&lobe.amplitude - (char *)&lobe);
+  sizes[2] = (int)sizeof(MultumMovmfFit);
+  sizes[3] = (int)((char *)&fit.kappa_cap_slope - (char *)&fit);
+  sizes[4] = (int)((char *)&fit.total_weight_inverse - (char *)&fit);
+}

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// The hard cases of METHODS that concern fitting (its last section), each a whole bake: finite, conserved, and right where
+// the right answer is known in closed form.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include <glm/geometric.hpp>
+
+#include "host/bake/movmf_bake.h"
+
+namespace multum {
+namespace {
+
+NormalMap make_map(int width, int height, const std::function<glm::dvec3(int, int)>& normal_at) {
+  NormalMap map;
+  map.width = width;
+  map.height = height;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::vec3 n(normal_at(x, y));
+      map.x.push_back(n.x);
+      map.y.push_back(n.y);
+      map.z.push_back(n.z);
+    }
+  return map;
+}
+
+struct Baked {
+  MovmfMipmap mipmap;
+  BakeReport report;
+};
+
+Baked bake(const NormalMap& map, int lobes, bool scalar) {
+  static Device device = Device::open("");
+  MovmfSettings settings;
+  settings.lobe_count = lobes;
+  settings.force_scalar = scalar;
+  Baked baked;
+  baked.mipmap = bake_movmf(device, map, nullptr, settings, baked.report, nullptr);
+  EXPECT_EQ(baked.report.nonfinite, 0u);
+  for (const MovmfLevel& level : baked.mipmap.levels)
+    for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
+      float sum = 0.0f;
+      for (const auto& lobe : level.lobes) {
+        sum += lobe[i].w;
+        EXPECT_GE(lobe[i].w, 0.0f);
+        EXPECT_LE(glm::length(glm::vec3(lobe[i])), lobe[i].w * 1.000001f + 1e-9f);
+      }
+      EXPECT_NEAR(sum, 1.0f, 1e-5f);
+    }
+  return baked;
+}
+
+// 1 - |r| of the mixture of lobes that point one way, weighted.
+double spread_of(const MovmfLevel& level, std::size_t texel) {
+  double spread = 0.0;
+  for (const auto& lobe : level.lobes) {
+    const glm::dvec4 v(lobe[texel]);
+    if (v.w > 1e-6) spread += v.w - glm::length(glm::dvec3(v));
+  }
+  return spread;
+}
+
+glm::dvec3 tilted(double degrees, double azimuth = 0.3) {
+  const double t = degrees * M_PI / 180.0;
+  return {std::sin(t) * std::cos(azimuth), std::sin(t) * std::sin(azimuth), std::cos(t)};
+}
+
+class HardCaseTest : public ::testing::TestWithParam<bool> {};  // both variants of the kernels
+INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest, ::testing::Values(false, true),
+                         [](const ::testing::TestParamInfo<bool>& variant) { return variant.param ? "Scalar" : "Vector"; });
+
+// kappa -> infinity; J > number of distinct normals; identical starting lobes.
+TEST_P(HardCaseTest, AllNormalsEqual) {
+  for (double degrees : {0.0, 30.0, 60.0, 89.0}) {
+    const glm::dvec3 n = glm::dvec3(glm::vec3(tilted(degrees)));
+    const Baked baked = bake(make_map(64, 64, [&](int, int) { return n; }), 6, GetParam());
+    for (const MovmfLevel& level : baked.mipmap.levels)
+      for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
+        EXPECT_LT(spread_of(level, i), 1e-6) << degrees << " degrees, level of width " << level.width;
+        for (const auto& lobe : level.lobes)
+          if (lobe[i].w > 1e-3f) {
+            EXPECT_LT(glm::length(glm::dvec3(lobe[i]) / glm::length(glm::dvec3(lobe[i])) - n), 1e-6);
+          }
+      }
+  }
+}
+
+// Two tilts in equal shares: two lobes must find them, whatever lies between.
+TEST_P(HardCaseTest, TwoOppositeTilts) {
+  for (double degrees : {10.0, 45.0, 80.0, 89.9}) {
+    const glm::dvec3 a = tilted(degrees, 0.0), b = tilted(degrees, M_PI);
+    const Baked baked = bake(make_map(32, 32, [&](int x, int y) { return ((x + y) & 1) != 0 ? a : b; }), 2, GetParam());
+    for (std::size_t l = 1; l < baked.mipmap.levels.size(); ++l)
+      for (std::size_t i = 0; i < baked.mipmap.levels[l].lobes[0].size(); ++i) {
+        EXPECT_LT(spread_of(baked.mipmap.levels[l], i), 2e-6) << degrees << " degrees, level " << l;
+        EXPECT_NEAR(baked.mipmap.levels[l].lobes[0][i].w, 0.5f, 1e-4f);
+      }
+  }
+}
+
+// One lobe on two opposite normals of the equator: r -> 0, kappa -> 0, no direction.
+TEST_P(HardCaseTest, OppositeNormalsOnTheEquatorWithOneLobe) {
+  const Baked baked = bake(make_map(16, 16, [](int x, int) { return glm::dvec3((x & 1) != 0 ? 1.0 : -1.0, 0.0, 0.0); }), 1, GetParam());
+  EXPECT_GT(baked.report.undirected_lobes, 0u);
+  for (std::size_t l = 1; l < baked.mipmap.levels.size(); ++l)
+    for (const glm::vec4& lobe : baked.mipmap.levels[l].lobes[0]) {
+      EXPECT_LT(glm::length(glm::vec3(lobe)), 1e-5f);
+      EXPECT_NEAR(lobe.w, 1.0f, 1e-6f);
+    }
+}
+
+// Normals below the horizon reach the kernels only if a caller skips the reader's repair; they must do no harm.
+TEST_P(HardCaseTest, NormalsOverTheWholeSphere) {
+  const Baked baked = bake(make_map(64, 64, [](int x, int y) {
+    const double z = 1.0 - 2.0 * (y * 64 + x + 0.5) / 4096.0, phi = (y * 64 + x) * 2.399963;
+    return glm::dvec3(std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z);
+  }), 4, GetParam());
+  const glm::vec4 top = baked.mipmap.levels.back().lobes[0][0] + baked.mipmap.levels.back().lobes[1][0] +
+                        baked.mipmap.levels.back().lobes[2][0] + baked.mipmap.levels.back().lobes[3][0];
+  EXPECT_LT(glm::length(glm::vec3(top)), 1e-3f);
+}
+
+// N = 1, 2, 3 normals in all.
+TEST_P(HardCaseTest, MapsOfOneTwoAndThreeTexels) {
+  for (int width : {1, 2, 3})
+    for (int lobes : {1, 4, 8}) {
+      const Baked baked = bake(make_map(width, 1, [](int x, int) { return tilted(20.0 * x, 1.0 * x); }), lobes, GetParam());
+      EXPECT_EQ(static_cast<int>(baked.mipmap.levels.size()), mip_level_count(width, 1));
+      if (lobes >= width) {
+        EXPECT_LT(spread_of(baked.mipmap.levels.back(), 0), 2e-2);
+      }
+    }
+}
+
+// A tiny spread must be measured, not rounded away: normals within 0.05 degrees, |r| = 1 - 1.9e-7 ... 1 - 7.6e-7.
+TEST_P(HardCaseTest, NearlyEqualNormalsKeepTheirSpread) {
+  const NormalMap map = make_map(64, 64, [](int x, int y) { return tilted(40.0 + 0.05 * ((x * 7 + y * 3) % 5), 0.2); });
+  const Baked baked = bake(map, 1, GetParam());
+  const MovmfLevel& top = baked.mipmap.levels.back();
+  glm::dvec3 mean(0.0);
+  for (std::size_t i = 0; i < map.x.size(); ++i) mean += glm::normalize(glm::dvec3(map.x[i], map.y[i], map.z[i])) / 4096.0;
+  const double exact = 1.0 - glm::length(mean);
+  // The kernels carry 1 - |r| beside r; what they store is r itself, in floats of 6e-8: half of a part in ten at this spread.
+  EXPECT_NEAR(spread_of(top, 0) / exact, 1.0, 0.2) << "exact spread " << exact;
+}
+
+// Amplitudes that die: one normal in 4096 apart from the others.
+TEST_P(HardCaseTest, ALobeOfOneNormalInThousands) {
+  const Baked baked = bake(make_map(64, 64, [](int x, int y) { return x == 5 && y == 7 ? tilted(70) : tilted(5, 0.01 * x); }), 4, GetParam());
+  EXPECT_GT(baked.report.lobe_count_total, 0u);
+}
+
+// Samples shorter than 1 (mean vectors of rough places): spread adds up, |r| = 0.9 for all stays 0.9.
+TEST_P(HardCaseTest, SamplesShorterThanOne) {
+  const Baked baked = bake(make_map(32, 32, [](int, int) { return 0.9 * tilted(30); }), 3, GetParam());
+  const MovmfLevel& top = baked.mipmap.levels.back();
+  EXPECT_NEAR(spread_of(top, 0), 0.1, 1e-4);
+}
+
+// Strips: 1 x N and N x 1, powers of two and not, down to one texel.
+TEST_P(HardCaseTest, Strips) {
+  for (int length : {2, 3, 37, 64, 1000, 2048})
+    for (bool upright : {false, true}) {
+      const Baked baked = bake(make_map(upright ? 1 : length, upright ? length : 1,
+                                        [](int x, int y) { return tilted(((x + y) % 7) * 9.0, (x + y) * 0.1); }), 4, GetParam());
+      EXPECT_EQ(baked.mipmap.levels.back().lobes[0].size(), 1u);
+    }
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the EM kernels on the texels of one level of a map, from given starts, and the reference on the same texels.
+#pragma once
+
+#include <vector>
+
+#include "host/image/normal_map.h"
+#include "host/opencl/device.h"
+#include "kernels/shared/movmf_fit.h"
+#include "kernels/shared/vmf_lobe.h"
+#include "tests/reference/movmf_em.h"
+
+namespace multum::testing {
+
+struct LevelFit {
+  int level = 1;
+  int iterations = 5;
+  float alignment = 0.1f;
+  float kappa_cap = 500.0f;
+  float kappa_cap_slope = 10.0f;
+  bool scalar = false;
+  bool force_chunked = false;  // run the kernels of coarse levels on any level
+};
+
+/// Deterministic test device: the CPU.
+Device& test_device();
+
+/// Fits every texel of a level in one launch (no neighbours are done, only the parent speaks), from `parent` lobes
+/// [lobe][parent texel]. Returns [lobe][texel]. Memory is filled with a poison value first.
+std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent, int lobe_count,
+                                            const LevelFit& how);
+
+/// The same by the reference.
+std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
+                                                   int lobe_count, const LevelFit& how);
+
+/// Finest texels that texel (x, y) of a level covers, with their exact shares.
+std::vector<reference::Sample> covered_samples(const NormalMap& map, int level, int x, int y);
+
+}  // namespace multum::testing

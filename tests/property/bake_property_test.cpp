@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every bake must satisfy, whatever the map: conservation, symmetry, repeatability.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include <glm/geometric.hpp>
+
+#include "host/bake/movmf_bake.h"
+#include "host/image/four_quarter_map.h"
+
+namespace multum {
+namespace {
+
+NormalMap random_map(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  NormalMap map;
+  map.width = width;
+  map.height = height;
+  for (int i = 0; i < width * height; ++i) {
+    const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f * 2.0f - 1.0f; };
+    const glm::vec3 n = glm::normalize(glm::vec3(uniform(), uniform(), 0.2f + std::abs(uniform())));
+    map.x.push_back(n.x);
+    map.y.push_back(n.y);
+    map.z.push_back(n.z);
+  }
+  return map;
+}
+
+MovmfMipmap bake(const NormalMap& map, const MovmfSettings& settings, const ColourMap* albedo = nullptr) {
+  static Device device = Device::open("");
+  BakeReport report;
+  MovmfMipmap mipmap = bake_movmf(device, map, albedo, settings, report, nullptr);
+  EXPECT_EQ(report.nonfinite, 0u);
+  return mipmap;
+}
+
+bool same_pixels(const MovmfMipmap& a, const MovmfMipmap& b) {
+  for (std::size_t l = 0; l < a.levels.size(); ++l)
+    for (std::size_t j = 0; j < a.levels[l].lobes.size(); ++j)
+      if (std::memcmp(a.levels[l].lobes[j].data(), b.levels[l].lobes[j].data(),
+                      a.levels[l].lobes[j].size() * sizeof(glm::vec4)) != 0)
+        return false;
+  return true;
+}
+
+class BakePropertyTest : public ::testing::TestWithParam<std::pair<int, int>> {};
+INSTANTIATE_TEST_SUITE_P(Sizes, BakePropertyTest,
+                         ::testing::Values(std::pair{64, 64}, std::pair{128, 32}, std::pair{50, 37}, std::pair{1, 100},
+                                           std::pair{100, 1}, std::pair{1, 1}, std::pair{3, 3}, std::pair{2, 1}));
+
+// Amplitudes sum to 1 and a_j r_j to the mean normal of what the texel covers: filtering and fitting move nothing.
+TEST_P(BakePropertyTest, AmplitudesAndMeanNormalsAreConserved) {
+  const auto [width, height] = GetParam();
+  const NormalMap map = random_map(width, height, 11);
+  const MovmfMipmap mipmap = bake(map, {});
+  ASSERT_EQ(static_cast<int>(mipmap.levels.size()), mip_level_count(width, height));
+  glm::dvec3 mean(0.0);
+  for (std::size_t i = 0; i < map.x.size(); ++i) mean += glm::dvec3(map.x[i], map.y[i], map.z[i]);
+  mean /= static_cast<double>(map.x.size());
+  for (const MovmfLevel& level : mipmap.levels) {
+    glm::dvec4 level_mean(0.0);
+    for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
+      glm::dvec4 sum(0.0);
+      for (const auto& lobe : level.lobes) sum += glm::dvec4(lobe[i]);
+      EXPECT_NEAR(sum.w, 1.0, 1e-5) << level.width << " x " << level.height << " texel " << i;
+      level_mean += sum / static_cast<double>(level.lobes[0].size());
+    }
+    // Texels of one level cover equal areas, so the mean over a level is the map's mean.
+    EXPECT_LT(glm::length(glm::dvec3(level_mean) - mean), 2e-5) << level.width << " x " << level.height;
+  }
+}
+
+TEST_P(BakePropertyTest, IdenticalRunsGiveIdenticalBytes) {
+  const auto [width, height] = GetParam();
+  const NormalMap map = random_map(width, height, 12);
+  EXPECT_TRUE(same_pixels(bake(map, {}), bake(map, {})));
+}
+
+TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
+  const auto [width, height] = GetParam();
+  const NormalMap map = random_map(width, height, 13);
+  MovmfSettings scalar;
+  scalar.force_scalar = true;
+  EXPECT_TRUE(same_pixels(bake(map, {}), bake(map, scalar)));
+}
+
+// Turning every normal by 90 degrees about z is exact in floats (swap and negate) and must turn every lobe alike: the
+// kernels prefer no axis beyond the rounding of sums in x, y order.
+TEST(BakeRotationTest, RotatedNormalsGiveRotatedLobes) {
+  const NormalMap map = make_four_quarter_map(64, 3).normals;
+  NormalMap turned = map;
+  for (std::size_t i = 0; i < map.x.size(); ++i) {
+    turned.x[i] = -map.y[i];
+    turned.y[i] = map.x[i];
+  }
+  const MovmfMipmap straight = bake(map, {}), rotated = bake(turned, {});
+  double error = 0.0;
+  std::size_t count = 0;
+  for (std::size_t l = 0; l < straight.levels.size(); ++l)
+    for (std::size_t j = 0; j < straight.levels[l].lobes.size(); ++j)
+      for (std::size_t i = 0; i < straight.levels[l].lobes[j].size(); ++i, ++count) {
+        const glm::vec4 s = straight.levels[l].lobes[j][i], r = rotated.levels[l].lobes[j][i];
+        error += static_cast<double>(glm::length(r - glm::vec4(-s.y, s.x, s.z, s.w)));
+      }
+  // On average; a texel where two lobes compete evenly may fall either way.
+  EXPECT_LT(error / static_cast<double>(count), 2e-3);
+}
+
+TEST_P(BakePropertyTest, LobeColoursSumToTheMeanColour) {
+  const auto [width, height] = GetParam();
+  const NormalMap map = random_map(width, height, 14);
+  ColourMap albedo;
+  albedo.width = width;
+  albedo.height = height;
+  albedo.r = albedo.g = albedo.b = map.z;
+  for (float& g : albedo.g) g = 0.25f;
+  const MovmfMipmap mipmap = bake(map, {}, &albedo);
+  double mean = 0.0;
+  for (float z : map.z) mean += static_cast<double>(z) / static_cast<double>(map.z.size());
+  for (const MovmfLevel& level : mipmap.levels) {
+    double level_mean = 0.0;
+    for (std::size_t i = 0; i < level.colours[0].size(); ++i) {
+      double green = 0.0;
+      for (const auto& colour : level.colours) {
+        level_mean += static_cast<double>(colour[i].x) / static_cast<double>(level.colours[0].size());
+        green += static_cast<double>(colour[i].y);
+      }
+      EXPECT_NEAR(green, 0.25, 1e-5);
+    }
+    EXPECT_NEAR(level_mean, mean, 2e-5);
+  }
+}
+
+TEST(BakeOrderTest, ScanlineConservesTooAndDiffers) {
+  const NormalMap map = make_four_quarter_map(64, 3).normals;
+  MovmfSettings scanline;
+  scanline.order = FitOrder::kScanline;
+  const MovmfMipmap a = bake(map, {}), b = bake(map, scanline);
+  EXPECT_FALSE(same_pixels(a, b));
+  for (std::size_t i = 0; i < b.levels[2].lobes[0].size(); ++i) {
+    float sum = 0.0f;
+    for (const auto& lobe : b.levels[2].lobes) sum += lobe[i].w;
+    EXPECT_NEAR(sum, 1.0f, 1e-5f);
+  }
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spherical EM in double, written for obviousness: the oracle of kernels/movmf_em_*.cl. Han et al. 2007, section 7,
+// Algorithm 1, equations 15-16, with the corrections of METHODS 3. Never shipped.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace multum::reference {
+
+struct Sample {
+  glm::dvec3 normal;   // may be shorter than 1
+  double weight = 1.0;
+};
+
+struct Lobe {
+  glm::dvec3 mu;        // unit
+  double kappa;
+  double amplitude;
+};
+
+struct Moments {
+  glm::dvec3 r;         // mean vector of the lobe's normals; its last direction where it has none of its own
+  double spread;        // 1 - |r|
+  double amplitude;
+};
+
+struct EmOptions {
+  int iterations;
+  double kappa_cap;
+  double kappa_cap_slope;
+  std::vector<glm::dvec3> prior;  // per lobe: C sum_k a_k mu_k; empty: none
+};
+
+/// A(kappa) = coth kappa - 1/kappa, and its inverse by bisection, for every kappa > 0.
+double mean_length(double kappa);
+double kappa_of_mean_length(double r);
+
+/// log of the von Mises-Fisher density at cosine t.
+double log_vmf(double t, double kappa);
+
+/// Runs EM and returns the moments of the last E-step; `lobes` holds that E-step's parameters afterwards.
+std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
+
+}  // namespace multum::reference
