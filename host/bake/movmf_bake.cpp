@@ -133,17 +133,29 @@ class MovmfBaker {
       fit.parent_width = fit.parent_height = 0;
     }
     device_.write(list_buffer_, level.texel_list.data(), level.texel_list.size() * sizeof(int));
+    const int sweeps = fit.parent_width > 0 ? settings_.sweep_count : 1;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      if (sweep > 0) {
+        fit.order = MULTUM_ORDER_AGAIN;
+        fit.iteration_count = settings_.iteration_count_again;
+      }
+      fit_sweep(level, fit, lobes, sweep + 1 == sweeps ? colours : DeviceBuffer());
+      progress_advance(progress_, texel_count(map_.width, map_.height) / static_cast<unsigned>(sweeps));
+    }
+    read_level(level, lobes, colours);
+    report_.levels[static_cast<std::size_t>(level.level)] = {level.level, level.fit.width, level.fit.height,
+                                                             now_seconds() - start_seconds, total_launches() - launches_before};
+  }
+
+  // Every step of a level once. An empty `colours` buffer: none are wanted.
+  void fit_sweep(const LevelSchedule& level, MultumMovmfFit fit, DeviceBuffer& lobes, DeviceBuffer colours) {
     for (const FitStep& step : level.steps) {
       fit.list_offset = step.list_offset;
       fit.slot_count = (step.texel_count + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP;
       fit_step(level, fit, step, lobes, colours);
       device_.finish();
-      const double share = static_cast<double>(step.texel_count) / static_cast<double>(texels);
-      progress_advance(progress_, static_cast<std::uint64_t>(share * static_cast<double>(texel_count(map_.width, map_.height))));
+      progress_advance(progress_, 0);
     }
-    read_level(level, lobes, colours);
-    report_.levels[static_cast<std::size_t>(level.level)] = {level.level, level.fit.width, level.fit.height,
-                                                             now_seconds() - start_seconds, total_launches() - launches_before};
   }
 
   void fit_step(const LevelSchedule& level, MultumMovmfFit& fit, const FitStep& step, DeviceBuffer& lobes,
@@ -172,7 +184,7 @@ class MovmfBaker {
       em_texels_kernel_.launch({slots / static_cast<std::size_t>(vector_width_)}, sample_buffer_, start_buffer_, list_buffer_,
                                lobes, fit);
     }
-    if (!albedo_) return;
+    if (colours.byte_count() == 0) return;
     MultumMovmfFit feature_fit = fit;
     if (!level.chunked) {
       feature_fit.chunk_rows = fit.sample_rows;
@@ -260,7 +272,7 @@ class MovmfBaker {
       const int rows = std::min(band_rows, map_.height - first_row);
       const std::size_t texels = texel_count(map_.width, rows);
       level_zero_kernel_.launch({texels}, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], parent, band, map_.width,
-                                parent_width, parent_height, first_row, rows, settings_.kappa_cap);
+                                parent_width, parent_height, first_row, rows);
       device_.read(band, fitted.data(), lobe_count() * texels * sizeof(MultumVmfLobe));
       const std::size_t offset = texel_count(map_.width, first_row);
       for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, offset);
