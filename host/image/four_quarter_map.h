@@ -17,12 +17,13 @@ struct FourQuarterMap {
   std::vector<std::uint16_t> normal_codes;  // what the PNG stores of the normals, three a texel
 };
 
-/// `size` >= 16, even. Bottom left: armour of overlapping hemispherical scales (period 24 texels); bottom right: carved rings
-/// (wavelength 16, 55 % cut); top left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 % flat) with red
-/// and blue facets; top right: fine noise whose slope grows to the right (rms 0.45 on average).
+/// `size` >= 16, even. Top left: armour of overlapping hemispherical scales (period 24 texels); top right: carved rings
+/// (wavelength 16, 55 % cut); bottom left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 % flat) with red
+/// and blue facets; bottom right: fine noise whose slope grows to the right (rms 0.45 on average).
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed);
 
-/// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB), atomically.
+/// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB), atomically. To read back the
+/// same normals, say green up: its statistics say green down (see four_quarter_map.cpp).
 void write_four_quarter_map(const FourQuarterMap& map, const std::string& prefix);
 
 }  // namespace multum
