@@ -97,14 +97,40 @@ TEST_P(RenderTest, TwoTiltsEqualTruthWhereMipsFail) {
 TEST_P(RenderTest, ColoursFollowTheirLobes) {
   const TestMap map = make_two_tilt_map(64, 40.0, StorageEncoding::kSnorm16, true);
   Scene scene = distant_scene();
-  scene.lights = {{{1.0f, 0.0f, 0.2f}, glm::vec3(3.0f)}};  // reaches the red tilt alone
   scene.brdf.specular = glm::vec3(0.0f);
+  scene.lights = {{{0.2f, 0.0f, 1.0f}, glm::vec3(3.0f)}};  // reaches both tilts
+  EXPECT_LT(picture_error(movmf(map, scene), truth(map, scene, 256)).relative_l1, 0.03);
+  scene.lights = {{{1.0f, 0.0f, 0.2f}, glm::vec3(3.0f)}};  // reaches the red tilt alone
   const FloatImage exact = truth(map, scene, 1024);
   const FloatImage drawn = movmf(map, scene);
   EXPECT_LT(picture_error(drawn, exact).relative_l1, 0.02);
   const std::size_t centre = 4 * (kHeight / 2 * kWidth + kWidth / 2);
   EXPECT_GT(drawn.rgba[centre], 5.0f * drawn.rgba[centre + 2]);
   EXPECT_GT(picture_error(baseline(map, scene, Baseline::kMip), exact).relative_l1, 0.3);
+}
+
+TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
+  // Seen from straight above, image up = growing v: the map's first row, white, is in the picture's upper half; and
+  // normals that lean up (+Y) face a light that shines from the picture's upper edge.
+  TestMap map = make_flat_map(2);
+  map.image.albedo = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(0.1f), glm::vec3(0.1f)};
+  MovmfLevel& finest = map.mipmap.levels[0];
+  finest.colours = {map.image.albedo};
+  map.mipmap.levels[1].colours = {{glm::vec3(0.55f)}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    map.image.normals[i] = {0.0f, i < 2 ? 0.6f : -0.6f, 0.8f};
+    finest.lobes[0][i] = glm::vec4(map.image.normals[i], 1.0f);
+  }
+  Scene scene;
+  scene.camera.eye = {0.0f, 30.0f, 60.0f};
+  scene.camera.target = {0.0f, 30.0f, 0.0f};
+  scene.camera.up = {0.0f, 1.0f, 0.0f};
+  scene.lights = {{{0.0f, 1.0f, 0.5f}, glm::vec3(3.0f)}};
+  for (const FloatImage& image : {movmf(map, scene), truth(map, scene, 1), baseline(map, scene, Baseline::kMip)}) {
+    const std::size_t upper = 4 * (kHeight / 4 * kWidth + kWidth / 2);
+    const std::size_t lower = 4 * (kHeight * 3 / 4 * kWidth + kWidth / 2);
+    EXPECT_GT(image.rgba[upper], 4.0f * image.rgba[lower]);
+  }
 }
 
 TEST_P(RenderTest, EveryVariantCompilesAndDraws) {

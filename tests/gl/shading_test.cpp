@@ -81,6 +81,21 @@ TEST_F(ShadingTest, BlinnPhongEqualsItsFormulaInDouble) {
     }
 }
 
+TEST_F(ShadingTest, CosinePowerKeepsItsPrecisionAtHighExponents) {
+  ShaderHarnessInput input{"vec4(multum_blinn_phong(b.x, b.y))", {}, {}, nullptr};
+  for (const float s : {10.0f, 1e3f, 1e5f})
+    for (int i = 0; i <= 20; ++i) input.b.emplace_back(s, 0.3f * static_cast<float>(i) / s, 0.0f, 0.0f);
+  input.a = input.b;
+  const std::vector<glm::vec4> values = evaluate_shader(context_->functions(), input);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double s = static_cast<double>(input.b[i].x);
+    const double e = static_cast<double>(input.b[i].y);
+    const double expected = (s + 1.0) / (2.0 * kPi) * std::exp(s * std::log1p(-e));
+    // exp() of an argument of up to 6, rounded; the plain log(1 - e) is off by 6e-3 at s = 1e5.
+    EXPECT_NEAR(static_cast<double>(values[i].x) / expected, 1.0, 1e-5) << "s " << s << " e " << e;
+  }
+}
+
 /// Relative L1 over the hemisphere of directions around the mean, weight = solid angle, in per cent.
 double relative_l1(const std::vector<Case>& cases, const std::vector<double>& values,
                    const std::vector<double>& exact) {
