@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The finest level: one normal a texel. Amplitudes are the responsibilities of the parent's lobes for it and every r_j is
-// the normal itself: exact, and aligned with the parent for trilinear filtering (Han et al. 2007, section 7.2; METHODS 3).
+// The finest level: one normal a texel. Amplitudes are the responsibilities of the parent's lobes for it and every r_j
+// is the normal itself: exact, and aligned with the parent for trilinear filtering (Han et al. 2007, section 7.2;
+// METHODS 3).
 
 #include "device/texel_coverage.clh"
 #include "device/vmf.clh"
@@ -15,9 +16,10 @@
 //   parent  [lobe][parent_height * parent_width]; parent_width 0: none (a map of one texel), amplitudes are 1, 0, 0 ...
 //   band    [lobe][band_rows * map_width]   written
 // Memory bound.
-__kernel void movmf_level_zero(__global const float *normal_x, __global const float *normal_y, __global const float *normal_z,
-                               __global const MultumVmfLobe *parent, __global MultumVmfLobe *band, int map_width,
-                               int parent_width, int parent_height, int first_row, int band_rows, float kappa_max) {
+__kernel void movmf_level_zero(__global const float *normal_x, __global const float *normal_y,
+                               __global const float *normal_z, __global const MultumVmfLobe *parent,
+                               __global MultumVmfLobe *band, int map_width, int parent_width, int parent_height,
+                               int first_row, int band_rows, float kappa_max) {
   const int item = (int)get_global_id(0);
   if (item >= band_rows * map_width) return;
   const int x = item % map_width, y = first_row + item / map_width;
@@ -32,7 +34,8 @@ __kernel void movmf_level_zero(__global const float *normal_x, __global const fl
     float largest = -1e30f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {
       const MultumVmfLobe lobe = from[j * parent_size];
-      const float length = sqrt(fma(lobe.mean_x, lobe.mean_x, fma(lobe.mean_y, lobe.mean_y, lobe.mean_z * lobe.mean_z)));
+      const float length =
+          sqrt(fma(lobe.mean_x, lobe.mean_x, fma(lobe.mean_y, lobe.mean_y, lobe.mean_z * lobe.mean_z)));
       const float inverse = length > 1e-12f ? 1.0f / length : 0.0f;
       const float bounded = min(length, 1.0f);
       const float kappa = clamp(kappa_of_mean_length(bounded, max(1.0f - bounded, 1e-6f)), 0.05f, kappa_max);

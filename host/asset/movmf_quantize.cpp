@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounding of lobes to what is stored. A lobe's spread 1 - |r| decides how wide a highlight is, and |r| is near 1 for
-// glossy and flat places: rounding a r_x, a r_y, a r_z and a one by one moves |r| by up to 1/a steps of the grid and blurs
-// a roughness-0.1 highlight on a tilted flat to half its peak. So the four are rounded together:
+// glossy and flat places: rounding a r_x, a r_y, a r_z and a one by one moves |r| by up to 1/a steps of the grid and
+// blurs a roughness-0.1 highlight on a tilted flat to half its peak. So the four are rounded together:
 //   1. amplitudes are rounded first, and (snorm16) sum to exactly 1, by largest remainder;
 //   2. r is multiplied by the ROUNDED amplitude, so that rounding a costs |r| nothing;
 //   3. of the 8 ways to round the three products down or up, the one whose |a r| / a is nearest to |r| is taken;
-//      for a single direction (|r| = 1) only those with |a r| >= a are: rounding never adds spread where there was none.
+//      for a single direction (|r| = 1) only those with |a r| >= a are: rounding never adds spread where there was
+//      none.
 // Readers clamp |r| to 1.
 #include <half.h>
 
@@ -144,8 +145,9 @@ void quantize_movmf(MovmfMipmap& mipmap, int threads) {
     const auto work = [&] {
       for (int y = next_row++; y < level.height; y = next_row++)
         for (int x = 0; x < level.width; ++x)
-          quantize_texel(level, static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(x),
-                         mipmap.encoding);
+          quantize_texel(
+              level, static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(x),
+              mipmap.encoding);
     };
     std::vector<std::jthread> helpers;
     for (int t = 1; t < threads; ++t) helpers.emplace_back(work);
