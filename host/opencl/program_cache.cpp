@@ -53,6 +53,8 @@ cl_program build_from_source(const DeviceState& state, const std::string& file, 
 
 // Null when there is no usable binary.
 cl_program load_binary(const DeviceState& state, const std::string& path, const std::string& options) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return nullptr;  // reading a folder would throw
   std::ifstream in(path, std::ios::binary);
   if (!in) return nullptr;
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
