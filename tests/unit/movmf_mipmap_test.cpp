@@ -200,8 +200,8 @@ TEST_F(MovmfRefusalTest, NoFileNoExrNoBake) {
 
 TEST_F(MovmfRefusalTest, TruncatedAnywhere) {
   const std::string bytes = read_bytes(good_);
-  for (const std::size_t size : {std::size_t{5}, std::size_t{100}, bytes.size() / 20, bytes.size() / 3, bytes.size() / 2,
-                                 bytes.size() - 4000, bytes.size() - 1}) {
+  for (const std::size_t size : {std::size_t{5}, std::size_t{100}, bytes.size() / 20, bytes.size() / 3,
+                                 bytes.size() / 2, bytes.size() - 4000, bytes.size() - 1}) {
     SCOPED_TRACE(size);
     write_bytes(bad_, bytes.substr(0, size));
     expect_refusal(bad_, {"not a readable baked file"});
@@ -230,7 +230,8 @@ TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
 
 TEST_F(MovmfRefusalTest, PartsMissingOrInAnotherOrder) {
   expect_refusal(rebuilt({0, 1, 2, 4, 5, 6, 7}, [](Imf::Header&) {}), {"found 7 parts", "expected 8"});
-  expect_refusal(rebuilt({1, 0, 2, 3, 4, 5, 6, 7}, [](Imf::Header&) {}), {"part 0 named 'lobe.1'", "expected 'lobe.0'"});
+  expect_refusal(rebuilt({1, 0, 2, 3, 4, 5, 6, 7}, [](Imf::Header&) {}),
+                 {"part 0 named 'lobe.1'", "expected 'lobe.0'"});
 }
 
 TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {

@@ -83,7 +83,8 @@ TEST_F(ProgramCacheTest, AFolderThatCannotBeMadeCostsOnlyTheBuild) {
   EXPECT_EQ(folder.names(), std::set<std::string>{"file"});
   // Where the file itself should be there is a folder of that name.
   use(folder / "cache");
-  const std::string path = folder / "cache/" + std::filesystem::directory_iterator(folder / "cache")->path().filename().string();
+  const std::string path =
+      folder / "cache/" + std::filesystem::directory_iterator(folder / "cache")->path().filename().string();
   std::filesystem::remove(path);
   std::filesystem::create_directory(path);
   EXPECT_NE(use(folder / "cache").find("is a folder"), std::string::npos);

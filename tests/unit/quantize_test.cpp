@@ -156,9 +156,9 @@ TEST_P(QuantizeTest, KeepsSpreadUpToKappaMax) {
   EXPECT_GE(spread_change(4.0 * limit, GetParam(), random_, 60 * kDegree).percentile_95, 0.25);
 }
 
-// The highlight of a BRDF of mean cosine 1 - 1/kappa_f over filtered lobes, as the runtime shades: mean cosines multiply,
-// |r| is clamped to 1, the result is a vMF lobe (kappa = 1/(1 - A), A near 1). Its peak over all half vectors, by mean
-// shift from the mean normal.
+// The highlight of a BRDF of mean cosine 1 - 1/kappa_f over filtered lobes, as the runtime shades: mean cosines
+// multiply, |r| is clamped to 1, the result is a vMF lobe (kappa = 1/(1 - A), A near 1). Its peak over all half
+// vectors, by mean shift from the mean normal.
 double highlight_peak(const std::vector<glm::dvec4>& lobes, double kappa_f) {
   struct Part {
     double amplitude, kappa;
