@@ -7,8 +7,8 @@
 //   chunk 0            rows  0 .. chunk_rows - 1
 //   chunk 1            rows  chunk_rows .. 2 chunk_rows - 1
 //
-// Canonical order of a sum, the same in both variants: a lane adds its columns block by block, and down the chunk's rows
-// in each block; the 16 lanes are added as a tree (sum_lanes); the chunks one after another with compensation.
+// Canonical order of a sum, the same in both variants: a lane adds its columns block by block, and down the chunk's
+// rows in each block; the 16 lanes are added as a tree (sum_lanes); the chunks one after another with compensation.
 
 #include "device/movmf_em.clh"
 #include "device/texel_coverage.clh"
@@ -27,7 +27,8 @@ static real_v column_weights(int first, int x, int map_size, int level_size) {
   return coverage(first, x, map_size, level_size);
 #else
   float weights[MULTUM_VECTOR_WIDTH];
-  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) weights[lane] = coverage(first + lane, x, map_size, level_size);
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane)
+    weights[lane] = coverage(first + lane, x, map_size, level_size);
   return LOAD_V(weights);
 #endif
 }
@@ -40,7 +41,8 @@ static real_v column_weights(int first, int x, int map_size, int level_size) {
 // Compute bound, like movmf_em_texels.
 __kernel void movmf_em_partial(__global const float *restrict normal_x, __global const float *restrict normal_y,
                                __global const float *restrict normal_z, __global const float *restrict start,
-                               __global const int *restrict texel_list, __global float *restrict partial, MultumMovmfFit fit) {
+                               __global const int *restrict texel_list, __global float *restrict partial,
+                               MultumMovmfFit fit) {
 #if MULTUM_VECTOR_WIDTH == 1
   const int lane = (int)get_local_id(0);
   const int chunk_index = (int)get_group_id(0);

@@ -16,8 +16,8 @@ static float cap_of_chunks(__global const float *chunks, const MultumMovmfFit *f
   float sum[3] = {0.0f, 0.0f, 0.0f}, carry[3] = {0.0f, 0.0f, 0.0f};
   for (int i = 0; i < fit->chunk_count * MULTUM_LOBES; ++i)
     for (int k = 0; k < 3; ++k) add_compensated(&sum[k], &carry[k], chunks[i * PARTIAL_SUMS + 1 + k]);
-  return kappa_cap_of_texel(sum[0] + carry[0], sum[1] + carry[1], sum[2] + carry[2], fit->total_weight_inverse, fit->kappa_cap,
-                            fit->kappa_cap_slope);
+  return kappa_cap_of_texel(sum[0] + carry[0], sum[1] + carry[1], sum[2] + carry[2], fit->total_weight_inverse,
+                            fit->kappa_cap, fit->kappa_cap_slope);
 }
 
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
@@ -34,7 +34,8 @@ __kernel void movmf_em_mstep(__global const float *restrict partial, __global fl
   const int texel = texel_list[fit.list_offset + slot];
   if (texel < 0) return;
 
-  __global float *p = start + ((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES * MULTUM_GROUP +
+  __global float *p = start +
+                      ((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES * MULTUM_GROUP +
                       slot % MULTUM_GROUP;
 #define PLANE(plane) p[(plane)*MULTUM_GROUP]
   __global const float *chunks = partial + (size_t)slot * fit.chunk_count * MULTUM_LOBES * PARTIAL_SUMS;
@@ -46,8 +47,8 @@ __kernel void movmf_em_mstep(__global const float *restrict partial, __global fl
   }
   for (int k = 0; k < PARTIAL_SUMS; ++k) sum[k] += carry[k];
 
-  const LobeMoments m = lobe_moments(sum[0], sum[1], sum[2], sum[3], sum[4], PLANE(MULTUM_START_MU), PLANE(MULTUM_START_MU + 1),
-                                     PLANE(MULTUM_START_MU + 2), fit.total_weight_inverse);
+  const LobeMoments m = lobe_moments(sum[0], sum[1], sum[2], sum[3], sum[4], PLANE(MULTUM_START_MU),
+                                     PLANE(MULTUM_START_MU + 1), PLANE(MULTUM_START_MU + 2), fit.total_weight_inverse);
   if (iteration + 1 == fit.iteration_count) {
     __global MultumVmfLobe *out = level + (size_t)lobe * fit.width * fit.height + texel;
     out->mean_x = m.x * m.length;
@@ -58,8 +59,8 @@ __kernel void movmf_em_mstep(__global const float *restrict partial, __global fl
   }
   float mu_x, mu_y, mu_z, log_weight;
   float sharpness = PLANE(MULTUM_START_SHARPNESS);
-  M_STEP(m, PLANE(MULTUM_START_PRIOR), PLANE(MULTUM_START_PRIOR + 1), PLANE(MULTUM_START_PRIOR + 2), PLANE(MULTUM_START_CAP), mu_x, mu_y,
-         mu_z, sharpness, log_weight)
+  M_STEP(m, PLANE(MULTUM_START_PRIOR), PLANE(MULTUM_START_PRIOR + 1), PLANE(MULTUM_START_PRIOR + 2),
+         PLANE(MULTUM_START_CAP), mu_x, mu_y, mu_z, sharpness, log_weight)
   PLANE(MULTUM_START_MU) = mu_x;
   PLANE(MULTUM_START_MU + 1) = mu_y;
   PLANE(MULTUM_START_MU + 2) = mu_z;

@@ -3,11 +3,11 @@
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack
-//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return the parameters of the last
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return those of the last
 //                                                                      E-step, for movmf_features
 //   level   [lobe][height * width]                                     written: r and amplitude of each texel's lobes
-// Sums run over the samples in their order: the same bytes from both variants. Compute bound: about 26 operations a lobe
-// and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.
+// Sums run over the samples in their order: the same bytes from both variants. Compute bound: about 26 operations a
+// lobe and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.
 
 #include "device/movmf_em.clh"
 #include "shared/movmf_fit.h"

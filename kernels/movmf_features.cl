@@ -17,8 +17,9 @@
 //   partial [slot][chunk][lobe][3]                            written
 // Compute bound: an exponential a lobe and sample.
 __kernel void movmf_feature_partial(__global const float *normal_x, __global const float *normal_y,
-                                    __global const float *normal_z, __global const float *red, __global const float *green,
-                                    __global const float *blue, __global const float *start, __global const int *texel_list,
+                                    __global const float *normal_z, __global const float *red,
+                                    __global const float *green, __global const float *blue,
+                                    __global const float *start, __global const int *texel_list,
                                     __global float *partial, MultumMovmfFit fit) {
   const int item = (int)get_global_id(0);
   const int slot = item / fit.chunk_count, chunk = item % fit.chunk_count;
@@ -29,8 +30,8 @@ __kernel void movmf_feature_partial(__global const float *normal_x, __global con
 
   float sum[MULTUM_LOBES][3];
   for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
-  __global const float *lobes = start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP +
-                                slot % MULTUM_GROUP;
+  __global const float *lobes =
+      start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + slot % MULTUM_GROUP;
 #define PARAMETER(j, plane) lobes[((j) * MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
   const int top_row = first_covered(y, fit.map_height, fit.height);
   const int first_row = top_row + chunk * fit.chunk_rows;
@@ -44,8 +45,9 @@ __kernel void movmf_feature_partial(__global const float *normal_x, __global con
       const float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
       float e[MULTUM_LOBES], largest = -1e30f, total = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) {
-        const float u = fma(-PARAMETER(j, MULTUM_START_MU), nx,
-                            fma(-PARAMETER(j, MULTUM_START_MU + 1), ny, fma(-PARAMETER(j, MULTUM_START_MU + 2), nz, 1.0f)));
+        const float u =
+            fma(-PARAMETER(j, MULTUM_START_MU), nx,
+                fma(-PARAMETER(j, MULTUM_START_MU + 1), ny, fma(-PARAMETER(j, MULTUM_START_MU + 2), nz, 1.0f)));
         e[j] = fma(-PARAMETER(j, MULTUM_START_SHARPNESS), u, PARAMETER(j, MULTUM_START_LOG));
         largest = MAX_V(largest, e[j]);
       }

@@ -17,9 +17,9 @@
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
 // Compute bound.
-__kernel void movmf_shade(__global const float4 *lobes, __global const float4 *half_vectors, __global const float4 *lights,
-                          __global const float *exponents, __global float *values, int sample_count, int half_count,
-                          int light_count, int exponent_count) {
+__kernel void movmf_shade(__global const float4 *lobes, __global const float4 *half_vectors,
+                          __global const float4 *lights, __global const float *exponents, __global float *values,
+                          int sample_count, int half_count, int light_count, int exponent_count) {
   const int sample = (int)get_global_id(0);
   if (sample >= sample_count) return;
   __global float *out = values + (size_t)sample * (exponent_count * half_count + light_count);

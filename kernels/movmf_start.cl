@@ -41,8 +41,8 @@ static float3 directed_amplitude(MultumVmfLobe lobe) {
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 // Bound by memory latency: ten scattered reads an item.
 __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const MultumVmfLobe *level,
-                          __global const int *texel_list, __global float *start, MultumMovmfFit fit, float start_kappa_factor,
-                          float start_amplitude_min) {
+                          __global const int *texel_list, __global float *start, MultumMovmfFit fit,
+                          float start_kappa_factor, float start_amplitude_min) {
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES;
   const int lobe = item % MULTUM_LOBES;
@@ -83,7 +83,8 @@ __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const M
     amplitude = max(amplitude, start_amplitude_min);
   }
   kappa = clamp(kappa, 0.05f, 1e6f);
-  __global float *out = start + (((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES) * MULTUM_GROUP +
+  __global float *out = start +
+                        (((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES) * MULTUM_GROUP +
                         slot % MULTUM_GROUP;
   out[(MULTUM_START_MU + 0) * MULTUM_GROUP] = from.mean_x * inverse;
   out[(MULTUM_START_MU + 1) * MULTUM_GROUP] = from.mean_y * inverse;

@@ -55,14 +55,15 @@ CompressionChoice parse_compression(const std::string& text) {
   }
   const bool level_ok = colon == std::string::npos || (level > 0 && text.rfind("zip", 0) == 0);
   if (found == kNames.end() || !level_ok)
-    throw Error(ErrorCode::kUsage, "compression '" + text +
-                                       "' is unknown; expected none, rle, zips, zip or piz (every one is lossless), and for "
-                                       "zip and zips an optional level such as zip:4");
+    throw Error(ErrorCode::kUsage,
+                "compression '" + text +
+                    "' is unknown; expected none, rle, zips, zip or piz (every one is lossless), and for "
+                    "zip and zips an optional level such as zip:4");
   return {found->second, level};
 }
 
-// One part of the file: which channels, and where in a level their values lie. Lobe parts have four channels, colour parts
-// three; `values` points at the first float of a level's first texel.
+// One part of the file: which channels, and where in a level their values lie. Lobe parts have four channels, colour
+// parts three; `values` points at the first float of a level's first texel.
 struct PartLayout {
   std::string name;
   std::vector<std::string> channels;
@@ -82,7 +83,9 @@ std::vector<PartLayout> part_layouts(int lobe_count, bool has_colours) {
   std::vector<PartLayout> parts;
   for (int j = 0; j < lobe_count; ++j)
     parts.push_back({fmt::format("lobe.{}", j),
-                     {lobe_channel(j, "R"), lobe_channel(j, "G"), lobe_channel(j, "B"), lobe_channel(j, "A")}, j, false});
+                     {lobe_channel(j, "R"), lobe_channel(j, "G"), lobe_channel(j, "B"), lobe_channel(j, "A")},
+                     j,
+                     false});
   for (int j = 0; has_colours && j < lobe_count; ++j)
     parts.push_back({fmt::format("colour.{}", j),
                      {colour_channel(j, "R"), colour_channel(j, "G"), colour_channel(j, "B")}, j, true});
@@ -140,8 +143,8 @@ Imf::FrameBuffer frame_buffer(const PartLayout& part, Value* values, int width, 
   Imf::FrameBuffer buffer;
   const std::size_t stride = sizeof(Value) * part.channels.size();
   for (std::size_t c = 0; c < part.channels.size(); ++c)
-    buffer.insert(part.channels[c], Imf::Slice(type, const_cast<char*>(reinterpret_cast<const char*>(values + c)), stride,
-                                               stride * static_cast<std::size_t>(width)));
+    buffer.insert(part.channels[c], Imf::Slice(type, const_cast<char*>(reinterpret_cast<const char*>(values + c)),
+                                               stride, stride * static_cast<std::size_t>(width)));
   return buffer;
 }
 
@@ -245,7 +248,8 @@ void check_part(const Imf::MultiPartInputFile& file, int index, const PartLayout
                 const std::string& path) {
   const Imf::Header& header = file.header(index);
   if (!header.hasName() || header.name() != part.name)
-    refuse(path, fmt::format("part {} named '{}'", index, header.hasName() ? header.name() : ""), "'" + part.name + "'");
+    refuse(path, fmt::format("part {} named '{}'", index, header.hasName() ? header.name() : ""),
+           "'" + part.name + "'");
   if (!header.hasTileDescription() || header.tileDescription().mode != Imf::MIPMAP_LEVELS ||
       header.tileDescription().roundingMode != Imf::ROUND_DOWN)
     refuse(path, "part " + part.name + " without ROUND_DOWN mip levels", "tiles with ROUND_DOWN mip levels");
@@ -257,7 +261,8 @@ void check_part(const Imf::MultiPartInputFile& file, int index, const PartLayout
     if (channel == nullptr) refuse(path, "no channel " + name + " in part " + part.name, "one");
     if (channel->type != type || channel->xSampling != 1 || channel->ySampling != 1)
       refuse(path, "channel " + name + " of another pixel type",
-             std::string(type == Imf::HALF ? "half" : "float") + " for encoding " + storage_encoding_name(mipmap.encoding));
+             std::string(type == Imf::HALF ? "half" : "float") + " for encoding " +
+                 storage_encoding_name(mipmap.encoding));
   }
 }
 
@@ -355,9 +360,10 @@ void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, cons
 }
 
 MovmfMipmap read_movmf_mipmap(const std::string& path) {
-  return open_checked(path, [](Imf::MultiPartInputFile& file, MovmfMipmap& mipmap, const std::vector<PartLayout>& parts) {
+  const auto read_parts = [](Imf::MultiPartInputFile& file, MovmfMipmap& mipmap, const std::vector<PartLayout>& parts) {
     for (std::size_t i = 0; i < parts.size(); ++i) read_part(file, static_cast<int>(i), parts[i], mipmap);
-  });
+  };
+  return open_checked(path, read_parts);
 }
 
 MovmfMipmap read_movmf_header(const std::string& path) {

@@ -45,7 +45,7 @@ struct MovmfProvenance {
   std::string source_hash;     // SHA-256 of the normal map's file, 64 hexadecimal digits
   std::string settings;        // JSON: every setting that changes pixels
   std::string settings_hash;   // SHA-256 of `settings`
-  std::string measured_error;  // JSON: relative L1 error of this file against its source (docs/ACCURACY.md); may be empty
+  std::string measured_error;  // JSON: relative L1 error of file against source (docs/ACCURACY.md); may be empty
   std::string content_hash;    // of every channel value in the file; filled by write and read, see movmf_content_hash()
 };
 
@@ -72,12 +72,13 @@ struct MovmfWriteOptions {
   int threads = 2;
 };
 
-/// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's levels, lobes before colours, part by part, finest
-/// level first; a level's digest covers its rows as little-endian 32-bit floats in channel order (docs/FORMAT.md).
+/// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's levels, lobes before colours, part by part,
+/// finest level first; a level's digest covers its rows as little-endian 32-bit floats in channel order
+/// (docs/FORMAT.md).
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 
-/// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Throws Error(kEnvironment) when the
-/// disk refuses, Error(kUsage) for an unknown compression.
+/// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Throws Error(kEnvironment) when
+/// the disk refuses, Error(kUsage) for an unknown compression.
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options);
 
 /// Reads a file of write_movmf_mipmap(). Throws Error(kInput) naming the file, what was found and what was expected.

@@ -47,7 +47,8 @@ void scan_level(const MovmfMipmap& mipmap, int l, Scan& scan) {
       }
       sum += static_cast<double>(v.w);
       scan.negative_amplitude.offer(-static_cast<double>(v.w), l, i);
-      scan.long_mean.offer(static_cast<double>(glm::length(glm::vec3(v)) - v.w - length_excess(mipmap.encoding, v.w)), l, i);
+      scan.long_mean.offer(static_cast<double>(glm::length(glm::vec3(v)) - v.w - length_excess(mipmap.encoding, v.w)),
+                           l, i);
     }
     scan.sum_error.offer(std::abs(sum - 1.0), l, i);
     for (const auto& colour : level.colours) {
@@ -67,10 +68,11 @@ std::string at(const MovmfMipmap& mipmap, const Worst& worst) {
 std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads) {
   const MovmfMipmap mipmap = read_movmf_mipmap(path);
   std::vector<VerifyFinding> findings;
-  findings.push_back({"structure", true,
-                      fmt::format("{} x {}, {} levels, {} lobes{}, encoding {}", mipmap.width(), mipmap.height(),
-                                  mipmap.levels.size(), mipmap.lobe_count(), mipmap.has_colours() ? " with colours" : "",
-                                  storage_encoding_name(mipmap.encoding))});
+  findings.push_back(
+      {"structure", true,
+       fmt::format("{} x {}, {} levels, {} lobes{}, encoding {}", mipmap.width(), mipmap.height(), mipmap.levels.size(),
+                   mipmap.lobe_count(), mipmap.has_colours() ? " with colours" : "",
+                   storage_encoding_name(mipmap.encoding))});
   const std::string hash = movmf_content_hash(mipmap, threads);
   findings.push_back({"checksum", hash == mipmap.provenance.content_hash,
                       hash == mipmap.provenance.content_hash
@@ -81,17 +83,17 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads) {
   findings.push_back({"finite", scan.nonfinite == 0, fmt::format("{} non-finite values, expected 0", scan.nonfinite)});
   const double sum_limit = static_cast<double>(amplitude_tolerance(mipmap.encoding));
   findings.push_back({"sum of a", scan.sum_error.value <= sum_limit,
-                      fmt::format("differs from 1 by at most {:.2e} ({}), expected at most {:.0e}", scan.sum_error.value,
-                                  at(mipmap, scan.sum_error), sum_limit)});
+                      fmt::format("differs from 1 by at most {:.2e} ({}), expected at most {:.0e}",
+                                  scan.sum_error.value, at(mipmap, scan.sum_error), sum_limit)});
   findings.push_back({"a >= 0", scan.negative_amplitude.value <= 0.0,
-                      scan.negative_amplitude.value <= 0.0
-                          ? "no negative amplitude"
-                          : fmt::format("a = {} at {}", -scan.negative_amplitude.value, at(mipmap, scan.negative_amplitude))});
+                      scan.negative_amplitude.value <= 0.0 ? "no negative amplitude"
+                                                           : fmt::format("a = {} at {}", -scan.negative_amplitude.value,
+                                                                         at(mipmap, scan.negative_amplitude))});
   findings.push_back({"|r| <= 1", scan.long_mean.value <= 0.0,
                       scan.long_mean.value <= 0.0
                           ? "no mean vector is longer than rounding allows"
-                          : fmt::format("|a r| exceeds a by {:.2e} more than rounding allows at {}", scan.long_mean.value,
-                                        at(mipmap, scan.long_mean))});
+                          : fmt::format("|a r| exceeds a by {:.2e} more than rounding allows at {}",
+                                        scan.long_mean.value, at(mipmap, scan.long_mean))});
   return findings;
 }
 

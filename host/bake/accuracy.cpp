@@ -45,9 +45,10 @@ struct SplitMix64 {
 std::vector<int> sampled_texels(int width, int height, std::int64_t wanted, SplitMix64& random) {
   const std::int64_t count = std::int64_t{width} * height;
   std::vector<int> texels;
-  const int stride = wanted <= 0 || count <= wanted
-                         ? 1
-                         : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count) / static_cast<double>(wanted))));
+  const int stride =
+      wanted <= 0 || count <= wanted
+          ? 1
+          : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count) / static_cast<double>(wanted))));
   for (int y = 0; y < height; y += stride)
     for (int x = 0; x < width; x += stride) {
       const int cell_width = std::min(stride, width - x), cell_height = std::min(stride, height - y);
@@ -102,8 +103,8 @@ std::vector<SamplePoint> make_points(const MovmfMipmap& mipmap, const AccuracySe
 }
 
 // The lobes at each point as hardware filtering gives them.
-std::vector<glm::vec4> filtered_lobes(const MovmfMipmap& mipmap, const std::vector<SamplePoint>& points, std::size_t first,
-                                      std::size_t count) {
+std::vector<glm::vec4> filtered_lobes(const MovmfMipmap& mipmap, const std::vector<SamplePoint>& points,
+                                      std::size_t first, std::size_t count) {
   const auto lobe_count = static_cast<std::size_t>(mipmap.lobe_count());
   std::vector<glm::vec4> lobes(count * lobe_count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -112,7 +113,9 @@ std::vector<glm::vec4> filtered_lobes(const MovmfMipmap& mipmap, const std::vect
       glm::dvec4 sum(0.0);
       for (int t = 0; t < point.tap_count; ++t) {
         const Tap& tap = point.taps[static_cast<std::size_t>(t)];
-        sum += tap.weight * glm::dvec4(mipmap.levels[static_cast<std::size_t>(tap.level)].lobes[j][static_cast<std::size_t>(tap.texel)]);
+        sum += tap.weight *
+               glm::dvec4(
+                   mipmap.levels[static_cast<std::size_t>(tap.level)].lobes[j][static_cast<std::size_t>(tap.texel)]);
       }
       lobes[i * lobe_count + j] = glm::vec4(sum);
     }
@@ -169,18 +172,21 @@ class AccuracyMeter {
     for (const glm::dvec3& h : directions_.half_vectors) halfs.emplace_back(glm::vec3(h), 0.0f);
     for (const glm::dvec3& l : directions_.lights) lights.emplace_back(glm::vec3(l), 0.0f);
     const std::vector<float> exponents(settings_.exponents.begin(), settings_.exponents.end());
-    const DeviceBuffer half_buffer = device_.wrap_buffer(halfs.data(), halfs.size() * sizeof(glm::vec4), "half vectors");
+    const DeviceBuffer half_buffer =
+        device_.wrap_buffer(halfs.data(), halfs.size() * sizeof(glm::vec4), "half vectors");
     const DeviceBuffer light_buffer = device_.wrap_buffer(lights.data(), lights.size() * sizeof(glm::vec4), "lights");
     const DeviceBuffer exponent_buffer =
         device_.wrap_buffer(exponents.data(), exponents.size() * sizeof(float), "exponents");
     Kernel kernel = device_.kernel("movmf_shade", "movmf_shade", {mipmap_.lobe_count(), 1, false});
     model_.resize(points_.size() * value_count_);
     constexpr std::size_t kBatch = 1 << 16;
-    DeviceBuffer values = device_.make_buffer(std::min(kBatch, points_.size()) * value_count_ * sizeof(float), "shaded values");
+    DeviceBuffer values =
+        device_.make_buffer(std::min(kBatch, points_.size()) * value_count_ * sizeof(float), "shaded values");
     for (std::size_t first = 0; first < points_.size(); first += kBatch) {
       const std::size_t count = std::min(kBatch, points_.size() - first);
       const std::vector<glm::vec4> lobes = filtered_lobes(mipmap_, points_, first, count);
-      const DeviceBuffer lobe_buffer = device_.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "filtered lobes");
+      const DeviceBuffer lobe_buffer =
+          device_.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "filtered lobes");
       kernel.launch({count}, lobe_buffer, half_buffer, light_buffer, exponent_buffer, values, static_cast<int>(count),
                     static_cast<int>(half_count), static_cast<int>(light_count), static_cast<int>(exponents.size()));
       device_.read(values, model_.data() + first * value_count_, count * value_count_ * sizeof(float));
@@ -195,8 +201,9 @@ class AccuracyMeter {
     parallel_rows(map_.height, settings_.threads, [&](int y) {
       const std::size_t begin = static_cast<std::size_t>(y) * width;
       for (std::size_t i = begin; i < begin + width; ++i) {
-        const double t = std::max(0.0, omega.x * static_cast<double>(map_.x[i]) + omega.y * static_cast<double>(map_.y[i]) +
-                                           omega.z * static_cast<double>(map_.z[i]));
+        const double t =
+            std::max(0.0, omega.x * static_cast<double>(map_.x[i]) + omega.y * static_cast<double>(map_.y[i]) +
+                              omega.z * static_cast<double>(map_.z[i]));
         plane[i] = exponent > 0.0 ? scale * power(t, exponent) : t;
       }
     });
@@ -212,8 +219,8 @@ class AccuracyMeter {
     for (std::size_t l = 1; l < mipmap_.levels.size(); ++l) {
       const PlaneSize size = {mipmap_.levels[l].width, mipmap_.levels[l].height};
       // Where blocks nest, averages of averages are the same and cheaper.
-      const bool nested = above.width % size.width == 0 && above.height % size.height == 0 && full.width % above.width == 0 &&
-                          full.height % above.height == 0;
+      const bool nested = above.width % size.width == 0 && above.height % size.height == 0 &&
+                          full.width % above.width == 0 && full.height % above.height == 0;
       levels.push_back(nested ? average_over_texels(levels[l - 1], above, size, settings_.threads)
                               : average_over_texels(levels[0], full, size, settings_.threads));
       above = size;
@@ -236,7 +243,8 @@ class AccuracyMeter {
 
   // Ratio of sums, and the half width of its 95 % interval by the delta method, over the points of one level and kind.
   AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf) const {
-    AccuracyRow row{level, kind, brdf + 1 == brdf_count_ ? "lambert" : fmt::format("blinn-phong:{}", settings_.exponents[brdf]),
+    const bool is_lambert = brdf + 1 == brdf_count_;
+    AccuracyRow row{level, kind, is_lambert ? "lambert" : fmt::format("blinn-phong:{}", settings_.exponents[brdf]),
                     0.0, 0.0, 0};
     double difference = 0.0, truth = 0.0;
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -265,7 +273,8 @@ class AccuracyMeter {
   std::vector<AccuracyRow> rows() const {
     std::vector<AccuracyRow> rows;
     for (int l = 0; l < static_cast<int>(mipmap_.levels.size()); ++l)
-      for (AccuracyPoint kind : {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
+      for (AccuracyPoint kind :
+           {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
         for (std::size_t b = 0; b < brdf_count_; ++b) {
           AccuracyRow made = row(l, kind, b);
           if (made.sample_count > 0) rows.push_back(std::move(made));
@@ -300,7 +309,8 @@ const char* accuracy_point_name(AccuracyPoint point) {
 
 AccuracyDirections accuracy_directions() {
   AccuracyDirections directions;
-  for (const glm::dvec3& light : {glm::dvec3(.3, .2, .93), glm::dvec3(-.7, .1, .7), glm::dvec3(.1, -.9, .45), glm::dvec3(.5, .6, .6)})
+  for (const glm::dvec3& light :
+       {glm::dvec3(.3, .2, .93), glm::dvec3(-.7, .1, .7), glm::dvec3(.1, -.9, .45), glm::dvec3(.5, .6, .6)})
     directions.lights.push_back(glm::normalize(light));
   for (const glm::dvec3& light : directions.lights)
     for (const glm::dvec3& view : {glm::dvec3(0, 0, 1), glm::dvec3(.6, 0, .8), glm::dvec3(-.3, .7, .6)})

@@ -32,7 +32,7 @@ struct AccuracyRow {
   AccuracyPoint point;
   std::string brdf;           // "lambert", "blinn-phong:20"
   double error;               // relative L1, 0.1 = 10 %
-  double confidence;          // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
+  double confidence;  // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
   std::int64_t sample_count;  // texels
 };
 

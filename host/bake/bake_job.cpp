@@ -35,7 +35,9 @@ class StageClock {
 std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(settings_json(job.fitting));
   const NormalMapSettings& r = job.reading;
-  json["bump_format"] = r.bump_format == BumpFormat::kAuto ? "auto" : r.bump_format == BumpFormat::kHeight ? "height" : "normal";
+  json["bump_format"] = r.bump_format == BumpFormat::kAuto     ? "auto"
+                        : r.bump_format == BumpFormat::kHeight ? "height"
+                                                               : "normal";
   json["green"] = !r.green ? "auto" : *r.green == GreenAxis::kUp ? "up" : "down";
   json["signed"] = !r.is_signed ? "auto" : *r.is_signed ? "yes" : "no";
   json["two_channel"] = !r.two_channel ? "auto" : *r.two_channel ? "yes" : "no";
@@ -71,7 +73,8 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   report.input = map.report;
   std::optional<ColourMap> albedo;
   if (!job.albedo.empty()) albedo = read_albedo_map(job.albedo, map.width, map.height, job.threads);
-  log_info(fmt::format("{}: {} x {}, {}; {}", job.input, map.width, map.height, map.report.encoding, map.report.encoding_reason));
+  log_info(fmt::format("{}: {} x {}, {}; {}", job.input, map.width, map.height, map.report.encoding,
+                       map.report.encoding_reason));
   clock.finish("read");
 
   // Measuring and writing count as about a level's work each.

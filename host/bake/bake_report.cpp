@@ -22,7 +22,8 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
   return list;
 }
 
-const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, AccuracyPoint point, const std::string& brdf) {
+const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, AccuracyPoint point,
+                            const std::string& brdf) {
   for (const AccuracyRow& row : rows)
     if (row.level == level && row.point == point && row.brdf == brdf) return &row;
   return nullptr;
@@ -36,7 +37,8 @@ std::string accuracy_text(const std::vector<AccuracyRow>& rows) {
     if (std::find(brdfs.begin(), brdfs.end(), row.brdf) == brdfs.end()) brdfs.push_back(row.brdf);
     level_max = std::max(level_max, row.level);
   }
-  std::string text = "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n  level";
+  std::string text =
+      "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n  level";
   for (const std::string& brdf : brdfs) text += fmt::format("{:>20}", brdf);
   text += "\n";
   for (int level = 0; level <= level_max; ++level) {
@@ -46,8 +48,9 @@ std::string accuracy_text(const std::vector<AccuracyRow>& rows) {
       const AccuracyRow* x = find_row(rows, level, AccuracyPoint::kMidX, brdf);
       const AccuracyRow* y = find_row(rows, level, AccuracyPoint::kMidY, brdf);
       const double midway = std::max(x != nullptr ? x->error : 0.0, y != nullptr ? y->error : 0.0);
-      line += centre == nullptr ? fmt::format("{:>20}", "-")
-                                : fmt::format("{:>20}", fmt::format("{:.2f} | {:.2f}", centre->error * 100, midway * 100));
+      line += centre == nullptr
+                  ? fmt::format("{:>20}", "-")
+                  : fmt::format("{:>20}", fmt::format("{:.2f} | {:.2f}", centre->error * 100, midway * 100));
     }
     text += fmt::format("  {:>5}{}\n", level, line);
   }

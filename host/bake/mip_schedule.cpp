@@ -45,8 +45,8 @@ void add_colour_steps(LevelSchedule& level) {
   }
 }
 
-// Scan-line order as a wavefront: a texel needs its left and its three upper neighbours, the last of them (x + 1, y - 1), so
-// texel (x, y) belongs to step x + 2 y.
+// Scan-line order as a wavefront: a texel needs its left and its three upper neighbours, the last of them (x + 1, y -
+// 1), so texel (x, y) belongs to step x + 2 y.
 void add_wavefront_steps(LevelSchedule& level) {
   const int step_count = level.fit.width + 2 * (level.fit.height - 1);
   for (int step = 0; step < step_count; ++step) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a normal map into a mip pyramid of von Mises-Fisher mixtures (Han et al. 2007, section 7): every level is fitted to
-// all normals that its texels cover, from the coarsest level to the finest, each texel started from its parent's lobes and
-// held to its done neighbours' by the alignment prior, so that hardware filtering mixes lobes of one kind.
+// Bakes a normal map into a mip pyramid of von Mises-Fisher mixtures (Han et al. 2007, section 7): every level is
+// fitted to all normals that its texels cover, from the coarsest level to the finest, each texel started from its
+// parent's lobes and held to its done neighbours' by the alignment prior, so that hardware filtering mixes lobes of one
+// kind.
 #pragma once
 
 #include "host/asset/movmf_mipmap.h"
@@ -13,9 +14,9 @@
 
 namespace multum {
 
-/// `albedo` may be null. Counts and times go to `report`. The result's values are exact to float, not yet rounded to what
-/// the file stores (quantize_movmf). Throws Error(kUsage) for settings out of range, Error(kEnvironment) when the device
-/// cannot hold the map, Cancelled.
+/// `albedo` may be null. Counts and times go to `report`. The result's values are exact to float, not yet rounded to
+/// what the file stores (quantize_movmf). Throws Error(kUsage) for settings out of range, Error(kEnvironment) when the
+/// device cannot hold the map, Cancelled.
 MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
                        BakeReport& report, Progress* progress);
 

@@ -27,7 +27,8 @@ Normals sample_normals(const NormalMap& map, const TexelRectangle& where, double
       normals.emplace_back(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
     }
   if (normals.empty()) {  // a strip thinner than the stride
-    const auto i = static_cast<std::size_t>(where.y0) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(where.x0);
+    const auto i =
+        static_cast<std::size_t>(where.y0) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(where.x0);
     normals.emplace_back(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
   }
   return normals;
@@ -143,8 +144,9 @@ std::vector<MultumVmfLobe> farthest_first_lobes(const NormalMap& map, const Texe
 }
 
 std::vector<MultumVmfLobe> likeliest_lobes(const NormalMap& map, const StartSearch& search) {
-  // Many short trials on few normals, the best few longer on more: 0.2 s on one core, whatever the map's size. About one
-  // random trial in 30 finds the basin of the best optimum of the four-quarter map; of 128, all but 1 % of seeds do.
+  // Many short trials on few normals, the best few longer on more: 0.2 s on one core, whatever the map's size. About
+  // one random trial in 30 finds the basin of the best optimum of the four-quarter map; of 128, all but 1 % of seeds
+  // do.
   constexpr int kTrials = 128, kKept = 8;
   constexpr int kShortIterations = 12, kLongIterations = 30;
   const TexelRectangle all = {0, 0, map.width, map.height};
@@ -161,9 +163,11 @@ std::vector<MultumVmfLobe> likeliest_lobes(const NormalMap& map, const StartSear
     iterate(fit, few, kShortIterations, cap);
     fits[static_cast<std::size_t>(trial)] = std::move(fit);
   });
-  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.log_likelihood > b.log_likelihood; });
+  std::stable_sort(fits.begin(), fits.end(),
+                   [](const Fit& a, const Fit& b) { return a.log_likelihood > b.log_likelihood; });
   fits.resize(kKept);
-  parallel_rows(kKept, search.threads, [&](int i) { iterate(fits[static_cast<std::size_t>(i)], many, kLongIterations, cap); });
+  parallel_rows(kKept, search.threads,
+                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], many, kLongIterations, cap); });
   std::vector<MultumVmfLobe> lobes;
   for (const Lobe& lobe : best_of(fits).lobes) {
     const glm::vec3 r(lobe.mu * std::min(lobe.mean_length, 1.0));

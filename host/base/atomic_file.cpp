@@ -65,7 +65,8 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
   if (access(folder.c_str(), W_OK) != 0) fail(path_, "the folder " + folder.string() + " cannot be written");
   sweep_leftovers(folder, name);
   static std::atomic<unsigned> counter{0};
-  temporary_path_ = (folder / (kPrefix + std::to_string(getpid()) + "-" + std::to_string(counter++) + "-" + name)).string();
+  temporary_path_ =
+      (folder / (kPrefix + std::to_string(getpid()) + "-" + std::to_string(counter++) + "-" + name)).string();
 }
 
 AtomicFile::~AtomicFile() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file that appears whole or not at all: it is written under a temporary name in the same folder, synced, and renamed.
+// A file that appears whole or not at all: it is written under a temporary name in the same folder, synced, and
+// renamed.
 #pragma once
 
 #include <string>

@@ -59,10 +59,12 @@ class TerminalBar {
     shown_ = true;
     constexpr int kCells = 30;
     const double fraction =
-        event.units_total == 0 ? 0.0
-                               : std::min(1.0, static_cast<double>(event.units_done) / static_cast<double>(event.units_total));
+        event.units_total == 0
+            ? 0.0
+            : std::min(1.0, static_cast<double>(event.units_done) / static_cast<double>(event.units_total));
     const int filled = static_cast<int>(fraction * kCells);
-    const std::string bar = std::string(static_cast<size_t>(filled), '#') + std::string(static_cast<size_t>(kCells - filled), '.');
+    const std::string bar =
+        std::string(static_cast<size_t>(filled), '#') + std::string(static_cast<size_t>(kCells - filled), '.');
     std::fprintf(stderr, "\r\033[K[%s] %3.0f%%  %s", bar.c_str(), fraction * 100.0, event.stage.c_str());
     if (finished) clear();
     std::fflush(stderr);

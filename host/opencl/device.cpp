@@ -118,7 +118,8 @@ Device Device::open(const std::string& selector) {
   if (chosen == nullptr) {
     std::string known;
     for (const FoundDevice& device : devices) known += fmt::format("\n  {}: {}", device.info.index, device.info.name);
-    throw Error(ErrorCode::kEnvironment, "no OpenCL device matches '" + selector + "'; expected a number or part of a name of" + known);
+    throw Error(ErrorCode::kEnvironment,
+                "no OpenCL device matches '" + selector + "'; expected a number or part of a name of" + known);
   }
   Device device;
   device.state_ = std::make_shared<DeviceState>();
@@ -142,8 +143,9 @@ namespace {
 std::shared_ptr<void> create_memory(const DeviceState& state, cl_mem_flags flags, std::size_t byte_count, void* host,
                                     const std::string& what) {
   if (byte_count > state.info.buffer_bytes_max)
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: needs a buffer of {} MiB, the device {} allows at most {} MiB", what,
-                                                     byte_count >> 20, state.info.name, state.info.buffer_bytes_max >> 20));
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}: needs a buffer of {} MiB, the device {} allows at most {} MiB", what, byte_count >> 20,
+                            state.info.name, state.info.buffer_bytes_max >> 20));
   cl_int status = CL_SUCCESS;
   cl_mem memory = clCreateBuffer(state.context, flags, std::max<std::size_t>(byte_count, 1), host, &status);
   check_cl(status, fmt::format("{}: a buffer of {} bytes", what, byte_count));
@@ -169,14 +171,16 @@ DeviceBuffer Device::wrap_buffer(const void* data, std::size_t byte_count, const
 
 void Device::write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
   MULTUM_CHECK(byte_count <= buffer.byte_count_);
-  check_cl(clEnqueueWriteBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data, 0,
-                                nullptr, nullptr), "clEnqueueWriteBuffer");
+  check_cl(clEnqueueWriteBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
+                                0, nullptr, nullptr),
+           "clEnqueueWriteBuffer");
 }
 
 void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count) {
   MULTUM_CHECK(byte_count <= buffer.byte_count_);
-  check_cl(clEnqueueReadBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data, 0,
-                               nullptr, nullptr), "clEnqueueReadBuffer");
+  check_cl(clEnqueueReadBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
+                               0, nullptr, nullptr),
+           "clEnqueueReadBuffer");
 }
 
 void Device::finish() { check_cl(clFinish(state_->queue), "clFinish"); }

@@ -22,7 +22,8 @@ namespace {
 
 std::string g_cache_folder;
 
-// Binaries end with the SHA-256 of what precedes it, so that a file cut short by a full disk is never given to a driver.
+// Binaries end with the SHA-256 of what precedes it, so that a file cut short by a full disk is never given to a
+// driver.
 constexpr std::size_t kDigestSize = 64;
 
 std::string build_log(const DeviceState& state, cl_program program) {
@@ -44,14 +45,16 @@ cl_program build_from_source(const DeviceState& state, const std::string& file, 
   if (status != CL_SUCCESS) {
     const std::string log = build_log(state, program);
     clReleaseProgram(program);
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}.cl does not build on {} with {}: {}\n{}", file, state.info.name, options,
-                                                     cl_error_name(status), log));
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}.cl does not build on {} with {}: {}\n{}", file,
+                                                     state.info.name, options, cl_error_name(status), log));
   }
   return program;
 }
 
 // Null when there is no usable binary.
 cl_program load_binary(const DeviceState& state, const std::string& path, const std::string& options) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return nullptr;  // reading a folder would throw
   std::ifstream in(path, std::ios::binary);
   if (!in) return nullptr;
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
@@ -78,7 +81,8 @@ cl_program load_binary(const DeviceState& state, const std::string& path, const 
 // Failing to keep a binary costs the next run a build; it is no reason to fail this one.
 void save_binary(cl_program program, const std::string& path) {
   std::size_t length = 0;
-  if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(length), &length, nullptr) != CL_SUCCESS || length == 0) return;
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(length), &length, nullptr) != CL_SUCCESS || length == 0)
+    return;
   std::string bytes(length, '\0');
   auto* data = reinterpret_cast<unsigned char*>(bytes.data());
   if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(data), &data, nullptr) != CL_SUCCESS) return;

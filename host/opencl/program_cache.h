@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Program binaries kept between runs, keyed by SHA-256 of source, options, device and driver version. A damaged or foreign
-// file means a rebuild, never an error.
+// Program binaries kept between runs, keyed by SHA-256 of source, options, device and driver version. A damaged or
+// foreign file means a rebuild, never an error.
 #pragma once
 
 #include <string>

@@ -3,22 +3,9 @@
 #include "tests/unit/image_test_files.h"
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <numbers>
 
 namespace multum::testing {
-
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "multum_image_test_XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) ADD_FAILURE() << "no temporary folder";
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 void write_test_image(const std::string& path, const TestImage& image) {
   OIIO::ImageSpec spec(image.width, image.height, image.channels, image.type);
@@ -77,18 +64,6 @@ double largest_difference(const NormalMap& map, const std::vector<glm::dvec3>& n
     largest = std::max(largest, std::sqrt(dx * dx + dy * dy + dz * dz));
   }
   return largest;
-}
-
-void expect_error(ErrorCode code, const std::vector<std::string>& parts, const std::function<void()>& body) {
-  try {
-    body();
-    ADD_FAILURE() << "no error, expected one with \"" << (parts.empty() ? "" : parts[0]) << '"';
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    for (const std::string& part : parts)
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
-          << "no \"" << part << "\" in: " << error.what();
-  }
 }
 
 NormalMap read_map(const std::string& path, const NormalMapSettings& settings) {

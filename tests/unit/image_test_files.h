@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Image files for tests, written through OpenImageIO into a folder that goes away with the test.
+// Image files for tests, written through OpenImageIO.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,22 +9,10 @@
 #include <glm/vec3.hpp>
 #include <gtest/gtest.h>
 
-#include "host/base/error.h"
 #include "host/image/normal_map.h"
+#include "tests/unit/test_folder.h"
 
 namespace multum::testing {
-
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
 
 struct TestImage {
   int width = 0;
@@ -55,9 +42,6 @@ TestImage normal_image(int width, int height, bool is_signed = false, double gre
 
 /// The largest distance between the map and the normals.
 double largest_difference(const NormalMap& map, const std::vector<glm::dvec3>& normals);
-
-/// Runs `body`, which must throw Error with `code` and a message that contains all of `parts`.
-void expect_error(ErrorCode code, const std::vector<std::string>& parts, const std::function<void()>& body);
 
 /// Reads with two threads and no progress.
 NormalMap read_map(const std::string& path, const NormalMapSettings& settings = {});

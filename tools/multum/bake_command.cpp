@@ -25,7 +25,8 @@ struct BakeOptions {
 
 const std::map<std::string, BumpFormat> kBumpFormats = {
     {"auto", BumpFormat::kAuto}, {"height", BumpFormat::kHeight}, {"normal", BumpFormat::kNormal}};
-const std::map<std::string, FixNan> kFixNans = {{"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
+const std::map<std::string, FixNan> kFixNans = {
+    {"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
 const std::map<std::string, FitOrder> kOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
 const std::map<std::string, StorageEncoding> kEncodings = {
     {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
@@ -38,32 +39,41 @@ CLI::CheckedTransformer one_of(const std::map<std::string, Value>& names) {
 void add_input_options(CLI::App& bake, BakeOptions& o) {
   NormalMapSettings& r = o.job.reading;
   const CLI::Validator wraps = CLI::IsMember({"black", "clamp", "periodic", "mirror"});
-  bake.add_option("--bumpformat", r.bump_format, "what the file is: height, normal or auto (default: found from its statistics)")
+  bake.add_option("--bumpformat", r.bump_format,
+                  "what the file is: height, normal or auto (default: found from its statistics)")
       ->transform(one_of(kBumpFormats));
-  bake.add_option("--green", o.green, "green points up (OpenGL) or down (DirectX) (default: found)")->check(CLI::IsMember({"up", "down"}));
+  bake.add_option("--green", o.green, "green points up (OpenGL) or down (DirectX) (default: found)")
+      ->check(CLI::IsMember({"up", "down"}));
   auto* is_signed = bake.add_flag("--signed", o.is_signed, "channel values are the vector, -1..1 (default: found)");
   bake.add_flag("--unsigned", o.is_unsigned, "channel values are encoded, 0..1 (default: found)")->excludes(is_signed);
   bake.add_flag("--two-channel", o.two_channel, "only x and y are stored; z is rebuilt (default: found)");
-  bake.add_option("--height-scale", r.height_scale, "height field: height in texels of a value difference of 1")->capture_default_str();
-  bake.add_option("--wrap", o.wrap, "beyond the border: black, clamp, periodic or mirror (default: periodic)")->check(wraps);
+  bake.add_option("--height-scale", r.height_scale, "height field: height in texels of a value difference of 1")
+      ->capture_default_str();
+  bake.add_option("--wrap", o.wrap, "beyond the border: black, clamp, periodic or mirror (default: periodic)")
+      ->check(wraps);
   bake.add_option("--swrap", o.wrap_s, "the same for s (x) alone")->check(wraps);
   bake.add_option("--twrap", o.wrap_t, "the same for t (y) alone")->check(wraps);
   bake.add_flag("--checknan", r.check_nan, "refuse a file with NaN or Inf, naming the first");
-  bake.add_option("--fixnan", r.fix_nan, "repair NaN and Inf: none (refuse), black (flat), box3 (mean of the neighbours)")
+  bake.add_option("--fixnan", r.fix_nan,
+                  "repair NaN and Inf: none (refuse), black (flat), box3 (mean of the neighbours)")
       ->transform(one_of(kFixNans));
-  bake.add_option("--repair-max", r.repair_share_max, "refuse a file that needs more repairs than this share of its texels")
-      ->check(CLI::Range(0.0, 1.0))->capture_default_str();
+  bake.add_option("--repair-max", r.repair_share_max,
+                  "refuse a file that needs more repairs than this share of its texels")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   bake.add_option("--albedo", o.job.albedo, "colour map of the same size: bakes colours per lobe");
 }
 
 void add_fit_options(CLI::App& bake, BakeOptions& o) {
   MovmfSettings& f = o.job.fitting;
-  bake.add_option("--lobes", f.lobe_count, "lobes a texel, 1..8: more are more accurate, larger and slower")->capture_default_str();
+  bake.add_option("--lobes", f.lobe_count, "lobes a texel, 1..8: more are more accurate, larger and slower")
+      ->capture_default_str();
   bake.add_option("--iterations", f.iteration_count, "EM iterations a texel")->capture_default_str();
   bake.add_option("--sweeps", f.sweep_count, "times that a level is fitted; more than one aligns it better")->capture_default_str();
   bake.add_option("--order", f.order, "colour (parallel) or scanline (the paper's)")->transform(one_of(kOrders));
   bake.add_option("--align", f.alignment, "weight of the alignment prior; 0: none")->capture_default_str();
-  bake.add_option("--kappa-cap", f.kappa_cap, "sharpest lobe that EM uses on rough texels; smooth ones get sharper ones")
+  bake.add_option("--kappa-cap", f.kappa_cap,
+                  "sharpest lobe that EM uses on rough texels; smooth ones get sharper ones")
       ->capture_default_str();
 }
 
@@ -71,14 +81,17 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("-o,--output", o.job.output, "file to write, *.ndf.exr")->required();
   bake.add_option("-d,--data-format", o.job.encoding, "snorm16 (default), half (kappa above 1000 is lost) or float")
       ->transform(one_of(kEncodings));
-  bake.add_option("--compression", o.job.writing.compression, "none, rle, zips, zip or piz, zip:1..9")->capture_default_str();
+  bake.add_option("--compression", o.job.writing.compression, "none, rle, zips, zip or piz, zip:1..9")
+      ->capture_default_str();
   bake.add_option("--report", o.job.report, "write times, counts and errors as JSON");
   bake.add_option("--device", o.device, "OpenCL device: a number of `multum devices` or part of a name");
   bake.add_flag("--no-measure", o.no_measure, "skip measuring the error of what is written");
   bake.add_flag("--runstats", o.run_stats, "print times, launches and numerical events");
 }
 
-WrapMode wrap_or(const std::string& name, WrapMode fallback) { return name.empty() ? fallback : *parse_wrap_mode(name); }
+WrapMode wrap_or(const std::string& name, WrapMode fallback) {
+  return name.empty() ? fallback : *parse_wrap_mode(name);
+}
 
 int run_bake(BakeOptions& o) {
   const int threads = apply(o.common);
@@ -98,8 +111,8 @@ int run_bake(BakeOptions& o) {
   std::printf("%s: written\n%s", job.output.c_str(), report.to_text().c_str());
   if (o.run_stats || o.common.verbose) {
     for (const LevelReport& level : report.levels)
-      std::printf("level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height, level.seconds,
-                  static_cast<unsigned long long>(level.launches));
+      std::printf("level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
+                  level.seconds, static_cast<unsigned long long>(level.launches));
     for (const auto& [kernel, count] : report.launches)
       std::printf("%-24s %6llu launches\n", kernel.c_str(), static_cast<unsigned long long>(count));
   }
@@ -110,7 +123,8 @@ int run_bake(BakeOptions& o) {
 
 void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
-  CLI::App* bake = app.add_subcommand("bake", "bake a normal map or height field into an aligned mixture-of-vMF mipmap");
+  CLI::App* bake =
+      app.add_subcommand("bake", "bake a normal map or height field into an aligned mixture-of-vMF mipmap");
   bake->add_option("input", options->job.input, "PNG, TIFF, EXR, JPEG, WebP ... of any size")->required();
   add_output_options(*bake, *options);
   add_fit_options(*bake, *options);

@@ -29,11 +29,12 @@ int run_info(const std::string& path) {
   text += fmt::format("file            {}\n", path);
   text += fmt::format("representation  movmf: {} von Mises-Fisher lobes a texel{}\n", file.lobe_count(),
                       file.has_colours() ? ", with a colour a lobe" : "");
-  text += fmt::format("size            {} x {}, {} levels, wrap {}, {}\n", file.width(), file.height(), file.levels.size(),
-                      wrap_mode_name(file.wrap_s), wrap_mode_name(file.wrap_t));
+  text += fmt::format("size            {} x {}, {} levels, wrap {}, {}\n", file.width(), file.height(),
+                      file.levels.size(), wrap_mode_name(file.wrap_s), wrap_mode_name(file.wrap_t));
   text += fmt::format("encoding        {}; kappa up to {:.0f} survives it\n", storage_encoding_name(file.encoding),
                       static_cast<double>(storage_kappa_max(file.encoding)));
-  text += fmt::format("on disk         {:.1f} MiB\n", static_cast<double>(std::filesystem::file_size(path)) / (1 << 20));
+  text +=
+      fmt::format("on disk         {:.1f} MiB\n", static_cast<double>(std::filesystem::file_size(path)) / (1 << 20));
   text += fmt::format("on the GPU      {:.1f} MiB\n", mib);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
   text += fmt::format("settings        {}\n", from.settings);
@@ -57,11 +58,12 @@ int run_verify(const std::string& path, const CommonOptions& common) {
 int run_devices() {
   const std::vector<DeviceInfo> devices = list_devices();
   if (devices.empty())
-    throw Error(ErrorCode::kEnvironment, "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
+    throw Error(ErrorCode::kEnvironment,
+                "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
   for (const DeviceInfo& d : devices)
-    std::printf("%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(), d.platform.c_str(),
-                d.driver.c_str(), d.is_cpu ? "CPU" : "GPU", static_cast<double>(d.memory_bytes) / (1u << 30),
-                static_cast<double>(d.buffer_bytes_max) / (1u << 30));
+    std::printf("%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(),
+                d.platform.c_str(), d.driver.c_str(), d.is_cpu ? "CPU" : "GPU",
+                static_cast<double>(d.memory_bytes) / (1u << 30), static_cast<double>(d.buffer_bytes_max) / (1u << 30));
   return 0;
 }
 

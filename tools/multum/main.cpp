@@ -16,8 +16,10 @@ namespace {
 // $MULTUM_CACHE_DIR, else $XDG_CACHE_HOME/multum, else ~/.cache/multum; empty MULTUM_CACHE_DIR turns the cache off.
 std::string program_cache_folder() {
   if (const char* folder = std::getenv("MULTUM_CACHE_DIR")) return folder;
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') return std::string(xdg) + "/multum";
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return std::string(home) + "/.cache/multum";
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0')
+    return std::string(xdg) + "/multum";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
+    return std::string(home) + "/.cache/multum";
   return "";
 }
 

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Each kind of damage fails the check that is meant for it, and no other.
+#include "host/asset/movmf_verify.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/unit/movmf_test_mipmap.h"
+#include "tests/unit/test_folder.h"
+
+namespace multum {
+namespace {
+
+using testing::TemporaryFolder;
+
+class MovmfVerifyTest : public ::testing::TestWithParam<StorageEncoding> {
+ protected:
+  MovmfMipmap make() const {
+    MovmfMipmap mipmap = testing::random_mipmap(40, 24, 4, true, GetParam(), 4);
+    quantize_movmf(mipmap, 1);
+    return mipmap;
+  }
+
+  std::string write(const MovmfMipmap& mipmap) const {
+    MovmfWriteOptions options;
+    options.compression = "none";
+    write_movmf_mipmap(folder_ / "a.exr", mipmap, options);
+    return folder_ / "a.exr";
+  }
+
+  static std::set<std::string> failed(const std::string& path) {
+    std::set<std::string> names;
+    for (const VerifyFinding& finding : verify_movmf(path, 2))
+      if (!finding.passed) names.insert(finding.check);
+    return names;
+  }
+
+  const TemporaryFolder folder_;
+};
+
+using Names = std::set<std::string>;
+INSTANTIATE_TEST_SUITE_P(Encodings, MovmfVerifyTest,
+                         ::testing::Values(StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat));
+
+TEST_P(MovmfVerifyTest, AGoodFilePassesEveryCheck) {
+  const std::vector<VerifyFinding> findings = verify_movmf(write(make()), 2);
+  EXPECT_EQ(findings.size(), 6u);
+  for (const VerifyFinding& finding : findings) EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.detail;
+}
+
+TEST_P(MovmfVerifyTest, AFlippedBitInAnyTileFailsTheChecksum) {
+  const std::string path = write(make()), whole = testing::read_bytes(path);
+  const unsigned seed = 6;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  // Pixels make up more than the file's last half; a byte there is a pixel's or belongs to a chunk's own header.
+  for (int round = 0; round < 30; ++round) {
+    std::string bytes = whole;
+    const std::size_t at = whole.size() / 2 + random() % (whole.size() / 2);
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << (random() % 8)));
+    testing::write_bytes(path, bytes);
+    SCOPED_TRACE(at);
+    try {
+      EXPECT_TRUE(failed(path).contains("checksum"));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInput);
+    }
+  }
+}
+
+TEST_P(MovmfVerifyTest, AWrongChecksumNamesBoth) {
+  const std::string path = write(make());
+  std::string bytes = testing::read_bytes(path);
+  const std::string hash = read_movmf_header(path).provenance.content_hash;
+  bytes.replace(bytes.find(hash), 4, "0000");
+  testing::write_bytes(path, bytes);
+  EXPECT_EQ(failed(path), Names{"checksum"});
+  for (const VerifyFinding& finding : verify_movmf(path, 1))
+    if (finding.check == "checksum") {
+      EXPECT_NE(finding.detail.find("found " + hash + ", expected 0000"), std::string::npos) << finding.detail;
+    }
+}
+
+TEST_P(MovmfVerifyTest, AWrongSumNamesTheTexel) {
+  MovmfMipmap mipmap = make();
+  MovmfLevel& level = mipmap.levels[1];  // 20 x 12
+  for (auto& lobe : level.lobes) lobe[20 * 7 + 3] *= 0.5f;
+  const std::string path = write(mipmap);
+  EXPECT_EQ(failed(path), Names{"sum of a"});
+  for (const VerifyFinding& finding : verify_movmf(path, 1))
+    if (finding.check == "sum of a") {
+      EXPECT_NE(finding.detail.find("level 1, texel (3, 7)"), std::string::npos) << finding.detail;
+    }
+}
+
+TEST_P(MovmfVerifyTest, NonFiniteValuesOfLobesAndColours) {
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    MovmfMipmap mipmap = make();
+    mipmap.levels[2].lobes[1][5].x = value;
+    EXPECT_TRUE(failed(write(mipmap)).contains("finite"));
+    mipmap = make();
+    mipmap.levels[0].colours[3][7].z = value;
+    EXPECT_EQ(failed(write(mipmap)), Names{"finite"});
+  }
+}
+
+TEST_P(MovmfVerifyTest, NegativeAmplitudes) {
+  MovmfMipmap mipmap = make();
+  MovmfLevel& level = mipmap.levels[0];
+  level.lobes[0][3] = glm::vec4(0.0f, 0.0f, 0.0f, -0.25f);
+  level.lobes[1][3] = level.lobes[2][3] = glm::vec4(0.0f);
+  level.lobes[3][3] = glm::vec4(0.0f, 0.0f, 0.5f, 1.25f);
+  const Names names = failed(write(mipmap));
+  EXPECT_TRUE(names.contains("a >= 0"));
+}
+
+TEST_P(MovmfVerifyTest, MeansLongerThanRoundingAllows) {
+  MovmfMipmap mipmap = make();
+  for (std::size_t j = 0; j < 4; ++j) mipmap.levels[0].lobes[j][9] = glm::vec4(0.0f, 0.0f, 0.25f, 0.25f);
+  EXPECT_EQ(failed(write(mipmap)), Names{});
+  mipmap.levels[0].lobes[2][9].x = 0.03125f;  // |a r| = 0.2519
+  EXPECT_EQ(failed(write(mipmap)), Names{"|r| <= 1"});
+}
+
+TEST(MovmfVerifyStructureTest, WhatIsNoBakedFileIsThrown) {
+  const TemporaryFolder folder;
+  testing::expect_error(ErrorCode::kInput, {folder / "none"}, [&] { verify_movmf(folder / "none", 1); });
+}
+
+}  // namespace
+}  // namespace multum

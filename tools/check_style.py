@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks what a script can check of the style: marks, licence line, header comment, line length, dead files, folders.
+
+Usage: check_style.py [--root FOLDER]. Exit code 1 when a rule is broken, one line a violation.
+"""
+import argparse
+import os
+import pathlib
+import re
+import sys
+
+LINE_LENGTH_MAX = 120
+COMMENT = {".h": "//", ".cpp": "//", ".cl": "//", ".clh": "//", ".glsl": "//", ".vert": "//", ".frag": "//", ".py": "#",
+           ".cmake": "#", ".txt": "#", "": "#"}
+# A source that no build names is dead; kernels are globbed, headers live by their includes.
+BUILT = {".cpp", ".cl", ".glsl", ".vert", ".frag"}
+SOURCE_FOLDERS = ("kernels", "host", "runtime_gl", "tools", "tests")
+SKIPPED = ("build", "out", ".git", "__pycache__")
+
+
+def project_files(root):
+    """Files that the rules are for: sources, scripts and CMake files, wherever they lie."""
+    found = []
+    for folder, folders, names in os.walk(root):
+        folders[:] = [f for f in folders if f not in SKIPPED]
+        found += [pathlib.Path(folder) / name for name in names]
+    for file in sorted(found):
+        parts = file.relative_to(root).parts
+        is_script = file.suffix == "" and parts[0] in ("tools", ".ci") and file.read_bytes()[:2] == b"#!"
+        if is_script or (file.suffix in COMMENT and file.suffix not in ("", ".txt")) or file.name == "CMakeLists.txt":
+            yield file
+
+
+def check_text(file, text):
+    lines = text.splitlines()
+    for number, line in enumerate(lines, start=1):
+        if len(line) > LINE_LENGTH_MAX:
+            yield number, f"{len(line)} characters, at most {LINE_LENGTH_MAX}"
+        if re.search(r"\b(FIX" r"ME|XX" r"X)\b", line):
+            yield number, "FIX" "ME and XX" "X may not be merged: name an issue with TODO, or mend it"
+    if not any("SPDX-License-Identifier: Apache-2.0" in line for line in lines[:3]):
+        yield 1, "found no line 'SPDX-License-Identifier: Apache-2.0' among the first three"
+
+
+def has_header_comment(file, lines):
+    """A comment beside the licence line, before the first line of code. A .cpp may leave it to its header."""
+    if file.suffix == ".cpp" and (file.with_suffix(".h").is_file() or file.with_suffix(".clh").is_file()):
+        return True
+    if file.name == "CMakeLists.txt":
+        return True
+    mark = COMMENT[file.suffix]
+    for line in lines:
+        if line.startswith("#!") or "SPDX" in line or not line.strip():
+            continue
+        if line.startswith("#version"):  # GLSL wants it first
+            continue
+        return line.startswith((mark, '"""'))
+    return False
+
+
+def built_patterns(root, files):
+    """Regular expression of the paths that any CMakeLists.txt names or globs. A name counts in folders below too: the
+    list of shaders gets its folder put before each name."""
+    patterns = []
+    for file in (f for f in files if f.name == "CMakeLists.txt"):
+        code = re.sub(r"#.*", "", file.read_text())
+        for token in re.findall(r"[^\s()\";]+\.(?:cpp|cl|glsl|vert|frag)\b", code):
+            start = root if token.startswith("${CMAKE_SOURCE_DIR}") else file.parent
+            token = re.sub(r"^\$\{CMAKE_(CURRENT_)?SOURCE_DIR\}/", "", token)
+            if "${" in token:
+                continue
+            path = pathlib.Path(os.path.normpath(start / token)).relative_to(root).as_posix()
+            if "*" in token:
+                patterns.append(re.escape(path).replace(r"\*", "[^/]*"))
+                continue
+            base = file.parent.relative_to(root).as_posix()
+            patterns += [re.escape(path), re.escape(base) + "/(.*/)?" + re.escape(token)]
+    return re.compile("|".join(patterns) or "$.")
+
+
+def folder_rows(root):
+    text = (root / "docs/ARCHITECTURE.md").read_text()
+    block = re.search(r"^```folders\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    if block is None:
+        sys.exit("docs/ARCHITECTURE.md: found no table ```folders")
+    return {line.split()[0] for line in block.group(1).splitlines() if line.strip()}
+
+
+def violations(root):
+    files = list(project_files(root))
+    built = built_patterns(root, files)
+    listed = folder_rows(root)
+    missing_folders = set()
+    for file in files:
+        name = file.relative_to(root).as_posix()
+        text = file.read_text(errors="replace")
+        for number, what in check_text(file, text):
+            yield f"{name}:{number}: {what}"
+        if not has_header_comment(file, text.splitlines()):
+            yield f"{name}:1: found no comment before the code that says what the file computes"
+        if file.suffix in BUILT and not built.fullmatch(name):
+            yield f"{name}:1: no CMakeLists.txt names it: dead"
+        folder = file.parent.relative_to(root).as_posix()
+        if folder.split("/")[0] in SOURCE_FOLDERS and file.name != "CMakeLists.txt" and folder not in listed:
+            missing_folders.add(folder)
+    for folder in sorted(missing_folders):
+        yield f"{folder}: has no row in the folder table of docs/ARCHITECTURE.md"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
+    root = parser.parse_args().root.resolve()
+    found = list(violations(root))
+    for violation in found:
+        print(violation)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
