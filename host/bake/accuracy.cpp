@@ -102,9 +102,21 @@ std::vector<SamplePoint> make_points(const MovmfMipmap& mipmap, const AccuracySe
   return points;
 }
 
-// The lobes at each point as hardware filtering gives them.
+// T(a y) of a lobe in one colour channel.
+double filtered_colour(const MovmfMipmap& mipmap, const SamplePoint& point, std::size_t lobe, int channel) {
+  double sum = 0.0;
+  for (int t = 0; t < point.tap_count; ++t) {
+    const Tap& tap = point.taps[static_cast<std::size_t>(t)];
+    const auto& colours = mipmap.levels[static_cast<std::size_t>(tap.level)].colours[lobe];
+    sum += tap.weight * static_cast<double>(colours[static_cast<std::size_t>(tap.texel)][channel]);
+  }
+  return sum;
+}
+
+// The lobes at each point as hardware filtering gives them; multiplied by their colours in `channel` unless null:
+// shading is linear in (a r, a), so T(a y) / T(a) times the lobe shades to T(a y) times its shape.
 std::vector<glm::vec4> filtered_lobes(const MovmfMipmap& mipmap, const std::vector<SamplePoint>& points,
-                                      std::size_t first, std::size_t count) {
+                                      std::size_t first, std::size_t count, const int* channel) {
   const auto lobe_count = static_cast<std::size_t>(mipmap.lobe_count());
   std::vector<glm::vec4> lobes(count * lobe_count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -117,6 +129,7 @@ std::vector<glm::vec4> filtered_lobes(const MovmfMipmap& mipmap, const std::vect
                glm::dvec4(
                    mipmap.levels[static_cast<std::size_t>(tap.level)].lobes[j][static_cast<std::size_t>(tap.texel)]);
       }
+      if (channel != nullptr && sum.w > 0.0) sum *= filtered_colour(mipmap, point, j, *channel) / sum.w;
       lobes[i * lobe_count + j] = glm::vec4(sum);
     }
   }
@@ -144,28 +157,39 @@ class AccuracyMeter {
         settings_(settings),
         directions_(accuracy_directions()),
         points_(make_points(mipmap, settings)),
-        brdf_count_(settings.exponents.size() + 1),
+        brdf_count_((settings.exponents.size() + 1) * (settings.albedo != nullptr ? 2 : 1)),
         difference_(points_.size() * brdf_count_, 0.0),
         truth_(points_.size() * brdf_count_, 0.0) {}
 
   std::vector<AccuracyRow> run(Progress* progress) {
-    shade_model();
-    const std::size_t half_count = directions_.half_vectors.size();
-    for (std::size_t d = 0; d < half_count; ++d) {
-      for (std::size_t e = 0; e < settings_.exponents.size(); ++e)
-        compare(e, e * half_count + d, truth_plane(directions_.half_vectors[d], settings_.exponents[e]));
-      progress_advance(progress, progress_unit());
+    compare_all(0, nullptr, nullptr, progress);
+    if (settings_.albedo != nullptr) {
+      const std::vector<float>* planes[3] = {&settings_.albedo->r, &settings_.albedo->g, &settings_.albedo->b};
+      for (int channel = 0; channel < 3; ++channel)
+        compare_all(settings_.exponents.size() + 1, planes[channel], &channel, progress);
     }
-    for (std::size_t d = 0; d < directions_.lights.size(); ++d)
-      compare(brdf_count_ - 1, settings_.exponents.size() * half_count + d, truth_plane(directions_.lights[d], 0.0));
     return rows();
   }
 
  private:
-  std::uint64_t progress_unit() const { return 1; }
+  // Every BRDF and direction; rows from `first_brdf` on. With a colour plane, f is multiplied by it and the lobes by
+  // theirs.
+  void compare_all(std::size_t first_brdf, const std::vector<float>* colour, const int* channel, Progress* progress) {
+    shade_model(channel);
+    const std::size_t half_count = directions_.half_vectors.size();
+    for (std::size_t d = 0; d < half_count; ++d) {
+      for (std::size_t e = 0; e < settings_.exponents.size(); ++e)
+        compare(first_brdf + e, e * half_count + d,
+                truth_plane(directions_.half_vectors[d], settings_.exponents[e], colour));
+      progress_advance(progress, 0);  // a chance to cancel
+    }
+    for (std::size_t d = 0; d < directions_.lights.size(); ++d)
+      compare(first_brdf + settings_.exponents.size(), settings_.exponents.size() * half_count + d,
+              truth_plane(directions_.lights[d], 0.0, colour));
+  }
 
   // Model values at every point, [point][value], by the runtime's formula on the device.
-  void shade_model() {
+  void shade_model(const int* channel) {
     const std::size_t half_count = directions_.half_vectors.size(), light_count = directions_.lights.size();
     value_count_ = settings_.exponents.size() * half_count + light_count;
     std::vector<glm::vec4> halfs, lights;
@@ -184,7 +208,7 @@ class AccuracyMeter {
         device_.make_buffer(std::min(kBatch, points_.size()) * value_count_ * sizeof(float), "shaded values");
     for (std::size_t first = 0; first < points_.size(); first += kBatch) {
       const std::size_t count = std::min(kBatch, points_.size() - first);
-      const std::vector<glm::vec4> lobes = filtered_lobes(mipmap_, points_, first, count);
+      const std::vector<glm::vec4> lobes = filtered_lobes(mipmap_, points_, first, count, channel);
       const DeviceBuffer lobe_buffer =
           device_.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "filtered lobes");
       kernel.launch({count}, lobe_buffer, half_buffer, light_buffer, exponent_buffer, values, static_cast<int>(count),
@@ -194,7 +218,7 @@ class AccuracyMeter {
   }
 
   // f(omega . n) of every finest normal: normalised Blinn-Phong, or max(t, 0) for exponent 0.
-  Plane truth_plane(const glm::dvec3& omega, double exponent) const {
+  Plane truth_plane(const glm::dvec3& omega, double exponent, const std::vector<float>* colour) const {
     Plane plane(map_.x.size());
     const double scale = exponent > 0.0 ? (exponent + 1.0) / (2.0 * M_PI) : 1.0;
     const auto width = static_cast<std::size_t>(map_.width);
@@ -205,6 +229,7 @@ class AccuracyMeter {
             std::max(0.0, omega.x * static_cast<double>(map_.x[i]) + omega.y * static_cast<double>(map_.y[i]) +
                               omega.z * static_cast<double>(map_.z[i]));
         plane[i] = exponent > 0.0 ? scale * power(t, exponent) : t;
+        if (colour != nullptr) plane[i] *= static_cast<double>((*colour)[i]);
       }
     });
     return plane;
@@ -241,11 +266,17 @@ class AccuracyMeter {
     }
   }
 
+  std::string brdf_name(std::size_t brdf) const {
+    const std::size_t plain_count = settings_.exponents.size() + 1;
+    const std::size_t plain = brdf % plain_count;
+    const std::string name =
+        plain + 1 == plain_count ? "lambert" : fmt::format("blinn-phong:{}", settings_.exponents[plain]);
+    return brdf < plain_count ? name : name + " coloured";
+  }
+
   // Ratio of sums, and the half width of its 95 % interval by the delta method, over the points of one level and kind.
   AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf) const {
-    const bool is_lambert = brdf + 1 == brdf_count_;
-    AccuracyRow row{level, kind, is_lambert ? "lambert" : fmt::format("blinn-phong:{}", settings_.exponents[brdf]),
-                    0.0, 0.0, 0};
+    AccuracyRow row{level, kind, brdf_name(brdf), 0.0, 0.0, 0};
     double difference = 0.0, truth = 0.0;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (points_[i].level != level || points_[i].kind != kind) continue;

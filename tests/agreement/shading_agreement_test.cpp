@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shading formulas of OpenCL (kernels/device/vmf_shading.clh, by which a bake measures its own error) and of GLSL
-// (runtime_gl/shaders/common/movmf_shading.glsl, by which it is rendered) on the same lobes, and both against quadrature in
-// double: hard cases first, then random lobes.
+// (runtime_gl/shaders/common/movmf_shading.glsl, by which it is rendered) on the same lobes, and both against
+// quadrature in double: hard cases first, then random lobes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -53,12 +53,14 @@ Lobes test_lobes(unsigned seed) {
 }
 
 // [lobe][direction] of one exponent (0: Lambert), by the OpenCL kernel.
-std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions, float exponent) {
+std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
+                                float exponent) {
   static Device device = Device::open("");
   std::vector<glm::vec4> vectors;
   for (const glm::vec3& d : directions) vectors.emplace_back(d, 0.0f);
   const DeviceBuffer lobe_buffer = device.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "lobes");
-  const DeviceBuffer direction_buffer = device.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
+  const DeviceBuffer direction_buffer =
+      device.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
   const DeviceBuffer exponent_buffer = device.wrap_buffer(&exponent, sizeof(float), "exponent");
   std::vector<float> values(lobes.size() * directions.size(), -1.0f);
   const DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
@@ -88,7 +90,9 @@ std::vector<float> shade_glsl(const gl::HeadlessContext& context, const std::vec
 class ShadingAgreementTest : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Exponents, ShadingAgreementTest, ::testing::Values(0.0, 5.0, 20.0, 100.0, 500.0, 1e5),
                          [](const ::testing::TestParamInfo<double>& exponent) {
-                           return exponent.param == 0.0 ? std::string("Lambert") : std::string("S").append(std::to_string(static_cast<int>(exponent.param)));
+                           return exponent.param == 0.0
+                                      ? std::string("Lambert")
+                                      : std::string("S").append(std::to_string(static_cast<int>(exponent.param)));
                          });
 
 // Both are fp32: exponents up to kappa = 1e6 times 1 - cosine carry 1e-7 relative each, so peaks agree to 2e-3 at the

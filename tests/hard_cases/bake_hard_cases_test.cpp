@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hard cases of METHODS that concern fitting (its last section), each a whole bake: finite, conserved, and right where
-// the right answer is known in closed form.
+// The hard cases of METHODS that concern fitting (its last section), each a whole bake: finite, conserved, and right
+// where the right answer is known in closed form.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -70,7 +70,9 @@ glm::dvec3 tilted(double degrees, double azimuth = 0.3) {
 
 class HardCaseTest : public ::testing::TestWithParam<bool> {};  // both variants of the kernels
 INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest, ::testing::Values(false, true),
-                         [](const ::testing::TestParamInfo<bool>& variant) { return variant.param ? "Scalar" : "Vector"; });
+                         [](const ::testing::TestParamInfo<bool>& variant) {
+                           return variant.param ? "Scalar" : "Vector";
+                         });
 
 // kappa -> infinity; J > number of distinct normals; identical starting lobes.
 TEST_P(HardCaseTest, AllNormalsEqual) {
@@ -104,7 +106,8 @@ TEST_P(HardCaseTest, TwoOppositeTilts) {
 
 // One lobe on two opposite normals of the equator: r -> 0, kappa -> 0, no direction.
 TEST_P(HardCaseTest, OppositeNormalsOnTheEquatorWithOneLobe) {
-  const Baked baked = bake(make_map(16, 16, [](int x, int) { return glm::dvec3((x & 1) != 0 ? 1.0 : -1.0, 0.0, 0.0); }), 1, GetParam());
+  const Baked baked =
+      bake(make_map(16, 16, [](int x, int) { return glm::dvec3((x & 1) != 0 ? 1.0 : -1.0, 0.0, 0.0); }), 1, GetParam());
   EXPECT_GT(baked.report.undirected_lobes, 0u);
   for (std::size_t l = 1; l < baked.mipmap.levels.size(); ++l)
     for (const glm::vec4& lobe : baked.mipmap.levels[l].lobes[0]) {
@@ -128,7 +131,8 @@ TEST_P(HardCaseTest, NormalsOverTheWholeSphere) {
 TEST_P(HardCaseTest, MapsOfOneTwoAndThreeTexels) {
   for (int width : {1, 2, 3})
     for (int lobes : {1, 4, 8}) {
-      const Baked baked = bake(make_map(width, 1, [](int x, int) { return tilted(20.0 * x, 1.0 * x); }), lobes, GetParam());
+      const Baked baked =
+          bake(make_map(width, 1, [](int x, int) { return tilted(20.0 * x, 1.0 * x); }), lobes, GetParam());
       EXPECT_EQ(static_cast<int>(baked.mipmap.levels.size()), mip_level_count(width, 1));
       if (lobes >= width) {
         EXPECT_LT(spread_of(baked.mipmap.levels.back(), 0), 2e-2);
@@ -142,7 +146,8 @@ TEST_P(HardCaseTest, NearlyEqualNormalsKeepTheirSpread) {
   const Baked baked = bake(map, 1, GetParam());
   const MovmfLevel& top = baked.mipmap.levels.back();
   glm::dvec3 mean(0.0);
-  for (std::size_t i = 0; i < map.x.size(); ++i) mean += glm::normalize(glm::dvec3(map.x[i], map.y[i], map.z[i])) / 4096.0;
+  for (std::size_t i = 0; i < map.x.size(); ++i)
+    mean += glm::normalize(glm::dvec3(map.x[i], map.y[i], map.z[i])) / 4096.0;
   const double exact = 1.0 - glm::length(mean);
   // The kernels carry 1 - |r| beside r; what they hand over is a r itself, in floats: +-3e-7 of this spread's 1.2e-5.
   EXPECT_NEAR(spread_of(top, 0) / exact, 1.0, 0.05) << "exact spread " << exact;
@@ -150,7 +155,9 @@ TEST_P(HardCaseTest, NearlyEqualNormalsKeepTheirSpread) {
 
 // Amplitudes that die: one normal in 4096 apart from the others.
 TEST_P(HardCaseTest, ALobeOfOneNormalInThousands) {
-  const Baked baked = bake(make_map(64, 64, [](int x, int y) { return x == 5 && y == 7 ? tilted(70) : tilted(5, 0.01 * x); }), 4, GetParam());
+  const Baked baked =
+      bake(make_map(64, 64, [](int x, int y) { return x == 5 && y == 7 ? tilted(70) : tilted(5, 0.01 * x); }), 4,
+           GetParam());
   EXPECT_GT(baked.report.lobe_count_total, 0u);
 }
 
@@ -166,7 +173,8 @@ TEST_P(HardCaseTest, Strips) {
   for (int length : {2, 3, 37, 64, 1000, 2048})
     for (bool upright : {false, true}) {
       const Baked baked = bake(make_map(upright ? 1 : length, upright ? length : 1,
-                                        [](int x, int y) { return tilted(((x + y) % 7) * 9.0, (x + y) * 0.1); }), 4, GetParam());
+                                        [](int x, int y) { return tilted(((x + y) % 7) * 9.0, (x + y) * 0.1); }),
+                               4, GetParam());
       EXPECT_EQ(baked.mipmap.levels.back().lobes[0].size(), 1u);
     }
 }

@@ -52,8 +52,8 @@ Device& test_device() {
   return device;
 }
 
-std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent, int lobe_count,
-                                            const LevelFit& how) {
+std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
+                                            int lobe_count, const LevelFit& how) {
   Device& device = test_device();
   bool weighted = false;
   const LevelSchedule level = level_schedule(map, how, &weighted);
@@ -61,7 +61,8 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   fit.parent_width = mip_level_size(map.width, how.level + 1);
   fit.parent_height = mip_level_size(map.height, how.level + 1);
   const int texels = fit.width * fit.height;
-  // One launch of every texel: neighbours of lower colour rank would be read as done, so the prior sees only zeros there.
+  // One launch of every texel: neighbours of lower colour rank would be read as done, so the prior sees only zeros
+  // there.
   std::vector<int> list(static_cast<std::size_t>(texels));
   for (int i = 0; i < texels; ++i) list[static_cast<std::size_t>(i)] = i;
   while (list.size() % MULTUM_GROUP != 0) list.push_back(-1);
@@ -88,8 +89,8 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
     Kernel em = device.kernel("movmf_em_chunks", "movmf_em_partial", fast);
     Kernel mstep = device.kernel("movmf_em_mstep", "movmf_em_mstep", scalar);
     for (int i = 0; i < fit.iteration_count; ++i) {
-      em.launch(how.scalar ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1}, x, y, z,
-                start, list_buffer, partial, fit);
+      em.launch(how.scalar ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1}, x, y,
+                z, start, list_buffer, partial, fit);
       mstep.launch({slots * lobes}, partial, start, list_buffer, level_buffer, fit, i);
     }
   } else {
@@ -129,13 +130,15 @@ std::vector<reference::Sample> covered_samples(const NormalMap& map, int level, 
 std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                                    int lobe_count, const LevelFit& how) {
   const int width = mip_level_size(map.width, how.level), height = mip_level_size(map.height, how.level);
-  const int parent_width = mip_level_size(map.width, how.level + 1), parent_height = mip_level_size(map.height, how.level + 1);
+  const int parent_width = mip_level_size(map.width, how.level + 1),
+            parent_height = mip_level_size(map.height, how.level + 1);
   const auto texels = static_cast<std::size_t>(width * height);
   std::vector<reference::Moments> result(static_cast<std::size_t>(lobe_count) * texels);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       std::vector<reference::Lobe> lobes;
-      reference::EmOptions options{how.iterations, static_cast<double>(how.kappa_cap), static_cast<double>(how.kappa_cap_slope), {}};
+      reference::EmOptions options{
+          how.iterations, static_cast<double>(how.kappa_cap), static_cast<double>(how.kappa_cap_slope), {}};
       for (int j = 0; j < lobe_count; ++j) {
         const int parent_texel = std::min(y / 2, parent_height - 1) * parent_width + std::min(x / 2, parent_width - 1);
         const MultumVmfLobe& from = parent[static_cast<std::size_t>(j * parent_width * parent_height + parent_texel)];
@@ -145,9 +148,11 @@ std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const s
                          std::max(static_cast<double>(from.amplitude), 0.02)});
         options.prior.push_back(static_cast<double>(how.alignment) * static_cast<double>(from.amplitude) * mu);
       }
-      const std::vector<reference::Moments> moments = reference::fit(covered_samples(map, how.level, x, y), lobes, options);
+      const std::vector<reference::Moments> moments =
+          reference::fit(covered_samples(map, how.level, x, y), lobes, options);
       for (int j = 0; j < lobe_count; ++j)
-        result[static_cast<std::size_t>(j) * texels + static_cast<std::size_t>(y * width + x)] = moments[static_cast<std::size_t>(j)];
+        result[static_cast<std::size_t>(j) * texels + static_cast<std::size_t>(y * width + x)] =
+            moments[static_cast<std::size_t>(j)];
     }
   return result;
 }

@@ -27,8 +27,8 @@ Device& test_device();
 
 /// Fits every texel of a level in one launch (no neighbours are done, only the parent speaks), from `parent` lobes
 /// [lobe][parent texel]. Returns [lobe][texel]. Memory is filled with a poison value first.
-std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent, int lobe_count,
-                                            const LevelFit& how);
+std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
+                                            int lobe_count, const LevelFit& how);
 
 /// The same by the reference.
 std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,

@@ -38,7 +38,8 @@ std::vector<MultumVmfLobe> random_parent(const NormalMap& map, int level, int lo
   const int texels = mip_level_size(map.width, level + 1) * mip_level_size(map.height, level + 1);
   std::vector<MultumVmfLobe> parent(static_cast<std::size_t>(lobe_count * texels));
   for (MultumVmfLobe& lobe : parent) {
-    const glm::vec3 r = glm::normalize(glm::vec3(2 * uniform() - 1, 2 * uniform() - 1, 0.3f + uniform())) * (0.5f + 0.49f * uniform());
+    const glm::vec3 r =
+        glm::normalize(glm::vec3(2 * uniform() - 1, 2 * uniform() - 1, 0.3f + uniform())) * (0.5f + 0.49f * uniform());
     lobe = {r.x, r.y, r.z, 1.0f / static_cast<float>(lobe_count)};
   }
   return parent;
@@ -50,14 +51,15 @@ struct Case {
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
-  *out << c.width << "x" << c.height << " level " << c.level << ", " << c.lobes << " lobes" << (c.force_chunked ? ", chunked" : "");
+  *out << c.width << "x" << c.height << " level " << c.level << ", " << c.lobes << " lobes"
+       << (c.force_chunked ? ", chunked" : "");
 }
 
 class MovmfEmTest : public ::testing::TestWithParam<Case> {};
 
 // Tolerances. One E-step in fp32 errs by some 1e-6 in each sum; EM amplifies that by at most the growth of its
-// differences between iterations, below 10 over 4 iterations on these maps: 2e-5 would do, 1e-4 is asserted for (a r, a),
-// except that 1 lobe in 200 may be where two lobes compete evenly (then 1e-2).
+// differences between iterations, below 10 over 4 iterations on these maps: 2e-5 would do, 1e-4 is asserted for (a r,
+// a), except that 1 lobe in 200 may be where two lobes compete evenly (then 1e-2).
 TEST_P(MovmfEmTest, EqualsReference) {
   const Case c = GetParam();
   const unsigned seed = 20061u + static_cast<unsigned>(c.width * 7 + c.level);
@@ -77,7 +79,8 @@ TEST_P(MovmfEmTest, EqualsReference) {
     for (std::size_t i = 0; i < found.size(); ++i) {
       const glm::dvec3 r(found[i].mean_x, found[i].mean_y, found[i].mean_z);
       const double a = static_cast<double>(found[i].amplitude);
-      const double error = std::max(std::abs(a - expected[i].amplitude), glm::length(a * r - expected[i].amplitude * expected[i].r));
+      const double error =
+          std::max(std::abs(a - expected[i].amplitude), glm::length(a * r - expected[i].amplitude * expected[i].r));
       EXPECT_LT(error, 1e-2) << "lobe slot " << i;
       if (!(error < 1e-4)) ++off;
     }
@@ -100,10 +103,12 @@ TEST_P(MovmfEmTest, ScalarEqualsVectorBitForBit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Maps, MovmfEmTest,
-                         ::testing::Values(Case{32, 32, 1, 4, false}, Case{32, 32, 2, 6, false}, Case{64, 32, 3, 1, false},
-                                           Case{32, 32, 3, 8, false}, Case{64, 64, 5, 4, true}, Case{128, 128, 6, 4, true},
-                                           Case{20, 12, 1, 4, false}, Case{37, 21, 2, 3, false}, Case{21, 37, 3, 4, true},
-                                           Case{1, 37, 1, 4, false}, Case{64, 1, 3, 2, false}, Case{50, 70, 2, 2, true}));
+                         ::testing::Values(Case{32, 32, 1, 4, false}, Case{32, 32, 2, 6, false},
+                                           Case{64, 32, 3, 1, false}, Case{32, 32, 3, 8, false},
+                                           Case{64, 64, 5, 4, true}, Case{128, 128, 6, 4, true},
+                                           Case{20, 12, 1, 4, false}, Case{37, 21, 2, 3, false},
+                                           Case{21, 37, 3, 4, true}, Case{1, 37, 1, 4, false}, Case{64, 1, 3, 2, false},
+                                           Case{50, 70, 2, 2, true}));
 
 // Both ways to sum must agree: which one runs is a matter of a texel's size alone.
 TEST(MovmfEmPathTest, ChunkedAgreesWithUnchunked) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels' own exp2, log2 and inverse of A(kappa) against double; structs shared with the device; guards that relaxed
-// mathematics would delete.
+// The kernels' own exp2, log2 and inverse of A(kappa) against double; structs shared with the device; guards that
+// relaxed mathematics would delete.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,7 +51,8 @@ TEST(NumericsTest, Log2) {
   }
 }
 
-// From kappa 0.003 (spread 0.999) to 1e6: at most 4e-5 of kappa, where Banerjee's formula is up to several per cent off.
+// From kappa 0.003 (spread 0.999) to 1e6: at most 4e-5 of kappa, where Banerjee's formula is up to several per cent
+// off.
 TEST(NumericsTest, KappaOfMeanLength) {
   std::vector<float> spreads;
   for (double spread = 1e-6; spread < 0.999; spread *= 1.0117) spreads.push_back(static_cast<float>(spread));
@@ -78,7 +79,8 @@ TEST(SharedStructTest, DeviceAgreesOnSizesAndOffsets) {
   std::vector<int> found(5);
   device.read(sizes, found.data(), sizeof(int) * found.size());
   const std::vector<int> expected = {sizeof(MultumVmfLobe), offsetof(MultumVmfLobe, amplitude), sizeof(MultumMovmfFit),
-                                     offsetof(MultumMovmfFit, kappa_cap_slope), offsetof(MultumMovmfFit, total_weight_inverse)};
+                                     offsetof(MultumMovmfFit, kappa_cap_slope),
+                                     offsetof(MultumMovmfFit, total_weight_inverse)};
   EXPECT_EQ(found, expected);
 }
 

@@ -38,7 +38,9 @@ double texel_kappa_cap(const std::vector<Sample>& samples, const EmOptions& opti
     sum += s.weight * s.normal;
     weight += s.weight;
   }
-  return std::min(options.kappa_cap + options.kappa_cap_slope * std::min(kappa_of_mean_length(glm::length(sum) / weight), 1e6), 1e6);
+  return std::min(
+      options.kappa_cap + options.kappa_cap_slope * std::min(kappa_of_mean_length(glm::length(sum) / weight), 1e6),
+      1e6);
 }
 
 }  // namespace
@@ -55,7 +57,8 @@ std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& 
     for (const Sample& s : samples) {
       std::vector<double> density(lobes.size());
       for (std::size_t j = 0; j < lobes.size(); ++j)
-        density[j] = std::log(std::max(lobes[j].amplitude, 1e-6)) + log_vmf(glm::dot(lobes[j].mu, s.normal), lobes[j].kappa);
+        density[j] =
+            std::log(std::max(lobes[j].amplitude, 1e-6)) + log_vmf(glm::dot(lobes[j].mu, s.normal), lobes[j].kappa);
       const double largest = *std::max_element(density.begin(), density.end());
       double total = 0.0;
       for (double& d : density) total += d = std::exp(d - largest);

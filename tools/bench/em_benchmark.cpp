@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -22,6 +21,7 @@
 #include "host/opencl/device.h"
 #include "kernels/shared/vmf_lobe.h"
 #include "tools/bench/em_yardstick.h"
+#include "tools/bench/machine.h"
 
 namespace multum::bench {
 namespace {
@@ -35,13 +35,6 @@ double milliseconds_of(const std::function<void()>& body) {
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
-}
-
-std::string processor_name() {
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);)
-    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-  return "unknown processor";
 }
 
 // One level, ready to be fitted by either program: all texels in one launch.
@@ -82,13 +75,14 @@ class LevelBench {
         .launch({slots_ * lobes_}, parent_buffer, result_buffer_, list_buffer_, start_buffer_, fit_, 0.5f, 0.02f);
     device.read(start_buffer_, start_.data(), start_.size() * sizeof(float));
     if (level.chunked) {
-      partial_buffer_ = device.make_buffer(texels * static_cast<std::size_t>(fit_.chunk_count) * lobes_ * 5 * sizeof(float), "sums");
+      partial_buffer_ =
+          device.make_buffer(texels * static_cast<std::size_t>(fit_.chunk_count) * lobes_ * 5 * sizeof(float), "sums");
     } else {
       samples_.resize(slots_ * static_cast<std::size_t>(fit_.sample_columns * fit_.sample_rows) * 3);
       sample_buffer_ = device.make_buffer(samples_.size() * sizeof(float), "samples");
       device.kernel("movmf_start", "movmf_pack", scalar)
-          .launch({slots_ / MULTUM_GROUP * static_cast<std::size_t>(fit_.sample_rows)}, plane_buffers_[0], plane_buffers_[1],
-                  plane_buffers_[2], list_buffer_, sample_buffer_, fit_);
+          .launch({slots_ / MULTUM_GROUP * static_cast<std::size_t>(fit_.sample_rows)}, plane_buffers_[0],
+                  plane_buffers_[1], plane_buffers_[2], list_buffer_, sample_buffer_, fit_);
       device.read(sample_buffer_, samples_.data(), samples_.size() * sizeof(float));
     }
   }
@@ -101,10 +95,12 @@ class LevelBench {
       if (level_.chunked) {
         const std::size_t chunks = texels * static_cast<std::size_t>(fit_.chunk_count);
         for (int i = 0; i < fit_.iteration_count; ++i) {
-          partial_kernel_.launch(width_ == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1},
-                                 plane_buffers_[0], plane_buffers_[1], plane_buffers_[2], start_buffer_, list_buffer_,
-                                 partial_buffer_, fit_);
-          mstep_kernel_.launch({texels * lobes_}, partial_buffer_, start_buffer_, list_buffer_, result_buffer_, fit_, i);
+          partial_kernel_.launch(
+              width_ == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1},
+              plane_buffers_[0], plane_buffers_[1], plane_buffers_[2], start_buffer_, list_buffer_, partial_buffer_,
+              fit_);
+          mstep_kernel_.launch({texels * lobes_}, partial_buffer_, start_buffer_, list_buffer_, result_buffer_, fit_,
+                               i);
         }
       } else {
         texels_kernel_.launch({slots_ / static_cast<std::size_t>(width_)}, sample_buffer_, start_buffer_, list_buffer_,
@@ -190,14 +186,16 @@ int run_em_benchmark(const EmBenchmarkOptions& options) {
   MovmfSettings settings;
   settings.lobe_count = options.lobes;
   const MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
-  std::printf("EM of %d x %d, %d lobes, %d iterations, all levels; kernels on %s, yardstick in C++ on %d threads of %s\n",
-              options.size, options.size, options.lobes, options.iterations, device.info().name.c_str(), options.threads,
-              processor_name().c_str());
+  std::printf(
+      "EM of %d x %d, %d lobes, %d iterations, all levels; kernels on %s, yardstick in C++ on %d threads of %s\n",
+      options.size, options.size, options.lobes, options.iterations, device.info().name.c_str(), options.threads,
+      processor_name().c_str());
   std::printf("level  kernels ms  yardstick ms   ratio (quartiles)      mean difference\n");
   std::vector<MultumVmfLobe> parent(static_cast<std::size_t>(options.lobes));
   for (int j = 0; j < options.lobes; ++j) {
     const float phi = 6.2831853f * static_cast<float>(j) / static_cast<float>(options.lobes);
-    parent[static_cast<std::size_t>(j)] = {0.4f * std::cos(phi), 0.4f * std::sin(phi), 0.7f, 1.0f / static_cast<float>(options.lobes)};
+    parent[static_cast<std::size_t>(j)] = {0.4f * std::cos(phi), 0.4f * std::sin(phi), 0.7f,
+                                           1.0f / static_cast<float>(options.lobes)};
   }
   std::vector<Row> rows;
   ContentHash hash;
@@ -209,8 +207,8 @@ int run_em_benchmark(const EmBenchmarkOptions& options) {
     parent = bench.kernel_result();
     hash.update(parent.data(), parent.size() * sizeof(MultumVmfLobe));
     const Row& r = rows.back();
-    std::printf("%5d  %10.3f  %12.3f   %5.2f (%.2f .. %.2f)    %.1e\n", r.level, r.kernels_ms, r.yardstick_ms, r.ratio, r.ratio_low,
-                r.ratio_high, r.difference);
+    std::printf("%5d  %10.3f  %12.3f   %5.2f (%.2f .. %.2f)    %.1e\n", r.level, r.kernels_ms, r.yardstick_ms, r.ratio,
+                r.ratio_low, r.ratio_high, r.difference);
   }
   double ours = 0.0, theirs = 0.0;
   for (const Row& row : rows) {
@@ -219,14 +217,16 @@ int run_em_benchmark(const EmBenchmarkOptions& options) {
   }
   const double evaluations = static_cast<double>(options.size) * options.size * options.lobes * options.iterations *
                              static_cast<double>(rows.size());
-  std::printf("  all  %10.3f  %12.3f   %5.2f of medians   %.2f G lobe evaluations/s; result hash %s\n", ours, theirs, ours / theirs,
-              evaluations / ours / 1e6, hash.finish().substr(0, 16).c_str());
+  std::printf("  all  %10.3f  %12.3f   %5.2f of medians   %.2f G lobe evaluations/s; result hash %s\n", ours, theirs,
+              ours / theirs, evaluations / ours / 1e6, hash.finish().substr(0, 16).c_str());
   if (!options.json.empty()) {
-    nlohmann::ordered_json json = {{"size", options.size}, {"lobes", options.lobes}, {"iterations", options.iterations},
-                                   {"device", device.info().name}, {"processor", processor_name()}, {"kernels_ms", ours},
-                                   {"yardstick_ms", theirs}, {"ratio", ours / theirs}};
+    nlohmann::ordered_json json = {
+        {"size", options.size},         {"lobes", options.lobes},        {"iterations", options.iterations},
+        {"device", device.info().name}, {"processor", processor_name()}, {"kernels_ms", ours},
+        {"yardstick_ms", theirs},       {"ratio", ours / theirs}};
     for (const Row& r : rows)
-      json["levels"].push_back({{"level", r.level}, {"kernels_ms", r.kernels_ms}, {"yardstick_ms", r.yardstick_ms}, {"ratio", r.ratio}});
+      json["levels"].push_back(
+          {{"level", r.level}, {"kernels_ms", r.kernels_ms}, {"yardstick_ms", r.yardstick_ms}, {"ratio", r.ratio}});
     write_text_file(options.json, json.dump(2) + "\n");
   }
   return 0;

@@ -15,7 +15,8 @@ struct EmBenchmarkOptions {
   std::string json;         // file to write; empty: none
 };
 
-/// Prints a table: level, milliseconds of both (medians), ratio; the sum over levels; the largest difference of results.
+/// Prints a table: level, milliseconds of both (medians), ratio; the sum over levels; the largest difference of
+/// results.
 int run_em_benchmark(const EmBenchmarkOptions& options);
 
 }  // namespace multum::bench

@@ -132,14 +132,15 @@ V cap_of(const Sums<kLobes>& sums, float inverse_count, const YardstickLevel& le
     z += sums.z[j];
   }
   const V length = min_v(sqrt_v(x * x + y * y + z * z) * inverse_count, splat(1.0f));
-  return min_v(level.kappa_cap_slope * kappa_of(length, max_v(1.0f - length, splat(1e-6f))) + level.kappa_cap, splat(1e6f));
+  return min_v(level.kappa_cap_slope * kappa_of(length, max_v(1.0f - length, splat(1e-6f))) + level.kappa_cap,
+               splat(1e6f));
 }
 
 template <int kLobes>
 void m_step(const Sums<kLobes>& sums, const float* start, V cap, float inverse_count, Lobes<kLobes>& lobes) {
   for (int j = 0; j < kLobes; ++j) {
-    const Moments m = moments_of(sums.s[j], sums.x[j], sums.y[j], sums.z[j], sums.d[j], lobes.x[j], lobes.y[j], lobes.z[j],
-                                 inverse_count);
+    const Moments m = moments_of(sums.s[j], sums.x[j], sums.y[j], sums.z[j], sums.d[j], lobes.x[j], lobes.y[j],
+                                 lobes.z[j], inverse_count);
     const float* prior = start + (j * MULTUM_START_PLANES + MULTUM_START_PRIOR) * MULTUM_GROUP;
     const V length = 1.0f - m.spread;
     const V vx = m.x * length + load(prior), vy = m.y * length + load(prior + 16), vz = m.z * length + load(prior + 32);
@@ -171,7 +172,8 @@ void load_start(const float* start, Lobes<kLobes>& lobes) {
 template <int kLobes>
 void fit_group(const YardstickLevel& level, int group, float* out) {
   const float inverse_count = 1.0f / static_cast<float>(level.sample_count);
-  const float* samples = level.samples + static_cast<std::size_t>(group) * static_cast<std::size_t>(level.sample_count) * 48;
+  const float* samples =
+      level.samples + static_cast<std::size_t>(group) * static_cast<std::size_t>(level.sample_count) * 48;
   const float* start = level.start + static_cast<std::size_t>(group) * kLobes * MULTUM_START_PLANES * MULTUM_GROUP;
   Lobes<kLobes> lobes;
   load_start(start, lobes);
@@ -187,8 +189,8 @@ void fit_group(const YardstickLevel& level, int group, float* out) {
     if (iteration + 1 < level.iteration_count) m_step(sums, start, cap, inverse_count, lobes);
   }
   for (int j = 0; j < kLobes; ++j) {
-    const Moments m = moments_of(sums.s[j], sums.x[j], sums.y[j], sums.z[j], sums.d[j], lobes.x[j], lobes.y[j], lobes.z[j],
-                                 inverse_count);
+    const Moments m = moments_of(sums.s[j], sums.x[j], sums.y[j], sums.z[j], sums.d[j], lobes.x[j], lobes.y[j],
+                                 lobes.z[j], inverse_count);
     for (int lane = 0; lane < 16; ++lane) {
       float* to = out + (static_cast<std::size_t>(j) * static_cast<std::size_t>(level.group_count * 16) +
                          static_cast<std::size_t>(group * 16 + lane)) * 4;

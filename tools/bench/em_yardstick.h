@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of the EM kernels: the same sums in plain C++ with 16-wide vectors (GCC's vector extensions, compiled for
-// the machine at hand: AVX-512, or pairs of AVX2 registers) and OpenMP. Kept readable; the kernels are measured against it.
+// The yardstick of the EM kernels: the same sums in plain C++ with 16-wide vectors (GCC's vector extensions, compiled
+// for the machine at hand: AVX-512, or pairs of AVX2 registers) and OpenMP. Kept readable; the kernels are measured
+// against it.
 #pragma once
 
 #include <cstddef>

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/accuracy_document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "host/bake/accuracy_baselines.h"
+#include "host/bake/movmf_bake.h"
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/image/four_quarter_map.h"
+#include "tools/bench/machine.h"
+
+namespace multum::bench {
+namespace {
+
+constexpr AccuracyPoint kPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY,
+                                     AccuracyPoint::kBetween};
+
+// Errors in %, looked up by level, point and BRDF.
+class Errors {
+ public:
+  explicit Errors(const std::vector<AccuracyRow>& rows) {
+    for (const AccuracyRow& row : rows) values_[{row.level, static_cast<int>(row.point), row.brdf}] = row.error * 100.0;
+  }
+  std::optional<double> at(int level, AccuracyPoint point, const std::string& brdf) const {
+    const auto found = values_.find({level, static_cast<int>(point), brdf});
+    return found == values_.end() ? std::nullopt : std::optional<double>(found->second);
+  }
+  std::string text(int level, AccuracyPoint point, const std::string& brdf) const {
+    const auto value = at(level, point, brdf);
+    return value ? fmt::format("{:.2f}", *value) : "-";
+  }
+  // "10.3 / 6.8 / 6.6" at levels 3, 5, 7.
+  std::string three_levels(AccuracyPoint point, const std::string& brdf) const {
+    std::string text;
+    for (int level : {3, 5, 7}) {
+      const auto value = at(level, point, brdf);
+      text += (text.empty() ? "" : " / ") + (value ? fmt::format("{:.1f}", *value) : std::string("-"));
+    }
+    return text;
+  }
+
+ private:
+  std::map<std::tuple<int, int, std::string>, double> values_;
+};
+
+struct Variant {
+  std::string name;
+  MovmfSettings settings;
+  StorageEncoding encoding = StorageEncoding::kSnorm16;
+};
+
+Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, const Variant& variant, int threads) {
+  BakeReport report;
+  MovmfMipmap mipmap = bake_movmf(device, map, albedo, variant.settings, report, nullptr);
+  mipmap.encoding = variant.encoding;
+  quantize_movmf(mipmap, threads);
+  AccuracySettings accuracy;
+  accuracy.samples_per_level = 0;
+  accuracy.threads = threads;
+  accuracy.albedo = albedo;
+  return Errors(measure_accuracy(device, mipmap, map, accuracy, nullptr));
+}
+
+MovmfSettings with_lobes(int lobes) {
+  MovmfSettings settings;
+  settings.lobe_count = lobes;
+  return settings;
+}
+
+std::string level_table(const Errors& errors, int level_count) {
+  std::string text =
+      "| level | s = 100, centres | midway in x | midway in y | between l and l+1 | s = 20 | s = 500 | Lambert |\n"
+      "|---|---|---|---|---|---|---|---|\n";
+  for (int level = 0; level < level_count; ++level) {
+    text += fmt::format("| {} |", level);
+    for (AccuracyPoint point : kPoints) text += " " + errors.text(level, point, "blinn-phong:100") + " |";
+    for (const char* brdf : {"blinn-phong:20", "blinn-phong:500", "lambert"})
+      text += " " + errors.text(level, AccuracyPoint::kCentre, brdf) + " |";
+    text += "\n";
+  }
+  return text;
+}
+
+// One line of the summary: levels 3 / 5 / 7.
+std::string summary_line(const std::string& name, const Errors& errors) {
+  std::string text = "| " + name + " |";
+  for (AccuracyPoint point : kPoints) text += " " + errors.three_levels(point, "blinn-phong:100") + " |";
+  for (const char* brdf : {"blinn-phong:20", "blinn-phong:500", "lambert"})
+    text += " " + errors.three_levels(AccuracyPoint::kCentre, brdf) + " |";
+  return text + "\n";
+}
+
+constexpr char kSummaryHead[] =
+    "| | s = 100, centres | midway in x | midway in y | between l and l+1 | s = 20 | s = 500 | Lambert |\n"
+    "|---|---|---|---|---|---|---|---|\n";
+
+std::vector<Variant> compared_variants() {
+  std::vector<Variant> variants;
+  for (int lobes : {1, 2, 3, 4, 6, 8})
+    variants.push_back({fmt::format("{} lobe{}", lobes, lobes == 1 ? "" : "s"), with_lobes(lobes)});
+  Variant unaligned{"4 lobes, every texel by itself", with_lobes(4)};
+  unaligned.settings.aligned_start = false;
+  unaligned.settings.alignment = 0.0f;
+  unaligned.settings.sweep_count = 1;
+  variants.push_back(unaligned);
+  Variant no_prior{"4 lobes, started from the parent, no prior", with_lobes(4)};
+  no_prior.settings.alignment = 0.0f;
+  variants.push_back(no_prior);
+  Variant one_sweep{"4 lobes, one sweep", with_lobes(4)};
+  one_sweep.settings.sweep_count = 1;
+  variants.push_back(one_sweep);
+  Variant scanline{"4 lobes, scan-line order (the paper's)", with_lobes(4)};
+  scanline.settings.order = FitOrder::kScanline;
+  variants.push_back(scanline);
+  Variant half{"4 lobes, stored as half", with_lobes(4), StorageEncoding::kHalf};
+  variants.push_back(half);
+  Variant whole{"4 lobes, stored as float", with_lobes(4), StorageEncoding::kFloat};
+  variants.push_back(whole);
+  return variants;
+}
+
+std::string quarters_section(Device& device, const AccuracyDocumentOptions& options) {
+  const FourQuarterMap map = make_four_quarter_map(options.size, 7);
+  const int levels = mip_level_count(options.size, options.size);
+  std::string summary = kSummaryHead, tables;
+  for (const Variant& variant : compared_variants()) {
+    std::printf("four-quarter map, %s\n", variant.name.c_str());
+    const Errors errors = measure(device, map.normals, nullptr, variant, options.threads);
+    summary += summary_line(variant.name, errors);
+    if (variant.name == "4 lobes" || variant.name == "6 lobes")
+      tables += fmt::format("\n### All levels, {}\n\n", variant.name) + level_table(errors, levels);
+  }
+  std::string seeds = kSummaryHead;
+  for (std::uint64_t seed : {1, 2, 3})
+    for (int lobes : {4, 6}) {
+      const FourQuarterMap other = make_four_quarter_map(options.size, seed);
+      const Variant variant{fmt::format("seed {}, {} lobes", seed, lobes), with_lobes(lobes)};
+      seeds += summary_line(variant.name, measure(device, other.normals, nullptr, variant, options.threads));
+    }
+  std::string colours = "| | s = 20 | s = 100 | s = 500 | Lambert |\n|---|---|---|---|---|\n";
+  for (int lobes : {4, 6}) {
+    const Errors errors = measure(device, map.normals, &map.albedo, {"", with_lobes(lobes)}, options.threads);
+    colours += fmt::format("| {} lobes |", lobes);
+    for (const char* brdf :
+         {"blinn-phong:20 coloured", "blinn-phong:100 coloured", "blinn-phong:500 coloured", "lambert coloured"})
+      colours += " " + errors.three_levels(AccuracyPoint::kCentre, brdf) + " |";
+    colours += "\n";
+  }
+  return "## The four-quarter map\n\nLevels 3 / 5 / 7, all texels, white:\n\n" + summary +
+         fmt::format(
+             "\nThe same with another seed of the noise quarter: how far the figures are a matter of luck. Level "
+             "7 is only {0} x {0} texels.\n\n",
+             options.size >> 7) +
+         seeds +
+         "\nWith its colours (lobe colours against the colour of every normal), levels 3 / 5 / 7, texel centres:\n\n" +
+         colours + tables;
+}
+
+// "ours / best baseline" of every level; bold where ours is worse by more than 0.05 points.
+struct MapTable {
+  std::string rows;
+  int cells = 0, worse = 0;
+  std::string losses;
+};
+
+void add_map(Device& device, const std::string& path, const AccuracyDocumentOptions& options, MapTable (&tables)[2]) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  NormalMap map;
+  try {
+    map = read_normal_map(path, {}, options.threads, nullptr);
+  } catch (const Error&) {
+    return;  // not a normal map: refused with its reason by `multum bake`
+  }
+  if (map.report.encoding.find("height field") != std::string::npos) return;
+  std::printf("%s\n", name.c_str());
+  const std::vector<double> exponents = {20.0, 100.0, 500.0};
+  std::map<std::pair<int, double>, BaselineRow> best;
+  for (const BaselineRow& row : measure_baselines(map, exponents, options.threads)) {
+    const auto key = std::pair(row.level, row.exponent);
+    if (row.baseline == Baseline::kMip) continue;
+    if (!best.contains(key) || row.error < best.at(key).error) best[key] = row;
+  }
+  const int lobe_counts[2] = {4, 6};
+  for (int t = 0; t < 2; ++t) {
+    const Errors errors = measure(device, map, nullptr, {"", with_lobes(lobe_counts[t])}, options.threads);
+    for (double s : exponents) {
+      tables[t].rows += fmt::format("| {} | {} |", name, s);
+      for (int level = 0; level < mip_level_count(map.width, map.height); ++level) {
+        const double ours = *errors.at(level, AccuracyPoint::kCentre, fmt::format("blinn-phong:{}", s));
+        const BaselineRow& other = best.at({level, s});
+        const bool worse = ours > other.error * 100.0 + 0.05;
+        ++tables[t].cells;
+        tables[t].rows += fmt::format(" {0}{1:.1f}{0}/{2:.1f} |", worse ? "**" : "", ours, other.error * 100.0);
+        if (!worse) continue;
+        ++tables[t].worse;
+        tables[t].losses += fmt::format("- {}, s = {}, level {}: {:.1f} % against {:.1f} % ({})\n", name, s, level,
+                                        ours, other.error * 100.0, baseline_name(other.baseline));
+      }
+      tables[t].rows += "\n";
+    }
+  }
+}
+
+std::string maps_section(Device& device, const AccuracyDocumentOptions& options) {
+  std::vector<std::string> paths;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(options.maps))
+    if (entry.is_regular_file()) paths.push_back(entry.path().string());
+  std::sort(paths.begin(), paths.end());
+  MapTable tables[2];
+  for (const std::string& path : paths) add_map(device, path, options, tables);
+  std::string text =
+      "\n## Real normal maps\n\nEvery file of the test folder that `multum bake` takes for a normal map, texel "
+      "centres, all texels of "
+      "every level, in %: this bake / the best of Toksvig, LEAN and LEAN with its Jacobian. Bold: worse than the "
+      "baseline by more "
+      "than 0.05 points. The baselines' normals are stored in 16 bits as the lobes are, their moments as floats.\n";
+  const int lobe_counts[2] = {4, 6};
+  for (int t = 0; t < 2; ++t) {
+    text += fmt::format("\n### {} lobes: {} of {} cells worse\n\n{}\n", lobe_counts[t], tables[t].worse,
+                        tables[t].cells, tables[t].losses);
+    text +=
+        "| map | s | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | 9 | 10 "
+        "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
+        tables[t].rows;
+  }
+  return text;
+}
+
+}  // namespace
+
+int write_accuracy_document(const AccuracyDocumentOptions& options) {
+  Device device = Device::open("");
+  std::string text = fmt::format(
+      "# Accuracy\n\nGenerated by `multum-bench accuracy -o docs/ACCURACY.md` (commit {}); {}, {}, device {}. Do not "
+      "edit.\n\n"
+      "Relative L1 error in %: sum |model - truth| / sum truth, over all texels of a level and 12 half vectors (lights "
+      "(.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)); for Lambert the four "
+      "lights. The "
+      "BRDF is (s+1)/(2 pi) t^s, the convolution alone, without n . l. Truth: the average over every finest normal "
+      "that a texel "
+      "covers, in double. Model: the lobes as stored (snorm16 unless said), filtered as hardware filters, shaded as "
+      "the runtime "
+      "shades.\n\n",
+      options.commit, processor_name(), system_name(), device.info().name);
+  text += quarters_section(device, options);
+  if (!options.maps.empty()) text += maps_section(device, options);
+  write_text_file(options.output, text);
+  std::printf("%s: written\n", options.output.c_str());
+  return 0;
+}
+
+}  // namespace multum::bench
