@@ -27,16 +27,14 @@ __kernel void movmf_shade(__global const float4 *lobes, __global const float4 *h
     for (int d = 0; d < half_count; ++d) {
       float sum = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) {
-        const FilteredLobe lobe = take_apart(lobes[(size_t)sample * MULTUM_LOBES + j]);
-        sum = fma(lobe.amplitude, shade_blinn_phong(lobe, half_vectors[d].xyz, exponents[e]), sum);
+        sum += shade_blinn_phong(lobes[(size_t)sample * MULTUM_LOBES + j], half_vectors[d].xyz, exponents[e]);
       }
       *out++ = sum;
     }
   for (int d = 0; d < light_count; ++d) {
     float sum = 0.0f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {
-      const FilteredLobe lobe = take_apart(lobes[(size_t)sample * MULTUM_LOBES + j]);
-      sum = fma(lobe.amplitude, shade_lambert(lobe, lights[d].xyz), sum);
+      sum += shade_lambert(lobes[(size_t)sample * MULTUM_LOBES + j], lights[d].xyz);
     }
     *out++ = sum;
   }

@@ -22,6 +22,7 @@ static int colour_rank(int x, int y) {
 }
 
 static int fitted_before(int other_x, int other_y, int x, int y, int order) {
+  if (order == MULTUM_ORDER_AGAIN) return 1;
   if (order == MULTUM_ORDER_SCANLINE) return other_y < y || (other_y == y && other_x < x);
   return colour_rank(other_x, other_y) < colour_rank(x, y);
 }
@@ -61,10 +62,12 @@ __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const M
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
         const int nx = x + dx, ny = y + dy;
+        if (dx == 0 && dy == 0) continue;
         if (nx < 0 || ny < 0 || nx >= fit.width || ny >= fit.height) continue;
         if (fitted_before(nx, ny, x, y, fit.order)) prior += directed_amplitude(own[(size_t)ny * fit.width + nx]);
       }
     prior *= fit.alignment;
+    if (fit.order == MULTUM_ORDER_AGAIN) from = own[(size_t)y * fit.width + x];
   } else {
     from = own[(size_t)y * fit.width + x];
   }
@@ -75,7 +78,7 @@ __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const M
   const float inverse = directed ? 1.0f / sqrt(squared) : 0.0f;
   float kappa = kappa_of_mean_length(length, max(1.0f - length, 1e-6f));
   float amplitude = from.amplitude;
-  if (has_parent) {
+  if (has_parent && fit.order != MULTUM_ORDER_AGAIN) {
     kappa *= start_kappa_factor;
     amplitude = max(amplitude, start_amplitude_min);
   }

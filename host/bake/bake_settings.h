@@ -12,6 +12,10 @@ struct MovmfSettings {
   int lobe_count = 4;              // 1..8
   int iteration_count = 30;        // EM iterations a texel below the coarsest level, 1..1000
   int iteration_count_top = 60;    // of the coarsest level, 1..1000
+  // After a level is fitted, it is fitted again this many times less one, each texel from its own lobes with all its
+  // neighbours done: what was fitted first has by then seen only its parent.
+  int sweep_count = 2;             // 1..8
+  int iteration_count_again = 10;  // EM iterations a texel in each further sweep, 1..1000
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;          // C of the alignment prior, 0..10; 0: none
   bool aligned_start = true;  // false: every texel starts by itself (for comparison: filtering then mixes lobes up)

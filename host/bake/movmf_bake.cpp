@@ -24,9 +24,7 @@ double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-std::size_t texel_count(int width, int height) {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
+std::size_t texel_count(int width, int height) { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 
 // Planes of a map on the device, with MULTUM_GROUP zeros behind the last texel for reads past a row's end.
 struct DevicePlanes {
@@ -47,8 +45,8 @@ struct DevicePlanes {
 
 class MovmfBaker {
  public:
-  MovmfBaker(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
-             BakeReport& report, Progress* progress)
+  MovmfBaker(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings, BakeReport& report,
+             Progress* progress)
       : device_(device),
         map_(map),
         settings_(settings),
@@ -108,8 +106,7 @@ class MovmfBaker {
         start = std::max(start, groups * lobe_count() * MULTUM_START_PLANES * MULTUM_GROUP);
         const std::size_t per_texel = texel_count(level.fit.sample_columns, level.fit.sample_rows);
         if (!level.chunked) samples = std::max(samples, groups * per_texel * sample_planes() * MULTUM_GROUP);
-        const std::size_t chunks =
-            static_cast<std::size_t>(step.texel_count) * static_cast<std::size_t>(level.fit.chunk_count);
+        const std::size_t chunks = static_cast<std::size_t>(step.texel_count) * static_cast<std::size_t>(level.fit.chunk_count);
         partial = std::max(partial, chunks * lobe_count() * kPartialSums);
       }
     }
@@ -136,19 +133,29 @@ class MovmfBaker {
       fit.parent_width = fit.parent_height = 0;
     }
     device_.write(list_buffer_, level.texel_list.data(), level.texel_list.size() * sizeof(int));
+    const int sweeps = fit.parent_width > 0 ? settings_.sweep_count : 1;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      if (sweep > 0) {
+        fit.order = MULTUM_ORDER_AGAIN;
+        fit.iteration_count = settings_.iteration_count_again;
+      }
+      fit_sweep(level, fit, lobes, sweep + 1 == sweeps ? colours : DeviceBuffer());
+      progress_advance(progress_, texel_count(map_.width, map_.height) / static_cast<unsigned>(sweeps));
+    }
+    read_level(level, lobes, colours);
+    report_.levels[static_cast<std::size_t>(level.level)] = {level.level, level.fit.width, level.fit.height,
+                                                             now_seconds() - start_seconds, total_launches() - launches_before};
+  }
+
+  // Every step of a level once. An empty `colours` buffer: none are wanted.
+  void fit_sweep(const LevelSchedule& level, MultumMovmfFit fit, DeviceBuffer& lobes, DeviceBuffer colours) {
     for (const FitStep& step : level.steps) {
       fit.list_offset = step.list_offset;
       fit.slot_count = (step.texel_count + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP;
       fit_step(level, fit, step, lobes, colours);
       device_.finish();
-      const double share = static_cast<double>(step.texel_count) / static_cast<double>(texels);
-      progress_advance(progress_,
-                       static_cast<std::uint64_t>(share * static_cast<double>(texel_count(map_.width, map_.height))));
+      progress_advance(progress_, 0);
     }
-    read_level(level, lobes, colours);
-    report_.levels[static_cast<std::size_t>(level.level)] = {level.level, level.fit.width, level.fit.height,
-                                                             now_seconds() - start_seconds,
-                                                             total_launches() - launches_before};
   }
 
   void fit_step(const LevelSchedule& level, MultumMovmfFit& fit, const FitStep& step, DeviceBuffer& lobes,
@@ -158,15 +165,15 @@ class MovmfBaker {
     // A start without a parent reads its own texel's lobes; the parent argument is then only a placeholder.
     const std::size_t parent_level = std::min(static_cast<std::size_t>(level.level) + 1, lobes_.size() - 1);
     const DeviceBuffer& parent = fit.parent_width > 0 ? lobes_[parent_level] : lobes;
-    start_kernel_.launch({slots * lobe_count()}, parent, lobes, list_buffer_, start_buffer_, fit,
-                         settings_.start_kappa_factor, settings_.start_amplitude_min);
+    start_kernel_.launch({slots * lobe_count()}, parent, lobes, list_buffer_, start_buffer_, fit, settings_.start_kappa_factor,
+                         settings_.start_amplitude_min);
     if (level.chunked) {
       const std::size_t chunks = used * static_cast<std::size_t>(fit.chunk_count);
       const Kernel::WorkSize partial_size =
           vector_width_ == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1};
       for (int i = 0; i < fit.iteration_count; ++i) {
-        em_partial_kernel_.launch(partial_size, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2],
-                                  start_buffer_, list_buffer_, partial_buffer_, fit);
+        em_partial_kernel_.launch(partial_size, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], start_buffer_,
+                                  list_buffer_, partial_buffer_, fit);
         mstep_kernel_.launch({used * lobe_count()}, partial_buffer_, start_buffer_, list_buffer_, lobes, fit,
                              i);
       }
@@ -174,10 +181,10 @@ class MovmfBaker {
       const std::size_t groups = slots / MULTUM_GROUP;
       pack_kernel_.launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals_.buffer[0], normals_.buffer[1],
                           normals_.buffer[2], list_buffer_, sample_buffer_, fit);
-      em_texels_kernel_.launch({slots / static_cast<std::size_t>(vector_width_)}, sample_buffer_, start_buffer_,
-                               list_buffer_, lobes, fit);
+      em_texels_kernel_.launch({slots / static_cast<std::size_t>(vector_width_)}, sample_buffer_, start_buffer_, list_buffer_,
+                               lobes, fit);
     }
-    if (!albedo_) return;
+    if (colours.byte_count() == 0) return;
     MultumMovmfFit feature_fit = fit;
     if (!level.chunked) {
       feature_fit.chunk_rows = fit.sample_rows;
@@ -206,9 +213,7 @@ class MovmfBaker {
   std::vector<MultumVmfLobe> parentless_start(const LevelSchedule& level, int x, int y) const {
     if (level.fit.parent_width == 0)
       return likeliest_lobes(map_, {settings_.lobe_count, settings_.kappa_cap, 1, 2});
-    const auto edge = [](std::int64_t texel, int map_size, int size) {
-      return static_cast<int>(texel * map_size / size);
-    };
+    const auto edge = [](std::int64_t texel, int map_size, int size) { return static_cast<int>(texel * map_size / size); };
     const int x0 = edge(x, map_.width, level.fit.width), y0 = edge(y, map_.height, level.fit.height);
     const TexelRectangle covered = {x0, y0, std::max(x0 + 1, edge(x + 1, map_.width, level.fit.width)),
                                     std::max(y0 + 1, edge(y + 1, map_.height, level.fit.height))};
@@ -230,8 +235,7 @@ class MovmfBaker {
                             fitted_colours.begin() + static_cast<std::ptrdiff_t>((j + 1) * texels));
   }
 
-  static void store_lobes(MovmfLevel& out, std::size_t lobe, const MultumVmfLobe* from, std::size_t count,
-                          std::size_t offset) {
+  static void store_lobes(MovmfLevel& out, std::size_t lobe, const MultumVmfLobe* from, std::size_t count, std::size_t offset) {
     std::vector<glm::vec4>& to = out.lobes[lobe];
     to.resize(texel_count(out.width, out.height));
     for (std::size_t i = 0; i < count; ++i) {
@@ -267,8 +271,8 @@ class MovmfBaker {
     for (int first_row = 0; first_row < map_.height; first_row += band_rows) {
       const int rows = std::min(band_rows, map_.height - first_row);
       const std::size_t texels = texel_count(map_.width, rows);
-      level_zero_kernel_.launch({texels}, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], parent, band,
-                                map_.width, parent_width, parent_height, first_row, rows, settings_.kappa_cap);
+      level_zero_kernel_.launch({texels}, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], parent, band, map_.width,
+                                parent_width, parent_height, first_row, rows);
       device_.read(band, fitted.data(), lobe_count() * texels * sizeof(MultumVmfLobe));
       const std::size_t offset = texel_count(map_.width, first_row);
       for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, offset);
@@ -277,8 +281,7 @@ class MovmfBaker {
     for (std::size_t j = 0; albedo_ && j < lobe_count(); ++j) {
       out.colours[j].resize(texel_count(map_.width, map_.height));
       for (std::size_t i = 0; i < out.colours[j].size(); ++i)
-        out.colours[j][i] =
-            out.lobes[j][i].w * glm::vec3(albedo_->host[0][i], albedo_->host[1][i], albedo_->host[2][i]);
+        out.colours[j][i] = out.lobes[j][i].w * glm::vec3(albedo_->host[0][i], albedo_->host[1][i], albedo_->host[2][i]);
     }
     report_.lobe_count_total += lobe_count() * texel_count(map_.width, map_.height);
     report_.levels[0] = {0, map_.width, map_.height, now_seconds() - start_seconds, total_launches() - launches_before};
@@ -312,8 +315,7 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
                        BakeReport& report, Progress* progress) {
   validate(settings);
   if (map.width > 32768 || map.height > 32768)
-    throw Error(ErrorCode::kInput,
-                fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map.width, map.height));
+    throw Error(ErrorCode::kInput, fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map.width, map.height));
   MULTUM_CHECK(albedo == nullptr || (albedo->width == map.width && albedo->height == map.height));
   MovmfMipmap mipmap = MovmfBaker(device, map, albedo, settings, report, progress).run();
   report.device = device.info().name;

@@ -69,6 +69,7 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--lobes", f.lobe_count, "lobes a texel, 1..8: more are more accurate, larger and slower")
       ->capture_default_str();
   bake.add_option("--iterations", f.iteration_count, "EM iterations a texel")->capture_default_str();
+  bake.add_option("--sweeps", f.sweep_count, "times that a level is fitted; more than one aligns it better")->capture_default_str();
   bake.add_option("--order", f.order, "colour (parallel) or scanline (the paper's)")->transform(one_of(kOrders));
   bake.add_option("--align", f.alignment, "weight of the alignment prior; 0: none")->capture_default_str();
   bake.add_option("--kappa-cap", f.kappa_cap,

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Triangle meshes for rendering a normal map: positions, normals, texture coordinates and tangent frames.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+namespace multum {
+
+/// All vertices of a file's meshes in one list, world space.
+struct TriangleMesh {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;   // unit
+  std::vector<glm::vec4> tangents;  // unit, along growing u, orthogonal to the normal; w = +1 or -1:
+                                    // bitangent = w * cross(normal, tangent), along growing v
+  std::vector<glm::vec2> uvs;       // v grows upwards in the image, for every file format
+  std::vector<std::uint32_t> indices;  // three a triangle
+};
+
+/// Reads OBJ, glTF, GLB and what else assimp reads; node transforms are applied, normals and tangents made where the
+/// file has none. Throws Error(kInput) naming the file and what is wrong: no texture coordinates, indices out of range,
+/// coordinates that are not finite, a required extension that cannot be read.
+TriangleMesh read_mesh(const std::string& path);
+
+/// The square from (-size/2, 0, 0) to (size/2, size, 0), normal +Z, uv 0..1.
+TriangleMesh make_plane(float size);
+
+}  // namespace multum

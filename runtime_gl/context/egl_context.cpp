@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime_gl/context/egl_context.h"
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "host/base/error.h"
+#include "runtime_gl/context/shared_library.h"
+
+namespace multum::gl {
+namespace {
+
+const char* egl_error_name(EGLint error) {
+  switch (error) {
+    case EGL_SUCCESS: return "EGL_SUCCESS";
+    case EGL_NOT_INITIALIZED: return "EGL_NOT_INITIALIZED";
+    case EGL_BAD_ACCESS: return "EGL_BAD_ACCESS";
+    case EGL_BAD_ALLOC: return "EGL_BAD_ALLOC";
+    case EGL_BAD_ATTRIBUTE: return "EGL_BAD_ATTRIBUTE";
+    case EGL_BAD_CONFIG: return "EGL_BAD_CONFIG";
+    case EGL_BAD_CONTEXT: return "EGL_BAD_CONTEXT";
+    case EGL_BAD_DISPLAY: return "EGL_BAD_DISPLAY";
+    case EGL_BAD_MATCH: return "EGL_BAD_MATCH";
+    case EGL_BAD_PARAMETER: return "EGL_BAD_PARAMETER";
+    default: return "unknown EGL error";
+  }
+}
+
+struct EglFunctions {
+  explicit EglFunctions(const SharedLibrary& library)
+      : GetProcAddress(library.symbol<PFNEGLGETPROCADDRESSPROC>("eglGetProcAddress")),
+        GetError(library.symbol<PFNEGLGETERRORPROC>("eglGetError")),
+        QueryString(library.symbol<PFNEGLQUERYSTRINGPROC>("eglQueryString")),
+        Initialize(library.symbol<PFNEGLINITIALIZEPROC>("eglInitialize")),
+        BindAPI(library.symbol<PFNEGLBINDAPIPROC>("eglBindAPI")),
+        CreateContext(library.symbol<PFNEGLCREATECONTEXTPROC>("eglCreateContext")),
+        MakeCurrent(library.symbol<PFNEGLMAKECURRENTPROC>("eglMakeCurrent")),
+        DestroyContext(library.symbol<PFNEGLDESTROYCONTEXTPROC>("eglDestroyContext")) {}
+
+  PFNEGLGETPROCADDRESSPROC GetProcAddress;
+  PFNEGLGETERRORPROC GetError;
+  PFNEGLQUERYSTRINGPROC QueryString;
+  PFNEGLINITIALIZEPROC Initialize;
+  PFNEGLBINDAPIPROC BindAPI;
+  PFNEGLCREATECONTEXTPROC CreateContext;
+  PFNEGLMAKECURRENTPROC MakeCurrent;
+  PFNEGLDESTROYCONTEXTPROC DestroyContext;
+};
+
+/// Whole words only: one extension's name can be another's prefix.
+bool has_word(const char* list, const char* word) {
+  if (list == nullptr) return false;
+  const std::size_t length = std::strlen(word);
+  for (const char* at = std::strstr(list, word); at != nullptr; at = std::strstr(at + 1, word))
+    if ((at == list || at[-1] == ' ') && (at[length] == ' ' || at[length] == '\0')) return true;
+  return false;
+}
+
+struct Candidate {
+  std::string name;
+  EGLDisplay display;
+};
+
+std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
+  std::vector<Candidate> candidates;
+  const char* client = egl.QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  const auto get_display =
+      reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(egl.GetProcAddress("eglGetPlatformDisplayEXT"));
+  if (get_display == nullptr || !has_word(client, "EGL_EXT_platform_base")) return candidates;
+  if (has_word(client, "EGL_MESA_platform_surfaceless"))
+    candidates.push_back({"surfaceless", get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)});
+  const auto query_devices = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(egl.GetProcAddress("eglQueryDevicesEXT"));
+  const bool has_devices = has_word(client, "EGL_EXT_device_enumeration") || has_word(client, "EGL_EXT_device_base");
+  if (query_devices != nullptr && has_devices && has_word(client, "EGL_EXT_platform_device")) {
+    std::array<EGLDeviceEXT, 16> devices{};
+    EGLint count = 0;
+    if (query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE)
+      for (EGLint i = 0; i < count; ++i)
+        candidates.push_back({"device " + std::to_string(i),
+                              get_display(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr)});
+  }
+  return candidates;
+}
+
+class EglContext final : public HeadlessContext {
+ public:
+  EglContext() : library_("libEGL.so.1"), egl_(library_) {
+    std::string reasons;
+    for (const Candidate& candidate : candidate_displays(egl_)) {
+      const std::string reason = open(candidate.display);
+      if (reason.empty()) {
+        load_or_close();
+        return;
+      }
+      reasons += (reasons.empty() ? "" : "; ") + candidate.name + ": " + reason;
+    }
+    throw Error(ErrorCode::kEnvironment,
+                "EGL: " + (reasons.empty() ? "neither the surfaceless nor the device platform is offered" : reasons));
+  }
+  ~EglContext() override { close(); }
+
+  void make_current() override {
+    egl_.BindAPI(EGL_OPENGL_API);
+    if (egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE)
+      throw Error(ErrorCode::kEnvironment, std::string("EGL: eglMakeCurrent: ") + egl_error_name(egl_.GetError()));
+  }
+  ContextBackend backend() const override { return ContextBackend::kEgl; }
+
+ private:
+  /// Empty when the context is current, else what went wrong.
+  std::string open(EGLDisplay display) {
+    EGLint major = 0;
+    EGLint minor = 0;
+    if (display == EGL_NO_DISPLAY) return "no display";
+    if (egl_.Initialize(display, &major, &minor) != EGL_TRUE) return failure("eglInitialize");
+    const char* extensions = egl_.QueryString(display, EGL_EXTENSIONS);
+    for (const char* needed : {"EGL_KHR_no_config_context", "EGL_KHR_surfaceless_context", "EGL_KHR_create_context"})
+      if (!has_word(extensions, needed)) return std::string("no ") + needed;
+    if (egl_.BindAPI(EGL_OPENGL_API) != EGL_TRUE) return failure("eglBindAPI(EGL_OPENGL_API)");
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE, EGL_NONE};
+    const EGLContext context = egl_.CreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    if (context == EGL_NO_CONTEXT) return failure("eglCreateContext for OpenGL 4.5 core");
+    display_ = display;
+    context_ = context;
+    if (egl_.MakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE) return "";
+    const std::string reason = failure("eglMakeCurrent");
+    close();
+    return reason;
+  }
+  std::string failure(const char* call) { return std::string(call) + ": " + egl_error_name(egl_.GetError()); }
+  void load_or_close() {
+    try {
+      load(reinterpret_cast<GetProcAddress>(egl_.GetProcAddress));
+    } catch (...) {
+      close();
+      throw;
+    }
+  }
+  // The display stays initialised: Mesa hands one display to every caller, and eglTerminate would end the others'
+  // contexts.
+  void close() {
+    if (context_ == EGL_NO_CONTEXT) return;
+    egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    egl_.DestroyContext(display_, context_);
+    context_ = EGL_NO_CONTEXT;
+  }
+
+  SharedLibrary library_;
+  EglFunctions egl_;
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+};
+
+}  // namespace
+
+std::unique_ptr<HeadlessContext> make_egl_context() { return std::make_unique<EglContext>(); }
+
+}  // namespace multum::gl

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime_gl/context/headless_context.h"
+
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "runtime_gl/context/egl_context.h"
+#include "runtime_gl/context/osmesa_context.h"
+
+namespace multum::gl {
+namespace {
+
+void APIENTRY on_debug_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum /*severity*/, GLsizei /*length*/,
+                               const GLchar* message, const void* /*user*/) {
+  // Errors are thrown by check_gl(); this adds the driver's own words to them.
+  if (type == GL_DEBUG_TYPE_ERROR) log_warning(std::string("GL: ") + message);
+}
+
+}  // namespace
+
+const char* context_backend_name(ContextBackend backend) {
+  switch (backend) {
+    case ContextBackend::kAuto: return "auto";
+    case ContextBackend::kOsmesa: return "osmesa";
+    case ContextBackend::kEgl: return "egl";
+  }
+  return "?";
+}
+
+std::optional<ContextBackend> parse_context_backend(std::string_view name) {
+  for (ContextBackend backend : {ContextBackend::kAuto, ContextBackend::kOsmesa, ContextBackend::kEgl})
+    if (name == context_backend_name(backend)) return backend;
+  return std::nullopt;
+}
+
+void HeadlessContext::load(GetProcAddress get_proc_address) {
+  functions_ = load_gl_functions(get_proc_address);
+  description_ = std::string(context_backend_name(backend())) + ": " + gl_string(functions_, GL_RENDERER) + ", " +
+                 gl_string(functions_, GL_VERSION);
+  // Core since 4.3. Synchronous, so that a message appears before the exception that its step throws.
+  functions_.Enable(GL_DEBUG_OUTPUT);
+  functions_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  functions_.DebugMessageCallback(on_debug_message, nullptr);
+}
+
+std::unique_ptr<HeadlessContext> make_headless_context(ContextBackend backend) {
+  std::string reasons;
+  if (backend != ContextBackend::kOsmesa) {
+    try {
+      return make_egl_context();
+    } catch (const Error& error) {
+      if (backend == ContextBackend::kEgl) throw;
+      reasons = error.what();
+    }
+  }
+  try {
+    return make_osmesa_context();
+  } catch (const Error& error) {
+    if (reasons.empty()) throw;
+    throw Error(ErrorCode::kEnvironment, "no OpenGL 4.5 context: " + reasons + "; " + error.what());
+  }
+}
+
+}  // namespace multum::gl

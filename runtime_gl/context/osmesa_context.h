@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The OSMesa back-end: OSMesaCreateContextAttribs and a small dummy buffer; drawing goes to framebuffer objects.
+#pragma once
+
+#include <memory>
+
+#include "runtime_gl/context/headless_context.h"
+
+namespace multum::gl {
+
+/// Throws Error(kEnvironment): library missing, context refused.
+std::unique_ptr<HeadlessContext> make_osmesa_context();
+
+}  // namespace multum::gl

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -DOUTPUT=embedded_shaders.cpp -DFOLDER=shaders -DFILES=a.glsl;b.frag -P embed_shaders.cmake
+# Writes every shader's text as a raw string literal, cut into pieces because compilers need not take long ones.
+set(text "// SPDX-License-Identifier: Apache-2.0\n// Made by embed_shaders.cmake.\n")
+string(APPEND text "#include \"runtime_gl/shaders/embedded_shaders.h\"\n\nnamespace multum::gl {\n\n")
+foreach(file IN LISTS FILES)
+  file(READ "${FOLDER}/${file}" source)
+  string(REGEX REPLACE "[^A-Za-z0-9]" "_" name "${file}")
+  string(APPEND text "const char* const shader_${name} =")
+  string(LENGTH "${source}" length)
+  set(begin 0)
+  while(begin LESS length)
+    string(SUBSTRING "${source}" ${begin} 4000 piece)
+    string(APPEND text "\n    R\"MULTUM_GLSL(${piece})MULTUM_GLSL\"")
+    math(EXPR begin "${begin} + 4000")
+  endwhile()
+  string(APPEND text ";\n\n")
+endforeach()
+string(APPEND text "}  // namespace multum::gl\n")
+file(WRITE "${OUTPUT}" "${text}")

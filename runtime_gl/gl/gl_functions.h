@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// The OpenGL functions that this runtime calls, and no others, filled from a back-end's GetProcAddress. Measured
+// reasons for a table of our own: libepoxy crashes under OSMesa 22.3.6 and GLEW does not find its functions there.
+// GetProcAddress answers with an address for names that do not exist, so the version is checked first.
+#pragma once
+
+#include <GL/glcorearb.h>
+
+#include <string>
+
+namespace multum::gl {
+
+// X(type, name): member `name` is gl`name`. Sorted by the part of OpenGL that a function belongs to.
+#define MULTUM_GL_FUNCTIONS(X)                                                                      \
+  X(PFNGLGETSTRINGPROC, GetString)                                                                  \
+  X(PFNGLGETSTRINGIPROC, GetStringi)                                                                \
+  X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                              \
+  X(PFNGLGETFLOATVPROC, GetFloatv)                                                                  \
+  X(PFNGLGETERRORPROC, GetError)                                                                    \
+  X(PFNGLDEBUGMESSAGECALLBACKPROC, DebugMessageCallback)                                            \
+  X(PFNGLENABLEPROC, Enable)                                                                        \
+  X(PFNGLDISABLEPROC, Disable)                                                                      \
+  X(PFNGLBLENDFUNCPROC, BlendFunc)                                                                  \
+  X(PFNGLVIEWPORTPROC, Viewport)                                                                    \
+  X(PFNGLFINISHPROC, Finish)                                                                        \
+  X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                              \
+  X(PFNGLREADPIXELSPROC, ReadPixels)                                                                \
+  X(PFNGLCREATETEXTURESPROC, CreateTextures)                                                        \
+  X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                        \
+  X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                    \
+  X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                                                  \
+  X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                                  \
+  X(PFNGLTEXTUREPARAMETERFPROC, TextureParameterf)                                                  \
+  X(PFNGLTEXTUREPARAMETERFVPROC, TextureParameterfv)                                                \
+  X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                      \
+  X(PFNGLGETTEXTUREIMAGEPROC, GetTextureImage)                                                      \
+  X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                                                \
+  X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                                \
+  X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                      \
+  X(PFNGLNAMEDFRAMEBUFFERRENDERBUFFERPROC, NamedFramebufferRenderbuffer)                            \
+  X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                              \
+  X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                      \
+  X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                      \
+  X(PFNGLCREATERENDERBUFFERSPROC, CreateRenderbuffers)                                              \
+  X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                              \
+  X(PFNGLNAMEDRENDERBUFFERSTORAGEPROC, NamedRenderbufferStorage)                                    \
+  X(PFNGLCREATESHADERPROC, CreateShader)                                                            \
+  X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                            \
+  X(PFNGLCOMPILESHADERPROC, CompileShader)                                                          \
+  X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                              \
+  X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                    \
+  X(PFNGLDELETESHADERPROC, DeleteShader)                                                            \
+  X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                          \
+  X(PFNGLATTACHSHADERPROC, AttachShader)                                                            \
+  X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                              \
+  X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                            \
+  X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                  \
+  X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                          \
+  X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                \
+  X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                \
+  X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                                                    \
+  X(PFNGLPROGRAMUNIFORM1IVPROC, ProgramUniform1iv)                                                  \
+  X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                                                    \
+  X(PFNGLPROGRAMUNIFORM3FVPROC, ProgramUniform3fv)                                                  \
+  X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)                                      \
+  X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                                \
+  X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                \
+  X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                      \
+  X(PFNGLENABLEVERTEXARRAYATTRIBPROC, EnableVertexArrayAttrib)                                      \
+  X(PFNGLVERTEXARRAYATTRIBFORMATPROC, VertexArrayAttribFormat)                                      \
+  X(PFNGLVERTEXARRAYATTRIBBINDINGPROC, VertexArrayAttribBinding)                                    \
+  X(PFNGLVERTEXARRAYVERTEXBUFFERPROC, VertexArrayVertexBuffer)                                      \
+  X(PFNGLVERTEXARRAYELEMENTBUFFERPROC, VertexArrayElementBuffer)                                    \
+  X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                          \
+  X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                          \
+  X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                                \
+  X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                \
+  X(PFNGLDRAWELEMENTSPROC, DrawElements)
+
+struct GlFunctions {
+#define MULTUM_GL_MEMBER(type, name) type name = nullptr;
+  MULTUM_GL_FUNCTIONS(MULTUM_GL_MEMBER)
+#undef MULTUM_GL_MEMBER
+};
+
+using GlFunction = void (*)();
+using GetProcAddress = GlFunction (*)(const char*);
+
+/// Fills the table for the current context. Throws Error(kEnvironment): below 4.5, or a function is missing.
+GlFunctions load_gl_functions(GetProcAddress get_proc_address);
+
+/// Whether the current context lists `extension`.
+bool has_gl_extension(const GlFunctions& gl, const char* extension);
+
+/// GL_VENDOR, GL_RENDERER, GL_VERSION; "?" when the driver returns null.
+std::string gl_string(const GlFunctions& gl, GLenum name);
+
+/// "GL_INVALID_OPERATION" and so on.
+const char* gl_error_name(GLenum error);
+
+/// Throws Error(kEnvironment) "`step`: GL_..." when any error flag is set; clears the flags.
+void check_gl(const GlFunctions& gl, const std::string& step);
+
+}  // namespace multum::gl

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime_gl/gl/shader_program.h"
+
+#include <numeric>
+
+#include "host/base/error.h"
+
+namespace multum::gl {
+namespace {
+
+std::string variant_name(const ShaderSources& sources) {
+  std::string name = "shader '" + sources.name + "'";
+  for (const std::string& flag : sources.flags) name += " " + flag;
+  return name;
+}
+
+std::string preamble(const ShaderSources& sources) {
+  std::string text = "#version 450 core\n";
+  for (const std::string& flag : sources.flags) text += "#define " + flag + "\n";
+  return text;
+}
+
+std::string shader_log(const GlFunctions& gl, GLuint shader) {
+  GLint length = 0;
+  gl.GetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(length), '\0');
+  if (length > 0) gl.GetShaderInfoLog(shader, length, nullptr, log.data());
+  return log;
+}
+
+std::string program_log(const GlFunctions& gl, GLuint program) {
+  GLint length = 0;
+  gl.GetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(length), '\0');
+  if (length > 0) gl.GetProgramInfoLog(program, length, nullptr, log.data());
+  return log;
+}
+
+GLuint compile(const GlFunctions& gl, GLenum stage, const ShaderSources& sources) {
+  const bool is_vertex = stage == GL_VERTEX_SHADER;
+  const std::string head = preamble(sources);
+  std::vector<const GLchar*> texts = {head.c_str()};
+  for (const std::string& text : is_vertex ? sources.vertex : sources.fragment) texts.push_back(text.c_str());
+  const GLuint shader = gl.CreateShader(stage);
+  gl.ShaderSource(shader, static_cast<GLsizei>(texts.size()), texts.data(), nullptr);
+  gl.CompileShader(shader);
+  GLint ok = GL_FALSE;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+  if (ok == GL_TRUE) return shader;
+  const std::string log = shader_log(gl, shader);
+  gl.DeleteShader(shader);
+  throw Error(ErrorCode::kEnvironment,
+              variant_name(sources) + ": the driver refuses the " + (is_vertex ? "vertex" : "fragment") +
+                  " stage (text 0 is the version and the flags):\n" + log);
+}
+
+}  // namespace
+
+ShaderProgram::ShaderProgram(const GlFunctions& gl, const ShaderSources& sources) : gl_(&gl) {
+  const GLuint vertex = compile(gl, GL_VERTEX_SHADER, sources);
+  GLuint fragment = 0;
+  try {
+    fragment = compile(gl, GL_FRAGMENT_SHADER, sources);
+  } catch (...) {
+    gl.DeleteShader(vertex);
+    throw;
+  }
+  id_ = gl.CreateProgram();
+  gl.AttachShader(id_, vertex);
+  gl.AttachShader(id_, fragment);
+  gl.LinkProgram(id_);
+  gl.DeleteShader(vertex);
+  gl.DeleteShader(fragment);
+  GLint ok = GL_FALSE;
+  gl.GetProgramiv(id_, GL_LINK_STATUS, &ok);
+  if (ok != GL_TRUE) {
+    const std::string log = program_log(gl, id_);
+    gl.DeleteProgram(id_);
+    throw Error(ErrorCode::kEnvironment, variant_name(sources) + " does not link:\n" + log);
+  }
+  check_gl(gl, "building " + variant_name(sources));
+}
+
+ShaderProgram::~ShaderProgram() { gl_->DeleteProgram(id_); }
+
+void ShaderProgram::set(const char* uniform, int value) const { gl_->ProgramUniform1i(id_, location(uniform), value); }
+
+void ShaderProgram::set(const char* uniform, float value) const {
+  gl_->ProgramUniform1f(id_, location(uniform), value);
+}
+
+void ShaderProgram::set_vec3(const char* uniform, const float* values, int count) const {
+  gl_->ProgramUniform3fv(id_, location(uniform), count, values);
+}
+
+void ShaderProgram::set_mat4(const char* uniform, const float* column_major) const {
+  gl_->ProgramUniformMatrix4fv(id_, location(uniform), 1, GL_FALSE, column_major);
+}
+
+void ShaderProgram::set_units(const char* uniform, int first_unit, int count) const {
+  std::vector<GLint> units(static_cast<std::size_t>(count));
+  std::iota(units.begin(), units.end(), first_unit);
+  gl_->ProgramUniform1iv(id_, location(uniform), count, units.data());
+}
+
+}  // namespace multum::gl

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// A linked vertex and fragment shader. A variant is a set of flags, each of which becomes one #define between the
+// version line and the shared text; only the variants that are asked for are compiled.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime_gl/gl/gl_functions.h"
+
+namespace multum::gl {
+
+/// Texts are concatenated in order, without version lines.
+struct ShaderSources {
+  std::string name;                   // in messages: "movmf"
+  std::vector<std::string> flags;     // "MULTUM_LOBE_COUNT 4"
+  std::vector<std::string> vertex;
+  std::vector<std::string> fragment;
+};
+
+class ShaderProgram {
+ public:
+  /// Throws Error(kEnvironment) with the driver's log, the variant's name and its flags.
+  ShaderProgram(const GlFunctions& gl, const ShaderSources& sources);
+  ~ShaderProgram();
+  ShaderProgram(const ShaderProgram&) = delete;
+  ShaderProgram& operator=(const ShaderProgram&) = delete;
+
+  void use() const { gl_->UseProgram(id_); }
+  // A uniform that the variant does not use is ignored, as GL does for location -1.
+  void set(const char* uniform, int value) const;
+  void set(const char* uniform, float value) const;
+  void set_vec3(const char* uniform, const float* values, int count) const;
+  void set_mat4(const char* uniform, const float* column_major) const;
+  /// Gives an array of samplers the texture units first_unit, first_unit + 1, ...
+  void set_units(const char* uniform, int first_unit, int count) const;
+
+ private:
+  GLint location(const char* uniform) const { return gl_->GetUniformLocation(id_, uniform); }
+
+  const GlFunctions* gl_;
+  GLuint id_ = 0;
+};
+
+}  // namespace multum::gl

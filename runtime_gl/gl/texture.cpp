@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime_gl/gl/texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "host/base/error.h"
+#include "runtime_gl/gl/half.h"
+
+namespace multum::gl {
+namespace {
+
+// GL 4.6's names, equal to those of ARB_ and EXT_texture_filter_anisotropic; older GL/glcorearb.h may lack them.
+constexpr GLenum kTextureMaxAnisotropy = 0x84FE;
+constexpr GLenum kMaxTextureMaxAnisotropy = 0x84FF;
+
+GLenum internal_format(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::kRgba16Snorm: return GL_RGBA16_SNORM;
+    case TexelFormat::kRgba16f: return GL_RGBA16F;
+    case TexelFormat::kRgba32f: return GL_RGBA32F;
+  }
+  return GL_RGBA32F;
+}
+
+GLint wrap_value(WrapMode mode) {
+  switch (mode) {
+    case WrapMode::kBlack: return GL_CLAMP_TO_BORDER;
+    case WrapMode::kClamp: return GL_CLAMP_TO_EDGE;
+    case WrapMode::kPeriodic: return GL_REPEAT;
+    case WrapMode::kMirror: return GL_MIRRORED_REPEAT;
+  }
+  return GL_REPEAT;
+}
+
+int level_size(int size, int level) { return std::max(1, size >> level); }
+
+std::int16_t float_to_snorm16(float value) {
+  return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f));
+}
+
+void set_anisotropy(const GlFunctions& gl, GLuint texture, float anisotropy) {
+  if (anisotropy <= 1.0f) return;
+  if (!has_gl_extension(gl, "GL_ARB_texture_filter_anisotropic") &&
+      !has_gl_extension(gl, "GL_EXT_texture_filter_anisotropic"))
+    throw Error(ErrorCode::kEnvironment, "anisotropic filtering was asked for; the GL driver has no "
+                                         "GL_EXT_texture_filter_anisotropic");
+  GLfloat anisotropy_max = 1.0f;
+  gl.GetFloatv(kMaxTextureMaxAnisotropy, &anisotropy_max);
+  gl.TextureParameterf(texture, kTextureMaxAnisotropy, std::min(anisotropy, anisotropy_max));
+}
+
+void check_size(const GlFunctions& gl, const std::string& name, const TextureShape& shape) {
+  MULTUM_CHECK(shape.width > 0 && shape.height > 0 && shape.level_count > 0);
+  GLint size_max = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &size_max);
+  if (shape.width > size_max || shape.height > size_max)
+    throw Error(ErrorCode::kEnvironment, name + " is " + std::to_string(shape.width) + " x " +
+                                             std::to_string(shape.height) + " texels; this GL takes up to " +
+                                             std::to_string(size_max) + " in each direction");
+}
+
+}  // namespace
+
+const char* texel_format_name(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::kRgba16Snorm: return "RGBA16_SNORM";
+    case TexelFormat::kRgba16f: return "RGBA16F";
+    case TexelFormat::kRgba32f: return "RGBA32F";
+  }
+  return "?";
+}
+
+Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& shape)
+    : gl_(&gl), name_(std::move(name)), shape_(shape) {
+  gl.CreateTextures(GL_TEXTURE_2D, 1, &id_);
+}
+
+Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& shape, const SamplerSettings& sampler)
+    : Texture(gl, std::move(name), shape) {
+  check_size(gl, name_, shape);
+  gl.TextureStorage2D(id_, shape.level_count, internal_format(shape.format), shape.width, shape.height);
+  gl.TextureParameteri(id_, GL_TEXTURE_WRAP_S, wrap_value(sampler.wrap_s));
+  gl.TextureParameteri(id_, GL_TEXTURE_WRAP_T, wrap_value(sampler.wrap_t));
+  gl.TextureParameteri(id_, GL_TEXTURE_MIN_FILTER, sampler.filtered ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST);
+  gl.TextureParameteri(id_, GL_TEXTURE_MAG_FILTER, sampler.filtered ? GL_LINEAR : GL_NEAREST);
+  // Beyond a "black" border there is no material at all: a lobe of amplitude 0.
+  const GLfloat border[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+  gl.TextureParameterfv(id_, GL_TEXTURE_BORDER_COLOR, border);
+  if (sampler.filtered) set_anisotropy(gl, id_, sampler.anisotropy);
+  check_gl(gl, "allocating " + name_);
+}
+
+Texture::~Texture() {
+  if (id_ != 0) gl_->DeleteTextures(1, &id_);
+}
+
+Texture::Texture(Texture&& other) noexcept
+    : gl_(other.gl_), name_(std::move(other.name_)), shape_(other.shape_), id_(std::exchange(other.id_, 0)) {}
+
+void Texture::upload_level(int level, const float* rgba) {
+  MULTUM_CHECK(level >= 0 && level < shape_.level_count);
+  const int width = level_size(shape_.width, level);
+  const int height = level_size(shape_.height, level);
+  const std::size_t count = 4u * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const auto send = [&](GLenum type, const void* data) {
+    gl_->TextureSubImage2D(id_, level, 0, 0, width, height, GL_RGBA, type, data);
+  };
+  gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  if (shape_.format == TexelFormat::kRgba32f) {
+    send(GL_FLOAT, rgba);
+  } else if (shape_.format == TexelFormat::kRgba16f) {
+    std::vector<std::uint16_t> halfs(count);
+    std::transform(rgba, rgba + count, halfs.begin(), float_to_half);
+    send(GL_HALF_FLOAT, halfs.data());
+  } else {
+    std::vector<std::int16_t> integers(count);
+    std::transform(rgba, rgba + count, integers.begin(), float_to_snorm16);
+    send(GL_SHORT, integers.data());
+  }
+  check_gl(*gl_, "uploading level " + std::to_string(level) + " of " + name_);
+}
+
+std::vector<float> Texture::read_level(int level) const {
+  const std::size_t width = static_cast<std::size_t>(level_size(shape_.width, level));
+  const std::size_t height = static_cast<std::size_t>(level_size(shape_.height, level));
+  std::vector<float> values(4 * width * height);
+  gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl_->GetTextureImage(id_, level, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(values.size() * sizeof(float)),
+                       values.data());
+  check_gl(*gl_, "reading level " + std::to_string(level) + " of " + name_);
+  return values;
+}
+
+}  // namespace multum::gl

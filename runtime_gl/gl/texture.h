@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// A two-dimensional texture with explicitly uploaded levels: mips are data here, never made by the driver.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/base/wrap_mode.h"
+#include "runtime_gl/gl/gl_functions.h"
+
+namespace multum::gl {
+
+/// Four channels in every case. 8-bit formats are left out: llvmpipe filters them through 8 bits.
+enum class TexelFormat { kRgba16Snorm, kRgba16f, kRgba32f };
+
+const char* texel_format_name(TexelFormat format);
+
+struct TextureShape {
+  int width = 1;
+  int height = 1;
+  int level_count = 1;
+  TexelFormat format = TexelFormat::kRgba32f;
+};
+
+struct SamplerSettings {
+  WrapMode wrap_s = WrapMode::kPeriodic;
+  WrapMode wrap_t = WrapMode::kPeriodic;
+  bool filtered = true;     // false: nearest texel of level 0
+  float anisotropy = 1.0f;  // 1..16; above 1 needs GL_ARB_ or GL_EXT_texture_filter_anisotropic
+};
+
+class Texture {
+ public:
+  /// Allocates every level. `name` appears in messages. Throws Error(kEnvironment): larger than the device's limit, out
+  /// of memory.
+  Texture(const GlFunctions& gl, std::string name, const TextureShape& shape, const SamplerSettings& sampler);
+  ~Texture();
+  Texture(Texture&& other) noexcept;
+  Texture& operator=(Texture&&) = delete;
+  Texture(const Texture&) = delete;
+  Texture& operator=(const Texture&) = delete;
+
+  /// `rgba`: 4 floats a texel, row 0 first; row 0 lies at texture coordinate t = 0. Rounded to the format here, to
+  /// nearest: multiples of 1/32767 clamped to [-1, 1]; half with ties to even; as it is.
+  void upload_level(int level, const float* rgba);
+  /// What the texture holds, as floats.
+  std::vector<float> read_level(int level) const;
+
+  void bind(int unit) const { gl_->BindTextureUnit(static_cast<GLuint>(unit), id_); }
+  GLuint id() const { return id_; }
+  const TextureShape& shape() const { return shape_; }
+
+ private:
+  // Owns the name before anything can throw.
+  Texture(const GlFunctions& gl, std::string name, const TextureShape& shape);
+
+  const GlFunctions* gl_;
+  std::string name_;
+  TextureShape shape_;
+  GLuint id_ = 0;
+};
+
+}  // namespace multum::gl

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The finest normals as textures, for the ground truth and for what users have today: averaged normals (with Toksvig's
+// rule) and slope moments (LEAN, Olano and Baker 2010). All in RGBA32F: a baseline's errors are its own, not storage's.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/asset/movmf_mipmap.h"
+#include "runtime_gl/gl/texture.h"
+
+namespace multum::gl {
+
+/// The finest level, as a caller hands it in. Rows from the image's top.
+struct NormalImage {
+  int width = 0;
+  int height = 0;
+  std::vector<glm::vec3> normals;  // unit, tangent space
+  std::vector<glm::vec3> albedo;   // linear; empty: white
+  WrapMode wrap_s = WrapMode::kPeriodic;
+  WrapMode wrap_t = WrapMode::kPeriodic;
+};
+
+/// Level 0 of a baked file as normals: the sum of its lobes, normalised, and the sum of its colours.
+NormalImage finest_normals(const MovmfMipmap& mipmap);
+
+class NormalMaterial {
+ public:
+  /// kNearest: level 0 alone, nearest texel (truth). kMipmapped: box-filtered mips, trilinear (baselines).
+  enum class Sampling { kNearest, kMipmapped };
+  NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
+
+  /// Units: 0 normals, 1 slopes, 2 albedo.
+  void bind() const;
+  bool has_albedo() const { return albedo_.has_value(); }
+
+ private:
+  std::optional<Texture> normals_;  // mean n; w = E[b_x b_y]
+  std::optional<Texture> slopes_;   // E[b_x], E[b_y], E[b_x^2], E[b_y^2], b = n_xy / n_z
+  std::optional<Texture> albedo_;
+};
+
+}  // namespace multum::gl

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime_gl/render/contact_sheet.h"
+
+#include <algorithm>
+
+#include "host/base/error.h"
+
+namespace multum::gl {
+namespace {
+
+constexpr int kGlyphWidth = 5;
+constexpr int kGlyphHeight = 8;
+constexpr int kGlyphScale = 2;
+constexpr int kGlyphAdvance = kGlyphScale * (kGlyphWidth + 1);
+constexpr int kLabelHeight = kGlyphScale * (kGlyphHeight + 4);
+constexpr int kGap = 4;
+
+struct Glyph {
+  char letter;
+  const char* rows;  // eight rows of five, '#' = ink, the last one below the line
+};
+
+constexpr Glyph kGlyphs[] = {
+    {'a', "...........###.....#.#####...#.####....."},
+    {'b', "#....#....####.#...##...##...#####......"},
+    {'c', "...........#####....#....#.....####....."},
+    {'d', "....#....#.#####...##...##...#.####....."},
+    {'e', "...........###.#...#######.....###......"},
+    {'f', "..##..#...####..#....#....#....#........"},
+    {'g', "...........#####...##...#.####....#.###."},
+    {'h', "#....#....####.#...##...##...##...#....."},
+    {'i', "..#........##....#....#....#...###......"},
+    {'j', "...#........##....#....#....#.#..#..##.."},
+    {'k', "#....#....#..#.#.#..##...#.#..#..#......"},
+    {'l', ".##....#....#....#....#....#...###......"},
+    {'m', "..........##.#.#.#.##.#.##.#.##.#.#....."},
+    {'n', "..........####.#...##...##...##...#....."},
+    {'o', "...........###.#...##...##...#.###......"},
+    {'p', "..........####.#...##...#####.#....#...."},
+    {'q', "...........#####...##...#.####....#....#"},
+    {'r', "..........#.##.##...#....#....#........."},
+    {'s', "...........#####.....###.....#####......"},
+    {'t', ".#....#...####..#....#....#.....##......"},
+    {'u', "..........#...##...##...##...#.####....."},
+    {'v', "..........#...##...##...#.#.#...#......."},
+    {'w', "..........#.#.##.#.##.#.##.#.#.#.#......"},
+    {'x', "..........#...#.#.#...#...#.#.#...#....."},
+    {'y', "..........#...##...##...#.####....#.###."},
+    {'z', "..........#####...#...#...#...#####....."},
+    {'0', ".###.#...##..###.#.###..##...#.###......"},
+    {'1', "..#...##....#....#....#....#...###......"},
+    {'2', ".###.#...#....#...#...#...#...#####....."},
+    {'3', ".###.#...#....#..##.....##...#.###......"},
+    {'4', "...#...##..#.#.#..#.#####...#....#......"},
+    {'5', "######....####.....#....##...#.###......"},
+    {'6', ".###.#....#....####.#...##...#.###......"},
+    {'7', "#####....#...#...#...#....#....#........"},
+    {'8', ".###.#...##...#.###.#...##...#.###......"},
+    {'9', ".###.#...##...#.####....#....#.###......"},
+    {'.', "..........................##...##......."},
+    {',', "......................#....#...#........"},
+    {':', "......##...##........##...##............"},
+    {'%', "##..###..#...#...#...#...#..###..##....."},
+    {'-', "...............#####...................."},
+    {'+', ".......#....#..#####..#....#............"},
+    {'/', "....#....#...#...#...#...#....#........."},
+    {'(', "...#...#...#....#....#.....#.....#......"},
+    {')', ".#.....#.....#....#....#...#...#........"},
+    {'|', "..#....#....#....#....#....#....#......."},
+    {'=', "..........#####.....#####..............."},
+    {'_', "..............................#####....."},
+};
+
+void put_pixel(FloatImage& sheet, int x, int y, float value) {
+  if (x < 0 || y < 0 || x >= sheet.width || y >= sheet.height) return;
+  float* pixel = &sheet.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(sheet.width) +
+                                  static_cast<std::size_t>(x))];
+  pixel[0] = pixel[1] = pixel[2] = value;
+  pixel[3] = 1.0f;
+}
+
+void draw_glyph(FloatImage& sheet, const Glyph& glyph, int left, int top, float value) {
+  for (int y = 0; y < kGlyphHeight * kGlyphScale; ++y)
+    for (int x = 0; x < kGlyphWidth * kGlyphScale; ++x)
+      if (glyph.rows[y / kGlyphScale * kGlyphWidth + x / kGlyphScale] == '#')
+        put_pixel(sheet, left + x, top + y, value);
+}
+
+void draw_cell(FloatImage& sheet, const SheetCell& cell, int left, int top, float label_value) {
+  // A label longer than its picture is cut rather than run into its neighbour's.
+  const int letters_max = std::max(1, (cell.image.width - 4) / kGlyphAdvance);
+  const int letters = std::min(static_cast<int>(cell.label.size()), letters_max);
+  for (int i = 0; i < letters; ++i)
+    for (const Glyph& glyph : kGlyphs)
+      if (glyph.letter == cell.label[static_cast<std::size_t>(i)])
+        draw_glyph(sheet, glyph, left + 4 + i * kGlyphAdvance, top + 2 * kGlyphScale, label_value);
+  const auto row = 4 * static_cast<std::ptrdiff_t>(cell.image.width);
+  for (int y = 0; y < cell.image.height; ++y) {
+    const auto to = 4 * (static_cast<std::ptrdiff_t>(top + kLabelHeight + y) * sheet.width + left);
+    std::copy_n(cell.image.rgba.begin() + y * row, row, sheet.rgba.begin() + to);
+  }
+}
+
+}  // namespace
+
+FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, float label_value) {
+  MULTUM_CHECK(!rows.empty() && !rows[0].empty());
+  const int cell_width = rows[0][0].image.width + kGap;
+  const int cell_height = rows[0][0].image.height + kLabelHeight + kGap;
+  FloatImage sheet{static_cast<int>(rows[0].size()) * cell_width - kGap,
+                   static_cast<int>(rows.size()) * cell_height - kGap, {}};
+  sheet.rgba.assign(4 * static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), 0.0f);
+  for (std::size_t i = 3; i < sheet.rgba.size(); i += 4) sheet.rgba[i] = 1.0f;
+  for (std::size_t y = 0; y < rows.size(); ++y) {
+    MULTUM_CHECK(rows[y].size() <= rows[0].size());
+    for (std::size_t x = 0; x < rows[y].size(); ++x) {
+      MULTUM_CHECK(rows[y][x].image.width == rows[0][0].image.width &&
+                   rows[y][x].image.height == rows[0][0].image.height);
+      draw_cell(sheet, rows[y][x], static_cast<int>(x) * cell_width, static_cast<int>(y) * cell_height, label_value);
+    }
+  }
+  return sheet;
+}
+
+}  // namespace multum::gl

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far a picture is from the truth.
+#pragma once
+
+#include "runtime_gl/gl/framebuffer.h"
+
+namespace multum::gl {
+
+/// Over the RGB of all pixels, linear.
+struct PictureError {
+  double relative_l1 = 0.0;  // sum |picture - truth| / sum truth; 0.05 = 5 %
+  double rmse = 0.0;         // square root of the mean squared difference
+};
+
+PictureError picture_error(const FloatImage& picture, const FloatImage& truth);
+
+/// |picture - truth|, alpha 1.
+FloatImage difference_image(const FloatImage& picture, const FloatImage& truth);
+
+}  // namespace multum::gl

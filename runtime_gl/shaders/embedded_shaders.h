@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// Texts of the files in this folder, put into the program at build time; none has a version line.
+#pragma once
+
+namespace multum::gl {
+
+extern const char* const shader_common_movmf_shading_glsl;
+extern const char* const shader_scene_vert;
+extern const char* const shader_scene_frag;
+extern const char* const shader_full_screen_vert;
+extern const char* const shader_accumulate_frag;
+
+}  // namespace multum::gl

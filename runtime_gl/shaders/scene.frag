@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Directional lights on a normal-mapped surface, in one of five ways of reading the map (exactly one is defined):
+//   MULTUM_MOVMF    lobes of the baked file, trilinear      MULTUM_TRUTH    the finest map's nearest texel
+//   MULTUM_MIP      averaged normal, normalised             MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
+//   MULTUM_LEAN     slope moments (Olano and Baker 2010), normalised: density of slopes / cos^3
+// and MULTUM_LOBE_COUNT, MULTUM_COLOURS (lobes or texels carry colour), MULTUM_PAPER (Han's eq. 20),
+// MULTUM_TORRANCE_SPARROW. All vectors are taken to tangent space, where the map's normals live.
+//
+// Outgoing radiance: sum over lights E ( albedo k_d / pi max(n.l, 0) + k_s f(n.h) max(n.l, 0) ), averaged over n. TRUTH
+// averages it over samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
+in vec3 v_position;
+in vec3 v_normal;
+in vec4 v_tangent;
+in vec2 v_st;
+
+#define MULTUM_LIGHT_COUNT_MAX 8
+uniform vec3 u_eye;
+uniform int u_light_count;
+uniform vec3 u_light_directions[MULTUM_LIGHT_COUNT_MAX];  // unit, towards the light
+uniform vec3 u_light_irradiances[MULTUM_LIGHT_COUNT_MAX];
+uniform vec3 u_diffuse;    // k_d
+uniform vec3 u_specular;   // k_s
+uniform float u_exponent;  // s; 1 / (2 sigma^2) for Torrance-Sparrow
+uniform float u_sigma;
+
+#ifdef MULTUM_MOVMF
+uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
+#ifdef MULTUM_COLOURS
+uniform sampler2D u_colours[MULTUM_LOBE_COUNT];
+#endif
+#else
+uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_x b_y] for LEAN
+#ifdef MULTUM_COLOURS
+uniform sampler2D u_albedo;
+#endif
+#ifdef MULTUM_LEAN
+uniform sampler2D u_slopes;  // b_x, b_y, E[b_x^2], E[b_y^2]
+#endif
+#endif
+
+layout(location = 0) out vec4 o_colour;
+
+// f(n . h) of one normal.
+float facet_distribution(vec3 n, vec3 h) {
+  float e = multum_one_minus_cosine(n, h);
+#ifdef MULTUM_TORRANCE_SPARROW
+  return multum_vmf_density(u_exponent, e);
+#else
+  return multum_blinn_phong(u_exponent, e);
+#endif
+}
+
+#ifdef MULTUM_MOVMF
+
+vec3 shade(vec3 l, vec3 h) {
+  vec3 radiance = vec3(0.0);
+  for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
+    vec4 lobe = texture(u_lobes[j], v_st);
+#if defined(MULTUM_TORRANCE_SPARROW)
+    float facets = multum_movmf_torrance_sparrow(lobe, h, u_sigma);
+#elif defined(MULTUM_PAPER)
+    float facets = multum_movmf_blinn_phong_paper(lobe, h, u_exponent);
+#else
+    float facets = multum_movmf_blinn_phong(lobe, h, u_exponent);
+#endif
+#ifdef MULTUM_PAPER
+    // Algorithm 2 of the paper: max(mu . l, 0) for diffuse and specular alike.
+    float cosine = max(dot(multum_movmf_mean_direction(lobe), l), 0.0);
+    float diffuse = lobe.w * cosine;
+#else
+    float diffuse = multum_movmf_lambert(lobe, l);
+    float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+#endif
+    vec3 albedo = vec3(1.0);
+#ifdef MULTUM_COLOURS
+    // Colours are premultiplied: T(a c) / T(a) is the lobe's colour.
+    albedo = texture(u_colours[j], v_st).rgb / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+#endif
+    radiance += u_diffuse / MULTUM_PI * albedo * diffuse + u_specular * (facets * cosine);
+  }
+  return radiance;
+}
+
+#else
+
+vec3 shade(vec3 l, vec3 h) {
+  vec4 texel = texture(u_normals, v_st);
+  float size = length(texel.xyz);
+  vec3 n = size > 1e-12 ? texel.xyz / size : vec3(0.0, 0.0, 1.0);
+  float cosine = max(dot(n, l), 0.0);
+  float diffuse = cosine;
+  float facets = facet_distribution(n, h);
+#if defined(MULTUM_TOKSVIG)
+  float gloss = size / (size + u_exponent * max(1.0 - size, 0.0));
+  facets = multum_blinn_phong(gloss * u_exponent, multum_one_minus_cosine(n, h));
+  diffuse = max(dot(texel.xyz, l), 0.0);
+#elif defined(MULTUM_LEAN)
+  vec4 slopes = texture(u_slopes, v_st);
+  float base = 1.0 / u_exponent;  // variance of slopes that the exponent stands for
+  float xx = max(slopes.z - slopes.x * slopes.x, 0.0) + base;
+  float yy = max(slopes.w - slopes.y * slopes.y, 0.0) + base;
+  float xy = texel.w - slopes.x * slopes.y;
+  float determinant = max(xx * yy - xy * xy, base * base);
+  facets = 0.0;
+  if (h.z > 1e-4) {
+    vec2 b = h.xy / h.z - slopes.xy;
+    float distance = (yy * b.x * b.x - 2.0 * xy * b.x * b.y + xx * b.y * b.y) / determinant;
+    facets = exp(-0.5 * distance) / (2.0 * MULTUM_PI * sqrt(determinant) * h.z * h.z * h.z);
+  }
+  diffuse = max(dot(texel.xyz, l), 0.0);
+#endif
+  vec3 albedo = vec3(1.0);
+#ifdef MULTUM_COLOURS
+  albedo = texture(u_albedo, v_st).rgb;
+#endif
+  return u_diffuse / MULTUM_PI * albedo * diffuse + u_specular * (facets * cosine);
+}
+
+#endif
+
+void main() {
+  vec3 n = normalize(v_normal);
+  vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
+  vec3 b = cross(n, t) * v_tangent.w;
+  vec3 to_eye = normalize(u_eye - v_position);
+  vec3 v = vec3(dot(to_eye, t), dot(to_eye, b), dot(to_eye, n));
+  vec3 radiance = vec3(0.0);
+  for (int i = 0; i < u_light_count; ++i) {
+    vec3 direction = u_light_directions[i];
+    vec3 l = vec3(dot(direction, t), dot(direction, b), dot(direction, n));
+    radiance += u_light_irradiances[i] * shade(l, normalize(l + v));
+  }
+  o_colour = vec4(radiance, 1.0);
+}

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shading formulas of OpenCL (kernels/device/vmf_shading.clh, by which a bake measures its own error) and of GLSL
+// (runtime_gl/shaders/common/movmf_shading.glsl, by which it is rendered) on the same lobes, and both against quadrature in
+// double: hard cases first, then random lobes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "host/opencl/device.h"
+#include "runtime_gl/context/headless_context.h"
+#include "tests/gl/shader_harness.h"
+#include "tests/reference/shading.h"
+
+namespace multum {
+namespace {
+
+struct Lobes {
+  std::vector<glm::vec4> lobes;  // (a r, a)
+  std::vector<double> kappa;     // of each; infinite for a single direction
+};
+
+glm::dvec3 random_direction(std::mt19937& random) {
+  const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24; };
+  const double z = 2 * uniform() - 1, phi = 2 * M_PI * uniform();
+  return {std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z};
+}
+
+void add(Lobes& set, const glm::dvec3& mu, double kappa, double amplitude) {
+  const double r = std::isinf(kappa) ? 1.0 : 1.0 - reference::vmf_spread(kappa);
+  set.lobes.emplace_back(glm::vec4(amplitude * r * mu.x, amplitude * r * mu.y, amplitude * r * mu.z, amplitude));
+  set.kappa.push_back(kappa);
+}
+
+Lobes test_lobes(unsigned seed) {
+  Lobes set;
+  const glm::dvec3 equator(1.0, 0.0, 0.0), up(0.0, 0.0, 1.0);
+  for (double kappa : {1e-3, 0.1, 1.0, 10.0, 100.0, 1e4, 1e6, static_cast<double>(INFINITY)})
+    for (double amplitude : {1.0, 0.02, 1.0 / 32767.0}) {
+      add(set, equator, kappa, amplitude);
+      add(set, up, kappa, amplitude);
+    }
+  add(set, up, 10.0, 0.0);  // no lobe
+  std::mt19937 random(seed);
+  for (int i = 0; i < 200; ++i) {
+    const double exponent = static_cast<double>(random() >> 8) * 0x1p-24;
+    add(set, random_direction(random), 0.5 * std::pow(2e4, exponent), 1.0);
+  }
+  return set;
+}
+
+// [lobe][direction] of one exponent (0: Lambert), by the OpenCL kernel.
+std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions, float exponent) {
+  static Device device = Device::open("");
+  std::vector<glm::vec4> vectors;
+  for (const glm::vec3& d : directions) vectors.emplace_back(d, 0.0f);
+  const DeviceBuffer lobe_buffer = device.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "lobes");
+  const DeviceBuffer direction_buffer = device.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
+  const DeviceBuffer exponent_buffer = device.wrap_buffer(&exponent, sizeof(float), "exponent");
+  std::vector<float> values(lobes.size() * directions.size(), -1.0f);
+  const DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
+  const auto count = static_cast<int>(directions.size());
+  const bool lambert = exponent == 0.0f;
+  device.kernel("movmf_shade", "movmf_shade", {1, 1, false})
+      .launch({lobes.size()}, lobe_buffer, direction_buffer, direction_buffer, exponent_buffer, out,
+              static_cast<int>(lobes.size()), lambert ? 0 : count, lambert ? count : 0, lambert ? 0 : 1);
+  device.read(out, values.data(), values.size() * sizeof(float));
+  return values;
+}
+
+std::vector<float> shade_glsl(const gl::HeadlessContext& context, const std::vector<glm::vec4>& lobes,
+                              const std::vector<glm::vec3>& directions, float exponent) {
+  gl::ShaderHarnessInput input{exponent == 0.0f ? "vec4(multum_movmf_lambert(a, b.xyz))"
+                                                : "vec4(multum_movmf_blinn_phong(a, b.xyz, b.w))", {}, {}, nullptr};
+  for (const glm::vec4& lobe : lobes)
+    for (const glm::vec3& d : directions) {
+      input.a.push_back(lobe);
+      input.b.emplace_back(d, exponent);
+    }
+  std::vector<float> values;
+  for (const glm::vec4& value : gl::evaluate_shader(context.functions(), input)) values.push_back(value.x);
+  return values;
+}
+
+class ShadingAgreementTest : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Exponents, ShadingAgreementTest, ::testing::Values(0.0, 5.0, 20.0, 100.0, 500.0, 1e5),
+                         [](const ::testing::TestParamInfo<double>& exponent) {
+                           return exponent.param == 0.0 ? std::string("Lambert") : std::string("S").append(std::to_string(static_cast<int>(exponent.param)));
+                         });
+
+// Both are fp32: exponents up to kappa = 1e6 times 1 - cosine carry 1e-7 relative each, so peaks agree to 2e-3 at the
+// sharpest and to 1e-5 for usual lobes; the bound is relative to the lobe's peak.
+TEST_P(ShadingAgreementTest, OpenclEqualsGlsl) {
+  const auto exponent = static_cast<float>(GetParam());
+  constexpr unsigned kSeed = 41;
+  const Lobes set = test_lobes(kSeed);
+  std::mt19937 random(kSeed);
+  std::vector<glm::vec3> directions = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}};
+  for (int i = 0; i < 20; ++i) directions.emplace_back(random_direction(random));
+  const auto opencl = shade_opencl(set.lobes, directions, exponent);
+  const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
+  const auto glsl = shade_glsl(*context, set.lobes, directions, exponent);
+  ASSERT_EQ(opencl.size(), glsl.size());
+  const float unit = exponent == 0.0f ? 1.0f : (exponent + 1.0f) / 6.2831853f;
+  for (std::size_t i = 0; i < opencl.size(); ++i) {
+    ASSERT_TRUE(std::isfinite(opencl[i]) && std::isfinite(glsl[i])) << "lobe " << i / directions.size();
+    const float peak = std::max(set.lobes[i / directions.size()].w * unit, 1e-9f);
+    EXPECT_NEAR(opencl[i] / peak, glsl[i] / peak, exponent > 1e4f ? 2e-3f : 3e-5f) << "lobe " << i / directions.size();
+  }
+}
+
+// Against the exact convolution: the bounds that tools/fit_shading.py states, relative L1 over the angle between.
+TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
+  const double exponent = GetParam();
+  if (exponent > 2000.0) GTEST_SKIP() << "the quadrature is for exponents up to 2000";
+  const double bound = exponent == 0.0 ? 0.0025 : exponent < 20.0 ? 0.016 : exponent < 100.0 ? 0.0085 : 0.003;
+  for (double kappa : {0.5, 2.0, 10.0, 50.0, 200.0, 2000.0}) {
+    Lobes set;
+    add(set, {0.0, 0.0, 1.0}, kappa, 1.0);
+    constexpr int kAngles = 200;
+    std::vector<glm::vec3> directions;
+    std::vector<double> theta;
+    for (int i = 0; i < kAngles; ++i) {
+      theta.push_back((i + 0.5) / kAngles * M_PI / 2);
+      directions.emplace_back(std::sin(theta.back()), 0.0, std::cos(theta.back()));
+    }
+    const auto found = shade_opencl(set.lobes, directions, static_cast<float>(exponent));
+    double difference = 0.0, total = 0.0;
+    for (std::size_t i = 0; i < theta.size(); ++i) {
+      const double exact = exponent == 0.0 ? reference::convolved_lambert(kappa, theta[i])
+                                           : reference::convolved_blinn_phong(exponent, kappa, theta[i]);
+      difference += std::abs(static_cast<double>(found[i]) - exact) * std::sin(theta[i]);
+      total += exact * std::sin(theta[i]);
+    }
+    EXPECT_LT(difference / total, bound) << "kappa " << kappa;
+  }
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of maps whose mixtures are exact: the baked map's picture must be the truth's, on both back-ends.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.h"
+#include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/render/contact_sheet.h"
+#include "runtime_gl/render/picture_error.h"
+#include "runtime_gl/render/renderer.h"
+#include "tests/gl/test_maps.h"
+
+namespace multum::gl {
+namespace {
+
+constexpr int kWidth = 80;
+constexpr int kHeight = 60;
+
+MeshData make_quad(float size) {
+  const float half = 0.5f * size;
+  MeshData mesh;
+  const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
+  for (const glm::vec2& corner : corners)
+    mesh.vertices.push_back({{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f},
+                             {1.0f, 0.0f, 0.0f, 1.0f}, corner});
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+/// From far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.
+Scene distant_scene() {
+  Scene scene;
+  scene.camera.eye = {0.0f, -8.0f, 12.0f};
+  scene.camera.target = {0.0f, 8.0f, 0.0f};
+  scene.uv_scale = 60.0f;
+  return scene;
+}
+
+class RenderTest : public testing::TestWithParam<ContextBackend> {
+ protected:
+  void SetUp() override {
+    context_ = make_headless_context(GetParam());
+    mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
+    renderer_ = std::make_unique<Renderer>(context_->functions(), kWidth, kHeight);
+  }
+  void TearDown() override {
+    if (context_ == nullptr) return;
+    EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
+  }
+  FloatImage movmf(const TestMap& map, const Scene& scene, LobeFormula formula = LobeFormula::kProduct) {
+    const MovmfMaterial material(context_->functions(), map.mipmap, 1.0f);
+    return renderer_->draw_movmf(*mesh_, material, scene, formula).image;
+  }
+  FloatImage truth(const TestMap& map, const Scene& scene, int samples) {
+    const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
+    return renderer_->draw_truth(*mesh_, material, scene, samples).image;
+  }
+  FloatImage baseline(const TestMap& map, const Scene& scene, Baseline which) {
+    const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kMipmapped, 1.0f);
+    return renderer_->draw_baseline(*mesh_, material, scene, which).image;
+  }
+  std::unique_ptr<HeadlessContext> context_;
+  std::unique_ptr<Mesh> mesh_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+TEST_P(RenderTest, FlatMapEqualsTruthFromNearAndFar) {
+  const TestMap map = make_flat_map(16);
+  for (const float exponent : {5.0f, 100.0f, 5000.0f}) {
+    Scene scene;  // the default view runs from magnified to far
+    scene.uv_scale = 60.0f;
+    scene.brdf.exponent = exponent;
+    scene.lights = {{{0.0f, 1.0f, 0.4f}, glm::vec3(3.0f)}, {{-0.4f, 0.5f, 1.0f}, glm::vec3(1.0f)}};
+    const FloatImage drawn = movmf(map, scene);
+    EXPECT_LT(picture_error(drawn, baseline(map, scene, Baseline::kMip)).relative_l1, 1e-4) << exponent;
+    EXPECT_LT(picture_error(drawn, baseline(map, scene, Baseline::kToksvig)).relative_l1, 1e-4) << exponent;
+    // At s = 5000 a pixel of this small picture is as wide as the highlight, which the truth averages and no filter of
+    // normals does.
+    const double bound = exponent < 1000.0f ? 0.005 : 0.05;
+    EXPECT_LT(picture_error(drawn, truth(map, scene, 16)).relative_l1, bound) << exponent;
+  }
+}
+
+TEST_P(RenderTest, TwoTiltsEqualTruthWhereMipsFail) {
+  for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
+    const TestMap map = make_two_tilt_map(64, 25.0, encoding, false);
+    const Scene scene = distant_scene();
+    const FloatImage exact = truth(map, scene, 1024);
+    // The lobes are exact; 1024 samples count the two kinds of texels to about 1 %.
+    EXPECT_LT(picture_error(movmf(map, scene), exact).relative_l1, 0.02);
+    EXPECT_GT(picture_error(baseline(map, scene, Baseline::kMip), exact).relative_l1, 0.10);
+  }
+}
+
+TEST_P(RenderTest, ColoursFollowTheirLobes) {
+  const TestMap map = make_two_tilt_map(64, 40.0, StorageEncoding::kSnorm16, true);
+  Scene scene = distant_scene();
+  scene.brdf.specular = glm::vec3(0.0f);
+  scene.lights = {{{0.2f, 0.0f, 1.0f}, glm::vec3(3.0f)}};  // reaches both tilts
+  EXPECT_LT(picture_error(movmf(map, scene), truth(map, scene, 256)).relative_l1, 0.03);
+  scene.lights = {{{1.0f, 0.0f, 0.2f}, glm::vec3(3.0f)}};  // reaches the red tilt alone
+  const FloatImage exact = truth(map, scene, 1024);
+  const FloatImage drawn = movmf(map, scene);
+  EXPECT_LT(picture_error(drawn, exact).relative_l1, 0.02);
+  const std::size_t centre = 4 * (kHeight / 2 * kWidth + kWidth / 2);
+  EXPECT_GT(drawn.rgba[centre], 5.0f * drawn.rgba[centre + 2]);
+  EXPECT_GT(picture_error(baseline(map, scene, Baseline::kMip), exact).relative_l1, 0.3);
+}
+
+TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
+  // Seen from straight above, image up = growing v: the map's first row, white, is in the picture's upper half; and
+  // normals that lean up (+Y) face a light that shines from the picture's upper edge.
+  TestMap map = make_flat_map(2);
+  map.image.albedo = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(0.1f), glm::vec3(0.1f)};
+  MovmfLevel& finest = map.mipmap.levels[0];
+  finest.colours = {map.image.albedo};
+  map.mipmap.levels[1].colours = {{glm::vec3(0.55f)}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    map.image.normals[i] = {0.0f, i < 2 ? 0.6f : -0.6f, 0.8f};
+    finest.lobes[0][i] = glm::vec4(map.image.normals[i], 1.0f);
+  }
+  Scene scene;
+  scene.camera.eye = {0.0f, 30.0f, 60.0f};
+  scene.camera.target = {0.0f, 30.0f, 0.0f};
+  scene.camera.up = {0.0f, 1.0f, 0.0f};
+  scene.lights = {{{0.0f, 1.0f, 0.5f}, glm::vec3(3.0f)}};
+  for (const FloatImage& image : {movmf(map, scene), truth(map, scene, 1), baseline(map, scene, Baseline::kMip)}) {
+    const std::size_t upper = 4 * (kHeight / 4 * kWidth + kWidth / 2);
+    const std::size_t lower = 4 * (kHeight * 3 / 4 * kWidth + kWidth / 2);
+    EXPECT_GT(image.rgba[upper], 4.0f * image.rgba[lower]);
+  }
+}
+
+TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
+  for (const bool coloured : {false, true}) {
+    const TestMap map = make_two_tilt_map(8, 20.0, StorageEncoding::kFloat, coloured);
+    for (const BrdfKind kind : {BrdfKind::kBlinnPhong, BrdfKind::kTorranceSparrow}) {
+      Scene scene = distant_scene();
+      scene.brdf.kind = kind;
+      std::vector<FloatImage> pictures = {movmf(map, scene), truth(map, scene, 2)};
+      if (kind == BrdfKind::kBlinnPhong) pictures.push_back(movmf(map, scene, LobeFormula::kPaper));
+      for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+        pictures.push_back(baseline(map, scene, which));
+      for (const FloatImage& picture : pictures) {
+        EXPECT_TRUE(std::all_of(picture.rgba.begin(), picture.rgba.end(), [](float v) { return std::isfinite(v); }));
+        EXPECT_GT(*std::max_element(picture.rgba.begin(), picture.rgba.end()), 0.01f);
+      }
+    }
+  }
+}
+
+TEST_P(RenderTest, EveryLobeCountDraws) {
+  for (std::size_t lobes = 1; lobes <= kLobeCountMax; ++lobes) {
+    TestMap map = make_flat_map(4);
+    for (MovmfLevel& level : map.mipmap.levels) {
+      level.lobes.resize(lobes, level.lobes[0]);
+      for (auto& lobe : level.lobes)
+        for (glm::vec4& texel : lobe) texel /= static_cast<float>(lobes);
+      const glm::vec3 white(1.0f / static_cast<float>(lobes));
+      level.colours.assign(lobes, std::vector<glm::vec3>(level.lobes[0].size(), white));
+    }
+    const Scene scene = distant_scene();
+    EXPECT_LT(picture_error(movmf(map, scene), movmf(make_flat_map(4), scene)).relative_l1, 1e-3) << lobes;
+  }
+}
+
+TEST_P(RenderTest, SameInputGivesSameBytes) {
+  const TestMap map = make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
+  EXPECT_EQ(movmf(map, distant_scene()).rgba, movmf(map, distant_scene()).rgba);
+  EXPECT_EQ(truth(map, distant_scene(), 8).rgba, truth(map, distant_scene(), 8).rgba);
+}
+
+TEST_P(RenderTest, NearerSurfacesHideWhatLiesBehind) {
+  // Two parallel quads, the farther one drawn first: the truth's sum must hold the nearer one alone.
+  MeshData two = make_quad(60.0f);
+  for (std::size_t i = 0; i < 4; ++i) {
+    two.vertices.push_back(two.vertices[i]);
+    two.vertices.back().position.z += 1.0f;
+  }
+  two.indices.insert(two.indices.end(), {4, 5, 6, 4, 6, 7});
+  const TestMap map = make_flat_map(4);
+  const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
+  const Mesh mesh(context_->functions(), two);
+  const FloatImage image = renderer_->draw_truth(mesh, material, distant_scene(), 4).image;
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) ASSERT_LE(image.rgba[i], 1.0f);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, RenderTest, testing::Values(ContextBackend::kOsmesa, ContextBackend::kEgl),
+                         [](const auto& test) { return std::string(context_backend_name(test.param)); });
+
+TEST(Render, OsmesaEqualsEgl) {
+  const TestMap map = make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, true);
+  std::vector<FloatImage> pictures;
+  std::string software;
+  for (const ContextBackend backend : {ContextBackend::kOsmesa, ContextBackend::kEgl}) {
+    const auto context = make_headless_context(backend);
+    const Mesh mesh(context->functions(), make_quad(60.0f));
+    Renderer renderer(context->functions(), kWidth, kHeight);
+    const MovmfMaterial material(context->functions(), map.mipmap, 1.0f);
+    Scene scene;
+    scene.uv_scale = 60.0f;
+    pictures.push_back(renderer.draw_movmf(mesh, material, scene, LobeFormula::kProduct).image);
+    software += gl_string(context->functions(), GL_RENDERER).find("llvmpipe") != std::string::npos ? "s" : "g";
+  }
+  // The same rasteriser behind both gives the same bits; a GPU behind EGL may differ in rounding and in its LOD.
+  if (software == "ss") {
+    EXPECT_EQ(pictures[0].rgba, pictures[1].rgba);
+  } else {
+    EXPECT_LT(picture_error(pictures[1], pictures[0]).relative_l1, 0.02);
+  }
+}
+
+TEST(Material, RefusesLevelsThatDoNotFit) {
+  const auto context = make_headless_context(ContextBackend::kOsmesa);
+  MovmfMipmap broken = make_flat_map(8).mipmap;
+  broken.levels[1].lobes[0].pop_back();
+  try {
+    const MovmfMaterial material(context->functions(), broken, 1.0f);
+    FAIL() << "a level with a missing texel was taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInput);
+    EXPECT_STREQ(error.what(), "level 1 of the baked map is not 4 x 4 texels of 1 lobes");
+  }
+  EXPECT_THROW(MovmfMaterial(context->functions(), MovmfMipmap{}, 1.0f), Error);
+}
+
+TEST(PictureError, CountsRgbOnly) {
+  const FloatImage truth{2, 1, {1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f}};
+  FloatImage picture = truth;
+  picture.rgba[0] = 1.6f;
+  picture.rgba[3] = 9.0f;
+  const PictureError error = picture_error(picture, truth);
+  EXPECT_NEAR(error.relative_l1, 0.1, 1e-7);
+  EXPECT_NEAR(error.rmse, 0.6 / std::sqrt(6.0), 1e-7);
+}
+
+TEST(ContactSheet, PlacesPicturesUnderTheirLabels) {
+  const FloatImage red{8, 4, std::vector<float>(128, 0.25f)};
+  const FloatImage sheet = make_contact_sheet({{{"a", red}, {"b", red}}, {{"c", red}}}, 1.0f);
+  EXPECT_EQ(sheet.width, 8 + 4 + 8);
+  const std::size_t below = 4 * static_cast<std::size_t>((sheet.height - 1) * sheet.width);
+  EXPECT_EQ(sheet.rgba[below], 0.25f);                // third picture
+  EXPECT_EQ(sheet.rgba[below + 4 * 13], 0.0f);        // nothing beside it
+  EXPECT_EQ(std::count(sheet.rgba.begin(), sheet.rgba.begin() + 4 * 22 * sheet.width, 1.0f) % 2, 0);
+}
+
+}  // namespace
+}  // namespace multum::gl

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Evaluates a GLSL expression over arrays: one fragment an element, inputs and outputs in RGBA32F, read back exactly.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <glm/vec4.hpp>
+
+#include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/gl/texture.h"
+
+namespace multum::gl {
+
+struct ShaderHarnessInput {
+  std::string expression;              // a vec4, of the vec4s a and b, with movmf_shading.glsl's functions
+  std::vector<glm::vec4> a;            // at most 16384 elements
+  std::vector<glm::vec4> b;            // as many
+  const Texture* texture = nullptr;    // bound to the sampler `map`
+};
+
+/// The output is poisoned with NaN first: an element that no fragment wrote shows.
+std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnessInput& input);
+
+}  // namespace multum::gl

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small maps whose exact mixtures are known, so that no bake is needed.
+#pragma once
+
+#include "runtime_gl/materials/normal_material.h"
+
+namespace multum::gl {
+
+struct TestMap {
+  NormalImage image;
+  MovmfMipmap mipmap;
+};
+
+/// Every normal (0, 0, 1): one lobe of |r| = 1.
+TestMap make_flat_map(int size);
+
+/// A checkerboard of texels tilted by +angle and -angle (degrees) about Y, red and blue when `coloured`: two lobes of
+/// |r| = 1, of amplitude 1/2 each from level 1 on. `size` is a power of two.
+TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encoding, bool coloured);
+
+}  // namespace multum::gl

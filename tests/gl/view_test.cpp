@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view as its user meets it: exit codes, messages, and files that appear whole or not at all.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/base/atomic_file.h"
+#include "host/base/child_process.h"
+#include "tests/gl/test_maps.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ViewTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              (std::string("multum_view_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
+    write_movmf_mipmap(path("map.ndf.exr"), map.mipmap, {});
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  ChildResult view(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {std::string(MULTUM_BIN_DIR) + "/multum-view", path("map.ndf.exr")});
+    return run_child(arguments);
+  }
+  void expect_refusal(const std::vector<std::string>& arguments, int code, const std::string& words) const {
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, code) << result.output;
+    EXPECT_NE(result.output.find(words), std::string::npos) << result.output;
+    EXPECT_FALSE(fs::exists(path("out.png")));
+  }
+  fs::path folder_;
+};
+
+TEST_F(ViewTest, WritesPictureAndReport) {
+  const ChildResult result = view({"-o", path("out.png"), "--compare", "truth,mip,toksvig,lean", "--size", "64x48",
+                                   "--samples", "4", "--report", path("r.json"), "--context", "osmesa"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_GT(fs::file_size(path("out.png")), 1000u);
+  std::ifstream file(path("r.json"));
+  const auto report = nlohmann::json::parse(file);
+  ASSERT_EQ(report["pictures"].size(), 5u);
+  EXPECT_EQ(report["pictures"][0]["name"], "truth");
+  EXPECT_GT(report["pictures"][1]["relative_l1"].get<double>(), 0.0);
+}
+
+TEST_F(ViewTest, WritesFloatsToExr) {
+  const ChildResult result = view({"-o", path("out.exr"), "--size", "32x24", "--context", "osmesa"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_TRUE(fs::exists(path("out.exr")));
+}
+
+TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
+  const std::string out = path("out.png");
+  expect_refusal({"-o", path("out.jpg")}, 2, "written as .png or .exr");
+  expect_refusal({}, 2, "--output is required");
+  expect_refusal({"-o", out, "--brdf", "ggx:0.1"}, 2, "blinn-phong:S");
+  expect_refusal({"-o", out, "--brdf", "blinn-phong:nan"}, 2, "blinn-phong:S");
+  expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, "1..100000");
+  expect_refusal({"-o", out, "--light", "0,0,0"}, 2, "towards the light");
+  expect_refusal({"-o", out, "--light", "1,2"}, 2, "towards the light");
+  expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, "eye x,y,z");
+  expect_refusal({"-o", out, "--size", "640x"}, 2, "WIDTHxHEIGHT");
+  expect_refusal({"-o", out, "--compare", "truth,leaan"}, 2, "truth, mip, toksvig, lean");
+  expect_refusal({"-o", out, "--context", "glx"}, 2, "--context");
+  expect_refusal({"-o", out, "--albedo", "a.png"}, 2, "--source");
+  expect_refusal({"-o", out, "--samples", "0"}, 2, "--samples");
+}
+
+TEST_F(ViewTest, UnusableFilesAreInputErrors) {
+  const std::string out = path("out.png");
+  expect_refusal({"-o", out, "--mesh", path("none.obj")}, 3, "none.obj");
+  expect_refusal({"-o", out, "--compare", "truth", "--source", path("none.png")}, 3, "none.png");
+  write_text_file(path("map.ndf.exr"), "not an image");
+  expect_refusal({"-o", out}, 3, "map.ndf.exr");
+}
+
+TEST_F(ViewTest, ImpossiblePicturesAreEnvironmentErrors) {
+  expect_refusal({"-o", path("out.png"), "--size", "1000000x4", "--context", "osmesa"}, 4, "1000000 x 4");
+  expect_refusal({"-o", path("no/folder/out.png"), "--size", "8x8", "--context", "osmesa"}, 4, "folder");
+}
+
+TEST_F(ViewTest, LinksNeitherGlNorOpenCl) {
+  // What the program itself asks for: image libraries may pull in more, OpenCV's OpenCL among it.
+  const ChildResult needed = run_child({"readelf", "-d", std::string(MULTUM_BIN_DIR) + "/multum-view"});
+  ASSERT_EQ(needed.exit_code, 0);
+  ASSERT_NE(needed.output.find("libOpenImageIO"), std::string::npos);
+  for (const char* library : {"libOpenCL", "libGL", "libEGL", "libOSMesa", "libOpenGL"})
+    EXPECT_EQ(needed.output.find(library), std::string::npos) << library;
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/reference/shading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+namespace multum::reference {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// integral f(angle of n and w) vMF(n) dn in polar coordinates (angle a, azimuth phi) around w. Both factors are below
+/// e^-50 outside ten of their standard deviations, so `a` runs over what is left; the azimuth is periodic, where the
+/// trapezoid rule converges exponentially once the step is below the vMF's width.
+double convolve(const std::function<double(double)>& f, double f_reach, double kappa, double theta) {
+  const double reach = 10.0 / std::sqrt(kappa);
+  const double low = std::max(0.0, theta - reach);
+  const double high = std::min({kPi, theta + reach, f_reach});
+  if (high <= low) return 0.0;
+  const int rings = 400;  // midpoint rule
+  const int spokes = 64 + static_cast<int>(12.0 * std::sqrt(kappa));
+  double sum = 0.0;
+  for (int i = 0; i < rings; ++i) {
+    const double a = low + (high - low) * (i + 0.5) / rings;
+    double ring = 0.0;
+    for (int k = 0; k < spokes; ++k) {
+      const double phi = 2.0 * kPi * (k + 0.5) / spokes;
+      const double cosine = std::cos(a) * std::cos(theta) + std::sin(a) * std::sin(theta) * std::cos(phi);
+      ring += std::exp(kappa * (cosine - 1.0));
+    }
+    sum += f(a) * std::sin(a) * ring;
+  }
+  const double density = kappa / (2.0 * kPi * -std::expm1(-2.0 * kappa));
+  return sum * density * (high - low) / rings * 2.0 * kPi / spokes;
+}
+
+}  // namespace
+
+double vmf_spread(double kappa) {
+  if (kappa < 1e-2) return 1.0 - kappa / 3.0 + kappa * kappa * kappa / 45.0;
+  return 1.0 / kappa - (kappa < 300.0 ? 2.0 / std::expm1(2.0 * kappa) : 0.0);
+}
+
+double vmf_kappa(double spread) {
+  double low = 1e-9;
+  double high = 1e12;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = std::sqrt(low * high);
+    (vmf_spread(middle) > spread ? low : high) = middle;
+  }
+  return low;
+}
+
+double vmf_density(double kappa, double theta) {
+  const double half = std::sin(0.5 * theta);
+  if (kappa < 1e-8) return 1.0 / (4.0 * kPi);
+  return kappa / (2.0 * kPi * -std::expm1(-2.0 * kappa)) * std::exp(-2.0 * kappa * half * half);
+}
+
+double blinn_phong(double s, double theta) {
+  return theta < 0.5 * kPi ? (s + 1.0) / (2.0 * kPi) * std::pow(std::cos(theta), s) : 0.0;
+}
+
+double convolved_blinn_phong(double s, double kappa, double theta) {
+  const double reach = std::min(0.5 * kPi, 10.0 / std::sqrt(s));
+  return convolve([s](double a) { return blinn_phong(s, a); }, reach, kappa, theta);
+}
+
+double convolved_lambert(double kappa, double theta) {
+  return convolve([](double a) { return std::cos(a); }, 0.5 * kPi, kappa, theta);
+}
+
+double convolved_vmf(double kappa_f, double kappa, double theta) {
+  const double reach = std::min(kPi, 10.0 / std::sqrt(kappa_f));
+  return convolve([kappa_f](double a) { return vmf_density(kappa_f, a); }, reach, kappa, theta);
+}
+
+double product_blinn_phong(double s, double spread, double theta) {
+  const double r = 1.0 - spread;
+  const double q = spread + r / (s + 2.0);
+  const double power = std::max((1.0 - 2.0 * q) / q, 0.0);
+  const double weight = r * r / (r * r + 1.4 * spread * (s + 2.0));
+  return weight * blinn_phong(power, theta) + (1.0 - weight) * vmf_density(vmf_kappa(q), theta);
+}
+
+}  // namespace multum::reference

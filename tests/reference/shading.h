@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shading of a von Mises-Fisher lobe in double precision, written for being obviously right: never shipped.
+#pragma once
+
+namespace multum::reference {
+
+/// 1 - A(kappa), A = coth kappa - 1/kappa, and its inverse by bisection.
+double vmf_spread(double kappa);
+double vmf_kappa(double spread);
+
+/// vMF density per solid angle at the angle `theta` (radians) from its mean.
+double vmf_density(double kappa, double theta);
+/// (s + 1) / (2 pi) max(cos theta, 0)^s
+double blinn_phong(double s, double theta);
+
+/// The spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature, theta = angle of w and mu.
+double convolved_blinn_phong(double s, double kappa, double theta);
+double convolved_lambert(double kappa, double theta);
+double convolved_vmf(double kappa_f, double kappa, double theta);
+
+/// The formula of runtime_gl/shaders/common/movmf_shading.glsl, without the amplitude. `spread` = 1 - |r|.
+double product_blinn_phong(double s, double spread, double theta);
+
+}  // namespace multum::reference

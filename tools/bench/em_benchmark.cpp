@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/em_benchmark.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/bake/mip_schedule.h"
+#include "host/bake/movmf_bake.h"
+#include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
+#include "host/image/four_quarter_map.h"
+#include "host/opencl/device.h"
+#include "kernels/shared/vmf_lobe.h"
+#include "tools/bench/em_yardstick.h"
+
+namespace multum::bench {
+namespace {
+
+double milliseconds_of(const std::function<void()>& body) {
+  const auto start = std::chrono::steady_clock::now();
+  body();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+std::string processor_name() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown processor";
+}
+
+// One level, ready to be fitted by either program: all texels in one launch.
+class LevelBench {
+ public:
+  LevelBench(Device& device, const NormalMap& map, const LevelSchedule& level, const std::vector<MultumVmfLobe>& parent,
+             const EmBenchmarkOptions& options)
+      : device_(device), level_(level), fit_(level.fit), lobes_(static_cast<std::size_t>(options.lobes)) {
+    const auto texels = static_cast<std::size_t>(fit_.width * fit_.height);
+    std::vector<int> list(texels);
+    for (std::size_t i = 0; i < texels; ++i) list[i] = static_cast<int>(i);
+    while (list.size() % MULTUM_GROUP != 0) list.push_back(-1);
+    slots_ = list.size();
+    fit_.slot_count = static_cast<int>(slots_);
+    fit_.iteration_count = options.iterations;
+    for (const std::vector<float>* plane : {&map.x, &map.y, &map.z}) {
+      planes_.push_back(*plane);
+      planes_.back().resize(plane->size() + MULTUM_GROUP, 0.0f);
+    }
+    for (const std::vector<float>& plane : planes_)
+      plane_buffers_.push_back(device.wrap_buffer(plane.data(), plane.size() * sizeof(float), "plane"));
+    const KernelVariant scalar{options.lobes, 1, false};
+    KernelVariant fast = scalar;
+    fast.vector_width = width_ = device.vector_width();
+    texels_kernel_ = device.kernel("movmf_em_texels", "movmf_em_texels", fast);
+    partial_kernel_ = device.kernel("movmf_em_chunks", "movmf_em_partial", fast);
+    mstep_kernel_ = device.kernel("movmf_em_mstep", "movmf_em_mstep", scalar);
+    list_buffer_ = device.make_buffer(list.size() * sizeof(int), "list");
+    device.write(list_buffer_, list.data(), list.size() * sizeof(int));
+    result_.resize(lobes_ * texels);
+    result_buffer_ = device.make_buffer(result_.size() * sizeof(MultumVmfLobe), "lobes");
+    device.write(result_buffer_, result_.data(), result_.size() * sizeof(MultumVmfLobe));
+    DeviceBuffer parent_buffer = device.make_buffer(parent.size() * sizeof(MultumVmfLobe), "parent");
+    device.write(parent_buffer, parent.data(), parent.size() * sizeof(MultumVmfLobe));
+    start_.resize(slots_ * lobes_ * MULTUM_START_PLANES);
+    start_buffer_ = device.make_buffer(start_.size() * sizeof(float), "start");
+    device.kernel("movmf_start", "movmf_start", scalar)
+        .launch({slots_ * lobes_}, parent_buffer, result_buffer_, list_buffer_, start_buffer_, fit_, 0.5f, 0.02f);
+    device.read(start_buffer_, start_.data(), start_.size() * sizeof(float));
+    if (level.chunked) {
+      partial_buffer_ = device.make_buffer(texels * static_cast<std::size_t>(fit_.chunk_count) * lobes_ * 5 * sizeof(float), "sums");
+    } else {
+      samples_.resize(slots_ * static_cast<std::size_t>(fit_.sample_columns * fit_.sample_rows) * 3);
+      sample_buffer_ = device.make_buffer(samples_.size() * sizeof(float), "samples");
+      device.kernel("movmf_start", "movmf_pack", scalar)
+          .launch({slots_ / MULTUM_GROUP * static_cast<std::size_t>(fit_.sample_rows)}, plane_buffers_[0], plane_buffers_[1],
+                  plane_buffers_[2], list_buffer_, sample_buffer_, fit_);
+      device.read(sample_buffer_, samples_.data(), samples_.size() * sizeof(float));
+    }
+  }
+
+  double time_kernels() {
+    device_.write(start_buffer_, start_.data(), start_.size() * sizeof(float));
+    device_.finish();
+    return milliseconds_of([&] {
+      const auto texels = static_cast<std::size_t>(fit_.width * fit_.height);
+      if (level_.chunked) {
+        const std::size_t chunks = texels * static_cast<std::size_t>(fit_.chunk_count);
+        for (int i = 0; i < fit_.iteration_count; ++i) {
+          partial_kernel_.launch(width_ == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1},
+                                 plane_buffers_[0], plane_buffers_[1], plane_buffers_[2], start_buffer_, list_buffer_,
+                                 partial_buffer_, fit_);
+          mstep_kernel_.launch({texels * lobes_}, partial_buffer_, start_buffer_, list_buffer_, result_buffer_, fit_, i);
+        }
+      } else {
+        texels_kernel_.launch({slots_ / static_cast<std::size_t>(width_)}, sample_buffer_, start_buffer_, list_buffer_,
+                              result_buffer_, fit_);
+      }
+      device_.finish();
+    });
+  }
+
+  double time_yardstick() {
+    YardstickLevel y{static_cast<int>(lobes_), fit_.iteration_count, static_cast<int>(slots_ / MULTUM_GROUP),
+                     fit_.sample_columns * fit_.sample_rows, level_.chunked ? nullptr : samples_.data(), start_.data(),
+                     fit_.kappa_cap, fit_.kappa_cap_slope};
+    y.plane_x = planes_[0].data();
+    y.plane_y = planes_[1].data();
+    y.plane_z = planes_[2].data();
+    y.map_width = fit_.map_width;
+    y.level_width = fit_.width;
+    y.texel_count = fit_.width * fit_.height;
+    y.texel_side = fit_.sample_columns;
+    return milliseconds_of([&] { yardstick_result_ = fit_with_yardstick(y); });
+  }
+
+  const std::vector<MultumVmfLobe>& kernel_result() {
+    device_.read(result_buffer_, result_.data(), result_.size() * sizeof(MultumVmfLobe));
+    return result_;
+  }
+
+  // Mean |difference| of a r and a between the two programs: both did the same work.
+  double mean_difference() {
+    const std::vector<MultumVmfLobe>& found = kernel_result();
+    const std::size_t texels = found.size() / lobes_;
+    double sum = 0.0;
+    for (std::size_t j = 0; j < lobes_; ++j)
+      for (std::size_t i = 0; i < texels; ++i) {
+        const float* other = &yardstick_result_[(j * slots_ + i) * 4];
+        const MultumVmfLobe& lobe = found[j * texels + i];
+        sum += static_cast<double>(std::abs(lobe.amplitude - other[3]) +
+                                   std::abs(lobe.amplitude * lobe.mean_z - other[3] * other[2]));
+      }
+    return sum / static_cast<double>(2 * found.size());
+  }
+
+ private:
+  Device& device_;
+  const LevelSchedule& level_;
+  MultumMovmfFit fit_;
+  std::size_t lobes_, slots_ = 0;
+  int width_ = 1;
+  std::vector<std::vector<float>> planes_;
+  std::vector<float> samples_, start_, yardstick_result_;
+  std::vector<MultumVmfLobe> result_;
+  std::vector<DeviceBuffer> plane_buffers_;
+  DeviceBuffer list_buffer_, start_buffer_, sample_buffer_, partial_buffer_, result_buffer_;
+  Kernel texels_kernel_, partial_kernel_, mstep_kernel_;
+};
+
+struct Row {
+  int level;
+  double kernels_ms, yardstick_ms, ratio, ratio_low, ratio_high, difference;
+};
+
+Row run_level(LevelBench& bench, int level, int repetitions) {
+  bench.time_kernels();  // compiles, fills caches
+  bench.time_yardstick();
+  std::vector<double> ours, theirs, ratios;
+  for (int i = 0; i < repetitions; ++i) {
+    ours.push_back(bench.time_kernels());
+    theirs.push_back(bench.time_yardstick());
+    ratios.push_back(ours.back() / theirs.back());
+  }
+  std::sort(ratios.begin(), ratios.end());
+  return {level, median(ours), median(theirs), median(ratios), ratios[ratios.size() / 4], ratios[ratios.size() * 3 / 4],
+          bench.mean_difference()};
+}
+
+}  // namespace
+
+int run_em_benchmark(const EmBenchmarkOptions& options) {
+  omp_set_num_threads(options.threads);
+  Device device = Device::open("");
+  const NormalMap map = make_four_quarter_map(options.size, 7).normals;
+  MovmfSettings settings;
+  settings.lobe_count = options.lobes;
+  const MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
+  std::printf("EM of %d x %d, %d lobes, %d iterations, all levels; kernels on %s, yardstick in C++ on %d threads of %s\n",
+              options.size, options.size, options.lobes, options.iterations, device.info().name.c_str(), options.threads,
+              processor_name().c_str());
+  std::printf("level  kernels ms  yardstick ms   ratio (quartiles)      mean difference\n");
+  std::vector<MultumVmfLobe> parent(static_cast<std::size_t>(options.lobes));
+  for (int j = 0; j < options.lobes; ++j) {
+    const float phi = 6.2831853f * static_cast<float>(j) / static_cast<float>(options.lobes);
+    parent[static_cast<std::size_t>(j)] = {0.4f * std::cos(phi), 0.4f * std::sin(phi), 0.7f, 1.0f / static_cast<float>(options.lobes)};
+  }
+  std::vector<Row> rows;
+  ContentHash hash;
+  for (const LevelSchedule& level : schedule.levels) {
+    if (level.fit.parent_width == 0) continue;  // the coarsest has no parent: its start is another program
+    // Each level starts from the level above it as the kernels fitted it.
+    LevelBench bench(device, map, level, parent, options);
+    rows.push_back(run_level(bench, level.level, options.repetitions));
+    parent = bench.kernel_result();
+    hash.update(parent.data(), parent.size() * sizeof(MultumVmfLobe));
+    const Row& r = rows.back();
+    std::printf("%5d  %10.3f  %12.3f   %5.2f (%.2f .. %.2f)    %.1e\n", r.level, r.kernels_ms, r.yardstick_ms, r.ratio, r.ratio_low,
+                r.ratio_high, r.difference);
+  }
+  double ours = 0.0, theirs = 0.0;
+  for (const Row& row : rows) {
+    ours += row.kernels_ms;
+    theirs += row.yardstick_ms;
+  }
+  const double evaluations = static_cast<double>(options.size) * options.size * options.lobes * options.iterations *
+                             static_cast<double>(rows.size());
+  std::printf("  all  %10.3f  %12.3f   %5.2f of medians   %.2f G lobe evaluations/s; result hash %s\n", ours, theirs, ours / theirs,
+              evaluations / ours / 1e6, hash.finish().substr(0, 16).c_str());
+  if (!options.json.empty()) {
+    nlohmann::ordered_json json = {{"size", options.size}, {"lobes", options.lobes}, {"iterations", options.iterations},
+                                   {"device", device.info().name}, {"processor", processor_name()}, {"kernels_ms", ours},
+                                   {"yardstick_ms", theirs}, {"ratio", ours / theirs}};
+    for (const Row& r : rows)
+      json["levels"].push_back({{"level", r.level}, {"kernels_ms", r.kernels_ms}, {"yardstick_ms", r.yardstick_ms}, {"ratio", r.ratio}});
+    write_text_file(options.json, json.dump(2) + "\n");
+  }
+  return 0;
+}
+
+}  // namespace multum::bench

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view: reads a baked map and a mesh, renders them with runtime_gl, compares them with the truth and with what
+// users have today, and writes pictures and errors.
+#include <cstdio>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/image/colour_map.h"
+#include "host/mesh/mesh.h"
+#include "runtime_gl/render/contact_sheet.h"
+#include "runtime_gl/render/picture_error.h"
+#include "runtime_gl/render/renderer.h"
+#include "tools/multum_view/view_options.h"
+#include "tools/multum_view/write_image.h"
+
+namespace multum {
+namespace {
+
+constexpr float kPlaneSize = 60.0f;
+
+struct NamedPicture {
+  std::string name;
+  gl::Picture picture;
+};
+
+gl::MeshData to_mesh_data(const TriangleMesh& mesh) {
+  gl::MeshData data;
+  data.indices = mesh.indices;
+  data.vertices.reserve(mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    data.vertices.push_back({mesh.positions[i], mesh.normals[i], mesh.tangents[i], mesh.uvs[i]});
+  return data;
+}
+
+gl::MeshData make_mesh(ViewOptions& options) {
+  gl::Scene& scene = options.scene;
+  if (options.mesh.empty()) {
+    scene.uv_scale = options.repeat > 0.0f ? options.repeat : kPlaneSize;
+    return to_mesh_data(make_plane(kPlaneSize));
+  }
+  scene.uv_scale = options.repeat > 0.0f ? options.repeat : 1.0f;
+  const TriangleMesh mesh = read_mesh(options.mesh);
+  glm::vec3 low = mesh.positions[0];
+  glm::vec3 high = low;
+  for (const glm::vec3& p : mesh.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const gl::Camera frame = gl::frame_box(low, high);
+  if (!options.has_camera) scene.camera = frame;
+  scene.camera.near_distance = frame.near_distance;
+  scene.camera.far_distance = std::max(frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target));
+  return to_mesh_data(mesh);
+}
+
+gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipmap) {
+  if (options.source.empty()) return gl::finest_normals(mipmap);
+  const NormalMap map = read_normal_map(options.source, options.source_settings, 1, nullptr);
+  log_info(options.source + ": " + map.report.encoding);
+  if (map.width != mipmap.width() || map.height != mipmap.height())
+    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source,
+                                               map.width, map.height, options.input, mipmap.width(), mipmap.height()));
+  gl::NormalImage image{map.width, map.height, {}, {}, mipmap.wrap_s, mipmap.wrap_t};
+  for (std::size_t i = 0; i < map.x.size(); ++i) image.normals.emplace_back(map.x[i], map.y[i], map.z[i]);
+  if (options.albedo.empty()) return image;
+  const ColourMap colours = read_albedo_map(options.albedo, map.width, map.height, 1);
+  for (std::size_t i = 0; i < colours.r.size(); ++i)
+    image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
+  return image;
+}
+
+std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
+                                   const MovmfMipmap& mipmap) {
+  using gl::NormalMaterial;
+  gl::Renderer renderer(gl, options.width, options.height);
+  std::vector<NamedPicture> pictures;
+  const gl::MovmfMaterial baked(gl, mipmap, options.anisotropy);
+  pictures.push_back({"multum", renderer.draw_movmf(mesh, baked, options.scene, options.formula)});
+  if (options.compare.empty()) return pictures;
+  const gl::NormalImage source = read_source(options, mipmap);
+  const NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
+  for (const std::string& name : options.compare) {
+    if (name == "truth") {
+      const NormalMaterial finest(gl, source, NormalMaterial::Sampling::kNearest, 1.0f);
+      pictures.insert(pictures.begin(), {name, renderer.draw_truth(mesh, finest, options.scene, options.samples)});
+    } else {
+      const gl::Baseline baseline = name == "mip" ? gl::Baseline::kMip
+                                    : name == "toksvig" ? gl::Baseline::kToksvig : gl::Baseline::kLean;
+      pictures.push_back({name, renderer.draw_baseline(mesh, mipmapped, options.scene, baseline)});
+    }
+  }
+  return pictures;
+}
+
+/// First row: the pictures; second, where there is a truth: what each is off by, four times as bright.
+gl::FloatImage compose(const std::vector<NamedPicture>& pictures, bool has_truth, float exposure) {
+  constexpr float kDifferenceGain = 4.0f;
+  std::vector<std::vector<gl::SheetCell>> rows(has_truth ? 2 : 1);
+  for (const NamedPicture& one : pictures) {
+    rows[0].push_back({one.name, one.picture.image});
+    if (!has_truth) continue;
+    gl::FloatImage difference = gl::difference_image(one.picture.image, pictures[0].picture.image);
+    for (float& value : difference.rgba) value *= kDifferenceGain;
+    const double error = gl::picture_error(one.picture.image, pictures[0].picture.image).relative_l1;
+    const bool is_truth = &one == &pictures[0];
+    rows[1].push_back({is_truth ? "difference, 4 times" : fmt::format("{}: {:.1f} % off", one.name, 100.0 * error),
+                       std::move(difference)});
+  }
+  return gl::make_contact_sheet(rows, 1.0f / exposure);
+}
+
+nlohmann::json print_table(const std::vector<NamedPicture>& pictures, bool has_truth) {
+  nlohmann::json rows = nlohmann::json::array();
+  fmt::print("{:10} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms");
+  for (const NamedPicture& one : pictures) {
+    nlohmann::json row = {{"name", one.name}, {"frame_time_ms", one.picture.frame_time_ms}};
+    std::string l1 = "-";
+    std::string rmse = "-";
+    if (has_truth && one.name != "truth") {
+      const gl::PictureError error = gl::picture_error(one.picture.image, pictures[0].picture.image);
+      row["relative_l1"] = error.relative_l1;
+      row["rmse"] = error.rmse;
+      l1 = fmt::format("{:.2f} %", 100.0 * error.relative_l1);
+      rmse = fmt::format("{:.5f}", error.rmse);
+    }
+    fmt::print("{:10} {:>12} {:>10} {:>10.1f}\n", one.name, l1, rmse, one.picture.frame_time_ms);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+void write_report(const ViewOptions& options, const std::string& context, const nlohmann::json& pictures) {
+  const gl::Brdf& brdf = options.scene.brdf;
+  const bool is_phong = brdf.kind == gl::BrdfKind::kBlinnPhong;
+  const nlohmann::json report = {
+      {"software", std::string("multum-view ") + MULTUM_VERSION},
+      {"context", context},
+      {"width", options.width},
+      {"height", options.height},
+      {"truth_samples", options.samples},
+      {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
+      {"brdf", is_phong ? "blinn-phong" : "torrance-sparrow"},
+      {is_phong ? "exponent" : "sigma", is_phong ? brdf.exponent : brdf.sigma},
+      {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
+      {"anisotropy", options.anisotropy},
+      {"pictures", pictures}};
+  write_text_file(options.report, report.dump(2) + "\n");
+}
+
+int run(int argc, char** argv) {
+  int exit_code = 0;
+  std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
+  if (!options.has_value()) return exit_code;
+  const MovmfMipmap mipmap = read_movmf_mipmap(options->input);
+  const gl::MeshData mesh_data = make_mesh(*options);
+  const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
+  log_info(context->description());
+  const gl::Mesh mesh(context->functions(), mesh_data);
+  const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, mipmap);
+  const bool has_truth = pictures[0].name == "truth";
+  const nlohmann::json rows = print_table(pictures, has_truth);
+  write_picture(options->output,
+                pictures.size() == 1 ? pictures[0].picture.image : compose(pictures, has_truth, options->exposure),
+                options->exposure);
+  if (!options->report.empty()) write_report(*options, context->description(), rows);
+  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  return 0;
+}
+
+}  // namespace
+}  // namespace multum
+
+int main(int argc, char** argv) { return multum::run_guarded("multum-view", multum::run, argc, argv); }

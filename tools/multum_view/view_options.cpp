@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/view_options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "host/base/error.h"
+#include "tools/multum_view/write_image.h"
+
+namespace multum {
+namespace {
+
+/// The option values that need more than a type.
+struct RawOptions {
+  std::string camera;
+  std::vector<std::string> lights;
+  std::string brdf = "blinn-phong:100";
+  std::string diffuse = "0.5";
+  std::string specular = "0.1";
+  std::string size = "640x480";
+  std::string context = "auto";
+  std::string formula = "product";
+  std::string green;
+  std::string compare;
+};
+
+[[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
+  throw Error(ErrorCode::kUsage, option + " '" + found + "': expected " + expected);
+}
+
+std::vector<float> parse_numbers(const std::string& option, const std::string& text, const std::string& expected) {
+  std::vector<float> numbers;
+  for (const std::string& word : CLI::detail::split(text, ',')) {
+    float value = 0.0f;
+    if (!CLI::detail::lexical_cast(word, value) || !std::isfinite(value)) refuse(option, text, expected);
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
+glm::vec3 parse_colour(const std::string& option, const std::string& text) {
+  const char* const expected = "one or three numbers >= 0, as 0.5 or 0.8,0.2,0.1";
+  const std::vector<float> n = parse_numbers(option, text, expected);
+  if (n.size() != 1 && n.size() != 3) refuse(option, text, expected);
+  const glm::vec3 colour = n.size() == 1 ? glm::vec3(n[0]) : glm::vec3(n[0], n[1], n[2]);
+  if (colour.x < 0.0f || colour.y < 0.0f || colour.z < 0.0f) refuse(option, text, expected);
+  return colour;
+}
+
+gl::Light parse_light(const std::string& text) {
+  const char* const expected = "x,y,z towards the light, not all 0, then perhaps its irradiance: 0.3,0.8,0.5,3.14";
+  const std::vector<float> n = parse_numbers("--light", text, expected);
+  if (n.size() != 3 && n.size() != 4) refuse("--light", text, expected);
+  gl::Light light;
+  light.direction = {n[0], n[1], n[2]};
+  if (!(glm::length(light.direction) > 1e-12f)) refuse("--light", text, expected);
+  if (n.size() == 4) {
+    if (n[3] < 0.0f) refuse("--light", text, expected);
+    light.irradiance = glm::vec3(n[3]);
+  }
+  return light;
+}
+
+void parse_camera(const std::string& text, gl::Camera& camera) {
+  const char* const expected = "eye x,y,z, target x,y,z and perhaps the vertical field of view in degrees (1..170): "
+                               "0,0,0.3,0,1,0,40";
+  const std::vector<float> n = parse_numbers("--camera", text, expected);
+  if (n.size() != 6 && n.size() != 7) refuse("--camera", text, expected);
+  camera.eye = {n[0], n[1], n[2]};
+  camera.target = {n[3], n[4], n[5]};
+  if (n.size() == 7) camera.fov_y_degrees = n[6];
+  const glm::vec3 view = camera.target - camera.eye;
+  if (!(glm::length(view) > 1e-9f) || camera.fov_y_degrees < 1.0f || camera.fov_y_degrees > 170.0f)
+    refuse("--camera", text, expected);
+  // Looking straight up or down, another direction has to be up.
+  if (glm::length(glm::cross(view, camera.up)) < 1e-4f * glm::length(view)) camera.up = {0.0f, 1.0f, 0.0f};
+}
+
+void parse_brdf(const std::string& text, gl::Brdf& brdf) {
+  const char* const expected = "blinn-phong:S with S 1..100000, or torrance-sparrow:SIGMA with SIGMA 0.002..1 radians";
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) refuse("--brdf", text, expected);
+  const std::string name = text.substr(0, colon);
+  const std::vector<float> n = parse_numbers("--brdf", text.substr(colon + 1), expected);
+  if (name == "blinn-phong" && n.size() == 1 && n[0] >= 1.0f && n[0] <= 1e5f) {
+    brdf.kind = gl::BrdfKind::kBlinnPhong;
+    brdf.exponent = n[0];
+  } else if (name == "torrance-sparrow" && n.size() == 1 && n[0] >= 0.002f && n[0] <= 1.0f) {
+    brdf.kind = gl::BrdfKind::kTorranceSparrow;
+    brdf.sigma = n[0];
+  } else {
+    refuse("--brdf", text, expected);
+  }
+}
+
+void parse_size(const std::string& text, ViewOptions& options) {
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%n", &options.width, &options.height, &used) != 2 ||
+      static_cast<std::size_t>(used) != text.size() || options.width < 1 || options.height < 1)
+    refuse("--size", text, "WIDTHxHEIGHT in pixels, as 640x480");
+}
+
+void finish(const RawOptions& raw, ViewOptions& options) {
+  gl::Scene& scene = options.scene;
+  if (!raw.camera.empty()) parse_camera(raw.camera, scene.camera);
+  options.has_camera = !raw.camera.empty();
+  if (!raw.lights.empty()) scene.lights.clear();
+  if (raw.lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
+  for (const std::string& light : raw.lights) scene.lights.push_back(parse_light(light));
+  parse_brdf(raw.brdf, scene.brdf);
+  scene.brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
+  scene.brdf.specular = parse_colour("--specular", raw.specular);
+  parse_size(raw.size, options);
+  options.context = gl::parse_context_backend(raw.context).value();
+  options.formula = raw.formula == "paper" ? gl::LobeFormula::kPaper : gl::LobeFormula::kProduct;
+  if (!raw.green.empty()) options.source_settings.green = raw.green == "up" ? GreenAxis::kUp : GreenAxis::kDown;
+  if (!raw.compare.empty()) options.compare = CLI::detail::split(raw.compare, ',');
+  for (const std::string& name : options.compare)
+    if (name != "truth" && name != "mip" && name != "toksvig" && name != "lean")
+      refuse("--compare", raw.compare, "a list of truth, mip, toksvig, lean");
+  if (!options.albedo.empty() && options.source.empty())
+    throw Error(ErrorCode::kUsage, "--albedo goes with --source: both describe the map that the file was baked from");
+  if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind == gl::BrdfKind::kTorranceSparrow)
+    throw Error(ErrorCode::kUsage, "--formula paper is Blinn-Phong's; use it with --brdf blinn-phong:S");
+  check_picture_path(options.output);
+}
+
+void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
+  app.add_option("file", o.input, "baked map, *.ndf.exr")->required();
+  app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)")->required();
+  app.add_option("--compare", raw.compare,
+                 "also draw these beside it, of truth,mip,toksvig,lean; with truth: errors too");
+  app.add_option("--source", o.source, "normal map that the file was baked from, for the truth and the baselines "
+                                       "(default: level 0 of the file)");
+  app.add_option("--albedo", o.albedo, "the source's colours");
+  app.add_option("--green", raw.green, "the source's green axis (default: found)")
+      ->check(CLI::IsMember({"up", "down"}));
+  app.add_option("--height-scale", o.source_settings.height_scale, "of a source that is a height field")
+      ->capture_default_str();
+  app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane that runs to the horizon)");
+  app.add_option("--repeat", o.repeat, "how often the map repeats across the plane or uv unit (default: 60, mesh 1)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--camera", raw.camera, "eye and target: x,y,z,x,y,z[,field of view in degrees]");
+  app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
+  app.add_option("--brdf", raw.brdf, "blinn-phong:S or torrance-sparrow:SIGMA")->capture_default_str();
+  app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b")->capture_default_str();
+  app.add_option("--specular", raw.specular, "specular factor, grey or r,g,b")->capture_default_str();
+  app.add_option("--formula", raw.formula, "lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)")
+      ->check(CLI::IsMember({"product", "paper"}))->capture_default_str();
+  app.add_option("--size", raw.size, "of each picture, pixels")->capture_default_str();
+  app.add_option("--samples", o.samples, "a pixel of the truth")->check(CLI::Range(1, 65536))->capture_default_str();
+  app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")->check(CLI::Range(1.0f, 16.0f))
+      ->capture_default_str();
+  app.add_option("--exposure", o.exposure, "brightness of a PNG")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--context", raw.context, "auto, osmesa (software) or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))->capture_default_str();
+  app.add_option("--report", o.report, "write errors, times and settings as JSON");
+}
+
+}  // namespace
+
+std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_code) {
+  ViewOptions options;
+  RawOptions raw;
+  CLI::App app(
+      "multum-view renders a baked map without a window, in software or on a GPU.\n\n"
+      "  multum-view bricks.ndf.exr -o frame.png\n"
+      "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean -o sheet.png\n"
+      "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n\n"
+      "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.",
+      "multum-view");
+  app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
+  add_options(app, options, raw);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    *exit_code = code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
+    return std::nullopt;
+  }
+  finish(raw, options);
+  return options;
+}
+
+}  // namespace multum

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of multum-view.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/image/normal_map.h"
+#include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/render/scene.h"
+
+namespace multum {
+
+struct ViewOptions {
+  std::string input;                  // *.ndf.exr
+  std::string output;                 // *.png, *.exr
+  std::string source;                 // normal map that the file was baked from; empty: level 0 of the file
+  std::string albedo;                 // its colours; used by the truth and the baselines
+  NormalMapSettings source_settings;  // how to read `source`
+  std::string mesh;                   // empty: the plane
+  std::string report;                 // JSON; empty: none
+  gl::ContextBackend context = gl::ContextBackend::kAuto;
+  gl::Scene scene;
+  bool has_camera = false;
+  gl::LobeFormula formula = gl::LobeFormula::kProduct;
+  std::vector<std::string> compare;   // of truth, mip, toksvig, lean
+  int width = 640;
+  int height = 480;
+  int samples = 256;                  // a pixel of the truth
+  float repeat = 0.0f;                // 0: 60 across the plane, 1 on a mesh
+  float anisotropy = 1.0f;
+  float exposure = 1.0f;              // PNG only
+};
+
+/// Unset when the program is done already (--help); `exit_code` then says how. Throws Error(kUsage) for a bad value.
+std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_code);
+
+}  // namespace multum

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/write_image.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/image/colour_map.h"
+
+namespace multum {
+namespace {
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+std::vector<std::uint8_t> encode_srgb(const gl::FloatImage& image, float exposure) {
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(image.rgba.size() / 4 * 3);
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) {
+    if (i % 4 == 3) continue;
+    const double linear = static_cast<double>(exposure * image.rgba[i]);
+    rgb.push_back(static_cast<std::uint8_t>(std::lround(255.0 * srgb_from_linear(std::clamp(linear, 0.0, 1.0)))));
+  }
+  return rgb;
+}
+
+void write(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+  AtomicFile file(path);
+  const auto output = OIIO::ImageOutput::create(file.temporary_path());
+  const bool done = output != nullptr && output->open(file.temporary_path(), spec) &&
+                    output->write_image(type, pixels) && output->close();
+  if (!done)
+    throw Error(ErrorCode::kEnvironment,
+                path + ": cannot be written: " + (output != nullptr ? output->geterror() : OIIO::geterror()));
+  file.commit();
+}
+
+}  // namespace
+
+void check_picture_path(const std::string& path) {
+  if (!ends_with(path, ".png") && !ends_with(path, ".exr"))
+    throw Error(ErrorCode::kUsage, path + ": pictures are written as .png or .exr");
+}
+
+void write_picture(const std::string& path, const gl::FloatImage& image, float exposure) {
+  check_picture_path(path);
+  if (ends_with(path, ".png")) {
+    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    write(path, spec, OIIO::TypeDesc::UINT8, encode_srgb(image, exposure).data());
+  } else {
+    OIIO::ImageSpec spec(image.width, image.height, 4, OIIO::TypeDesc::FLOAT);
+    spec.attribute("compression", "zip");
+    write(path, spec, OIIO::TypeDesc::FLOAT, image.rgba.data());
+  }
+}
+
+}  // namespace multum
