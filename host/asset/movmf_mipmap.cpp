@@ -339,6 +339,8 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
   return all.finish();
 }
 
+void validate(const MovmfWriteOptions& options) { parse_compression(options.compression); }
+
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options) {
   MULTUM_CHECK(mipmap.lobe_count() >= 1 && mipmap.lobe_count() <= kLobeCountMax);
   MULTUM_CHECK(static_cast<int>(mipmap.levels.size()) == mip_level_count(mipmap.width(), mipmap.height()));

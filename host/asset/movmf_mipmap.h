@@ -72,6 +72,9 @@ struct MovmfWriteOptions {
   int threads = 2;
 };
 
+/// Throws Error(kUsage) for an unknown compression: before a bake, not after it.
+void validate(const MovmfWriteOptions& options);
+
 /// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's levels, lobes before colours, part by part,
 /// finest level first; a level's digest covers its rows as little-endian 32-bit floats in channel order
 /// (docs/FORMAT.md).

@@ -56,6 +56,21 @@ std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
   return json.dump();
 }
 
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;  // of a file that does not exist
+  return std::filesystem::equivalent(a, b, ignored) || std::filesystem::path(a).lexically_normal() ==
+                                                           std::filesystem::path(b).lexically_normal();
+}
+
+// A result that takes the place of a source, or of another result, would lose it without a word.
+void check_paths_differ(const BakeJob& job) {
+  const std::string* names[] = {&job.input, &job.albedo, &job.output, &job.report};
+  for (const std::string* result : {&job.output, &job.report})
+    for (const std::string* other : names)
+      if (other != result && !result->empty() && !other->empty() && same_file(*result, *other))
+        throw Error(ErrorCode::kUsage, *result + ": is named twice, expected different files to read and to write");
+}
+
 // Fails early, before minutes of work, when the output could not be written.
 void check_writable(const std::string& path) { AtomicFile probe(path); }
 
@@ -63,6 +78,8 @@ void check_writable(const std::string& path) { AtomicFile probe(path); }
 
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   validate(job.fitting);
+  validate(job.writing);
+  check_paths_differ(job);
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
   BakeReport report;

@@ -86,6 +86,8 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
       ->capture_default_str();
   bake.add_option("--report", o.job.report, "write times, counts and errors as JSON");
   bake.add_option("--device", o.device, "OpenCL device: a number of `multum devices` or part of a name");
+  bake.add_flag("--scalar", o.job.fitting.force_scalar,
+                "run the kernels' scalar variant, as GPUs do: same bytes, slower on CPUs");
   bake.add_flag("--no-measure", o.no_measure, "skip measuring the error of what is written");
   bake.add_flag("--runstats", o.run_stats, "print times, launches and numerical events");
 }

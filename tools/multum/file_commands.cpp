@@ -99,9 +99,13 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* testmap = app.add_subcommand("testmap", "make the four-quarter test map: scales, rings, grooves, noise");
   testmap->add_option("prefix", options->prefix, "writes PREFIX_normal.png and PREFIX_albedo.png")->required();
-  testmap->add_option("--size", options->size, "texels a side, even, at least 16")->capture_default_str();
+  testmap->add_option("--size", options->size, "texels a side, even, 16 to 32768")
+      ->check(CLI::Range(16, 32768))
+      ->capture_default_str();
   testmap->add_option("--seed", options->seed, "of the noise quarter")->capture_default_str();
   testmap->callback([options, exit_code] {
+    if (options->size % 2 != 0)
+      throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));
     write_four_quarter_map(make_four_quarter_map(options->size, options->seed), options->prefix);
     std::printf("%s_normal.png, %s_albedo.png: written\n", options->prefix.c_str(), options->prefix.c_str());
     *exit_code = 0;
