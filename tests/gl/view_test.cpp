@@ -53,6 +53,15 @@ TEST_F(ViewTest, WritesPictureAndReport) {
   EXPECT_GT(report["pictures"][1]["relative_l1"].get<double>(), 0.0);
 }
 
+TEST_F(ViewTest, WritesEachPictureByItself) {
+  const ChildResult result = view({"-o", path("out.png"), "--compare", "truth,mip", "--size", "32x24", "--samples", "4",
+                                   "--pictures", path("one"), "--context", "osmesa"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const char* name : {"truth", "multum", "multum_difference", "mip", "mip_difference"})
+    EXPECT_TRUE(fs::exists(path(std::string("one_") + name + ".png"))) << name;
+  EXPECT_FALSE(fs::exists(path("one_truth_difference.png")));
+}
+
 TEST_F(ViewTest, WritesFloatsToExr) {
   const ChildResult result = view({"-o", path("out.exr"), "--size", "32x24", "--context", "osmesa"});
   ASSERT_EQ(result.exit_code, 0) << result.output;

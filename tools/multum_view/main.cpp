@@ -95,21 +95,39 @@ std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunct
   return pictures;
 }
 
-/// First row: the pictures; second, where there is a truth: what each is off by, four times as bright.
-gl::FloatImage compose(const std::vector<NamedPicture>& pictures, bool has_truth, float exposure) {
+/// |picture - truth|, four times as bright.
+gl::FloatImage bright_difference(const gl::FloatImage& picture, const gl::FloatImage& truth) {
   constexpr float kDifferenceGain = 4.0f;
+  gl::FloatImage difference = gl::difference_image(picture, truth);
+  for (float& value : difference.rgba) value *= kDifferenceGain;
+  return difference;
+}
+
+/// First row: the pictures; second, where there is a truth: what each is off by.
+gl::FloatImage compose(const std::vector<NamedPicture>& pictures, bool has_truth, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_truth ? 2 : 1);
   for (const NamedPicture& one : pictures) {
     rows[0].push_back({one.name, one.picture.image});
     if (!has_truth) continue;
-    gl::FloatImage difference = gl::difference_image(one.picture.image, pictures[0].picture.image);
-    for (float& value : difference.rgba) value *= kDifferenceGain;
+    gl::FloatImage difference = bright_difference(one.picture.image, pictures[0].picture.image);
     const double error = gl::picture_error(one.picture.image, pictures[0].picture.image).relative_l1;
     const bool is_truth = &one == &pictures[0];
     rows[1].push_back({is_truth ? "difference, 4 times" : fmt::format("{}: {:.1f} % off", one.name, 100.0 * error),
                        std::move(difference)});
   }
   return gl::make_contact_sheet(rows, 1.0f / exposure);
+}
+
+/// Every picture, and what it is off by, in a file of its own.
+void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>& pictures, bool has_truth) {
+  const std::string extension = options.output.substr(options.output.rfind('.'));
+  for (const NamedPicture& one : pictures) {
+    const std::string path = options.pictures + "_" + one.name;
+    write_picture(path + extension, one.picture.image, options.exposure);
+    if (has_truth && one.name != "truth")
+      write_picture(path + "_difference" + extension,
+                    bright_difference(one.picture.image, pictures[0].picture.image), options.exposure);
+  }
 }
 
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures, bool has_truth) {
@@ -165,6 +183,7 @@ int run(int argc, char** argv) {
   write_picture(options->output,
                 pictures.size() == 1 ? pictures[0].picture.image : compose(pictures, has_truth, options->exposure),
                 options->exposure);
+  if (!options->pictures.empty()) write_pictures(*options, pictures, has_truth);
   if (!options->report.empty()) write_report(*options, context->description(), rows);
   if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return 0;

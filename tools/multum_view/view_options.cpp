@@ -129,6 +129,8 @@ void finish(const RawOptions& raw, ViewOptions& options) {
 void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("file", o.input, "baked map, *.ndf.exr")->required();
   app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)")->required();
+  app.add_option("--pictures", o.pictures, "also write each picture by itself: PREFIX_multum.png, PREFIX_truth.png, "
+                                           "PREFIX_multum_difference.png, ...");
   app.add_option("--compare", raw.compare,
                  "also draw these beside it, of truth,mip,toksvig,lean; with truth: errors too");
   app.add_option("--source", o.source, "normal map that the file was baked from, for the truth and the baselines "

@@ -15,6 +15,7 @@ namespace multum {
 struct ViewOptions {
   std::string input;                  // *.ndf.exr
   std::string output;                 // *.png, *.exr
+  std::string pictures;               // PREFIX of a file for each picture; empty: none
   std::string source;                 // normal map that the file was baked from; empty: level 0 of the file
   std::string albedo;                 // its colours; used by the truth and the baselines
   NormalMapSettings source_settings;  // how to read `source`

@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the Jacksboro fault terrain as a 16-bit grey PNG, a height field that `multum bake` reads.
+
+The heights, int16 metres on a grid of 3 arc seconds, come with Debian's python-matplotlib-data as an .npz file: a ZIP
+of .npy arrays. Both that and PNG are simple enough for the standard library. Prints the --height-scale that goes with
+the picture: how many texels high a value difference of 1 is, times the exaggeration asked for.
+
+  tools/terrain_height.py OUT.png [--exaggeration 4] [--input jacksboro_fault_dem.npz]
+"""
+import argparse
+import ast
+import math
+import pathlib
+import struct
+import sys
+import zipfile
+import zlib
+
+DEFAULT_INPUT = "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz"
+METRES_PER_DEGREE = 111320.0  # of latitude; a degree of longitude is this times the latitude's cosine
+
+
+def read_npy(data):
+    """The array of an .npy file (https://numpy.org/neps/nep-0001-npy-format.html): (shape, flat tuple of numbers)."""
+    if data[:6] != b"\x93NUMPY":
+        raise ValueError("no .npy header")
+    length_format, start = ("<H", 10) if data[6] == 1 else ("<I", 12)
+    (header_length,) = struct.unpack_from(length_format, data, 8)
+    header = ast.literal_eval(data[start:start + header_length].decode("latin1"))
+    if header["fortran_order"]:
+        raise ValueError("columns first; expected rows first")
+    order, letter = header["descr"][0], {"i2": "h", "i4": "i", "i8": "q", "f4": "f", "f8": "d"}[header["descr"][1:]]
+    count = math.prod(header["shape"])
+    return header["shape"], struct.unpack_from(f"{'>' if order == '>' else '<'}{count}{letter}", data,
+                                               start + header_length)
+
+
+def read_terrain(path):
+    """Rows of heights in metres, northernmost first, and the grid's spacing in metres: the mean of both axes."""
+    with zipfile.ZipFile(path) as archive:
+        arrays = {name.removesuffix(".npy"): read_npy(archive.read(name)) for name in archive.namelist()}
+    (height, width), values = arrays["elevation"]
+    one = {name: arrays[name][1][0] for name in ("ymin", "ymax", "dx", "dy")}
+    latitude = math.radians((one["ymin"] + one["ymax"]) / 2)
+    spacing = METRES_PER_DEGREE * (abs(one["dy"]) + abs(one["dx"]) * math.cos(latitude)) / 2
+    return [values[y * width:(y + 1) * width] for y in range(height)], spacing
+
+
+def encode_png16(rows):
+    """Rows of 0..65535 as a grey PNG. Filter 2 (difference to the row above) shortens smooth heights by half."""
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    lines, above = [], bytes(2 * len(rows[0]))
+    for row in rows:
+        line = struct.pack(f">{len(row)}H", *row)
+        lines.append(b"\x02" + bytes((a - b) & 255 for a, b in zip(line, above)))
+        above = line
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 16, 0, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"".join(lines), 9)) +
+            chunk(b"IEND", b""))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("output")
+    parser.add_argument("--input", default=DEFAULT_INPUT)
+    parser.add_argument("--exaggeration", type=float, default=4.0)
+    arguments = parser.parse_args()
+    try:
+        rows, spacing = read_terrain(arguments.input)
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+        sys.exit(f"{arguments.input}: {error}; expected the terrain of Debian's python-matplotlib-data")
+    low, high = min(map(min, rows)), max(map(max, rows))
+    steps = 65535 // (high - low)  # whole steps a metre: nothing is rounded
+    pathlib.Path(arguments.output).write_bytes(encode_png16([[(h - low) * steps for h in row] for row in rows]))
+    print(f"{65535 / steps / spacing * arguments.exaggeration:.2f}")
+
+
+if __name__ == "__main__":
+    main()
