@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Per-lobe colours (any linear material feature): a_j y_j = sum_i z_ij y_i / N, with the responsibilities of the very
 // E-step that gave the stored amplitudes, so that the sum over lobes is the texel's mean colour exactly
-// (Han et al. 2007, section 7.3; METHODS 3).
+// (Han et al. 2007, section 7.3).
 
 #include "device/texel_coverage.clh"
 #include "device/vmf.clh"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The finest level: one normal a texel, given whole to the parent's lobe that lies nearest: exact, and aligned with the
-// parent for trilinear filtering (Han et al. 2007, section 7.2; METHODS 3 leaves hard or soft to measurement: midway
+// parent for trilinear filtering (Han et al. 2007, section 7.2; hard or soft was left to measurement: midway
 // between texels hard is better by a fifth, and three of four lobes are zeros that compress to nothing).
 
 #include "device/numerics.clh"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered lobes by the runtime's formula, so that a bake can measure the error of what it wrote (METHODS 1: the
-// convolution alone, without n . l).
+// Shades filtered lobes by the runtime's formula, so that a bake can measure the error of what it wrote: the
+// convolution alone, without n . l.
 
 #include "device/vmf_shading.clh"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Before a launch of EM: where each texel's lobes start, what its neighbours say, and its normals side by side.
-// Alignment after Han et al. 2007, section 7.2, in the order of METHODS 3a/3b.
+// Alignment after Han et al. 2007, section 7.2, in the order of docs/ALGORITHMS.md, "Order".
 
 #include "device/texel_coverage.clh"
 #include "device/vmf.clh"

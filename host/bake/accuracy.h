@@ -2,7 +2,7 @@
 // How far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers, in double.
 // Model: the stored, rounded lobes, filtered linearly and shaded by the runtime's formula (kernels/movmf_shade.cl).
 // Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set of lights and views, of the
-// BRDF's convolution alone, f without n . l (METHODS 1).
+// BRDF's convolution alone, f without n . l (docs/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ struct AccuracySettings {
   int threads = 2;
 };
 
-/// The lights and half vectors of every figure: 4 lights, 12 half vectors (METHODS and docs/ACCURACY.md name them).
+/// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/ACCURACY.md names them).
 struct AccuracyDirections {
   std::vector<glm::dvec3> lights;
   std::vector<glm::dvec3> half_vectors;

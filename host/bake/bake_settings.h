@@ -23,7 +23,7 @@ struct MovmfSettings {
   // normals' own spread, whatever the cap).
   float kappa_cap = 500.0f;        // 1..1e5
   float kappa_cap_slope = 10.0f;   // 0..1000
-  float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1 (METHODS 3b)
+  float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1
   float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
   bool force_scalar = false;       // run the kernels' scalar variant on any device
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // In which order the texels of a pyramid are fitted: levels from the coarsest to the finest, and each level in steps
-// whose texels are independent of one another (METHODS 3a). A step is one launch of the EM kernels.
+// whose texels are independent of one another (docs/ALGORITHMS.md, "Order"). A step is one launch of the EM kernels.
 #pragma once
 
 #include <cstdint>

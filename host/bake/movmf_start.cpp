@@ -46,7 +46,7 @@ struct Fit {
   double log_likelihood = -HUGE_VAL;
 };
 
-// kappa of a mean length: Banerjee's start and two Newton steps (METHODS 3).
+// kappa of a mean length: Banerjee's start and two Newton steps.
 double kappa_of(double r, double kappa_max) {
   r = std::min(r, 1.0 - 1e-9);
   if (r > 0.9) return std::min(1.0 / (1.0 - r), kappa_max);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The only place where OpenCL compiler options come from. Nothing here relaxes mathematics: -cl-fast-relaxed-math and
-// -cl-finite-math-only delete the kernels' guards on PoCL and gain nothing (docs/STABILITY.md).
+// -cl-finite-math-only delete the kernels' guards on PoCL and gain nothing.
 #pragma once
 
 #include <string>

@@ -7,7 +7,7 @@
 #define MULTUM_GROUP 16
 
 // Values of MovmfFit::order: which same-level neighbours are done when a texel is fitted.
-#define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1): METHODS 3b
+#define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1)
 #define MULTUM_ORDER_AGAIN 2     // a further sweep: every neighbour is done, the texel's own lobes are the start
 #define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, from left to right: Han et al. 2007, section 7
 

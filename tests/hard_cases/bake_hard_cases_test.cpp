@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hard cases of METHODS that concern fitting (its last section), each a whole bake: finite, conserved, and right
+// The hard cases that concern fitting, each a whole bake: finite, conserved, and right
 // where the right answer is known in closed form.
 #include <gtest/gtest.h>
 
