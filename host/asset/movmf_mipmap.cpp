@@ -35,7 +35,7 @@ constexpr char kRepresentation[] = "movmf";
 constexpr int kSideMax = 1 << 20;
 
 std::string lobe_channel(int lobe, const char* channel) { return fmt::format("lobe{}.vMF.{}", lobe, channel); }
-std::string colour_channel(int lobe, const char* channel) { return fmt::format("colour{}.{}", lobe, channel); }
+std::string colour_channel(int lobe, const char* channel) { return fmt::format("colour{}.albedo.{}", lobe, channel); }
 
 struct CompressionChoice {
   Imf::Compression compression;
