@@ -157,7 +157,7 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
          fmt::format(
              "\nThe same with another seed of the noise quarter: how far the figures are a matter of luck. Level "
              "7 is only {0} x {0} texels.\n\n",
-             options.size >> 7) +
+             std::max(options.size >> 7, 1)) +
          seeds +
          "\nWith its colours (lobe colours against the colour of every normal), levels 3 / 5 / 7, texel centres:\n\n" +
          colours + tables;

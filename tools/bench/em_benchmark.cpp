@@ -111,9 +111,14 @@ class LevelBench {
   }
 
   double time_yardstick() {
-    YardstickLevel y{static_cast<int>(lobes_), fit_.iteration_count, static_cast<int>(slots_ / MULTUM_GROUP),
-                     fit_.sample_columns * fit_.sample_rows, level_.chunked ? nullptr : samples_.data(), start_.data(),
-                     fit_.kappa_cap, fit_.kappa_cap_slope};
+    YardstickLevel y{static_cast<int>(lobes_),
+                     fit_.iteration_count,
+                     static_cast<int>(slots_ / MULTUM_GROUP),
+                     fit_.sample_columns * fit_.sample_rows,
+                     level_.chunked ? nullptr : samples_.data(),
+                     start_.data(),
+                     fit_.kappa_cap,
+                     fit_.kappa_cap_slope};
     y.plane_x = planes_[0].data();
     y.plane_y = planes_[1].data();
     y.plane_z = planes_[2].data();
@@ -173,7 +178,12 @@ Row run_level(LevelBench& bench, int level, int repetitions) {
     ratios.push_back(ours.back() / theirs.back());
   }
   std::sort(ratios.begin(), ratios.end());
-  return {level, median(ours), median(theirs), median(ratios), ratios[ratios.size() / 4], ratios[ratios.size() * 3 / 4],
+  return {level,
+          median(ours),
+          median(theirs),
+          median(ratios),
+          ratios[ratios.size() / 4],
+          ratios[ratios.size() * 3 / 4],
           bench.mean_difference()};
 }
 
@@ -225,8 +235,12 @@ int run_em_benchmark(const EmBenchmarkOptions& options) {
         {"device", device.info().name}, {"processor", processor_name()}, {"kernels_ms", ours},
         {"yardstick_ms", theirs},       {"ratio", ours / theirs}};
     for (const Row& r : rows)
-      json["levels"].push_back(
-          {{"level", r.level}, {"kernels_ms", r.kernels_ms}, {"yardstick_ms", r.yardstick_ms}, {"ratio", r.ratio}});
+      json["levels"].push_back({{"level", r.level},
+                                {"kernels_ms", r.kernels_ms},
+                                {"yardstick_ms", r.yardstick_ms},
+                                {"ratio", r.ratio},
+                                {"ratio_quartiles", {r.ratio_low, r.ratio_high}},
+                                {"mean_difference", r.difference}});
     write_text_file(options.json, json.dump(2) + "\n");
   }
   return 0;

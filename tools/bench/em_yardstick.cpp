@@ -193,7 +193,8 @@ void fit_group(const YardstickLevel& level, int group, float* out) {
                                  lobes.z[j], inverse_count);
     for (int lane = 0; lane < 16; ++lane) {
       float* to = out + (static_cast<std::size_t>(j) * static_cast<std::size_t>(level.group_count * 16) +
-                         static_cast<std::size_t>(group * 16 + lane)) * 4;
+                         static_cast<std::size_t>(group * 16 + lane)) *
+                            4;
       const float length = 1.0f - m.spread[lane];
       to[0] = m.x[lane] * length;
       to[1] = m.y[lane] * length;
@@ -249,7 +250,8 @@ void fit_texel(const YardstickLevel& level, int texel, float* out) {
                                  lobes.z[j], inverse_count);
     const float length = 1.0f - m.spread[0];
     float* to = out + (static_cast<std::size_t>(j) * static_cast<std::size_t>(level.group_count * 16) +
-                       static_cast<std::size_t>(texel)) * 4;
+                       static_cast<std::size_t>(texel)) *
+                          4;
     to[0] = m.x[0] * length;
     to[1] = m.y[0] * length;
     to[2] = m.z[0] * length;
@@ -273,10 +275,14 @@ std::vector<float> fit(const YardstickLevel& level) {
 
 std::vector<float> fit_with_yardstick(const YardstickLevel& level) {
   switch (level.lobe_count) {
-    case 4: return fit<4>(level);
-    case 6: return fit<6>(level);
-    case 8: return fit<8>(level);
-    default: return fit<1>(level);
+    case 4:
+      return fit<4>(level);
+    case 6:
+      return fit<6>(level);
+    case 8:
+      return fit<8>(level);
+    default:
+      return fit<1>(level);
   }
 }
 

@@ -15,7 +15,8 @@ int run(int argc, char** argv) {
   multum::bench::EmBenchmarkOptions em;
   CLI::App* em_command = app.add_subcommand("em", "EM kernels against a plain C++ SIMD yardstick");
   em_command->add_option("--size", em.size, "side of the map, a power of two")
-      ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048, 4096}))->capture_default_str();
+      ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048, 4096}))
+      ->capture_default_str();
   em_command->add_option("--lobes", em.lobes, "lobes a texel")->check(CLI::IsMember({4, 6, 8}))->capture_default_str();
   em_command->add_option("--iterations", em.iterations)->check(CLI::Range(1, 100))->capture_default_str();
   em_command->add_option("--repetitions", em.repetitions, "pairs of runs a level")
