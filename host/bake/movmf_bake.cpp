@@ -180,6 +180,9 @@ class MovmfBaker {
                                   start_buffer_, list_buffer_, partial_buffer_, fit);
         mstep_kernel_.launch({used * lobe_count()}, partial_buffer_, start_buffer_, list_buffer_, lobes, fit,
                              i);
+        // An iteration reads every normal of its texels, seconds on the largest maps: a chance to cancel after each.
+        device_.finish();
+        progress_advance(progress_, 0);
       }
     } else {
       const std::size_t groups = slots / MULTUM_GROUP;
