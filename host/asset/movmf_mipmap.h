@@ -82,8 +82,8 @@ void validate(const MovmfWriteOptions& options);
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 
 /// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Throws Error(kEnvironment) when
-/// the disk refuses, Error(kUsage) for an unknown compression. Progress: counts no units, cancels at rows of tiles, until
-/// the file gets its name.
+/// the disk refuses, Error(kUsage) for an unknown compression. Progress: counts no units; cancels at rows of
+/// tiles until the file gets its name.
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options,
                         Progress* progress = nullptr);
 

@@ -86,7 +86,8 @@ void check_writable(const std::string& path) {
 // Programs choose a reader by the extension: a baked file named .png would be taken for a broken picture.
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
-    throw Error(ErrorCode::kUsage, path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
+    throw Error(ErrorCode::kUsage,
+                path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
 }
 
 }  // namespace
