@@ -41,6 +41,17 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 6) << verify.out;
 }
 
+TEST_F(BakeCommandTest, VerifyAcceptsEveryStorage) {
+  make_map("map", 256);
+  for (const char* storage : {"snorm16", "half", "float"}) {
+    const ProgramResult bake = multum({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
+                                       path("map.ndf.exr"), "--data-format", storage, "--no-measure", "--quiet"});
+    ASSERT_EQ(bake.exit_code, 0) << bake.err;
+    const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
+    EXPECT_EQ(verify.exit_code, 0) << storage << "\n" << verify.out << verify.err;
+  }
+}
+
 TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   make_map("map", 64);
   const ProgramResult bake = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--report",
