@@ -152,7 +152,8 @@ std::size_t value_count(const MovmfLevel& level, const PartLayout& part) {
   return static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height) * part.channels.size();
 }
 
-void write_part(Imf::MultiPartOutputFile& file, int part_index, const PartLayout& part, const MovmfMipmap& mipmap) {
+void write_part(Imf::MultiPartOutputFile& file, int part_index, const PartLayout& part, const MovmfMipmap& mipmap,
+                Progress* progress) {
   Imf::TiledOutputPart out(file, part_index);
   const Imf::PixelType type = pixel_type(mipmap.encoding, part.colour);
   std::vector<half> halfs;
@@ -166,7 +167,10 @@ void write_part(Imf::MultiPartOutputFile& file, int part_index, const PartLayout
     } else {
       out.setFrameBuffer(frame_buffer(part, values, level.width, type));
     }
-    out.writeTiles(0, out.numXTiles(l) - 1, 0, out.numYTiles(l) - 1, l);
+    for (int tile_row = 0; tile_row < out.numYTiles(l); ++tile_row) {
+      progress_advance(progress, 0);  // a chance to cancel
+      out.writeTiles(0, out.numXTiles(l) - 1, tile_row, tile_row, l);
+    }
   }
 }
 
@@ -341,7 +345,8 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
 
 void validate(const MovmfWriteOptions& options) { parse_compression(options.compression); }
 
-void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options) {
+void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options,
+                        Progress* progress) {
   MULTUM_CHECK(mipmap.lobe_count() >= 1 && mipmap.lobe_count() <= kLobeCountMax);
   MULTUM_CHECK(static_cast<int>(mipmap.levels.size()) == mip_level_count(mipmap.width(), mipmap.height()));
   const std::vector<PartLayout> parts = part_layouts(mipmap.lobe_count(), mipmap.has_colours());
@@ -352,12 +357,15 @@ void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, cons
   AtomicFile file(path);
   try {
     Imf::MultiPartOutputFile out(file.temporary_path().c_str(), headers.data(), static_cast<int>(headers.size()));
-    for (std::size_t i = 0; i < parts.size(); ++i) write_part(out, static_cast<int>(i), parts[i], mipmap);
+    for (std::size_t i = 0; i < parts.size(); ++i) write_part(out, static_cast<int>(i), parts[i], mipmap, progress);
   } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const Cancelled&) {
     throw;
   } catch (const std::exception& error) {
     throw Error(ErrorCode::kEnvironment, path + ": writing failed: " + error.what());
   }
+  progress_advance(progress, 0);  // the last chance
   file.commit();
 }
 

@@ -15,6 +15,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "host/base/progress.h"
 #include "host/base/wrap_mode.h"
 
 namespace multum {
@@ -81,8 +82,10 @@ void validate(const MovmfWriteOptions& options);
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 
 /// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Throws Error(kEnvironment) when
-/// the disk refuses, Error(kUsage) for an unknown compression.
-void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options);
+/// the disk refuses, Error(kUsage) for an unknown compression. Progress: counts no units; cancels at rows of
+/// tiles until the file gets its name.
+void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options,
+                        Progress* progress = nullptr);
 
 /// Reads a file of write_movmf_mipmap(). Throws Error(kInput) naming the file, what was found and what was expected.
 MovmfMipmap read_movmf_mipmap(const std::string& path);

@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -71,8 +74,21 @@ void check_paths_differ(const BakeJob& job) {
         throw Error(ErrorCode::kUsage, *result + ": is named twice, expected different files to read and to write");
 }
 
-// Fails early, before minutes of work, when the output could not be written.
-void check_writable(const std::string& path) { AtomicFile probe(path); }
+// Fails early, before minutes of work, when the output could not be written. Permissions do not tell everything (a
+// read-only disk, root): a file is created, and goes away with the probe.
+void check_writable(const std::string& path) {
+  const AtomicFile probe(path);
+  if (!std::ofstream(probe.temporary_path()))
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}: no file can be created in its folder: {}", path, std::strerror(errno)));
+}
+
+// Programs choose a reader by the extension: a baked file named .png would be taken for a broken picture.
+void check_output_name(const std::string& path) {
+  if (!path.ends_with(".exr"))
+    throw Error(ErrorCode::kUsage,
+                path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
+}
 
 }  // namespace
 
@@ -80,12 +96,12 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   validate(job.fitting);
   validate(job.writing);
   check_paths_differ(job);
+  check_output_name(job.output);
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
   BakeReport report;
   StageClock clock(report);
-  progress_stage(progress, "read");
-  const NormalMap map = read_normal_map(job.input, job.reading, job.threads, nullptr);
+  const NormalMap map = read_normal_map(job.input, job.reading, job.threads, progress);
   report.source = std::filesystem::path(job.input).filename().string();
   report.input = map.report;
   std::optional<ColourMap> albedo;
@@ -120,12 +136,12 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   mipmap.provenance.settings = all_settings_json(job);
   mipmap.provenance.settings_hash = hash_text(mipmap.provenance.settings);
   mipmap.provenance.measured_error = measured_error_json(report.accuracy);
-  write_movmf_mipmap(job.output, mipmap, job.writing);
+  write_movmf_mipmap(job.output, mipmap, job.writing, progress);
   clock.finish("write");
   report.launches = device.launch_counts();
   report.programs_built = device.program_count();
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
-  progress_advance(progress, level_units);
+  progress_finish(progress);
   return report;
 }
 

@@ -28,6 +28,11 @@ void Progress::advance(std::uint64_t units) {
   report();
 }
 
+void Progress::finish() {
+  event_.units_done = event_.units_total;
+  if (callback_) callback_(event_);
+}
+
 void Progress::report() {
   if (callback_ && !callback_(event_)) throw Cancelled();
 }

@@ -28,6 +28,8 @@ class Progress {
   void stage(const std::string& name);
   /// Counts finished units. Throws Cancelled when the callback says so.
   void advance(std::uint64_t units);
+  /// Counts what is left of the work. Never throws Cancelled: a result that is in place cannot be called off any more.
+  void finish();
 
  private:
   void report();
@@ -39,6 +41,7 @@ class Progress {
 inline void progress_start(Progress* p, std::uint64_t units) { if (p != nullptr) p->start(units); }
 inline void progress_stage(Progress* p, const std::string& name) { if (p != nullptr) p->stage(name); }
 inline void progress_advance(Progress* p, std::uint64_t units) { if (p != nullptr) p->advance(units); }
+inline void progress_finish(Progress* p) { if (p != nullptr) p->finish(); }
 
 /// A bar on a terminal's stderr, silent when stderr is not a terminal. Ctrl-C and SIGTERM cancel.
 std::unique_ptr<Progress> make_terminal_progress(bool show_bar);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum bake: options as maketx names them where it has them.
 #include <cstdio>
-#include <map>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "host/bake/bake_job.h"
 #include "host/base/error.h"
@@ -23,25 +24,39 @@ struct BakeOptions {
   bool run_stats = false;
 };
 
-const std::map<std::string, BumpFormat> kBumpFormats = {
+template <typename Value>
+using Choices = std::vector<std::pair<std::string, Value>>;  // in the order that --help shows
+
+const Choices<BumpFormat> kBumpFormats = {
     {"auto", BumpFormat::kAuto}, {"height", BumpFormat::kHeight}, {"normal", BumpFormat::kNormal}};
-const std::map<std::string, FixNan> kFixNans = {
-    {"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
-const std::map<std::string, FitOrder> kOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
-const std::map<std::string, StorageEncoding> kEncodings = {
+const Choices<FixNan> kFixNans = {{"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
+const Choices<FitOrder> kOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
+const Choices<StorageEncoding> kEncodings = {
     {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
 
+// An option that takes one of some names. CLI11's own transformers would take, and show, the enumerators' numbers too.
 template <typename Value>
-CLI::CheckedTransformer one_of(const std::map<std::string, Value>& names) {
-  return CLI::CheckedTransformer(names, CLI::ignore_case);
+void add_choice(CLI::App& app, const std::string& option, Value& value, const Choices<Value>& choices,
+                const std::string& help) {
+  std::vector<std::string> names;
+  std::string default_name;
+  for (const auto& [name, meaning] : choices) {
+    names.push_back(name);
+    if (meaning == value) default_name = name;
+  }
+  const auto choose = [&value, &choices](const std::string& text) {
+    for (const auto& [name, meaning] : choices)
+      if (name == text) value = meaning;
+  };
+  app.add_option_function<std::string>(option, choose, help)
+      ->check(CLI::IsMember(names))
+      ->default_str(default_name);
 }
 
 void add_input_options(CLI::App& bake, BakeOptions& o) {
   NormalMapSettings& r = o.job.reading;
   const CLI::Validator wraps = CLI::IsMember({"black", "clamp", "periodic", "mirror"});
-  bake.add_option("--bumpformat", r.bump_format,
-                  "what the file is: height, normal or auto (default: found from its statistics)")
-      ->transform(one_of(kBumpFormats));
+  add_choice(bake, "--bumpformat", r.bump_format, kBumpFormats, "what the file is; auto: found from its statistics");
   bake.add_option("--green", o.green, "green points up (OpenGL) or down (DirectX) (default: found)")
       ->check(CLI::IsMember({"up", "down"}));
   auto* is_signed = bake.add_flag("--signed", o.is_signed, "channel values are the vector, -1..1 (default: found)");
@@ -54,9 +69,8 @@ void add_input_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--swrap", o.wrap_s, "the same for s (x) alone")->check(wraps);
   bake.add_option("--twrap", o.wrap_t, "the same for t (y) alone")->check(wraps);
   bake.add_flag("--checknan", r.check_nan, "refuse a file with NaN or Inf, naming the first");
-  bake.add_option("--fixnan", r.fix_nan,
-                  "repair NaN and Inf: none (refuse), black (flat), box3 (mean of the neighbours)")
-      ->transform(one_of(kFixNans));
+  add_choice(bake, "--fixnan", r.fix_nan, kFixNans,
+             "repair NaN and Inf: none (refuse), black (flat), box3 (mean of the neighbours)");
   bake.add_option("--repair-max", r.repair_share_max,
                   "refuse a file that needs more repairs than this share of its texels")
       ->check(CLI::Range(0.0, 1.0))
@@ -71,7 +85,7 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--iterations", f.iteration_count, "EM iterations a texel")->capture_default_str();
   bake.add_option("--sweeps", f.sweep_count, "times that a level is fitted; more than one aligns it better")
       ->capture_default_str();
-  bake.add_option("--order", f.order, "colour (parallel) or scanline (the paper's)")->transform(one_of(kOrders));
+  add_choice(bake, "--order", f.order, kOrders, "colour (parallel) or scanline (the paper's)");
   bake.add_option("--align", f.alignment, "weight of the alignment prior; 0: none")->capture_default_str();
   bake.add_option("--kappa-cap", f.kappa_cap,
                   "sharpest lobe that EM uses on rough texels; smooth ones get sharper ones")
@@ -80,8 +94,8 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
 
 void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("-o,--output", o.job.output, "file to write, *.ndf.exr")->required();
-  bake.add_option("-d,--data-format", o.job.encoding, "snorm16 (default), half (kappa above 1000 is lost) or float")
-      ->transform(one_of(kEncodings));
+  add_choice(bake, "-d,--data-format", o.job.encoding, kEncodings,
+             "what lobes are rounded to; half loses kappa above 1000 (docs/FORMAT.md)");
   bake.add_option("--compression", o.job.writing.compression, "none, rle, zips, zip or piz, zip:1..9")
       ->capture_default_str();
   bake.add_option("--report", o.job.report, "write times, counts and errors as JSON");

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bake that succeeds: its file, its report, its progress bar, its bytes, and the help that leads to it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "host/asset/movmf_mipmap.h"
+#include "tests/cli/program.h"
+#include "tests/unit/image_test_files.h"
+
+namespace multum::testing {
+namespace {
+
+class BakeCommandTest : public CliTest {};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
+  make_map("map", 64);
+  const ProgramResult bake = multum({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
+                                     path("map.ndf.exr")});
+  ASSERT_EQ(bake.exit_code, 0) << bake.err;
+  EXPECT_TRUE(contains(bake.out, "map.ndf.exr: written")) << bake.out;
+  EXPECT_TRUE(contains(bake.out, "measured error")) << bake.out;
+  EXPECT_TRUE(contains(bake.err, "map_normal.png: 64 x 64")) << bake.err;
+  EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png", "map.ndf.exr"}));
+
+  const ProgramResult info = multum({"info", path("map.ndf.exr")});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  for (const char* line : {"4 von Mises-Fisher lobes a texel, with a colour a lobe", "64 x 64, 7 levels", "snorm16",
+                           "map_normal.png, SHA-256", "\"lobes\":4", "blinn-phong:500"})
+    EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
+
+  const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
+  EXPECT_EQ(verify.exit_code, 0) << verify.err;
+  EXPECT_FALSE(contains(verify.out, "FAILED")) << verify.out;
+  EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 6) << verify.out;
+}
+
+TEST_F(BakeCommandTest, VerifyAcceptsEveryStorage) {
+  make_map("map", 256);
+  for (const char* storage : {"snorm16", "half", "float"}) {
+    const ProgramResult bake = multum({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
+                                       path("map.ndf.exr"), "--data-format", storage, "--no-measure", "--quiet"});
+    ASSERT_EQ(bake.exit_code, 0) << bake.err;
+    const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
+    EXPECT_EQ(verify.exit_code, 0) << storage << "\n" << verify.out << verify.err;
+  }
+}
+
+TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
+  make_map("map", 64);
+  const ProgramResult bake = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--report",
+                                     path("report.json")});
+  ASSERT_EQ(bake.exit_code, 0) << bake.err;
+  const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
+  std::vector<std::string> stages;
+  for (const auto& stage : report["stages"]) {
+    stages.push_back(stage["name"]);
+    EXPECT_GE(stage["seconds"].get<double>(), 0.0);
+  }
+  EXPECT_EQ(stages, (std::vector<std::string>{"read", "fit", "round", "measure", "write"}));
+  std::uint64_t launches_of_levels = 0, launches_of_kernels = 0;
+  ASSERT_EQ(report["levels"].size(), 7u);
+  for (int l = 0; l < 7; ++l) {
+    const auto& level = report["levels"][static_cast<std::size_t>(l)];
+    EXPECT_EQ(level["level"], l);
+    EXPECT_EQ(level["width"], 64 >> l);
+    EXPECT_EQ(level["height"], 64 >> l);
+    EXPECT_GT(level["launches"].get<int>(), 0);
+    launches_of_levels += level["launches"].get<std::uint64_t>();
+  }
+  for (const auto& [kernel, count] : report["launches"].items())
+    if (kernel != "movmf_shade") launches_of_kernels += count.get<std::uint64_t>();
+  EXPECT_EQ(launches_of_levels, launches_of_kernels) << "measuring alone launches outside of levels";
+  EXPECT_EQ(report["counts"]["lobes"], 4 * (4096 + 1024 + 256 + 64 + 16 + 4 + 1));
+  EXPECT_EQ(report["counts"]["nonfinite"], 0);
+  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes"})
+    EXPECT_TRUE(report["counts"][count].is_number_unsigned()) << count;
+  for (const char* count : {"nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
+    EXPECT_EQ(report["input"][count], 0) << count;
+
+  const auto row = [&](int level, const std::string& point, const std::string& brdf) {
+    return std::count_if(report["measured_error"].begin(), report["measured_error"].end(), [&](const auto& r) {
+      const double error = r["relative_l1"];
+      return r["level"] == level && r["point"] == point && r["brdf"] == brdf && r["samples"].template get<int>() > 0 &&
+             error >= 0.0 && error < 1.0;
+    });
+  };
+  for (int level = 0; level < 7; ++level)
+    for (const char* brdf : {"lambert", "blinn-phong:20", "blinn-phong:100", "blinn-phong:500"}) {
+      EXPECT_EQ(row(level, "centre", brdf), 1) << level << " " << brdf;
+      // The coarsest level has no neighbours.
+      for (const char* point : {"midway-x", "midway-y", "between-levels"})
+        EXPECT_EQ(row(level, point, brdf), level < 6 ? 1 : 0) << level << " " << point << " " << brdf;
+    }
+}
+
+TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
+  make_map("map", 256);  // the bar is drawn anew 12 times a second
+  const std::vector<std::string> arguments = {"bake", path("map_normal.png"), "-o", path("map.ndf.exr")};
+  const ProgramResult piped = multum(arguments);
+  ASSERT_EQ(piped.exit_code, 0) << piped.err;
+  for (const std::string& text : {piped.out, piped.err}) {
+    EXPECT_EQ(text.find_first_of("\r\033"), std::string::npos) << text;
+    EXPECT_TRUE(!text.empty() && text.back() == '\n') << text;
+  }
+  const ProgramResult shown = run_on_terminal(multum_command(arguments));
+  ASSERT_EQ(shown.exit_code, 0) << shown.out;
+  for (const char* part : {"\r\033[K[", "%", "fit level ", "map.ndf.exr: written"})
+    EXPECT_TRUE(contains(shown.out, part)) << part;
+  EXPECT_GT(shown.out.find("written"), shown.out.rfind('[')) << "the bar is gone before the result is printed";
+
+  std::vector<std::string> quiet = arguments;
+  quiet.emplace_back("--quiet");
+  const ProgramResult silent = run_on_terminal(multum_command(quiet));
+  EXPECT_EQ(silent.exit_code, 0);
+  EXPECT_EQ(silent.out, "");
+}
+
+TEST_F(BakeCommandTest, RunstatsPrintLevelsAndLaunches) {
+  make_map("map", 64);
+  const ProgramResult bake =
+      multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--runstats", "--no-measure"});
+  ASSERT_EQ(bake.exit_code, 0) << bake.err;
+  for (const char* part : {"level  0      64 x 64", "level  6       1 x 1", "movmf_em_texels ", "movmf_start "})
+    EXPECT_TRUE(contains(bake.out, part)) << part << " is not in\n" << bake.out;
+}
+
+TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
+  make_map("map", 128);
+  const auto bake = [&](const std::string& name, std::vector<std::string> options) {
+    options.insert(options.begin(), {"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
+                                     path(name), "--quiet"});
+    const ProgramResult result = multum(options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return read_bytes(path(name));
+  };
+  const std::string once = bake("a.ndf.exr", {"--threads", "2"});
+  EXPECT_TRUE(once == bake("b.ndf.exr", {"--threads", "2"})) << "a second run differs";
+  EXPECT_TRUE(once == bake("c.ndf.exr", {"--threads", "1"})) << "one thread differs from two";
+  EXPECT_TRUE(once == bake("d.ndf.exr", {"--threads", "5"})) << "five threads differ from two";
+  // Its header says nothing of the variant, so the whole file is the same.
+  EXPECT_TRUE(once == bake("e.ndf.exr", {"--scalar"})) << "the scalar kernels differ from the vector kernels";
+  EXPECT_FALSE(once == bake("f.ndf.exr", {"--iterations", "29"})) << "a setting is without effect";
+}
+
+// The highlight of Blinn-Phong s = 2 / alpha^2 - 2 on stored lobes, as docs/FORMAT.md shades them, at its peak: all
+// lobes of a flat place point one way but for rounding, so the peak is at the mean normal.
+double highlight_peak(const std::vector<glm::dvec4>& lobes, double exponent) {
+  const double cosine = (exponent + 1.0) / (exponent + 2.0);
+  glm::dvec3 at(0.0);
+  for (const glm::dvec4& lobe : lobes) at += glm::dvec3(lobe);
+  at = glm::normalize(at);
+  double value = 0.0;
+  for (const glm::dvec4& lobe : lobes) {
+    if (lobe.w <= 0.0) continue;
+    const double length = glm::length(glm::dvec3(lobe));
+    const double kappa = 1.0 / (1.0 - std::min(length / lobe.w, 1.0) * cosine);
+    value += lobe.w * kappa / (2.0 * std::numbers::pi) *
+             std::exp(kappa * (glm::dot(glm::dvec3(lobe) / length, at) - 1.0));
+  }
+  return value;
+}
+
+TEST_F(BakeCommandTest, AFileKeepsTheHighlightOfGlossyTiltedFlats) {
+  constexpr double kAlpha = 0.01;  // of roughness 0.1
+  constexpr double kExponent = 2.0 / (kAlpha * kAlpha) - 2.0;
+  const double exact = highlight_peak({{0.0, 0.0, 1.0, 1.0}}, kExponent);
+  double worst = 0.0;
+  for (int tilt = 0; tilt <= 60; tilt += 10) {
+    const double t = tilt * std::numbers::pi / 180.0, azimuth = 0.3 + 0.9 * tilt;
+    TestImage flat{.width = 16, .height = 16};
+    flat.type = OIIO::TypeDesc::FLOAT;
+    for (int i = 0; i < 256; ++i)
+      for (const double v : {std::sin(t) * std::cos(azimuth), std::sin(t) * std::sin(azimuth), std::cos(t)})
+        flat.values.push_back(static_cast<float>(v));
+    write_test_image(path("flat.exr"), flat);
+    const ProgramResult bake = multum({"bake", path("flat.exr"), "-o", path("flat.ndf.exr"), "--bumpformat", "normal",
+                                       "--signed", "--green", "up", "--no-measure", "--quiet"});
+    ASSERT_EQ(bake.exit_code, 0) << bake.err;
+    const MovmfMipmap mipmap = read_movmf_mipmap(path("flat.ndf.exr"));
+    ASSERT_EQ(mipmap.encoding, StorageEncoding::kSnorm16) << "the default";
+    for (const MovmfLevel& level : mipmap.levels)
+      for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
+        std::vector<glm::dvec4> lobes;
+        for (const auto& lobe : level.lobes) lobes.emplace_back(lobe[i]);
+        worst = std::max(worst, std::abs(highlight_peak(lobes, kExponent) / exact - 1.0));
+      }
+  }
+  std::printf("  the peak changes by at most %.2f %%\n", worst * 100.0);
+  EXPECT_LE(worst, 0.02);
+}
+
+TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
+  const ProgramResult help = multum({"bake", "--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
+                           "{none,black,box3}=box3", "{black,clamp,periodic,mirror}", "--lobes INT=4",
+                           "--compression TEXT=zip"})
+    EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;
+  for (const char* part : {"->", "ENUM"}) EXPECT_FALSE(contains(help.out, part)) << part;
+}
+
+TEST_F(BakeCommandTest, ChoicesTakeEffect) {
+  make_map("map", 16);
+  for (const auto& [option, name, setting] : std::vector<std::tuple<std::string, std::string, std::string>>{
+           {"--data-format", "half", "\"encoding\":\"half\""},
+           {"-d", "float", "\"encoding\":\"float\""},
+           {"-d", "snorm16", "\"encoding\":\"snorm16\""},
+           {"--order", "scanline", "\"order\":\"scanline\""},
+           {"--bumpformat", "normal", "\"bump_format\":\"normal\""},
+           {"--fixnan", "black", "\"fixnan\":\"black\""}}) {
+    const ProgramResult bake = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure",
+                                       "--iterations", "1", option, name});
+    ASSERT_EQ(bake.exit_code, 0) << bake.err;
+    EXPECT_TRUE(contains(multum({"info", path("map.ndf.exr")}).out, setting)) << setting;
+  }
+}
+
+}  // namespace
+}  // namespace multum::testing

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every kernel once under oclgrind, a simulator that sees what drivers do not tell: reads and writes outside of
+// buffers, data races, wrong calls. Whole bakes run in it, as a user would start them.
+//
+// Without --uninitialized: of oclgrind 21.10 (Debian 12) it stops at LLVM's freeze instruction, and without
+// optimisation it takes buffers over the program's own memory (CL_MEM_USE_HOST_PTR) and structs passed by value for
+// uninitialised, tens of thousands of times.
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/cli/program.h"
+#include "tests/unit/image_test_files.h"
+
+namespace multum::testing {
+namespace {
+
+class OclgrindTest : public CliTest {
+ protected:
+  void SetUp() override {
+    if (!program_works("oclgrind", "--version")) GTEST_SKIP() << "no oclgrind (Debian package oclgrind)";
+    // Nothing of a simulator belongs among the compiled kernels of the other tests.
+    setenv("MULTUM_CACHE_DIR", "", 1);
+  }
+
+  // Runs the program in oclgrind, which must have no complaint.
+  ProgramResult simulate(const std::vector<std::string>& arguments, const std::vector<std::string>& options = {}) {
+    std::vector<std::string> command = {"oclgrind", "--data-races", "--check-api", "--log", path("complaints")};
+    command.insert(command.end(), options.begin(), options.end());
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    std::filesystem::remove(path("complaints"));
+    ProgramResult result = run_program(command);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(std::filesystem::exists(path("complaints"))) << "oclgrind did not run";
+    EXPECT_EQ(read_bytes(path("complaints")), "");
+    return result;
+  }
+
+  // Bakes in oclgrind and remembers which kernels were launched, by the report.
+  void bake(std::vector<std::string> options) {
+    options.insert(options.begin(), {"bake", "--bumpformat", "normal", "--report", path("report.json"), "-o",
+                                     path("map.ndf.exr")});
+    simulate(multum_command(options));
+    const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
+    EXPECT_EQ(report["device"], "Oclgrind Simulator");
+    EXPECT_EQ(report["counts"]["nonfinite"], 0);
+    for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
+  }
+
+  void write_maps(const std::string& name, int width, int height) {
+    write_test_image(path(name + ".png"), normal_image(width, height));
+    TestImage albedo = normal_image(width, height);  // any colours will do
+    albedo.colour_space = "sRGB";
+    write_test_image(path(name + "_albedo.png"), albedo);
+  }
+
+  std::set<std::string> launched_;
+};
+
+// The kernels of kernels/*.cl.
+std::set<std::string> all_kernels() {
+  std::set<std::string> names;
+  const std::regex kernel("__kernel void (\\w+)\\(");
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(MULTUM_SOURCE_DIR) + "/kernels")) {
+    if (entry.path().extension() != ".cl") continue;
+    const std::string text = read_bytes(entry.path().string());
+    for (std::sregex_iterator i(text.begin(), text.end(), kernel), end; i != end; ++i) names.insert((*i)[1]);
+  }
+  return names;
+}
+
+TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
+  write_maps("odd", 35, 31);    // its coarsest texel is fitted in chunks; texels cover fractions
+  write_maps("even", 64, 32);   // the same with whole texels
+  write_maps("tiny", 7, 6);
+  bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--lobes", "3", "--no-measure"});
+  bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2",
+        "--scalar"});
+  bake({path("even.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2"});
+  bake({path("tiny.png"), "--order", "scanline", "--iterations", "2"});
+  bake({path("tiny.png"), "--order", "scanline", "--iterations", "1", "--lobes", "8", "--albedo",
+        path("tiny_albedo.png"), "--scalar"});
+
+  // The kernels that only tests launch; oclgrind's counts name them.
+  const ProgramResult probes =
+      simulate({std::string(MULTUM_BIN_DIR) + "/kernel_test", "--gtest_filter=NumericsTest.*:SharedStructTest.*"},
+               {"--inst-counts"});
+  const std::regex counted("kernel '(\\w+)'");
+  for (std::sregex_iterator i(probes.out.begin(), probes.out.end(), counted), end; i != end; ++i)
+    launched_.insert((*i)[1]);
+
+  const std::set<std::string> all = all_kernels();
+  EXPECT_GE(all.size(), 11u);
+  for (const std::string& kernel : all) EXPECT_TRUE(launched_.count(kernel) == 1) << kernel << " was never launched";
+}
+
+}  // namespace
+}  // namespace multum::testing

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// The baked file as strangers read it: OpenImageIO's oiiotool, and the Python of docs/FORMAT.md as it stands there.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <sstream>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/base/content_hash.h"
+#include "tests/cli/program.h"
+
+namespace multum::testing {
+namespace {
+
+class OtherReadersTest : public CliTest {
+ protected:
+  void bake(const std::vector<std::string>& options) {
+    make_map("map", 64);
+    std::vector<std::string> arguments = {"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
+                                          path("map.ndf.exr")};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ProgramResult result = multum(arguments);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+};
+
+TEST_F(OtherReadersTest, OiiotoolFindsEveryPartChannelAndAttribute) {
+  if (!program_works("oiiotool", "--help")) GTEST_SKIP() << "no oiiotool (Debian package openimageio-tools)";
+  bake({"--lobes", "3", "--wrap", "clamp", "--twrap", "mirror"});
+  const ProgramResult info = run_program({"oiiotool", "--info", "-v", "-a", path("map.ndf.exr")});
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  std::vector<std::string> in_order = {"6 subimages: 64x64 [f,f,f,f], 64x64 [f,f,f,f], 64x64 [f,f,f,f], 64x64 [h,h,h]"};
+  for (int part = 0; part < 6; ++part) {
+    const int j = part % 3;
+    in_order.push_back(fmt::format("subimage  {}:   64 x   64, {} channel, {} openexr", part, part < 3 ? 4 : 3,
+                                   part < 3 ? "float" : "half"));
+    in_order.push_back("MIP-map levels: 64x64 32x32 16x16 8x8 4x4 2x2 1x1");
+    in_order.push_back(
+        part < 3 ? fmt::format("channel list: lobe{0}.vMF.R, lobe{0}.vMF.G, lobe{0}.vMF.B, lobe{0}.vMF.A", j)
+                 : fmt::format("channel list: colour{0}.R, colour{0}.G, colour{0}.B", j));
+    in_order.push_back(fmt::format("name: \"{}.{}\"", part < 3 ? "lobe" : "colour", j));
+  }
+  std::size_t at = 0;
+  for (const std::string& line : in_order) {
+    const std::size_t found = info.out.find(line, at);
+    ASSERT_NE(found, std::string::npos) << line << " is not in its place in\n" << info.out;
+    at = found + line.size();
+  }
+  const MovmfProvenance from = read_movmf_header(path("map.ndf.exr")).provenance;
+  for (const std::string& attribute :
+       {std::string("multum:representation: \"movmf\""), std::string("multum:formatVersion: 1\n"),
+        std::string("multum:lobeCount: 3\n"), std::string("multum:hasColours: 1\n"),
+        std::string("multum:encoding: \"snorm16\""), std::string("multum:channels: \"R,G,B"),
+        std::string("multum:kappaMax: 20000\n"), std::string("multum:sourceName: \"map_normal.png\""),
+        "multum:sourceHash: \"" + hash_file(path("map_normal.png")) + "\"",
+        "multum:settings: \"" + from.settings + "\"", "multum:settingsHash: \"" + hash_text(from.settings) + "\"",
+        "multum:measuredError: \"" + from.measured_error + "\"", "multum:contentHash: \"" + from.content_hash + "\"",
+        std::string("wrapmodes: \"clamp,mirror\""), std::string("software: \"multum "),
+        std::string("colorInteropID: \"data\"")}) {
+    std::size_t count = 0;
+    for (std::size_t i = info.out.find(attribute); i != std::string::npos; i = info.out.find(attribute, i + 1)) ++count;
+    EXPECT_EQ(count, 6u) << attribute << " is not in each part of\n" << info.out;
+  }
+}
+
+// The ```python blocks of docs/FORMAT.md, one after another.
+std::string python_of_format_page() {
+  std::istringstream page(read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/FORMAT.md"));
+  std::string code, line;
+  bool inside = false;
+  while (std::getline(page, line)) {
+    if (line == "```python") inside = true;
+    else if (line == "```") inside = false;
+    else if (inside) code += line + "\n";
+  }
+  return code;
+}
+
+// Runs them; writes amplitudes, mean vectors and colours of every level to a file as 32-bit floats.
+constexpr char kDriver[] = R"(
+import sys
+path, output, levels = sys.argv[1], sys.argv[2], int(sys.argv[3])
+with open(output, "wb") as out:
+    for level in range(levels):
+        for values in read_lobes(path, level):
+            out.write(np.ascontiguousarray(values, dtype="<f4").tobytes())
+print(content_hash(path))
+print(oiio.ImageInput.open(path).spec()["multum:contentHash"])
+)";
+
+class FloatStream {
+ public:
+  explicit FloatStream(const std::string& bytes) : values_(bytes.size() / sizeof(float)) {
+    std::copy_n(bytes.data(), values_.size() * sizeof(float), reinterpret_cast<char*>(values_.data()));
+  }
+  float next() { return at_ < values_.size() ? values_[at_++] : (ADD_FAILURE() << "too few values", 0.0f); }
+  std::size_t left() const { return values_.size() - at_; }
+
+ private:
+  std::vector<float> values_;
+  std::size_t at_ = 0;
+};
+
+// What a level's arrays of read_lobes() must hold, from the lobes that host/asset reads.
+void expect_level(const MovmfLevel& level, bool is_half, FloatStream& python) {
+  const std::size_t texels = level.lobes[0].size(), lobes = level.lobes.size();
+  std::vector<double> sums(texels, 0.0);
+  for (const auto& lobe : level.lobes)
+    for (std::size_t i = 0; i < texels; ++i) {
+      const float amplitude = python.next();
+      ASSERT_EQ(amplitude, lobe[i].w);
+      sums[i] += static_cast<double>(amplitude);
+    }
+  for (const double sum : sums) ASSERT_NEAR(sum, 1.0, is_half ? 1.0 / 2048.0 : 2e-6);  // as `multum verify` allows
+  for (std::size_t j = 0; j < lobes; ++j)
+    for (std::size_t i = 0; i < texels; ++i) {
+      const glm::dvec4 stored(level.lobes[j][i]);
+      glm::dvec3 mean = stored.w > 0.0 ? glm::dvec3(stored) / stored.w : glm::dvec3(0.0);
+      mean /= std::max(1.0, glm::length(mean));
+      // The page divides by 1e-20 at least: a share below that, which only floats can store, shows nowhere.
+      for (int c = 0; c < 3; ++c) {
+        const auto found = static_cast<double>(python.next());
+        if (stored.w > 0.0 && stored.w <= 1e-20) continue;
+        ASSERT_NEAR(found, mean[c], 1e-6);
+      }
+    }
+  for (std::size_t j = 0; j < lobes; ++j)
+    for (std::size_t i = 0; i < texels; ++i) {
+      const double a = std::max(static_cast<double>(level.lobes[j][i].w), 1e-20);
+      for (int c = 0; c < 3; ++c) {
+        const double colour = static_cast<double>(level.colours[j][i][c]) / a;
+        ASSERT_NEAR(static_cast<double>(python.next()), colour, 1e-6 * std::max(1.0, colour));
+      }
+    }
+}
+
+TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
+  const std::string python = MULTUM_OIIO_PYTHON;
+  if (python.empty())
+    GTEST_SKIP() << "no Python that imports OpenImageIO and numpy when this was configured (Debian packages "
+                    "python3-openimageio and python3-numpy)";
+  const std::string code = python_of_format_page();
+  ASSERT_NE(code.find("def read_lobes("), std::string::npos);
+  ASSERT_NE(code.find("def content_hash("), std::string::npos);
+  write_bytes(path("read.py"), code + kDriver);
+  for (const char* encoding : {"snorm16", "half", "float"}) {
+    SCOPED_TRACE(encoding);
+    bake({"--data-format", encoding, "--no-measure"});
+    const MovmfMipmap mipmap = read_movmf_mipmap(path("map.ndf.exr"));
+    const ProgramResult read = run_program({python, path("read.py"), path("map.ndf.exr"), path("values"),
+                                            std::to_string(mipmap.levels.size())});
+    ASSERT_EQ(read.exit_code, 0) << read.err;
+    const std::string hash = mipmap.provenance.content_hash;
+    EXPECT_EQ(hash.size(), 64u);
+    EXPECT_EQ(read.out, hash + "\n" + hash + "\n");
+    FloatStream values(read_bytes(path("values")));
+    for (const MovmfLevel& level : mipmap.levels)
+      ASSERT_NO_FATAL_FAILURE(expect_level(level, mipmap.encoding == StorageEncoding::kHalf, values));
+    EXPECT_EQ(values.left(), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace multum::testing

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// See program.h.
+#include "tests/cli/program.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+
+namespace multum::testing {
+namespace {
+
+[[noreturn]] void become(const std::vector<std::string>& arguments) {
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  execvp(argv[0], argv.data());
+  _exit(127);
+}
+
+}  // namespace
+
+Program::Program(const std::vector<std::string>& arguments) {
+  pid_ = fork();
+  if (pid_ == 0) {
+    dup2(open((folder_ / "out").c_str(), O_CREAT | O_WRONLY, 0600), STDOUT_FILENO);
+    dup2(open((folder_ / "err").c_str(), O_CREAT | O_WRONLY, 0600), STDERR_FILENO);
+    become(arguments);
+  }
+  EXPECT_GT(pid_, 0);
+}
+
+Program::~Program() {
+  if (ended_) return;
+  kill(pid_, SIGKILL);
+  wait();
+}
+
+void Program::send(int signal) const {
+  if (!ended_) kill(pid_, signal);
+}
+
+std::string Program::err_so_far() const {
+  return std::filesystem::exists(folder_ / "err") ? read_bytes(folder_ / "err") : "";
+}
+
+void Program::remember(int status) {
+  ended_ = true;
+  if (WIFEXITED(status)) result_.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) result_.signal = WTERMSIG(status);
+}
+
+bool Program::running() {
+  int status = 0;
+  if (!ended_ && waitpid(pid_, &status, WNOHANG) == pid_) remember(status);
+  return !ended_;
+}
+
+ProgramResult Program::wait() {
+  int status = 0;
+  while (!ended_) {
+    if (waitpid(pid_, &status, 0) == pid_) remember(status);
+    else if (errno != EINTR) break;
+  }
+  result_.out = read_bytes(folder_ / "out");
+  result_.err = read_bytes(folder_ / "err");
+  return result_;
+}
+
+ProgramResult run_program(const std::vector<std::string>& arguments) { return Program(arguments).wait(); }
+
+ProgramResult run_on_terminal(const std::vector<std::string>& arguments) {
+  int terminal = -1;
+  const pid_t pid = forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (pid == 0) become(arguments);
+  ProgramResult result;
+  if (pid < 0) {
+    ADD_FAILURE() << "no pseudo terminal";
+    return result;
+  }
+  std::array<char, 4096> buffer;
+  for (;;) {  // Linux ends it with EIO when the program is gone
+    const ssize_t count = read(terminal, buffer.data(), buffer.size());
+    if (count > 0) result.out.append(buffer.data(), static_cast<std::size_t>(count));
+    else if (count == 0 || errno != EINTR) break;
+  }
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {}
+  close(terminal);
+  if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
+  return result;
+}
+
+bool program_works(const std::string& program, const std::string& argument) {
+  return run_program({program, argument}).exit_code == 0;
+}
+
+CliTest::CliTest() { setenv("MULTUM_CACHE_DIR", MULTUM_TEST_CACHE, 1); }
+
+std::vector<std::string> CliTest::multum_command(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum");
+  return arguments;
+}
+
+void CliTest::make_map(const std::string& prefix, int size) {
+  const ProgramResult made = multum({"testmap", path(prefix), "--size", std::to_string(size)});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+}
+
+}  // namespace multum::testing

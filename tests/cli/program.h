@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Programs run as a user runs them: stdout and stderr apart, on a terminal or not, with signals sent while they run.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/unit/test_folder.h"
+
+namespace multum::testing {
+
+struct ProgramResult {
+  int exit_code = -1;  // -1 when a signal ended it
+  int signal = 0;      // 0 when it exited
+  std::string out, err;
+};
+
+/// A program while it runs; killed when the test leaves it running.
+class Program {
+ public:
+  explicit Program(const std::vector<std::string>& arguments);
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  pid_t pid() const { return pid_; }
+  void send(int signal) const;
+  /// What it has written to stderr so far.
+  std::string err_so_far() const;
+  bool running();
+  ProgramResult wait();
+
+ private:
+  void remember(int status);
+  TemporaryFolder folder_;  // of its stdout and stderr: files never fill up and block it, as pipes do
+  pid_t pid_ = -1;
+  bool ended_ = false;
+  ProgramResult result_;
+};
+
+ProgramResult run_program(const std::vector<std::string>& arguments);
+/// The same with a terminal of its own for stdin, stdout and stderr; all output is in `out`.
+ProgramResult run_on_terminal(const std::vector<std::string>& arguments);
+
+/// True when `program` answers to `argument` with exit code 0.
+bool program_works(const std::string& program, const std::string& argument);
+
+/// Tests of `multum`: a folder, and commands in it. Compiled kernels are kept in the build folder, not in the user's.
+class CliTest : public ::testing::Test {
+ protected:
+  CliTest();
+  static std::vector<std::string> multum_command(std::vector<std::string> arguments);
+  static ProgramResult multum(const std::vector<std::string>& arguments) {
+    return run_program(multum_command(arguments));
+  }
+  /// PREFIX_normal.png and PREFIX_albedo.png of the four-quarter map, in the folder.
+  void make_map(const std::string& prefix, int size);
+  std::string path(const std::string& name) const { return folder_ / name; }
+
+  TemporaryFolder folder_;
+};
+
+}  // namespace multum::testing
