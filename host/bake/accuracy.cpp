@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-
 #include <glm/geometric.hpp>
 
 #include "host/bake/mip_coverage.h"
@@ -87,7 +86,7 @@ std::vector<SamplePoint> make_points(const MovmfMipmap& mipmap, const AccuracySe
   std::vector<SamplePoint> points;
   SplitMix64 random{settings.seed};
   const int level_count = static_cast<int>(mipmap.levels.size());
-  for (int l = 0; l < level_count; ++l) {
+  for (int l = settings.first_level; l < level_count; ++l) {
     const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
     for (int texel : sampled_texels(level.width, level.height, settings.samples_per_level, random)) {
       const int x = texel % level.width, y = texel / level.width;
@@ -155,7 +154,6 @@ class AccuracyMeter {
         mipmap_(mipmap),
         map_(map),
         settings_(settings),
-        directions_(accuracy_directions()),
         points_(make_points(mipmap, settings)),
         brdf_count_((settings.exponents.size() + 1) * (settings.albedo != nullptr ? 2 : 1)),
         difference_(points_.size() * brdf_count_, 0.0),
@@ -176,25 +174,26 @@ class AccuracyMeter {
   // theirs.
   void compare_all(std::size_t first_brdf, const std::vector<float>* colour, const int* channel, Progress* progress) {
     shade_model(channel);
-    const std::size_t half_count = directions_.half_vectors.size();
+    const std::size_t half_count = settings_.directions.half_vectors.size();
     for (std::size_t d = 0; d < half_count; ++d) {
       for (std::size_t e = 0; e < settings_.exponents.size(); ++e)
         compare(first_brdf + e, e * half_count + d,
-                truth_plane(directions_.half_vectors[d], settings_.exponents[e], colour));
+                truth_plane(settings_.directions.half_vectors[d], settings_.exponents[e], colour));
       progress_advance(progress, 0);  // a chance to cancel
     }
-    for (std::size_t d = 0; d < directions_.lights.size(); ++d)
+    for (std::size_t d = 0; d < settings_.directions.lights.size(); ++d)
       compare(first_brdf + settings_.exponents.size(), settings_.exponents.size() * half_count + d,
-              truth_plane(directions_.lights[d], 0.0, colour));
+              truth_plane(settings_.directions.lights[d], 0.0, colour));
   }
 
   // Model values at every point, [point][value], by the runtime's formula on the device.
   void shade_model(const int* channel) {
-    const std::size_t half_count = directions_.half_vectors.size(), light_count = directions_.lights.size();
+    const std::size_t half_count = settings_.directions.half_vectors.size(),
+                      light_count = settings_.directions.lights.size();
     value_count_ = settings_.exponents.size() * half_count + light_count;
     std::vector<glm::vec4> halfs, lights;
-    for (const glm::dvec3& h : directions_.half_vectors) halfs.emplace_back(glm::vec3(h), 0.0f);
-    for (const glm::dvec3& l : directions_.lights) lights.emplace_back(glm::vec3(l), 0.0f);
+    for (const glm::dvec3& h : settings_.directions.half_vectors) halfs.emplace_back(glm::vec3(h), 0.0f);
+    for (const glm::dvec3& l : settings_.directions.lights) lights.emplace_back(glm::vec3(l), 0.0f);
     const std::vector<float> exponents(settings_.exponents.begin(), settings_.exponents.end());
     const DeviceBuffer half_buffer =
         device_.wrap_buffer(halfs.data(), halfs.size() * sizeof(glm::vec4), "half vectors");
@@ -287,8 +286,8 @@ class AccuracyMeter {
     if (!(truth > 0.0)) return row;
     row.error = difference / truth;
     const MovmfLevel& size = mipmap_.levels[static_cast<std::size_t>(level)];
-    const bool all = settings_.samples_per_level <= 0 ||
-                     std::int64_t{size.width} * size.height <= settings_.samples_per_level;
+    const bool all =
+        settings_.samples_per_level <= 0 || std::int64_t{size.width} * size.height <= settings_.samples_per_level;
     if (all || row.sample_count < 2) return row;
     double squares = 0.0;
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -317,7 +316,6 @@ class AccuracyMeter {
   const MovmfMipmap& mipmap_;
   const NormalMap& map_;
   const AccuracySettings settings_;
-  const AccuracyDirections directions_;
   const std::vector<SamplePoint> points_;
   const std::size_t brdf_count_;  // exponents, then Lambert
   std::size_t value_count_ = 0;
@@ -330,10 +328,14 @@ class AccuracyMeter {
 
 const char* accuracy_point_name(AccuracyPoint point) {
   switch (point) {
-    case AccuracyPoint::kCentre: return "centre";
-    case AccuracyPoint::kMidX: return "midway-x";
-    case AccuracyPoint::kMidY: return "midway-y";
-    case AccuracyPoint::kBetween: return "between-levels";
+    case AccuracyPoint::kCentre:
+      return "centre";
+    case AccuracyPoint::kMidX:
+      return "midway-x";
+    case AccuracyPoint::kMidY:
+      return "midway-y";
+    case AccuracyPoint::kBetween:
+      return "between-levels";
   }
   return "?";
 }

@@ -36,20 +36,22 @@ struct AccuracyRow {
   std::int64_t sample_count;  // texels
 };
 
+/// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/ACCURACY.md names them).
+struct AccuracyDirections {
+  std::vector<glm::dvec3> lights;        // at least one
+  std::vector<glm::dvec3> half_vectors;  // at least one
+};
+AccuracyDirections accuracy_directions();
+
 struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
   std::int64_t samples_per_level = 4096;     // texels, spread evenly at random; 0: every texel
   std::uint64_t seed = 1;
   const ColourMap* albedo = nullptr;  // set: colours are compared too, per channel (the mipmap must have them)
+  int first_level = 0;                // finer ones are not measured
+  AccuracyDirections directions = accuracy_directions();
   int threads = 2;
 };
-
-/// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/ACCURACY.md names them).
-struct AccuracyDirections {
-  std::vector<glm::dvec3> lights;
-  std::vector<glm::dvec3> half_vectors;
-};
-AccuracyDirections accuracy_directions();
 
 /// `mipmap` must be of `map`'s size. The truth pass reads every normal once a half vector, whatever the samples.
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,

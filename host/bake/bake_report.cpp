@@ -71,6 +71,7 @@ std::string BakeReport::to_json() const {
                    {"below_horizon_repaired", input.below_horizon_repaired}};
   json["stages"] = Json::array();
   for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+  json["start"] = {{"seconds", start_seconds}, {"rehearsed", starts_rehearsed}};
   json["levels"] = Json::array();
   for (const LevelReport& level : levels)
     json["levels"].push_back({{"level", level.level},

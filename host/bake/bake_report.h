@@ -28,6 +28,8 @@ struct BakeReport {
   std::string device;
   NormalMapReport input;
   std::vector<StageTime> stages;
+  double start_seconds = 0.0;    // of "fit": choosing where the coarsest level starts
+  int starts_rehearsed = 0;      // candidates whose pyramid was tried on a small likeness of the map
   std::vector<LevelReport> levels;               // finest first
   std::map<std::string, std::uint64_t> launches;  // by kernel
   int programs_built = 0;

@@ -60,10 +60,10 @@ void add_wavefront_steps(LevelSchedule& level) {
 
 }  // namespace
 
-MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings) {
+MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted) {
   MULTUM_CHECK(map_width >= 1 && map_height >= 1 && map_width <= 32768 && map_height <= 32768);
   MipSchedule schedule;
-  schedule.weighted = !covers_whole_texels(map_width) || !covers_whole_texels(map_height);
+  schedule.weighted = weighted || !covers_whole_texels(map_width) || !covers_whole_texels(map_height);
   const int level_count = mip_level_count(map_width, map_height);
   for (int l = level_count - 1; l >= 1; --l) {
     LevelSchedule level{};

@@ -36,6 +36,7 @@ constexpr int kSamplesUnchunkedMax = 1024;
 /// Samples a chunk sums, about.
 constexpr int kSamplesPerChunk = 4096;
 
-MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings);
+/// `weighted`: use the kernels that weigh samples even where whole texels are covered (the same result).
+MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);
 
 }  // namespace multum

@@ -3,335 +3,65 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 
 #include "host/bake/mip_schedule.h"
+#include "host/bake/movmf_fit.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/error.h"
-#include "kernels/shared/movmf_fit.h"
-#include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
 namespace {
 
-constexpr int kPartialSums = 5;       // of movmf_em_chunks.cl
-constexpr int kLevelZeroTexels = 1 << 20;  // texels of a level-0 band
-
-double now_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+// The pyramid of a small likeness of the map from each candidate, and its error at texel centres and between: a start
+// is as good as the levels that grow from it, and neither its likelihood nor its own error tells (on the four-quarter
+// map with 6 lobes the best of them came 14th by error). 4096 normals take some 50 ms a candidate.
+double rehearse(Device& device, const NormalMap& likeness, const MovmfSettings& settings, const MovmfFitPlan& plan) {
+  constexpr int kSideMax = 16;  // of the levels that are compared: finer ones of the likeness hold too few normals
+  BakeReport ignored;
+  const MovmfMipmap mipmap = fit_movmf(device, likeness, nullptr, settings, plan, ignored, nullptr);
+  AccuracySettings accuracy;
+  accuracy.samples_per_level = 0;
+  accuracy.threads = 1;  // too small to share
+  accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64)};
+  const auto too_fine = [&](int level) {
+    const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
+    return size.width > kSideMax || size.height > kSideMax;
+  };
+  while (too_fine(accuracy.first_level)) ++accuracy.first_level;
+  double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
+  for (const AccuracyRow& row : measure_accuracy(device, mipmap, likeness, accuracy, nullptr))
+    if (row.brdf != "lambert") error += std::log(row.error + 0.005);
+  return error;
 }
 
-std::size_t texel_count(int width, int height) {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+std::vector<MultumVmfLobe> choose_start(Device& device, const NormalMap& map, const MovmfSettings& settings,
+                                        BakeReport& report) {
+  constexpr int kLikenessSide = 64;
+  const auto started = std::chrono::steady_clock::now();
+  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
+  std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(map, search);
+  report.starts_rehearsed = 0;
+  std::size_t best = 0;
+  // Levels that do not grow from the coarsest cannot tell starts apart.
+  if (settings.aligned_start && candidates.size() > 1) {
+    const NormalMap likeness = sample_likeness(map, kLikenessSide, search.seed);
+    MovmfFitPlan plan;
+    plan.weighted = make_mip_schedule(map.width, map.height, settings).weighted;  // no second set of programs
+    double least = HUGE_VAL;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      plan.top_start = candidates[c];
+      const double error = rehearse(device, likeness, settings, plan);
+      ++report.starts_rehearsed;
+      if (error >= least) continue;
+      least = error;
+      best = c;
+    }
+  }
+  report.start_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return candidates[best];
 }
-
-// Planes of a map on the device, with MULTUM_GROUP zeros behind the last texel for reads past a row's end.
-struct DevicePlanes {
-  std::vector<float> host[3];
-  DeviceBuffer buffer[3];
-
-  DevicePlanes(Device& device, const std::vector<float>& a, const std::vector<float>& b, const std::vector<float>& c,
-               const char* what) {
-    const std::vector<float>* sources[3] = {&a, &b, &c};
-    for (int i = 0; i < 3; ++i) {
-      host[i].reserve(sources[i]->size() + MULTUM_GROUP);
-      host[i] = *sources[i];
-      host[i].resize(sources[i]->size() + MULTUM_GROUP, 0.0f);
-      buffer[i] = device.wrap_buffer(host[i].data(), host[i].size() * sizeof(float), what);
-    }
-  }
-};
-
-class MovmfBaker {
- public:
-  MovmfBaker(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
-             BakeReport& report, Progress* progress)
-      : device_(device),
-        map_(map),
-        settings_(settings),
-        report_(report),
-        progress_(progress),
-        schedule_(make_mip_schedule(map.width, map.height, settings)),
-        normals_(device, map.x, map.y, map.z, "the normal map") {
-    if (albedo != nullptr) albedo_.emplace(device, albedo->r, albedo->g, albedo->b, "the albedo map");
-    make_kernels();
-    make_work_buffers();
-    const int level_count = mip_level_count(map.width, map.height);
-    lobes_.resize(static_cast<std::size_t>(level_count));
-    result_.levels.resize(static_cast<std::size_t>(level_count));
-    report_.levels.resize(static_cast<std::size_t>(level_count));
-    for (int l = 0; l < level_count; ++l) {
-      MovmfLevel& level = result_.levels[static_cast<std::size_t>(l)];
-      level.width = mip_level_size(map.width, l);
-      level.height = mip_level_size(map.height, l);
-      level.lobes.resize(lobe_count());
-      if (albedo_) level.colours.resize(lobe_count());
-    }
-  }
-
-  MovmfMipmap run() {
-    for (const LevelSchedule& level : schedule_.levels) fit_level(level);
-    fit_level_zero();
-    return std::move(result_);
-  }
-
- private:
-  std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
-
-  void make_kernels() {
-    KernelVariant scalar{settings_.lobe_count, 1, schedule_.weighted};
-    KernelVariant fast = scalar;
-    fast.vector_width = settings_.force_scalar ? 1 : device_.vector_width();
-    vector_width_ = fast.vector_width;
-    start_kernel_ = device_.kernel("movmf_start", "movmf_start", scalar);
-    pack_kernel_ = device_.kernel("movmf_start", "movmf_pack", scalar);
-    em_texels_kernel_ = device_.kernel("movmf_em_texels", "movmf_em_texels", fast);
-    em_partial_kernel_ = device_.kernel("movmf_em_chunks", "movmf_em_partial", fast);
-    mstep_kernel_ = device_.kernel("movmf_em_mstep", "movmf_em_mstep", scalar);
-    level_zero_kernel_ = device_.kernel("movmf_level_zero", "movmf_level_zero", scalar);
-    if (albedo_) {
-      feature_partial_kernel_ = device_.kernel("movmf_features", "movmf_feature_partial", scalar);
-      feature_sum_kernel_ = device_.kernel("movmf_features", "movmf_feature_sum", scalar);
-    }
-  }
-
-  // Buffers large enough for the largest step of any level.
-  void make_work_buffers() {
-    std::size_t list = MULTUM_GROUP, start = 0, samples = 1, partial = 1;
-    for (const LevelSchedule& level : schedule_.levels) {
-      list = std::max(list, level.texel_list.size());
-      for (const FitStep& step : level.steps) {
-        const std::size_t groups = (static_cast<std::size_t>(step.texel_count) + MULTUM_GROUP - 1) / MULTUM_GROUP;
-        start = std::max(start, groups * lobe_count() * MULTUM_START_PLANES * MULTUM_GROUP);
-        const std::size_t per_texel = texel_count(level.fit.sample_columns, level.fit.sample_rows);
-        if (!level.chunked) samples = std::max(samples, groups * per_texel * sample_planes() * MULTUM_GROUP);
-        const std::size_t chunks =
-            static_cast<std::size_t>(step.texel_count) * static_cast<std::size_t>(level.fit.chunk_count);
-        partial = std::max(partial, chunks * lobe_count() * kPartialSums);
-      }
-    }
-    list_buffer_ = device_.make_buffer(list * sizeof(int), "texel list");
-    start_buffer_ = device_.make_buffer(std::max<std::size_t>(start, 1) * sizeof(float), "EM parameters");
-    sample_buffer_ = device_.make_buffer(samples * sizeof(float), "packed normals");
-    partial_buffer_ = device_.make_buffer(partial * sizeof(float), "partial sums");
-  }
-
-  std::size_t sample_planes() const { return schedule_.weighted ? 4 : 3; }
-
-  void fit_level(const LevelSchedule& level) {
-    progress_stage(progress_, fmt::format("fit level {}", level.level));
-    const double start_seconds = now_seconds();
-    const std::uint64_t launches_before = total_launches();
-    const std::size_t texels = texel_count(level.fit.width, level.fit.height);
-    DeviceBuffer& lobes = lobes_[static_cast<std::size_t>(level.level)];
-    lobes = device_.make_buffer(lobe_count() * texels * sizeof(MultumVmfLobe), "the lobes of a level");
-    DeviceBuffer colours;
-    if (albedo_) colours = device_.make_buffer(lobe_count() * texels * 3 * sizeof(float), "the colours of a level");
-    MultumMovmfFit fit = level.fit;
-    if (fit.parent_width == 0 || !settings_.aligned_start) {
-      write_parentless_start(level, lobes);
-      fit.parent_width = fit.parent_height = 0;
-    }
-    device_.write(list_buffer_, level.texel_list.data(), level.texel_list.size() * sizeof(int));
-    const int sweeps = fit.parent_width > 0 ? settings_.sweep_count : 1;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      if (sweep > 0) {
-        fit.order = MULTUM_ORDER_AGAIN;
-        fit.iteration_count = settings_.iteration_count_again;
-      }
-      fit_sweep(level, fit, lobes, sweep + 1 == sweeps ? colours : DeviceBuffer());
-      progress_advance(progress_, texel_count(map_.width, map_.height) / static_cast<unsigned>(sweeps));
-    }
-    read_level(level, lobes, colours);
-    report_.levels[static_cast<std::size_t>(level.level)] = {level.level, level.fit.width, level.fit.height,
-                                                             now_seconds() - start_seconds,
-                                                             total_launches() - launches_before};
-  }
-
-  // Every step of a level once. An empty `colours` buffer: none are wanted.
-  void fit_sweep(const LevelSchedule& level, MultumMovmfFit fit, DeviceBuffer& lobes, DeviceBuffer colours) {
-    for (const FitStep& step : level.steps) {
-      fit.list_offset = step.list_offset;
-      fit.slot_count = (step.texel_count + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP;
-      fit_step(level, fit, step, lobes, colours);
-      device_.finish();
-      progress_advance(progress_, 0);
-    }
-  }
-
-  void fit_step(const LevelSchedule& level, MultumMovmfFit& fit, const FitStep& step, DeviceBuffer& lobes,
-                DeviceBuffer& colours) {
-    const auto slots = static_cast<std::size_t>(fit.slot_count);
-    const auto used = static_cast<std::size_t>(step.texel_count);
-    // A start without a parent reads its own texel's lobes; the parent argument is then only a placeholder.
-    const std::size_t parent_level = std::min(static_cast<std::size_t>(level.level) + 1, lobes_.size() - 1);
-    const DeviceBuffer& parent = fit.parent_width > 0 ? lobes_[parent_level] : lobes;
-    start_kernel_.launch({slots * lobe_count()}, parent, lobes, list_buffer_, start_buffer_, fit,
-                         settings_.start_kappa_factor, settings_.start_amplitude_min);
-    if (level.chunked) {
-      const std::size_t chunks = used * static_cast<std::size_t>(fit.chunk_count);
-      const Kernel::WorkSize partial_size =
-          vector_width_ == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1};
-      for (int i = 0; i < fit.iteration_count; ++i) {
-        em_partial_kernel_.launch(partial_size, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2],
-                                  start_buffer_, list_buffer_, partial_buffer_, fit);
-        mstep_kernel_.launch({used * lobe_count()}, partial_buffer_, start_buffer_, list_buffer_, lobes, fit,
-                             i);
-        // An iteration reads every normal of its texels, seconds on the largest maps: a chance to cancel after each.
-        device_.finish();
-        progress_advance(progress_, 0);
-      }
-    } else {
-      const std::size_t groups = slots / MULTUM_GROUP;
-      pack_kernel_.launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals_.buffer[0], normals_.buffer[1],
-                          normals_.buffer[2], list_buffer_, sample_buffer_, fit);
-      em_texels_kernel_.launch({slots / static_cast<std::size_t>(vector_width_)}, sample_buffer_, start_buffer_,
-                               list_buffer_, lobes, fit);
-    }
-    if (colours.byte_count() == 0) return;
-    MultumMovmfFit feature_fit = fit;
-    if (!level.chunked) {
-      feature_fit.chunk_rows = fit.sample_rows;
-      feature_fit.chunk_count = 1;
-    }
-    feature_partial_kernel_.launch({used * static_cast<std::size_t>(feature_fit.chunk_count)}, normals_.buffer[0],
-                                   normals_.buffer[1], normals_.buffer[2], albedo_->buffer[0], albedo_->buffer[1],
-                                   albedo_->buffer[2], start_buffer_, list_buffer_, partial_buffer_, feature_fit);
-    feature_sum_kernel_.launch({used * lobe_count()}, partial_buffer_, list_buffer_, colours, feature_fit);
-  }
-
-  // Texels without a parent: the coarsest level, and every level of an unaligned bake.
-  void write_parentless_start(const LevelSchedule& level, DeviceBuffer& lobes) {
-    const MultumMovmfFit& fit = level.fit;
-    const std::size_t texels = texel_count(fit.width, fit.height);
-    std::vector<MultumVmfLobe> start(lobe_count() * texels);
-    for (int y = 0; y < fit.height; ++y)
-      for (int x = 0; x < fit.width; ++x) {
-        const std::vector<MultumVmfLobe> chosen = parentless_start(level, x, y);
-        for (std::size_t j = 0; j < lobe_count(); ++j)
-          start[j * texels + static_cast<std::size_t>(y * fit.width + x)] = chosen[j];
-      }
-    device_.write(lobes, start.data(), start.size() * sizeof(MultumVmfLobe));
-  }
-
-  std::vector<MultumVmfLobe> parentless_start(const LevelSchedule& level, int x, int y) const {
-    if (level.fit.parent_width == 0)
-      return likeliest_lobes(map_, {settings_.lobe_count, settings_.kappa_cap, 1, 2});
-    const auto edge = [](std::int64_t texel, int map_size, int size) {
-      return static_cast<int>(texel * map_size / size);
-    };
-    const int x0 = edge(x, map_.width, level.fit.width), y0 = edge(y, map_.height, level.fit.height);
-    const TexelRectangle covered = {x0, y0, std::max(x0 + 1, edge(x + 1, map_.width, level.fit.width)),
-                                    std::max(y0 + 1, edge(y + 1, map_.height, level.fit.height))};
-    return farthest_first_lobes(map_, covered, settings_.lobe_count);
-  }
-
-  void read_level(const LevelSchedule& level, const DeviceBuffer& lobes, const DeviceBuffer& colours) {
-    const std::size_t texels = texel_count(level.fit.width, level.fit.height);
-    std::vector<MultumVmfLobe> fitted(lobe_count() * texels);
-    device_.read(lobes, fitted.data(), fitted.size() * sizeof(MultumVmfLobe));
-    MovmfLevel& out = result_.levels[static_cast<std::size_t>(level.level)];
-    for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, 0);
-    count_events(fitted);
-    if (albedo_) {
-      std::vector<glm::vec3> fitted_colours(lobe_count() * texels);
-      device_.read(colours, fitted_colours.data(), fitted_colours.size() * sizeof(glm::vec3));
-      for (std::size_t j = 0; j < lobe_count(); ++j)
-        out.colours[j].assign(fitted_colours.begin() + static_cast<std::ptrdiff_t>(j * texels),
-                              fitted_colours.begin() + static_cast<std::ptrdiff_t>((j + 1) * texels));
-    }
-    for (std::size_t i = 0; i < texels; ++i) make_shares_sum_to_one(out, i);
-  }
-
-  // A share is a sum of many single-precision responsibilities: those of a texel sum to 1 within 7e-6 on a 2048 map.
-  // The other channels carry the same factor, and are divided by it too.
-  static void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
-    double sum = 0.0;
-    for (const auto& lobe : level.lobes) sum += static_cast<double>(lobe[texel].w);
-    if (!(sum > 0.0)) return;
-    const auto factor = static_cast<float>(1.0 / sum);
-    for (auto& lobe : level.lobes) lobe[texel] *= factor;
-    for (auto& colour : level.colours) colour[texel] *= factor;
-  }
-
-  static void store_lobes(MovmfLevel& out, std::size_t lobe, const MultumVmfLobe* from, std::size_t count,
-                          std::size_t offset) {
-    std::vector<glm::vec4>& to = out.lobes[lobe];
-    to.resize(texel_count(out.width, out.height));
-    for (std::size_t i = 0; i < count; ++i) {
-      const float a = from[i].amplitude;
-      to[offset + i] = {a * from[i].mean_x, a * from[i].mean_y, a * from[i].mean_z, a};
-    }
-  }
-
-  void count_events(const std::vector<MultumVmfLobe>& lobes) {
-    for (const MultumVmfLobe& lobe : lobes) {
-      const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
-      if (!std::isfinite(squared) || !std::isfinite(lobe.amplitude)) ++report_.nonfinite;
-      else if (lobe.amplitude < 1e-6f) ++report_.dead_lobes;
-      else if (squared < 1e-6f) ++report_.undirected_lobes;
-      else if (1.0f - std::sqrt(squared) < 1.0f / settings_.kappa_cap) ++report_.kappa_clamped;
-    }
-    report_.lobe_count_total += lobes.size();
-  }
-
-  void fit_level_zero() {
-    progress_stage(progress_, "fit level 0");
-    const double start_seconds = now_seconds();
-    const std::uint64_t launches_before = total_launches();
-    MovmfLevel& out = result_.levels[0];
-    const bool has_parent = result_.levels.size() > 1 && settings_.aligned_start;
-    const int parent_width = has_parent ? result_.levels[1].width : 0;
-    const int parent_height = has_parent ? result_.levels[1].height : 0;
-    const int band_rows = std::clamp(kLevelZeroTexels / map_.width, 1, map_.height);
-    DeviceBuffer band = device_.make_buffer(lobe_count() * texel_count(map_.width, band_rows) * sizeof(MultumVmfLobe),
-                                            "a band of level 0");
-    const DeviceBuffer& parent = has_parent ? lobes_[1] : band;
-    std::vector<MultumVmfLobe> fitted(lobe_count() * texel_count(map_.width, band_rows));
-    for (int first_row = 0; first_row < map_.height; first_row += band_rows) {
-      const int rows = std::min(band_rows, map_.height - first_row);
-      const std::size_t texels = texel_count(map_.width, rows);
-      level_zero_kernel_.launch({texels}, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], parent, band,
-                                map_.width, parent_width, parent_height, first_row, rows);
-      device_.read(band, fitted.data(), lobe_count() * texels * sizeof(MultumVmfLobe));
-      const std::size_t offset = texel_count(map_.width, first_row);
-      for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, offset);
-      progress_advance(progress_, texels);
-    }
-    for (std::size_t j = 0; albedo_ && j < lobe_count(); ++j) {
-      out.colours[j].resize(texel_count(map_.width, map_.height));
-      for (std::size_t i = 0; i < out.colours[j].size(); ++i)
-        out.colours[j][i] =
-            out.lobes[j][i].w * glm::vec3(albedo_->host[0][i], albedo_->host[1][i], albedo_->host[2][i]);
-    }
-    report_.lobe_count_total += lobe_count() * texel_count(map_.width, map_.height);
-    report_.levels[0] = {0, map_.width, map_.height, now_seconds() - start_seconds, total_launches() - launches_before};
-  }
-
-  std::uint64_t total_launches() const {
-    std::uint64_t sum = 0;
-    for (const auto& entry : device_.launch_counts()) sum += entry.second;
-    return sum;
-  }
-
-  Device& device_;
-  const NormalMap& map_;
-  const MovmfSettings settings_;
-  BakeReport& report_;
-  Progress* progress_;
-  const MipSchedule schedule_;
-  DevicePlanes normals_;
-  std::optional<DevicePlanes> albedo_;
-  int vector_width_ = 1;
-  Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_partial_kernel_, mstep_kernel_, level_zero_kernel_;
-  Kernel feature_partial_kernel_, feature_sum_kernel_;
-  DeviceBuffer list_buffer_, start_buffer_, sample_buffer_, partial_buffer_;
-  std::vector<DeviceBuffer> lobes_;  // by level; [0] unused: level 0 is made in bands
-  MovmfMipmap result_;
-};
 
 }  // namespace
 
@@ -342,7 +72,9 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
     throw Error(ErrorCode::kInput,
                 fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map.width, map.height));
   MULTUM_CHECK(albedo == nullptr || (albedo->width == map.width && albedo->height == map.height));
-  MovmfMipmap mipmap = MovmfBaker(device, map, albedo, settings, report, progress).run();
+  progress_stage(progress, "choose a start");
+  const MovmfFitPlan plan{choose_start(device, map, settings, report), false};
+  MovmfMipmap mipmap = fit_movmf(device, map, albedo, settings, plan, report, progress);
   report.device = device.info().name;
   report.launches = device.launch_counts();
   report.programs_built = device.program_count();
@@ -350,7 +82,8 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
 }
 
 std::uint64_t movmf_bake_units(int width, int height) {
-  return static_cast<std::uint64_t>(mip_level_count(width, height)) * texel_count(width, height);
+  return static_cast<std::uint64_t>(mip_level_count(width, height)) * static_cast<std::uint64_t>(width) *
+         static_cast<std::uint64_t>(height);
 }
 
 }  // namespace multum

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <numeric>
-
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <numbers>
+#include <numeric>
 
 #include "host/bake/parallel_rows.h"
 
@@ -16,21 +17,35 @@ namespace {
 
 using Normals = std::vector<glm::dvec3>;
 
-// Normals of a rectangle on a regular grid, at most about `sample_max`.
+// Splittable generator (Steele, Lea, Flood 2014): number i of a seed is the same whatever thread asks.
+std::uint64_t mix(std::uint64_t z) {
+  z += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+// A position in cell `cell` of `cells` that divide `size` texels, at random.
+int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
+  const std::int64_t first = std::int64_t{cell} * size / cells, end = std::int64_t{cell + 1} * size / cells;
+  return static_cast<int>(first + static_cast<std::int64_t>(random % static_cast<std::uint64_t>(end - first)));
+}
+
+// One normal at random of each cell of a grid over a rectangle, at most about `sample_max`.
 Normals sample_normals(const NormalMap& map, const TexelRectangle& where, double sample_max) {
-  const double area = static_cast<double>(where.x1 - where.x0) * (where.y1 - where.y0);
-  const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / sample_max))));
+  const int width = where.x1 - where.x0, height = where.y1 - where.y0;
+  const double stride = std::max(1.0, std::sqrt(static_cast<double>(width) * height / sample_max));
+  const int columns = std::max(1, static_cast<int>(width / stride));
+  const int rows = std::max(1, static_cast<int>(height / stride));
   Normals normals;
-  for (int y = where.y0 + (stride - 1) / 2; y < where.y1; y += stride)
-    for (int x = where.x0 + (stride - 1) / 2; x < where.x1; x += stride) {
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const std::uint64_t random = mix(static_cast<std::uint64_t>(row) * 65536u + static_cast<std::uint64_t>(column));
+      const int x = where.x0 + position_in_cell(column, columns, width, random & 0xffffffffu);
+      const int y = where.y0 + position_in_cell(row, rows, height, random >> 32);
       const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(x);
       normals.emplace_back(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
     }
-  if (normals.empty()) {  // a strip thinner than the stride
-    const auto i =
-        static_cast<std::size_t>(where.y0) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(where.x0);
-    normals.emplace_back(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
-  }
   return normals;
 }
 
@@ -44,6 +59,7 @@ struct Lobe {
 struct Fit {
   std::vector<Lobe> lobes;
   double log_likelihood = -HUGE_VAL;
+  double error = HUGE_VAL;
 };
 
 // kappa of a mean length: Banerjee's start and two Newton steps.
@@ -118,17 +134,73 @@ std::vector<std::size_t> farthest_first(const Normals& normals, int count) {
   return chosen;
 }
 
-// Splittable generator (Steele, Lea, Flood 2014): trial t of a seed is the same whatever thread runs it.
-std::uint64_t mix(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
+// What candidates are ranked by: the highlights that it gives against those of the normals themselves, for a broad, a
+// middling and a sharp BRDF. Likelihood ranks sharp lobes around few normals above what a picture shows.
+class HighlightError {
+ public:
+  explicit HighlightError(const Normals& normals) : directions_(spread_half_vectors(kDirections)) {
+    for (std::size_t s = 0; s < kSharpness.size(); ++s)
+      for (std::size_t d = 0; d < kDirections; ++d) {
+        double sum = 0.0;
+        for (const glm::dvec3& n : normals) sum += density(kSharpness[s], glm::dot(n, directions_[d]));
+        truth_[s][d] = sum / static_cast<double>(normals.size());
+      }
+  }
+
+  double operator()(const Fit& fit) const {
+    double error = 0.0;
+    for (std::size_t s = 0; s < kSharpness.size(); ++s) {
+      double difference = 0.0, total = 0.0;
+      for (std::size_t d = 0; d < kDirections; ++d) {
+        double model = 0.0;
+        for (const Lobe& lobe : fit.lobes) {
+          // Mean cosines multiply under convolution: docs/ALGORITHMS.md, "Shading a filtered lobe".
+          const double mean_cosine = lobe.mean_length * (1.0 - 1.0 / kSharpness[s]);
+          model += lobe.amplitude * density(kappa_of(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
+        }
+        difference += std::abs(model - truth_[s][d]);
+        total += truth_[s][d];
+      }
+      error += difference / total;
+    }
+    return error;
+  }
+
+ private:
+  static constexpr int kDirections = 256;
+  static constexpr std::array<double, 3> kSharpness = {20.0, 100.0, 500.0};
+  static double density(double kappa, double t) {
+    return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0));
+  }
+  std::vector<glm::dvec3> directions_;
+  std::array<std::array<double, kDirections>, 3> truth_;
+};
+
+void rate(std::vector<Fit>& fits, const HighlightError& error, int threads) {
+  parallel_rows(static_cast<int>(fits.size()), threads, [&](int i) {
+    Fit& fit = fits[static_cast<std::size_t>(i)];
+    fit.error = error(fit);
+  });
 }
 
-Fit best_of(std::vector<Fit>& fits) {
-  return *std::max_element(fits.begin(), fits.end(),
-                           [](const Fit& a, const Fit& b) { return a.log_likelihood < b.log_likelihood; });
+bool likelier(const Fit& a, const Fit& b) { return a.log_likelihood > b.log_likelihood; }
+bool less_error(const Fit& a, const Fit& b) { return a.error < b.error; }
+// Of neighbours in a list sorted by error or likelihood.
+bool same_optimum(const Fit& a, const Fit& b) { return std::abs(a.error - b.error) < 2e-3; }
+
+// The likeliest few and those of least error.
+std::vector<Fit> finalists(std::vector<Fit> fits, const HighlightError& error, int threads) {
+  constexpr std::size_t kLikeliest = 8, kLeastError = 16;
+  rate(fits, error, threads);
+  std::vector<Fit> kept;
+  const auto keep = [&](std::size_t count, bool (*better)(const Fit&, const Fit&)) {
+    std::stable_sort(fits.begin(), fits.end(), better);
+    fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());
+    kept.insert(kept.end(), fits.begin(), fits.begin() + static_cast<std::ptrdiff_t>(std::min(count, fits.size())));
+  };
+  keep(kLikeliest, likelier);
+  keep(kLeastError, less_error);
+  return kept;
 }
 
 }  // namespace
@@ -143,37 +215,79 @@ std::vector<MultumVmfLobe> farthest_first_lobes(const NormalMap& map, const Texe
   return lobes;
 }
 
-std::vector<MultumVmfLobe> likeliest_lobes(const NormalMap& map, const StartSearch& search) {
-  // Many short trials on few normals, the best few longer on more: 0.2 s on one core, whatever the map's size. About
-  // one random trial in 30 finds the basin of the best optimum of the four-quarter map; of 128, all but 1 % of seeds
-  // do.
-  constexpr int kTrials = 128, kKept = 8;
+std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, const StartSearch& search) {
+  // Many short trials, the best of them longer: 0.2 s on one core, whatever the map's size. About one random trial in
+  // 30 finds the basin of the best optimum of the four-quarter map.
+  constexpr std::uint64_t kTrials = 128;
   constexpr int kShortIterations = 12, kLongIterations = 30;
-  const TexelRectangle all = {0, 0, map.width, map.height};
-  const Normals few = sample_normals(map, all, 1024.0);
-  const Normals many = sample_normals(map, all, 4096.0);
+  const Normals normals = sample_normals(map, {0, 0, map.width, map.height}, 1024.0);
+  const HighlightError error(normals);
   const auto cap = static_cast<double>(search.kappa_max);
+  const auto lobe_count = static_cast<std::size_t>(search.lobe_count);
   std::vector<Fit> fits(kTrials);
-  parallel_rows(kTrials, search.threads, [&](int trial) {
+  parallel_rows(kTrials, search.threads, [&](int row) {
+    const auto trial = static_cast<std::size_t>(row);
     std::vector<std::size_t> chosen;
-    if (trial == 0) chosen = farthest_first(few, search.lobe_count);
-    for (int j = static_cast<int>(chosen.size()); j < search.lobe_count; ++j)
-      chosen.push_back(mix(search.seed * 0x100000001b3u + static_cast<std::uint64_t>(trial * 8 + j)) % few.size());
-    Fit fit = start_from(few, chosen);
-    iterate(fit, few, kShortIterations, cap);
-    fits[static_cast<std::size_t>(trial)] = std::move(fit);
+    if (trial == 0) chosen = farthest_first(normals, search.lobe_count);
+    for (std::size_t j = chosen.size(); j < lobe_count; ++j)
+      chosen.push_back(mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
+    fits[trial] = start_from(normals, chosen);
+    iterate(fits[trial], normals, kShortIterations, cap);
   });
-  std::stable_sort(fits.begin(), fits.end(),
-                   [](const Fit& a, const Fit& b) { return a.log_likelihood > b.log_likelihood; });
-  fits.resize(kKept);
-  parallel_rows(kKept, search.threads,
-                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], many, kLongIterations, cap); });
-  std::vector<MultumVmfLobe> lobes;
-  for (const Lobe& lobe : best_of(fits).lobes) {
-    const glm::vec3 r(lobe.mu * std::min(lobe.mean_length, 1.0));
-    lobes.push_back({r.x, r.y, r.z, static_cast<float>(lobe.amplitude)});
+  fits = finalists(std::move(fits), error, search.threads);
+  parallel_rows(static_cast<int>(fits.size()), search.threads,
+                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap); });
+  rate(fits, error, search.threads);
+  std::stable_sort(fits.begin(), fits.end(), less_error);
+  fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());
+  std::vector<std::vector<MultumVmfLobe>> candidates;
+  for (const Fit& fit : fits) {
+    std::vector<MultumVmfLobe>& lobes = candidates.emplace_back();
+    for (const Lobe& lobe : fit.lobes) {
+      const glm::vec3 r(lobe.mu * std::min(lobe.mean_length, 1.0));
+      lobes.push_back({r.x, r.y, r.z, static_cast<float>(lobe.amplitude)});
+    }
   }
-  return lobes;
+  return candidates;
+}
+
+NormalMap sample_likeness(const NormalMap& map, int side_max, std::uint64_t seed) {
+  const auto side = [&](int size) {
+    return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::min(size, side_max))));
+  };
+  NormalMap likeness;
+  likeness.width = side(map.width);
+  likeness.height = side(map.height);
+  for (int y = 0; y < likeness.height; ++y)
+    for (int x = 0; x < likeness.width; ++x) {
+      const std::uint64_t random = mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * likeness.width + x));
+      const int source_x = position_in_cell(x, likeness.width, map.width, random & 0xffffffffu);
+      const int source_y = position_in_cell(y, likeness.height, map.height, random >> 32);
+      const auto i =
+          static_cast<std::size_t>(source_y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(source_x);
+      likeness.x.push_back(map.x[i]);
+      likeness.y.push_back(map.y[i]);
+      likeness.z.push_back(map.z[i]);
+    }
+  return likeness;
+}
+
+std::vector<glm::dvec3> spread_half_vectors(int count) {
+  // Squared height and azimuth of light and view: a Kronecker sequence in four dimensions, whose steps are the powers
+  // of the inverse root of x^5 = x + 1, the golden ratio's relative there (Roberts 2018).
+  constexpr double kRoot = 1.16730397826141868;
+  const auto direction = [](double height, double turn) {
+    const double side = std::sqrt(1.0 - height * height), azimuth = 2.0 * std::numbers::pi * turn;
+    return glm::dvec3(side * std::cos(azimuth), side * std::sin(azimuth), height);
+  };
+  std::vector<glm::dvec3> half_vectors;
+  for (int i = 0; i < count; ++i) {
+    std::array<double, 4> u{};
+    double step = 1.0;
+    for (double& value : u) value = std::fmod(0.5 + (i + 1) * (step /= kRoot), 1.0);
+    half_vectors.push_back(glm::normalize(direction(std::sqrt(u[0]), u[1]) + direction(std::sqrt(u[2]), u[3])));
+  }
+  return half_vectors;
 }
 
 }  // namespace multum

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 #include "host/image/normal_map.h"
 #include "kernels/shared/vmf_lobe.h"
 
@@ -27,10 +29,19 @@ struct StartSearch {
   int threads = 1;
 };
 
-/// The most likely of many EM fits to a sample of the whole map, in double: what the coarsest level starts from. EM
-/// from the farthest-first choice alone ends in poor local optima (one flat and two facets of a groove shared by three
-/// wide lobes: 64 % error at the coarsest level of the four-quarter map, 6 % from here), and every finer level inherits
-/// them.
-std::vector<MultumVmfLobe> likeliest_lobes(const NormalMap& map, const StartSearch& search);
+/// Starts for the coarsest level, least error first, 1 to 24: the best of many EM fits, in double,
+/// to a sample of the whole map. EM from the farthest-first choice alone ends in poor local optima (one flat and two
+/// facets of a groove shared by three wide lobes: 64 % error at the coarsest level of the four-quarter map, 6 % from
+/// here), and every finer level inherits them.
+std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, const StartSearch& search);
+
+/// A map of at most `side_max` a side, powers of two, each of whose texels is a normal picked at random from the part
+/// of `map` where it lies: the same distributions at coarse levels. At random, because patterns repeat: a knurled plate
+/// sampled on a grid lost three of its four directions.
+NormalMap sample_likeness(const NormalMap& map, int side_max, std::uint64_t seed);
+
+/// `count` half vectors of lights and views that are spread over the upper hemisphere, weighted by their cosines: what
+/// a surface is lit by and seen from. None of those that docs/ACCURACY.md judges by.
+std::vector<glm::dvec3> spread_half_vectors(int count);
 
 }  // namespace multum
