@@ -185,7 +185,8 @@ def bake_section(name, bake, step):
     seconds = [("fit", [level["seconds"] for level in bake["levels"]])]
     return f"""<h3 id="bake-{text(name)}">{text(BAKES.get(name, name))}</h3>
 <p>Seconds: {text(stages)}; the whole command took {step["seconds"]:.1f}. {counts["lobes"]} lobes fitted,
-{counts["nonfinite"]} of them not finite, {counts["kappa_clamped"]} sharper than the cap, {counts["dead_lobes"]} without normals.</p>
+{counts["nonfinite"]} of them not finite, {counts["kappa_clamped"]} sharper than the cap, {counts["dead_lobes"]}
+without normals.</p>
 <p class="soft">Found: {text(bake["input"]["encoding"])}.</p>
 <div class="charts">
 <figure>{chart(f"{name}: error by level, in percent", "error at texel centres, %", labels, percent_series)}
@@ -237,7 +238,8 @@ def own_map():
 build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
     --source bricks_normal.png --compare truth,mip,toksvig,lean</pre>
 <p>The bake prints what it took the file for: OpenGL or DirectX green, unsigned or signed, normals or heights. If it is
-wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With colours:
+wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With
+colours:
 <code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:
 <code>--lobes 2 --sweeps 1</code>. <code>multum bake --help</code> lists the rest.</p>"""
 
@@ -263,19 +265,22 @@ def make_page(folder, steps, bakes, views):
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>multum: the demo</title><style>{STYLE}</style></head><body>
 <h1>multum: textures that look right at every distance</h1>
-<p>A pixel of a distant wall covers thousands of normals. Averaging them, as mip-mapping does, draws a smooth wall. multum
+<p>A pixel of a distant wall covers thousands of normals. Averaging them, as mip-mapping does, draws a smooth wall.
+multum
 stores how they are distributed instead. Click a picture for its full size.</p>
 {hero}
 <h2>How far off, in short</h2>
 <p>Relative L1: the sum of absolute differences from the truth, divided by the truth's sum, over the whole picture.</p>
 {table(["view", *[METHODS[m][0] for m in methods]], summary)}
 <h2>Pictures</h2>
-<p class="soft">The truth takes {text(" or ".join(map(str, samples)))} samples a pixel of the finest map. All pictures of
+<p class="soft">The truth takes {text(" or ".join(map(str, samples)))} samples a pixel of the finest map. All
+pictures of
 a view have the same camera, light, material and texture filter.</p>
 {"".join(view_section(folder, name, view, step_of(steps, "view", name)) for name, view in views.items())}
 <h2>Bakes</h2>
 <p>The error of a bake is measured before it is written, on the rounded values, at random texels and directions of
-light and view, against a sum over every normal that the texel covers. blinn-phong:500 is a sharp highlight, lambert is matt.</p>
+light and view, against a sum over every normal that the texel covers. blinn-phong:500 is a sharp highlight, lambert
+is matt.</p>
 {"".join(bake_section(name, bake, step_of(steps, "bake", name)) for name, bake in bakes.items())}
 <h2>Time</h2>
 <p>Seconds of each command, from start to end, on the machine below; a first run also compiles the kernels.</p>
