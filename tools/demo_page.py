@@ -21,7 +21,7 @@ import sys
 METHODS = {
     "truth": ("truth", "the finest map, sampled many times a pixel: slow, and what the others aim at"),
     "multum": ("multum", "the baked distribution of normals"),
-    "mip": ("averaged normals", "the plain mip pyramid of most engines"),
+    "mip": ("averages", "averaged normals: the plain mip pyramid of most engines"),
     "toksvig": ("Toksvig", "averaged normals with a wider highlight where they disagree"),
     "lean": ("LEAN", "one Gaussian of slopes a texel"),
 }
@@ -60,9 +60,10 @@ figcaption { font-size: .88rem; margin-top: .2rem; } figcaption b { color: var(-
 .wide { overflow-x: auto; margin: .5rem 0; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
 th, td { padding: .22rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
-th:first-child, td:first-child { text-align: left; }
+th:first-child, td:first-child { text-align: left; white-space: normal; }
+@media (max-width: 40rem) { th, td { padding: .22rem .3rem; font-size: .85rem; } }
 th { color: var(--soft); font-weight: 600; } td.best { font-weight: 700; }
-pre { overflow-x: auto; background: var(--box); padding: .7rem .9rem; border-radius: 4px; font-size: .87rem; }
+pre { white-space: pre-wrap; overflow-wrap: anywhere; background: var(--box); padding: .7rem .9rem; border-radius: 4px; font-size: .87rem; }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(25rem, 100%), 1fr)); gap: 1rem; }
 svg { display: block; width: 100%; height: auto; } svg text { fill: var(--soft); font: 12px system-ui, sans-serif; }
 svg .axis { stroke: var(--line); } details { margin: .4rem 0; } summary { cursor: pointer; color: var(--link); }
@@ -239,8 +240,7 @@ build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
     --source bricks_normal.png --compare truth,mip,toksvig,lean</pre>
 <p>The bake prints what it took the file for: OpenGL or DirectX green, unsigned or signed, normals or heights. If it is
 wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With
-colours:
-<code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:
+colours: <code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:
 <code>--lobes 2 --sweeps 1</code>. <code>multum bake --help</code> lists the rest.</p>"""
 
 
@@ -266,16 +266,14 @@ def make_page(folder, steps, bakes, views):
 <title>multum: the demo</title><style>{STYLE}</style></head><body>
 <h1>multum: textures that look right at every distance</h1>
 <p>A pixel of a distant wall covers thousands of normals. Averaging them, as mip-mapping does, draws a smooth wall.
-multum
-stores how they are distributed instead. Click a picture for its full size.</p>
+multum stores how they are distributed instead. Click a picture for its full size.</p>
 {hero}
 <h2>How far off, in short</h2>
 <p>Relative L1: the sum of absolute differences from the truth, divided by the truth's sum, over the whole picture.</p>
 {table(["view", *[METHODS[m][0] for m in methods]], summary)}
 <h2>Pictures</h2>
 <p class="soft">The truth takes {text(" or ".join(map(str, samples)))} samples a pixel of the finest map. All
-pictures of
-a view have the same camera, light, material and texture filter.</p>
+pictures of a view have the same camera, light, material and texture filter.</p>
 {"".join(view_section(folder, name, view, step_of(steps, "view", name)) for name, view in views.items())}
 <h2>Bakes</h2>
 <p>The error of a bake is measured before it is written, on the rounded values, at random texels and directions of
