@@ -63,7 +63,8 @@ th, td { padding: .22rem .7rem; border-bottom: 1px solid var(--line); text-align
 th:first-child, td:first-child { text-align: left; white-space: normal; }
 @media (max-width: 40rem) { th, td { padding: .22rem .3rem; font-size: .85rem; } }
 th { color: var(--soft); font-weight: 600; } td.best { font-weight: 700; }
-pre { white-space: pre-wrap; overflow-wrap: anywhere; background: var(--box); padding: .7rem .9rem; border-radius: 4px; font-size: .87rem; }
+pre { white-space: pre-wrap; overflow-wrap: anywhere; background: var(--box); padding: .7rem .9rem;
+  border-radius: 4px; font-size: .87rem; }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(25rem, 100%), 1fr)); gap: 1rem; }
 svg { display: block; width: 100%; height: auto; } svg text { fill: var(--soft); font: 12px system-ui, sans-serif; }
 svg .axis { stroke: var(--line); } details { margin: .4rem 0; } summary { cursor: pointer; color: var(--link); }
