@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The scripts that a newcomer starts: their syntax, their help, what they refuse, the packages they name, the page."""
+import html.parser
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TOOLS = ROOT / "tools"
+SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies", ROOT / ".ci/run"]
+# What provides each find_package of the CMake files; nothing where the compiler or CMake itself does.
+PACKAGE_OF = {"glm": "libglm-dev", "spdlog": "libspdlog-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
+              "OpenEXR": "libopenexr-dev", "OpenImageIO": "libopenimageio-dev", "OpenCL": "ocl-icd-opencl-dev",
+              "nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "assimp": "libassimp-dev",
+              "Python3": "python3", "GTest": "libgtest-dev", "OpenGL": "libgl-dev", "Threads": None, "OpenMP": None}
+VOID = {"meta", "img", "line", "circle", "rect", "polyline", "i", "br"}
+
+
+def run(*command, **more):
+    return subprocess.run([str(c) for c in command], capture_output=True, text=True, check=False, **more)
+
+
+def packages():
+    return run(TOOLS / "install_dependencies", "--list").stdout.split()
+
+
+class ScriptsTest(unittest.TestCase):
+    def test_shell_syntax(self):
+        for script in SHELL_SCRIPTS:
+            with self.subTest(script=script.name):
+                self.assertEqual(run("bash", "-n", script).stderr, "")
+
+    @unittest.skipUnless(shutil.which("shellcheck"), "no shellcheck here")
+    def test_shellcheck(self):
+        self.assertEqual(run("shellcheck", *SHELL_SCRIPTS).stdout, "")
+
+    def test_help(self):
+        for name in ("demo", "test", "demo_page.py", "torus_mesh.py", "terrain_height.py"):
+            with self.subTest(script=name):
+                done = run(TOOLS / name, "--help")
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                self.assertIn(f"tools/{name}", done.stdout)
+
+    def test_refusals_name_what_was_found(self):
+        for command in (("demo", "--size", "63"), ("demo", "--size", "9000"), ("demo", "--size", "x"),
+                        ("demo", "--surprise"), ("test", "--preset"), ("install_dependencies", "surprise")):
+            with self.subTest(command=command):
+                done = run(TOOLS / command[0], *command[1:])
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn("expected", done.stderr)
+
+    def test_torus_is_whole(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "torus.obj"
+            self.assertEqual(run(TOOLS / "torus_mesh.py", path).returncode, 0)
+            lines = path.read_text().splitlines()
+        vertices = sum(line.startswith("v ") for line in lines)
+        corners = [int(c.split("/")[0]) for line in lines if line.startswith("f ") for c in line.split()[1:]]
+        self.assertEqual((min(corners), max(corners)), (1, vertices))
+
+
+class DependenciesTest(unittest.TestCase):
+    def test_every_find_package_is_installed(self):
+        listed = packages()
+        files = [f for f in ROOT.rglob("CMakeLists.txt") if f.relative_to(ROOT).parts[0] not in ("build", "out")]
+        found = {name for f in files for name in re.findall(r"^\s*find_package\((\w+)", f.read_text(), re.MULTILINE)}
+        self.assertIn("OpenEXR", found)
+        for name in sorted(found):
+            with self.subTest(find_package=name):
+                self.assertIn(name, PACKAGE_OF)
+                if PACKAGE_OF[name]:
+                    self.assertIn(PACKAGE_OF[name], listed)
+
+    def test_document_names_the_same_packages(self):
+        rows = re.findall(r"^\| `([^`]+)` \|", (ROOT / "docs/DEPENDENCIES.md").read_text(), re.MULTILINE)
+        self.assertEqual(sorted(rows), sorted(packages()))
+
+
+class BalancedParser(html.parser.HTMLParser):
+    """Collects tags that end out of turn, references and pictures without alternative text."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.wrong, self.references = [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        given = dict(attributes)
+        self.references += [given[k] for k in ("src", "href") if k in given]
+        if tag == "img" and not given.get("alt"):
+            self.wrong.append("img without alt")
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag in VOID:
+            return
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(f"</{tag}>")
+
+
+class PageTest(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+        (self.folder / "steps.tsv").write_text(
+            "bake\twhite\t1500\tmultum bake a<b.png\nview\tplain\t2500\tmultum-view white.ndf.exr\n")
+        errors = [{"level": level, "point": point, "brdf": "lambert", "relative_l1": 0.01 * (level + 1),
+                   "confidence_95": 0.0, "samples": 0 if level == 1 and point != "centre" else 8}
+                  for level in (0, 1) for point in ("centre", "midway-x", "midway-y", "between-levels")]
+        levels = [{"level": l, "width": 2 >> l, "height": 2 >> l, "seconds": 0.25, "launches": 1} for l in (0, 1)]
+        self.bake = {"source": "a.png", "device": "d<e>v", "input": {"encoding": "height & <field>"},
+                     "stages": [{"name": "fit", "seconds": 0.5}], "levels": levels, "measured_error": errors,
+                     "counts": {"lobes": 20, "nonfinite": 0, "kappa_clamped": 1, "dead_lobes": 2}}
+        self.view = {"context": "osmesa", "software": "multum-view 0", "truth_samples": 9, "pictures": [
+            {"name": "truth", "frame_time_ms": 3.0},
+            {"name": "multum", "frame_time_ms": 2.0, "relative_l1": 0.125, "rmse": 0.01},
+            {"name": "mip", "frame_time_ms": 1.0, "relative_l1": 0.5, "rmse": 0.02}]}
+        for name in ("truth", "multum", "mip", "multum_difference", "mip_difference"):
+            (self.folder / f"plain_{name}.png").write_bytes(b"")
+        self.write()
+
+    def write(self):
+        (self.folder / "white.bake.json").write_text(json.dumps(self.bake))
+        (self.folder / "plain.view.json").write_text(json.dumps(self.view))
+
+    def page(self):
+        done = run(TOOLS / "demo_page.py", self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return (self.folder / "index.html").read_text()
+
+    def test_numbers_are_there_and_text_is_escaped(self):
+        page = self.page()
+        for expected in ("12.5 %", "50.0 %", "0: 2 x 2", "1: 1 x 1", "d&lt;e&gt;v", "height &amp; &lt;field&gt;"):
+            self.assertIn(expected, page)
+
+    def test_page_is_well_formed_and_stands_alone(self):
+        parser = BalancedParser()
+        parser.feed(self.page())
+        self.assertEqual((parser.wrong, parser.open), ([], []))
+        self.assertGreater(len(parser.references), 5)
+        for reference in parser.references:
+            self.assertTrue((self.folder / reference).is_file(), reference)
+
+    def test_no_error_measured_and_no_view(self):
+        self.bake["measured_error"] = []
+        self.write()
+        (self.folder / "steps.tsv").write_text("bake\twhite\t1500\tmultum bake a.png\n")
+        self.assertIn("1: 1 x 1", self.page())
+
+    def test_what_is_missing_is_named_and_no_page_is_left(self):
+        (self.folder / "plain.view.json").unlink()
+        done = run(TOOLS / "demo_page.py", self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("plain.view.json", done.stderr)
+        self.assertEqual(list(self.folder.glob("index*")), [])
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
