@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
@@ -79,10 +78,14 @@ constexpr Baseline kBaselines[] = {Baseline::kMip, Baseline::kToksvig, Baseline:
 
 const char* baseline_name(Baseline baseline) {
   switch (baseline) {
-    case Baseline::kMip: return "mip";
-    case Baseline::kToksvig: return "Toksvig";
-    case Baseline::kLean: return "LEAN";
-    case Baseline::kLeanJacobian: return "LEAN with Jacobian";
+    case Baseline::kMip:
+      return "mip";
+    case Baseline::kToksvig:
+      return "Toksvig";
+    case Baseline::kLean:
+      return "LEAN";
+    case Baseline::kLeanJacobian:
+      return "LEAN with Jacobian";
   }
   return "?";
 }

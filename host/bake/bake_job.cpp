@@ -61,8 +61,8 @@ std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;  // of a file that does not exist
-  return std::filesystem::equivalent(a, b, ignored) || std::filesystem::path(a).lexically_normal() ==
-                                                           std::filesystem::path(b).lexically_normal();
+  return std::filesystem::equivalent(a, b, ignored) ||
+         std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
 }
 
 // A result that takes the place of a source, or of another result, would lose it without a word.
@@ -111,8 +111,8 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   clock.finish("read");
 
   // Measuring and writing count as about a level's work each.
-  const std::uint64_t level_units = movmf_bake_units(map.width, map.height) /
-                                    static_cast<std::uint64_t>(mip_level_count(map.width, map.height));
+  const std::uint64_t level_units =
+      movmf_bake_units(map.width, map.height) / static_cast<std::uint64_t>(mip_level_count(map.width, map.height));
   progress_start(progress, movmf_bake_units(map.width, map.height) + 2 * level_units);
   MovmfMipmap mipmap = bake_movmf(device, map, albedo ? &*albedo : nullptr, job.fitting, report, progress);
   mipmap.encoding = job.encoding;

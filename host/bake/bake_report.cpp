@@ -71,7 +71,7 @@ std::string BakeReport::to_json() const {
                    {"below_horizon_repaired", input.below_horizon_repaired}};
   json["stages"] = Json::array();
   for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
-  json["start"] = {{"seconds", start_seconds}, {"rehearsed", starts_rehearsed}};
+  json["start"] = {{"seconds", start_seconds}, {"rehearsed", starts_rehearsed}, {"launches", start_launches}};
   json["levels"] = Json::array();
   for (const LevelReport& level : levels)
     json["levels"].push_back({{"level", level.level},
@@ -81,8 +81,11 @@ std::string BakeReport::to_json() const {
                               {"launches", level.launches}});
   json["launches"] = launches;
   json["programs"] = programs_built;
-  json["counts"] = {{"lobes", lobe_count_total},       {"nonfinite", nonfinite},   {"kappa_clamped", kappa_clamped},
-                    {"dead_lobes", dead_lobes},        {"undirected_lobes", undirected_lobes}};
+  json["counts"] = {{"lobes", lobe_count_total},
+                    {"nonfinite", nonfinite},
+                    {"kappa_clamped", kappa_clamped},
+                    {"dead_lobes", dead_lobes},
+                    {"undirected_lobes", undirected_lobes}};
   json["measured_error"] = accuracy_json(accuracy);
   return json.dump(2) + "\n";
 }

@@ -28,16 +28,17 @@ struct BakeReport {
   std::string device;
   NormalMapReport input;
   std::vector<StageTime> stages;
-  double start_seconds = 0.0;    // of "fit": choosing where the coarsest level starts
-  int starts_rehearsed = 0;      // candidates whose pyramid was tried on a small likeness of the map
-  std::vector<LevelReport> levels;               // finest first
+  double start_seconds = 0.0;  // of "fit": choosing where the coarsest level starts
+  std::uint64_t start_launches = 0;
+  int starts_rehearsed = 0;                       // candidates whose pyramid was tried on a small likeness of the map
+  std::vector<LevelReport> levels;                // finest first
   std::map<std::string, std::uint64_t> launches;  // by kernel
   int programs_built = 0;
   // Rare numerical events, over all texels and lobes of all levels.
   std::uint64_t lobe_count_total = 0;
-  std::uint64_t nonfinite = 0;       // must be 0
-  std::uint64_t kappa_clamped = 0;   // sharper than MovmfSettings::kappa_cap: EM may have fitted them as if less sharp
-  std::uint64_t dead_lobes = 0;      // amplitude below 1e-6: keeps its last direction
+  std::uint64_t nonfinite = 0;      // must be 0
+  std::uint64_t kappa_clamped = 0;  // sharper than MovmfSettings::kappa_cap: EM may have fitted them as if less sharp
+  std::uint64_t dead_lobes = 0;     // amplitude below 1e-6: keeps its last direction
   std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
   std::vector<AccuracyRow> accuracy;
 

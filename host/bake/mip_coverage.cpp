@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "host/base/error.h"
 #include "host/bake/parallel_rows.h"
+#include "host/base/error.h"
 
 namespace multum {
 namespace {

@@ -86,11 +86,13 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.alignment = settings.alignment;
     fit.kappa_cap = settings.kappa_cap;
     fit.kappa_cap_slope = settings.kappa_cap_slope;
-    fit.total_weight_inverse = static_cast<float>(static_cast<double>(fit.width) * fit.height /
-                                                  (static_cast<double>(map_width) * map_height));
+    fit.total_weight_inverse =
+        static_cast<float>(static_cast<double>(fit.width) * fit.height / (static_cast<double>(map_width) * map_height));
     level.chunked = static_cast<std::int64_t>(fit.sample_columns) * fit.sample_rows > kSamplesUnchunkedMax;
-    if (settings.order == FitOrder::kScanline) add_wavefront_steps(level);
-    else add_colour_steps(level);
+    if (settings.order == FitOrder::kScanline)
+      add_wavefront_steps(level);
+    else
+      add_colour_steps(level);
     schedule.levels.push_back(std::move(level));
   }
   return schedule;

@@ -40,6 +40,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const NormalMap& map, co
                                         BakeReport& report) {
   constexpr int kLikenessSide = 64;
   const auto started = std::chrono::steady_clock::now();
+  const std::uint64_t launches_before = device.launch_total();
   const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(map, search);
   report.starts_rehearsed = 0;
@@ -59,6 +60,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const NormalMap& map, co
       best = c;
     }
   }
+  report.start_launches = device.launch_total() - launches_before;
   report.start_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return candidates[best];
 }

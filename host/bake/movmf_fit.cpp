@@ -125,7 +125,7 @@ class MovmfFitter {
   void fit_level(const LevelSchedule& level) {
     progress_stage(progress_, fmt::format("fit level {}", level.level));
     const double start_seconds = now_seconds();
-    const std::uint64_t launches_before = total_launches();
+    const std::uint64_t launches_before = device_.launch_total();
     const std::size_t texels = texel_count(level.fit.width, level.fit.height);
     DeviceBuffer& lobes = lobes_[static_cast<std::size_t>(level.level)];
     lobes = device_.make_buffer(lobe_count() * texels * sizeof(MultumVmfLobe), "the lobes of a level");
@@ -149,7 +149,7 @@ class MovmfFitter {
     read_level(level, lobes, colours);
     report_.levels[static_cast<std::size_t>(level.level)] = {level.level, level.fit.width, level.fit.height,
                                                              now_seconds() - start_seconds,
-                                                             total_launches() - launches_before};
+                                                             device_.launch_total() - launches_before};
   }
 
   // Every step of a level once. An empty `colours` buffer: none are wanted.
@@ -284,7 +284,7 @@ class MovmfFitter {
   void fit_level_zero() {
     progress_stage(progress_, "fit level 0");
     const double start_seconds = now_seconds();
-    const std::uint64_t launches_before = total_launches();
+    const std::uint64_t launches_before = device_.launch_total();
     MovmfLevel& out = result_.levels[0];
     const bool has_parent = result_.levels.size() > 1 && settings_.aligned_start;
     const int parent_width = has_parent ? result_.levels[1].width : 0;
@@ -311,13 +311,8 @@ class MovmfFitter {
             out.lobes[j][i].w * glm::vec3(albedo_->host[0][i], albedo_->host[1][i], albedo_->host[2][i]);
     }
     report_.lobe_count_total += lobe_count() * texel_count(map_.width, map_.height);
-    report_.levels[0] = {0, map_.width, map_.height, now_seconds() - start_seconds, total_launches() - launches_before};
-  }
-
-  std::uint64_t total_launches() const {
-    std::uint64_t sum = 0;
-    for (const auto& entry : device_.launch_counts()) sum += entry.second;
-    return sum;
+    report_.levels[0] = {0, map_.width, map_.height, now_seconds() - start_seconds,
+                         device_.launch_total() - launches_before};
   }
 
   Device& device_;

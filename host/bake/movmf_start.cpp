@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -252,12 +251,9 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, c
 }
 
 NormalMap sample_likeness(const NormalMap& map, int side_max, std::uint64_t seed) {
-  const auto side = [&](int size) {
-    return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::min(size, side_max))));
-  };
   NormalMap likeness;
-  likeness.width = side(map.width);
-  likeness.height = side(map.height);
+  likeness.width = std::min(map.width, side_max);
+  likeness.height = std::min(map.height, side_max);
   for (int y = 0; y < likeness.height; ++y)
     for (int x = 0; x < likeness.width; ++x) {
       const std::uint64_t random = mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * likeness.width + x));
@@ -281,11 +277,12 @@ std::vector<glm::dvec3> spread_half_vectors(int count) {
     return glm::dvec3(side * std::cos(azimuth), side * std::sin(azimuth), height);
   };
   std::vector<glm::dvec3> half_vectors;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < (count + 3) / 4; ++i) {
     std::array<double, 4> u{};
     double step = 1.0;
     for (double& value : u) value = std::fmod(0.5 + (i + 1) * (step /= kRoot), 1.0);
-    half_vectors.push_back(glm::normalize(direction(std::sqrt(u[0]), u[1]) + direction(std::sqrt(u[2]), u[3])));
+    glm::dvec3 h = glm::normalize(direction(std::sqrt(u[0]), u[1]) + direction(std::sqrt(u[2]), u[3]));
+    for (int quarter_turn = 0; quarter_turn < 4; ++quarter_turn, h = {-h.y, h.x, h.z}) half_vectors.push_back(h);
   }
   return half_vectors;
 }

@@ -35,13 +35,14 @@ struct StartSearch {
 /// here), and every finer level inherits them.
 std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, const StartSearch& search);
 
-/// A map of at most `side_max` a side, powers of two, each of whose texels is a normal picked at random from the part
-/// of `map` where it lies: the same distributions at coarse levels. At random, because patterns repeat: a knurled plate
-/// sampled on a grid lost three of its four directions.
+/// A map of at most `side_max` a side, each of whose texels is a normal picked at random from the part of `map` that it
+/// stands for: the same distributions at coarse levels. At random, because patterns repeat: a knurled plate sampled on
+/// a grid lost three of its four directions.
 NormalMap sample_likeness(const NormalMap& map, int side_max, std::uint64_t seed);
 
-/// `count` half vectors of lights and views that are spread over the upper hemisphere, weighted by their cosines: what
-/// a surface is lit by and seen from. None of those that docs/ACCURACY.md judges by.
+/// `count`, a multiple of 4, half vectors of lights and views that are spread over the upper hemisphere, weighted by
+/// their cosines: what a surface is lit by and seen from. The same after a quarter turn about z; none of those that
+/// docs/ACCURACY.md judges by.
 std::vector<glm::dvec3> spread_half_vectors(int count);
 
 }  // namespace multum

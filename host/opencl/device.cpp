@@ -136,6 +136,11 @@ Device Device::open(const std::string& selector) {
 
 const DeviceInfo& Device::info() const { return state_->info; }
 const std::map<std::string, std::uint64_t>& Device::launch_counts() const { return state_->launch_counts; }
+std::uint64_t Device::launch_total() const {
+  std::uint64_t sum = 0;
+  for (const auto& entry : state_->launch_counts) sum += entry.second;
+  return sum;
+}
 int Device::program_count() const { return static_cast<int>(state_->programs.size()); }
 
 namespace {

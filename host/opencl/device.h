@@ -100,6 +100,7 @@ class Device {
 
   /// Launches so far, by kernel name; programs built or loaded from the cache so far.
   const std::map<std::string, std::uint64_t>& launch_counts() const;
+  std::uint64_t launch_total() const;
   int program_count() const;
 
  private:

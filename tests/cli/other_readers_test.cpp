@@ -38,7 +38,7 @@ TEST_F(OtherReadersTest, OiiotoolFindsEveryPartChannelAndAttribute) {
     in_order.push_back("MIP-map levels: 64x64 32x32 16x16 8x8 4x4 2x2 1x1");
     in_order.push_back(
         part < 3 ? fmt::format("channel list: lobe{0}.vMF.R, lobe{0}.vMF.G, lobe{0}.vMF.B, lobe{0}.vMF.A", j)
-                 : fmt::format("channel list: colour{0}.R, colour{0}.G, colour{0}.B", j));
+                 : fmt::format("channel list: colour{0}.albedo.R, colour{0}.albedo.G, colour{0}.albedo.B", j));
     in_order.push_back(fmt::format("name: \"{}.{}\"", part < 3 ? "lobe" : "colour", j));
   }
   std::size_t at = 0;
