@@ -53,6 +53,17 @@ TEST_F(ViewTest, WritesPictureAndReport) {
   EXPECT_GT(report["pictures"][1]["relative_l1"].get<double>(), 0.0);
 }
 
+TEST_F(ViewTest, WarnsWhereTheRendererFiltersAnisotropicallyWrong) {
+  const std::vector<std::string> arguments = {"-o", path("out.png"), "--size", "32x24", "--anisotropy", "4",
+                                              "--context", "osmesa"};
+  EXPECT_EQ(view(arguments).output.find("--anisotropy"), std::string::npos) << "16 x 16 is filtered right";
+  gl::TestMap map = gl::make_two_tilt_map(12, 20.0, StorageEncoding::kSnorm16, false);
+  write_movmf_mipmap(path("map.ndf.exr"), map.mipmap, {});
+  const ChildResult result = view(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("map.ndf.exr: is 12 x 12 texels"), std::string::npos) << result.output;
+}
+
 TEST_F(ViewTest, WritesEachPictureByItself) {
   const ChildResult result = view({"-o", path("out.png"), "--compare", "truth,mip", "--size", "32x24", "--samples", "4",
                                    "--pictures", path("one"), "--context", "osmesa"});

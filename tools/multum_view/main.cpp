@@ -130,6 +130,18 @@ void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>&
   }
 }
 
+bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
+
+/// Measured with Mesa 22.3.6: a plane seen from above, terrain of 403 x 344, averaged normals 85 % off with
+/// --anisotropy 4 and 60 % without; resized to 256 x 256, 65 and 66 %.
+void warn_of_wrong_anisotropy(const ViewOptions& options, const MovmfMipmap& mipmap, const std::string& renderer) {
+  if (options.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
+  if (is_power_of_two(mipmap.width()) && is_power_of_two(mipmap.height())) return;
+  log_warning(fmt::format("{}: is {} x {} texels; this software renderer filters sizes that are no powers of two "
+                          "wrongly with --anisotropy: leave it out for a right picture",
+                          options.input, mipmap.width(), mipmap.height()));
+}
+
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures, bool has_truth) {
   nlohmann::json rows = nlohmann::json::array();
   fmt::print("{:10} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms");
@@ -176,6 +188,7 @@ int run(int argc, char** argv) {
   const gl::MeshData mesh_data = make_mesh(*options);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
   log_info(context->description());
+  warn_of_wrong_anisotropy(*options, mipmap, context->description());
   const gl::Mesh mesh(context->functions(), mesh_data);
   const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, mipmap);
   const bool has_truth = pictures[0].name == "truth";
