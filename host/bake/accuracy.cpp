@@ -11,6 +11,7 @@
 #include "host/bake/mip_coverage.h"
 #include "host/bake/parallel_rows.h"
 #include "host/base/error.h"
+#include "host/base/split_mix.h"
 
 namespace multum {
 namespace {
@@ -28,16 +29,6 @@ struct SamplePoint {
   int level;
   std::array<Tap, 5> taps;
   int tap_count;
-};
-
-struct SplitMix64 {
-  std::uint64_t state;
-  std::uint64_t next() {
-    std::uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
 };
 
 // One texel at random in each cell of a regular grid: spread evenly, no two alike. All texels when they are few enough.
@@ -84,7 +75,7 @@ SamplePoint between_point(const MovmfMipmap& mipmap, int level, int x, int y) {
 
 std::vector<SamplePoint> make_points(const MovmfMipmap& mipmap, const AccuracySettings& settings) {
   std::vector<SamplePoint> points;
-  SplitMix64 random{settings.seed};
+  SplitMix64 random(settings.seed);
   const int level_count = static_cast<int>(mipmap.levels.size());
   for (int l = settings.first_level; l < level_count; ++l) {
     const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];

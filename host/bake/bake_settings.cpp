@@ -41,6 +41,7 @@ std::string settings_json(const MovmfSettings& s) {
   json["iterations_again"] = s.iteration_count_again;
   json["order"] = s.order == FitOrder::kColour ? "colour" : "scanline";
   json["align"] = s.alignment;
+  json["rehearse_start"] = s.rehearse_start;
   json["aligned_start"] = s.aligned_start;
   json["kappa_cap"] = s.kappa_cap;
   json["kappa_cap_slope"] = s.kappa_cap_slope;

@@ -18,6 +18,7 @@ struct MovmfSettings {
   int iteration_count_again = 10;  // EM iterations a texel in each further sweep, 1..1000
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;          // C of the alignment prior, 0..10; 0: none
+  bool rehearse_start = true;      // try the coarsest level's candidates on a small likeness of the map
   bool aligned_start = true;  // false: every texel starts by itself (for comparison: filtering then mixes lobes up)
   // Cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals (what a lobe stores is its
   // normals' own spread, whatever the cap).

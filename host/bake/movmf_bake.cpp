@@ -46,7 +46,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const NormalMap& map, co
   report.starts_rehearsed = 0;
   std::size_t best = 0;
   // Levels that do not grow from the coarsest cannot tell starts apart.
-  if (settings.aligned_start && candidates.size() > 1) {
+  if (settings.rehearse_start && settings.aligned_start && candidates.size() > 1) {
     const NormalMap likeness = sample_likeness(map, kLikenessSide, search.seed);
     MovmfFitPlan plan;
     plan.weighted = make_mip_schedule(map.width, map.height, settings).weighted;  // no second set of programs

@@ -10,19 +10,12 @@
 #include <numeric>
 
 #include "host/bake/parallel_rows.h"
+#include "host/base/split_mix.h"
 
 namespace multum {
 namespace {
 
 using Normals = std::vector<glm::dvec3>;
-
-// Splittable generator (Steele, Lea, Flood 2014): number i of a seed is the same whatever thread asks.
-std::uint64_t mix(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
 
 // A position in cell `cell` of `cells` that divide `size` texels, at random.
 int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
@@ -39,7 +32,8 @@ Normals sample_normals(const NormalMap& map, const TexelRectangle& where, double
   Normals normals;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
-      const std::uint64_t random = mix(static_cast<std::uint64_t>(row) * 65536u + static_cast<std::uint64_t>(column));
+      const std::uint64_t random =
+          split_mix(static_cast<std::uint64_t>(row) * 65536u + static_cast<std::uint64_t>(column));
       const int x = where.x0 + position_in_cell(column, columns, width, random & 0xffffffffu);
       const int y = where.y0 + position_in_cell(row, rows, height, random >> 32);
       const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(x);
@@ -229,7 +223,7 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, c
     std::vector<std::size_t> chosen;
     if (trial == 0) chosen = farthest_first(normals, search.lobe_count);
     for (std::size_t j = chosen.size(); j < lobe_count; ++j)
-      chosen.push_back(mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
+      chosen.push_back(split_mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
     fits[trial] = start_from(normals, chosen);
     iterate(fits[trial], normals, kShortIterations, cap);
   });
@@ -256,7 +250,8 @@ NormalMap sample_likeness(const NormalMap& map, int side_max, std::uint64_t seed
   likeness.height = std::min(map.height, side_max);
   for (int y = 0; y < likeness.height; ++y)
     for (int x = 0; x < likeness.width; ++x) {
-      const std::uint64_t random = mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * likeness.width + x));
+      const std::uint64_t random =
+          split_mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * likeness.width + x));
       const int source_x = position_in_cell(x, likeness.width, map.width, random & 0xffffffffu);
       const int source_y = position_in_cell(y, likeness.height, map.height, random >> 32);
       const auto i =

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host/base/error.h"
+#include "host/base/split_mix.h"
 #include "host/image/image_io.h"
 
 namespace multum {
@@ -69,23 +70,6 @@ Texel groove_texel(double x, double y) {
   if (phase < 0.8) return {cosine, sine, {0.1, 0.2, 0.9}};
   return {0.0, 0.0, {0.6, 0.6, 0.6}};
 }
-
-// Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators" (SplitMix64).
-class SplitMix64 {
- public:
-  explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-  }
-  /// In (0, 1]: the logarithm of it is finite.
-  double uniform() { return (static_cast<double>(next() >> 11) + 1.0) * 0x1.0p-53; }
-
- private:
-  std::uint64_t state_;
-};
 
 // Box and Muller 1958; both numbers of a pair are used, in row order.
 std::vector<double> white_noise(std::size_t count, std::uint64_t seed) {

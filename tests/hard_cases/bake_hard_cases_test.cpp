@@ -4,28 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 #include <glm/geometric.hpp>
 
 #include "host/bake/movmf_bake.h"
+#include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {
 
-NormalMap make_map(int width, int height, const std::function<glm::dvec3(int, int)>& normal_at) {
-  NormalMap map;
-  map.width = width;
-  map.height = height;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const glm::vec3 n(normal_at(x, y));
-      map.x.push_back(n.x);
-      map.y.push_back(n.y);
-      map.z.push_back(n.z);
-    }
-  return map;
-}
+using testing::make_map;
 
 struct Baked {
   MovmfMipmap mipmap;

@@ -10,26 +10,21 @@
 
 #include "host/asset/movmf_mipmap.h"
 #include "tests/kernels/em_harness.h"
+#include "tests/reference/test_maps.h"
 
 namespace multum::testing {
 namespace {
 
+// Three facets with some roughness: what EM should find.
 NormalMap random_map(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
-  NormalMap map;
-  map.width = width;
-  map.height = height;
-  for (int i = 0; i < width * height; ++i) {
-    const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f * 2.0f - 1.0f; };
-    // Three facets with some roughness: what EM should find.
+  return make_map(width, height, [&](int, int) {
+    const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24 * 2.0 - 1.0; };
     const int facet = static_cast<int>(random() % 3);
-    glm::vec3 n(facet == 0 ? 0.6f : facet == 1 ? -0.5f : 0.0f, facet == 2 ? 0.6f : 0.1f, 0.8f);
-    n = glm::normalize(n + 0.15f * glm::vec3(uniform(), uniform(), uniform()));
-    map.x.push_back(n.x);
-    map.y.push_back(n.y);
-    map.z.push_back(n.z);
-  }
-  return map;
+    const double x = uniform(), y = uniform(), z = uniform();
+    const glm::dvec3 n(facet == 0 ? 0.6 : facet == 1 ? -0.5 : 0.0, facet == 2 ? 0.6 : 0.1, 0.8);
+    return glm::normalize(glm::normalize(n) + 0.15 * glm::dvec3(x, y, z));
+  });
 }
 
 std::vector<MultumVmfLobe> random_parent(const NormalMap& map, int level, int lobe_count, unsigned seed) {

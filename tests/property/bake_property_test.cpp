@@ -10,23 +10,18 @@
 
 #include "host/bake/movmf_bake.h"
 #include "host/image/four_quarter_map.h"
+#include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {
 
 NormalMap random_map(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
-  NormalMap map;
-  map.width = width;
-  map.height = height;
-  for (int i = 0; i < width * height; ++i) {
-    const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f * 2.0f - 1.0f; };
-    const glm::vec3 n = glm::normalize(glm::vec3(uniform(), uniform(), 0.2f + std::abs(uniform())));
-    map.x.push_back(n.x);
-    map.y.push_back(n.y);
-    map.z.push_back(n.z);
-  }
-  return map;
+  return testing::make_map(width, height, [&](int, int) {
+    const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24 * 2.0 - 1.0; };
+    const double x = uniform(), y = uniform();
+    return glm::normalize(glm::dvec3(x, y, 0.2 + std::abs(uniform())));
+  });
 }
 
 MovmfMipmap bake(const NormalMap& map, const MovmfSettings& settings, const ColourMap* albedo = nullptr) {

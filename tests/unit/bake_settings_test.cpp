@@ -51,12 +51,17 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
   const std::string usual = settings_json(MovmfSettings());
   EXPECT_EQ(usual, settings_json(MovmfSettings()));
   EXPECT_TRUE(nlohmann::json::accept(usual));
-  const std::vector<Change> changes = {
-      [](auto& s) { s.lobe_count = 5; },           [](auto& s) { s.iteration_count = 5; },
-      [](auto& s) { s.iteration_count_top = 5; },  [](auto& s) { s.order = FitOrder::kScanline; },
-      [](auto& s) { s.alignment = 0.5f; },         [](auto& s) { s.aligned_start = false; },
-      [](auto& s) { s.kappa_cap = 501.0f; },       [](auto& s) { s.kappa_cap_slope = 11.0f; },
-      [](auto& s) { s.start_kappa_factor = 1.0f; }, [](auto& s) { s.start_amplitude_min = 0.1f; }};
+  const std::vector<Change> changes = {[](auto& s) { s.lobe_count = 5; },
+                                       [](auto& s) { s.iteration_count = 5; },
+                                       [](auto& s) { s.iteration_count_top = 5; },
+                                       [](auto& s) { s.order = FitOrder::kScanline; },
+                                       [](auto& s) { s.alignment = 0.5f; },
+                                       [](auto& s) { s.aligned_start = false; },
+                                       [](auto& s) { s.rehearse_start = false; },
+                                       [](auto& s) { s.kappa_cap = 501.0f; },
+                                       [](auto& s) { s.kappa_cap_slope = 11.0f; },
+                                       [](auto& s) { s.start_kappa_factor = 1.0f; },
+                                       [](auto& s) { s.start_amplitude_min = 0.1f; }};
   std::set<std::string> texts = {usual};
   for (const Change& change : changes) {
     MovmfSettings settings;

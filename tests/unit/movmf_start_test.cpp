@@ -8,29 +8,21 @@
 #include <glm/geometric.hpp>
 #include <set>
 
+#include "tests/reference/test_maps.h"
+
 namespace multum {
 namespace {
 
-void add(NormalMap& map, const glm::dvec3& direction) {
-  const glm::vec3 n(glm::normalize(direction));
-  map.x.push_back(n.x);
-  map.y.push_back(n.y);
-  map.z.push_back(n.z);
-}
+using testing::make_map;
 
 const glm::dvec3 kFacets[4] = {{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}, {0.0, 0.6, 0.8}, {0.0, -0.6, 0.8}};
 
 // A knurled plate: four facets in a pattern of `period` texels.
 NormalMap knurled_plate(int width, int height, int period) {
-  NormalMap map;
-  map.width = width;
-  map.height = height;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const int u = x % period - period / 2, v = y % period - period / 2;
-      add(map, kFacets[std::abs(u) > std::abs(v) ? (u > 0 ? 0 : 1) : (v > 0 ? 2 : 3)]);
-    }
-  return map;
+  return make_map(width, height, [&](int x, int y) {
+    const int u = x % period - period / 2, v = y % period - period / 2;
+    return kFacets[std::abs(u) > std::abs(v) ? (u > 0 ? 0 : 1) : (v > 0 ? 2 : 3)];
+  });
 }
 
 TEST(MovmfStartTest, ACandidateHasEveryFacetOfAPatternInStepWithPowersOfTwo) {
@@ -79,15 +71,7 @@ TEST(MovmfStartTest, ALikenessTakesEachNormalFromWhereItLies) {
   for (const Case& test : {Case{1024, 512, 64, 64}, Case{403, 50, 64, 50}, Case{1, 300, 1, 64}, Case{1, 1, 1, 1}}) {
     SCOPED_TRACE(test.width);
     // Each normal says where it stands.
-    NormalMap map;
-    map.width = test.width;
-    map.height = test.height;
-    for (int y = 0; y < test.height; ++y)
-      for (int x = 0; x < test.width; ++x) {
-        map.x.push_back(static_cast<float>(x));
-        map.y.push_back(static_cast<float>(y));
-        map.z.push_back(0.0f);
-      }
+    const NormalMap map = make_map(test.width, test.height, [](int x, int y) { return glm::dvec3(x, y, 0.0); });
     const NormalMap likeness = sample_likeness(map, 64, 1);
     ASSERT_EQ(likeness.width, test.likeness_width);
     ASSERT_EQ(likeness.height, test.likeness_height);

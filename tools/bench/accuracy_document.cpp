@@ -116,6 +116,9 @@ std::vector<Variant> compared_variants() {
   Variant one_sweep{"4 lobes, one sweep", with_lobes(4)};
   one_sweep.settings.sweep_count = 1;
   variants.push_back(one_sweep);
+  Variant unrehearsed{"4 lobes, start not rehearsed", with_lobes(4)};
+  unrehearsed.settings.rehearse_start = false;
+  variants.push_back(unrehearsed);
   Variant scanline{"4 lobes, scan-line order (the paper's)", with_lobes(4)};
   scanline.settings.order = FitOrder::kScanline;
   variants.push_back(scanline);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random numbers that mean the same on every machine and standard library: SplitMix64 (Steele, Lea and Flood 2014,
+// "Fast splittable pseudorandom number generators").
+#pragma once
+
+#include <cstdint>
+
+namespace multum {
+
+/// Number `counter` of the sequence, on its own: what one thread asks for does not depend on the others.
+inline std::uint64_t split_mix(std::uint64_t counter) {
+  std::uint64_t z = counter + 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+class SplitMix64 {
+ public:
+  explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t next() {
+    const std::uint64_t number = split_mix(state_);
+    state_ += 0x9e3779b97f4a7c15u;
+    return number;
+  }
+  /// In (0, 1]: the logarithm of it is finite.
+  double uniform() { return (static_cast<double>(next() >> 11) + 1.0) * 0x1.0p-53; }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace multum
