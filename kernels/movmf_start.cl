@@ -27,6 +27,12 @@ static int fitted_before(int other_x, int other_y, int x, int y, int order) {
   return colour_rank(other_x, other_y) < colour_rank(x, y);
 }
 
+// Where position i of a row or column of `size` texels is, or -1. Two texels across are neighbours once.
+static int neighbour(int i, int size, int periodic) {
+  if (i >= 0 && i < size) return i;
+  return periodic && size > 2 ? (i < 0 ? size - 1 : 0) : -1;
+}
+
 // a_k mu_k of one done neighbour. Its r is never zero: a lobe without a direction keeps its last one.
 static float3 directed_amplitude(MultumVmfLobe lobe) {
   const float3 r = (float3)(lobe.mean_x, lobe.mean_y, lobe.mean_z);
@@ -61,9 +67,8 @@ __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const M
     prior = directed_amplitude(from);
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
-        const int nx = x + dx, ny = y + dy;
-        if (dx == 0 && dy == 0) continue;
-        if (nx < 0 || ny < 0 || nx >= fit.width || ny >= fit.height) continue;
+        const int nx = neighbour(x + dx, fit.width, fit.periodic_x), ny = neighbour(y + dy, fit.height, fit.periodic_y);
+        if ((dx == 0 && dy == 0) || nx < 0 || ny < 0) continue;
         if (fitted_before(nx, ny, x, y, fit.order)) prior += directed_amplitude(own[(size_t)ny * fit.width + nx]);
       }
     prior *= fit.alignment;

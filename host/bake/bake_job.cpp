@@ -34,9 +34,17 @@ class StageClock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+// A map that repeats is filtered across its border, so its lobes must be alike there.
+MovmfSettings fitting_settings(const BakeJob& job) {
+  MovmfSettings settings = job.fitting;
+  settings.periodic_x = job.reading.wrap_s == WrapMode::kPeriodic;
+  settings.periodic_y = job.reading.wrap_t == WrapMode::kPeriodic;
+  return settings;
+}
+
 // Every setting that changes pixels, the reading's too: what an unchanged bake is recognised by.
 std::string all_settings_json(const BakeJob& job) {
-  nlohmann::json json = nlohmann::json::parse(settings_json(job.fitting));
+  nlohmann::json json = nlohmann::json::parse(settings_json(fitting_settings(job)));
   const NormalMapSettings& r = job.reading;
   json["bump_format"] = r.bump_format == BumpFormat::kAuto     ? "auto"
                         : r.bump_format == BumpFormat::kHeight ? "height"
@@ -114,7 +122,7 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   const std::uint64_t level_units =
       movmf_bake_units(map.width, map.height) / static_cast<std::uint64_t>(mip_level_count(map.width, map.height));
   progress_start(progress, movmf_bake_units(map.width, map.height) + 2 * level_units);
-  MovmfMipmap mipmap = bake_movmf(device, map, albedo ? &*albedo : nullptr, job.fitting, report, progress);
+  MovmfMipmap mipmap = bake_movmf(device, map, albedo ? &*albedo : nullptr, fitting_settings(job), report, progress);
   mipmap.encoding = job.encoding;
   mipmap.wrap_s = job.reading.wrap_s;
   mipmap.wrap_t = job.reading.wrap_t;

@@ -42,6 +42,7 @@ std::string settings_json(const MovmfSettings& s) {
   json["order"] = s.order == FitOrder::kColour ? "colour" : "scanline";
   json["align"] = s.alignment;
   json["rehearse_start"] = s.rehearse_start;
+  json["periodic"] = {s.periodic_x, s.periodic_y};
   json["aligned_start"] = s.aligned_start;
   json["kappa_cap"] = s.kappa_cap;
   json["kappa_cap_slope"] = s.kappa_cap_slope;

@@ -19,6 +19,9 @@ struct MovmfSettings {
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;          // C of the alignment prior, 0..10; 0: none
   bool rehearse_start = true;      // try the coarsest level's candidates on a small likeness of the map
+  // The map repeats: texels are held to those beyond the border as well. bake_file() sets them by its wrap modes.
+  bool periodic_x = false;
+  bool periodic_y = false;
   bool aligned_start = true;  // false: every texel starts by itself (for comparison: filtering then mixes lobes up)
   // Cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals (what a lobe stores is its
   // normals' own spread, whatever the cap).

@@ -79,6 +79,10 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.sample_columns = covered_max(map_width, fit.width);
     fit.sample_rows = covered_max(map_height, fit.height);
     fit.order = settings.order == FitOrder::kScanline ? MULTUM_ORDER_SCANLINE : MULTUM_ORDER_COLOUR;
+    // A scan line is done from its start to its end: what lies beyond its start is not done yet.
+    const bool wraps = settings.order == FitOrder::kColour;
+    fit.periodic_x = wraps && settings.periodic_x ? 1 : 0;
+    fit.periodic_y = wraps && settings.periodic_y ? 1 : 0;
     fit.iteration_count = top ? settings.iteration_count_top : settings.iteration_count;
     const int padded_columns = (fit.sample_columns + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP;
     fit.chunk_rows = std::max(1, kSamplesPerChunk / padded_columns);

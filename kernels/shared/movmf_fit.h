@@ -31,6 +31,8 @@ typedef struct MultumMovmfFit {
   int slot_count;      // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
   int list_offset;     // of this launch in texel_list, in slots
   int order;           // MULTUM_ORDER_*
+  int periodic_x;      // not 0: beyond the border lies the other one, whose texels are neighbours too
+  int periodic_y;
   int iteration_count;
   int chunk_rows;      // rows a chunk sums (movmf_em_chunks.cl)
   int chunk_count;     // chunks a texel

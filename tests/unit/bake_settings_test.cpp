@@ -58,6 +58,8 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
                                        [](auto& s) { s.alignment = 0.5f; },
                                        [](auto& s) { s.aligned_start = false; },
                                        [](auto& s) { s.rehearse_start = false; },
+                                       [](auto& s) { s.periodic_x = true; },
+                                       [](auto& s) { s.periodic_y = true; },
                                        [](auto& s) { s.kappa_cap = 501.0f; },
                                        [](auto& s) { s.kappa_cap_slope = 11.0f; },
                                        [](auto& s) { s.start_kappa_factor = 1.0f; },

@@ -71,6 +71,7 @@ Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, co
 MovmfSettings with_lobes(int lobes) {
   MovmfSettings settings;
   settings.lobe_count = lobes;
+  settings.periodic_x = settings.periodic_y = true;  // as `multum bake` does unless told otherwise
   return settings;
 }
 
