@@ -19,13 +19,12 @@
 #include <half.h>
 
 #include <algorithm>
-#include <atomic>
 #include <map>
-#include <thread>
 
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/parallel.h"
 
 namespace multum {
 namespace {
@@ -324,20 +323,14 @@ int mip_level_count(int width, int height) {
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
   const std::vector<PartLayout> parts = part_layouts(mipmap.lobe_count(), mipmap.has_colours());
   std::vector<std::string> digests(parts.size() * mipmap.levels.size());
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < digests.size(); i = next++) {
-      const PartLayout& part = parts[i / mipmap.levels.size()];
-      const MovmfLevel& level = mipmap.levels[i % mipmap.levels.size()];
-      ContentHash hash;
-      hash.update(part.values(level), value_count(level, part) * sizeof(float));
-      digests[i] = hash.finish();
-    }
-  };
-  std::vector<std::jthread> helpers;
-  for (int t = 1; t < threads; ++t) helpers.emplace_back(work);
-  work();
-  helpers.clear();
+  for_each_item(static_cast<int>(digests.size()), threads, [&](int item) {
+    const auto i = static_cast<std::size_t>(item);
+    const PartLayout& part = parts[i / mipmap.levels.size()];
+    const MovmfLevel& level = mipmap.levels[i % mipmap.levels.size()];
+    ContentHash hash;
+    hash.update(part.values(level), value_count(level, part) * sizeof(float));
+    digests[i] = hash.finish();
+  });
   ContentHash all;
   for (const std::string& digest : digests) all.update(digest);
   return all.finish();

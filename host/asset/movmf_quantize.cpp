@@ -14,14 +14,13 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <thread>
 
 #include <glm/geometric.hpp>
 
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/error.h"
+#include "host/base/parallel.h"
 
 namespace multum {
 namespace {
@@ -145,17 +144,11 @@ float storage_kappa_max(StorageEncoding encoding) {
 void quantize_movmf(MovmfMipmap& mipmap, int threads) {
   if (mipmap.encoding == StorageEncoding::kFloat) return;
   for (MovmfLevel& level : mipmap.levels) {
-    std::atomic<int> next_row{0};
-    const auto work = [&] {
-      for (int y = next_row++; y < level.height; y = next_row++)
-        for (int x = 0; x < level.width; ++x)
-          quantize_texel(
-              level, static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(x),
-              mipmap.encoding);
-    };
-    std::vector<std::jthread> helpers;
-    for (int t = 1; t < threads; ++t) helpers.emplace_back(work);
-    work();
+    const auto width = static_cast<std::size_t>(level.width);
+    for_each_item(level.height, threads, [&](int row) {
+      const std::size_t first = static_cast<std::size_t>(row) * width;
+      for (std::size_t i = first; i < first + width; ++i) quantize_texel(level, i, mipmap.encoding);
+    });
   }
 }
 

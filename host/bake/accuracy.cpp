@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 
 #include "host/bake/mip_coverage.h"
-#include "host/bake/parallel_rows.h"
 #include "host/base/error.h"
+#include "host/base/parallel.h"
 #include "host/base/split_mix.h"
 
 namespace multum {
@@ -212,7 +212,7 @@ class AccuracyMeter {
     Plane plane(map_.x.size());
     const double scale = exponent > 0.0 ? (exponent + 1.0) / (2.0 * M_PI) : 1.0;
     const auto width = static_cast<std::size_t>(map_.width);
-    parallel_rows(map_.height, settings_.threads, [&](int y) {
+    for_each_item(map_.height, settings_.threads, [&](int y) {
       const std::size_t begin = static_cast<std::size_t>(y) * width;
       for (std::size_t i = begin; i < begin + width; ++i) {
         const double t =

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "host/bake/parallel_rows.h"
 #include "host/base/error.h"
+#include "host/base/parallel.h"
 
 namespace multum {
 namespace {
@@ -36,7 +36,7 @@ std::vector<double> average_over_texels(const std::vector<double>& plane, PlaneS
   const auto rows = axis_taps(from.height, to.height);
   const auto from_width = static_cast<std::size_t>(from.width), to_width = static_cast<std::size_t>(to.width);
   std::vector<double> result(to_width * static_cast<std::size_t>(to.height));
-  parallel_rows(to.height, threads, [&](int y) {
+  for_each_item(to.height, threads, [&](int y) {
     std::vector<double> row(from_width, 0.0);
     for (const Tap& tap : rows[static_cast<std::size_t>(y)]) {
       const double* source = &plane[static_cast<std::size_t>(tap.index) * from_width];

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "host/bake/parallel_rows.h"
+#include "host/base/parallel.h"
 #include "host/base/split_mix.h"
 
 namespace multum {
@@ -170,7 +170,7 @@ class HighlightError {
 };
 
 void rate(std::vector<Fit>& fits, const HighlightError& error, int threads) {
-  parallel_rows(static_cast<int>(fits.size()), threads, [&](int i) {
+  for_each_item(static_cast<int>(fits.size()), threads, [&](int i) {
     Fit& fit = fits[static_cast<std::size_t>(i)];
     fit.error = error(fit);
   });
@@ -218,7 +218,7 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, c
   const auto cap = static_cast<double>(search.kappa_max);
   const auto lobe_count = static_cast<std::size_t>(search.lobe_count);
   std::vector<Fit> fits(kTrials);
-  parallel_rows(kTrials, search.threads, [&](int row) {
+  for_each_item(kTrials, search.threads, [&](int row) {
     const auto trial = static_cast<std::size_t>(row);
     std::vector<std::size_t> chosen;
     if (trial == 0) chosen = farthest_first(normals, search.lobe_count);
@@ -228,7 +228,7 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, c
     iterate(fits[trial], normals, kShortIterations, cap);
   });
   fits = finalists(std::move(fits), error, search.threads);
-  parallel_rows(static_cast<int>(fits.size()), search.threads,
+  for_each_item(static_cast<int>(fits.size()), search.threads,
                 [&](int i) { iterate(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap); });
   rate(fits, error, search.threads);
   std::stable_sort(fits.begin(), fits.end(), less_error);

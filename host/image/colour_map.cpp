@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/parallel.h"
 #include "host/image/image_io.h"
-#include "host/image/row_bands.h"
 
 namespace multum {
 namespace {

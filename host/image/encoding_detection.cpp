@@ -17,7 +17,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/image/row_bands.h"
+#include "host/base/parallel.h"
 #include "host/image/vector_statistics.h"
 
 namespace multum {

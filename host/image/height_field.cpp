@@ -14,8 +14,8 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/parallel.h"
 #include "host/image/normal_decode.h"
-#include "host/image/row_bands.h"
 
 namespace multum {
 namespace {

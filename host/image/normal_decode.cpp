@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/image/row_bands.h"
+#include "host/base/parallel.h"
 
 namespace multum {
 namespace {

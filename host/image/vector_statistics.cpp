@@ -6,13 +6,13 @@
 // facets, hard edges, lossy or hand-painted) within 0.15; 19 colour images lie within 0.14, all but one within 0.09.
 // (Frankot & Chellappa 1988, "A method for enforcing integrability", states the condition.)
 #include "host/image/vector_statistics.h"
+#include "host/base/parallel.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "host/image/row_bands.h"
 
 namespace multum {
 namespace {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "host/image/row_bands.h"
+#include "host/base/parallel.h"
 #include "tests/unit/image_test_files.h"
 
 namespace multum::testing {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work on an image in bands of rows by several threads. A band's result must depend on its rows alone; results are
-// combined by the caller in band order, so that every thread count gives the same bytes.
+// Work that several threads share: bands of an image's rows, or numbered items. A result must depend on its rows or its
+// number alone; results are combined by the caller in order, so that every thread count gives the same bytes.
 #pragma once
 
 #include <functional>
@@ -12,6 +12,12 @@ namespace multum {
 /// ended.
 void for_each_row_band(int row_count, int rows_per_band, int threads,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
+
+/// Calls `body(item)` once for each item from 0 to `item_count` - 1, as for_each_row_band() does for bands.
+template <typename Body>
+void for_each_item(int item_count, int threads, const Body& body) {
+  for_each_row_band(item_count, 1, threads, [&](int item, int, int) { body(item); });
+}
 
 inline int row_band_count(int row_count, int rows_per_band) { return (row_count + rows_per_band - 1) / rows_per_band; }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Threads take bands from a counter: a slow band delays nobody else, and which thread does which band cannot be seen.
-#include "host/image/row_bands.h"
+#include "host/base/parallel.h"
 
 #include <algorithm>
 #include <atomic>
