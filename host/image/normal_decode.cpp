@@ -142,7 +142,7 @@ void check_repair_share(const std::string& path, const NormalMap& map, const Nor
       ErrorCode::kInput,
       fmt::format(
           "{}: {} of {:.0f} texels ({:.2f} %) hold no usable normal: {} not finite, {} of zero length, {} below "
-          "the horizon; expected at most {:.2f} % (raise repair_share_max to repair them all the same)",
+          "the horizon; expected at most {:.2f} % (raise --repair-max to repair them all the same)",
           path, repaired, texel_count, 100.0 * share, report.nonfinite_repaired, report.zero_length_repaired,
           report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max)));
 }

@@ -290,12 +290,12 @@ TEST(NormalMapReading, OneChannelIsNoNormalMap) {
 TEST(NormalMapReading, SettingsOutOfRangeAreRefused) {
   NormalMapSettings settings;
   settings.height_scale = 0.0f;
-  expect_error(ErrorCode::kUsage, {"height_scale"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--height-scale is"}, [&] { read_map("x", settings); });
   settings.height_scale = kNan;
-  expect_error(ErrorCode::kUsage, {"height_scale"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--height-scale is"}, [&] { read_map("x", settings); });
   settings = {};
   settings.repair_share_max = 1.5f;
-  expect_error(ErrorCode::kUsage, {"repair_share_max"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--repair-max is 1.5"}, [&] { read_map("x", settings); });
   settings = {};
   settings.texel_count_max = 0;
   expect_error(ErrorCode::kUsage, {"texel_count_max"}, [&] { read_map("x", settings); });
@@ -380,7 +380,7 @@ TEST_F(NormalRepair, TooManyRepairsRefuseTheFileWithTheCounts) {
   read();  // 40 of 4096 are 0.98 %
   set(0, 0, 0, 0, 0);
   expect_error(ErrorCode::kInput,
-               {"a.exr", "41 of 4096 texels (1.00 %)", "40 not finite, 1 of zero length", "repair_share_max"},
+               {"a.exr", "41 of 4096 texels (1.00 %)", "40 not finite, 1 of zero length", "raise --repair-max"},
                [&] { read(); });
   NormalMapSettings settings;
   settings.repair_share_max = 0.02f;
