@@ -108,6 +108,7 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   if (!job.albedo.empty()) albedo = read_albedo_map(job.albedo, map.width, map.height, job.threads);
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, map.width, map.height, map.report.encoding,
                        map.report.encoding_reason));
+  for (const std::string& warning : map.report.warnings) log_warning(job.input + ": " + warning);
   clock.finish("read");
 
   // Measuring and writing count as about a level's work each.

@@ -57,6 +57,16 @@ std::string accuracy_text(const std::vector<AccuracyRow>& rows) {
   return text;
 }
 
+// One line when anything was repaired, else nothing.
+std::string repairs_text(const NormalMapReport& input) {
+  if (input.nonfinite_repaired + input.zero_length_repaired + input.below_horizon_repaired + input.unused_texels == 0)
+    return "";
+  return fmt::format(
+      "repaired texels of the source: {} not finite, {} of zero length, {} below the horizon; {} black ones taken as "
+      "flat\n",
+      input.nonfinite_repaired, input.zero_length_repaired, input.below_horizon_repaired, input.unused_texels);
+}
+
 }  // namespace
 
 std::string BakeReport::to_json() const {
@@ -66,6 +76,8 @@ std::string BakeReport::to_json() const {
   json["input"] = {{"format", input.format},
                    {"encoding", input.encoding},
                    {"reason", input.encoding_reason},
+                   {"warnings", input.warnings},
+                   {"unused_texels", input.unused_texels},
                    {"nonfinite_repaired", input.nonfinite_repaired},
                    {"zero_length_repaired", input.zero_length_repaired},
                    {"below_horizon_repaired", input.below_horizon_repaired}};
@@ -91,13 +103,14 @@ std::string BakeReport::to_json() const {
 }
 
 std::string BakeReport::to_text() const {
-  std::string text;
+  std::string text = repairs_text(input);
+  std::string times;
   double total = 0.0;
   for (const StageTime& stage : stages) {
-    text += fmt::format("{}{} {:.2f} s", text.empty() ? "" : ", ", stage.name, stage.seconds);
+    times += fmt::format("{}{} {:.2f} s", times.empty() ? "" : ", ", stage.name, stage.seconds);
     total += stage.seconds;
   }
-  text += fmt::format("; {:.2f} s in all on {}\n", total, device);
+  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device);
   text += fmt::format("{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction\n",
                       lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes);
   return text + accuracy_text(accuracy);

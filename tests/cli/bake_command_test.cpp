@@ -83,7 +83,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes"})
     EXPECT_TRUE(report["counts"][count].is_number_unsigned()) << count;
-  for (const char* count : {"nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
+  for (const char* count : {"unused_texels", "nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
     EXPECT_EQ(report["input"][count], 0) << count;
 
   const auto row = [&](int level, const std::string& point, const std::string& brdf) {
@@ -100,6 +100,29 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
       for (const char* point : {"midway-x", "midway-y", "between-levels"})
         EXPECT_EQ(row(level, point, brdf), level < 6 ? 1 : 0) << level << " " << point << " " << brdf;
     }
+}
+
+TEST_F(BakeCommandTest, RepairsAreShown) {
+  TestImage image = normal_image(64, 64);
+  for (int c = 0; c < 3; ++c) image.at(9, 9, c) = 128.0f / 255.0f;  // of zero length
+  for (int i = 0; i < 128; ++i)
+    for (int c = 0; c < 3; ++c) image.at(i % 64, 20 + i / 64, c) = 0.0f;
+  write_test_image(path("holes.png"), image);
+  const ProgramResult bake = multum({"bake", path("holes.png"), "-o", path("holes.ndf.exr"), "--no-measure",
+                                     "--report", path("report.json")});
+  ASSERT_EQ(bake.exit_code, 0) << bake.err;
+  EXPECT_TRUE(contains(bake.out, "0 not finite, 1 of zero length, 0 below the horizon; 128 black")) << bake.out;
+  EXPECT_TRUE(contains(bake.err, "warning: " + path("holes.png") + ": 128 of 4096 texels (3.1 %) are black"))
+      << bake.err;
+  const auto input = nlohmann::json::parse(read_bytes(path("report.json")))["input"];
+  EXPECT_EQ(input["unused_texels"], 128);
+  EXPECT_EQ(input["zero_length_repaired"], 1);
+  EXPECT_EQ(input["warnings"].size(), 1u);
+
+  write_test_image(path("whole.png"), normal_image(64, 64));
+  const ProgramResult whole = multum({"bake", path("whole.png"), "-o", path("whole.ndf.exr"), "--no-measure"});
+  EXPECT_FALSE(contains(whole.out, "repaired")) << whole.out;
+  EXPECT_FALSE(contains(whole.err, "warning")) << whole.err;
 }
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {

@@ -22,6 +22,12 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+std::string warnings(const NormalMap& map) {
+  std::string text;
+  for (const std::string& warning : map.report.warnings) text += warning + "\n";
+  return text;
+}
+
 std::int64_t repair_count(const NormalMap& map) {
   return map.report.nonfinite_repaired + map.report.zero_length_repaired + map.report.below_horizon_repaired;
 }
@@ -398,16 +404,31 @@ TEST_F(NormalRepair, UnitLengthWhateverTheFileHas) {
 TEST(NormalMapReading, UnusedTexelsAreFlatAndNoRepairs) {
   const TemporaryFolder folder;
   TestImage image = normal_image(64, 64);
-  for (int row = 0; row < 40; ++row)
-    for (int column = 0; column < 64; ++column)
-      for (int channel = 0; channel < 3; ++channel)
-        image.at(column, row, channel) = static_cast<float>(column % 5) / 255.0f;
+  const auto blacken = [&](int row_end) {
+    for (int row = 0; row < row_end; ++row)
+      for (int column = 0; column < 64; ++column)
+        for (int channel = 0; channel < 3; ++channel)
+          image.at(column, row, channel) = static_cast<float>(column % 5) / 255.0f;
+    write_test_image(folder / "atlas.png", image);
+  };
+  for (int column = 0; column < 40; ++column)
+    for (int channel = 0; channel < 3; ++channel) image.at(column, 63, channel) = 0.0f;
   write_test_image(folder / "atlas.png", image);
+  EXPECT_EQ(read_map(folder / "atlas.png").report.unused_texels, 40);
+  EXPECT_EQ(warnings(read_map(folder / "atlas.png")), "");  // 0.98 %
+  blacken(31);
   const NormalMap map = read_map(folder / "atlas.png");
-  EXPECT_EQ(map.report.unused_texels, 40 * 64);
+  EXPECT_EQ(map.report.unused_texels, 31 * 64 + 40);
   EXPECT_EQ(repair_count(map), 0);
   EXPECT_EQ(map.z[0], 1.0f);
   EXPECT_EQ(map.x[0], 0.0f);
+  EXPECT_TRUE(contains(warnings(map), "2024 of 4096 texels (49.4 %) are black")) << warnings(map);
+  blacken(33);
+  expect_error(ErrorCode::kInput, {"atlas.png", "2152 of 4096 texels (52.5 %) are black", "expected at most 50 %"},
+               [&] { read_map(folder / "atlas.png"); });
+  NormalMapSettings settings;
+  settings.bump_format = BumpFormat::kNormal;
+  EXPECT_EQ(read_map(folder / "atlas.png", settings).report.unused_texels, 33 * 64 + 40);
 }
 
 TEST(NormalMapReading, MidGreyIsZeroLength) {
