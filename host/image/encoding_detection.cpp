@@ -250,6 +250,11 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   const char* green_note = settings.green.has_value() ? ", as asked for" : found_green.has_value() ? "" : ", undecided";
   result.description = describe(result.vectors, green_note);
   result.reason = summary(reading);
+  // Where nothing is tilted, green is 0 either way.
+  if (!settings.green.has_value() && !found_green.has_value() && reading.statistics.tilted_share > 0.0)
+    result.warnings.emplace_back(
+        "which way green points cannot be told from the statistics; up (OpenGL) is taken, --green up or --green down "
+        "says it");
   return result;
 }
 

@@ -49,6 +49,7 @@ NormalMap read_normal_map(const std::string& path, const NormalMapSettings& sett
   }
   map.report.format = format;
   map.report.encoding_reason = encoding.reason;
+  map.report.warnings.insert(map.report.warnings.begin(), encoding.warnings.begin(), encoding.warnings.end());
   return map;
 }
 

@@ -178,6 +178,7 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
       write_test_image(folder / "flat.png", image);
       const NormalMap map = read_map(folder / "flat.png");
       EXPECT_TRUE(contains(map.report.encoding, "undecided")) << map.report.encoding;
+      EXPECT_EQ(warnings(map), "");  // green is 0 either way
       for (std::size_t i = 0; i < map.x.size(); ++i) {
         EXPECT_EQ(map.x[i], 0.0f);
         EXPECT_EQ(map.y[i], 0.0f);
@@ -185,6 +186,26 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
       }
     }
   }
+}
+
+// Directions that are random from texel to texel are the slopes of no surface, with green up or down.
+TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
+  const TemporaryFolder folder;
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  TestImage image{.width = 64, .height = 64};
+  for (int i = 0; i < 64 * 64; ++i) {
+    const double x = uniform(generator), y = uniform(generator);
+    for (const double v : {x, y, std::sqrt(1.0 - x * x - y * y)})
+      image.values.push_back(static_cast<float>(v * 0.5 + 0.5));
+  }
+  write_test_image(folder / "facets.png", image);
+  const NormalMap map = read_map(folder / "facets.png");
+  EXPECT_TRUE(contains(map.report.encoding, "green up (OpenGL), undecided")) << map.report.encoding_reason;
+  EXPECT_TRUE(contains(warnings(map), "up (OpenGL) is taken, --green up or --green down")) << warnings(map);
+  NormalMapSettings settings;
+  settings.green = GreenAxis::kDown;
+  EXPECT_EQ(warnings(read_map(folder / "facets.png", settings)), "");
 }
 
 TEST(NormalMapReading, FlatTwoChannelFloatsAreSigned) {
