@@ -314,6 +314,56 @@ TEST(NormalMapReading, OneChannelIsNoNormalMap) {
   EXPECT_TRUE(contains(read_map(folder / "grey.png").report.encoding_reason, "cannot be told from a height"));
 }
 
+TEST(NormalMapReading, TwoChannelsOfAGreyImageAreRefused) {
+  const TemporaryFolder folder;
+  TestImage image{.width = 8, .height = 8, .channels = 2, .channel_names = {"Y", "A"}, .alpha_channel = 1};
+  for (int i = 0; i < 128; ++i) image.values.push_back(static_cast<float>(i) / 128.0f);
+  write_test_image(folder / "ga.png", image);
+  NormalMapSettings settings;
+  settings.two_channel = true;
+  expect_error(ErrorCode::kInput,
+               {"ga.png", "found png uint8, 2 channels (alpha not read): 1 colour channel", "expected red and green"},
+               [&] { read_map(folder / "ga.png", settings); });
+}
+
+TEST(NormalMapReading, XInAlphaIsNamed) {
+  const TemporaryFolder folder;
+  const TestImage full = normal_image(64, 64);
+  TestImage image{.width = 64, .height = 64, .channels = 4, .alpha_channel = 3};
+  for (const float blue : {0.0f, 1.0f, -1.0f}) {  // -1: the same as green
+    image.values.clear();
+    for (std::size_t i = 0; i < full.values.size(); i += 3)
+      image.values.insert(image.values.end(),
+                          {1.0f, full.values[i + 1], blue < 0.0f ? full.values[i + 1] : blue, full.values[i]});
+    write_test_image(folder / "dxt5nm.png", image);
+    expect_error(ErrorCode::kInput, {"dxt5nm.png", "a constant red and an alpha", "x in alpha", "expected x in red"},
+                 [&] { read_map(folder / "dxt5nm.png"); });
+  }
+}
+
+TEST(NormalMapReading, OptionsWithoutEffectAreNamed) {
+  const TemporaryFolder folder;
+  TestImage grey{.width = 8, .height = 8, .channels = 1};
+  for (int i = 0; i < 64; ++i) grey.values.push_back(static_cast<float>(i) / 64.0f);
+  write_test_image(folder / "grey.png", grey);
+  NormalMapSettings settings;
+  settings.green = GreenAxis::kUp;
+  settings.is_signed = false;
+  const std::string found = warnings(read_map(folder / "grey.png", settings));
+  EXPECT_TRUE(contains(found, "--green, --unsigned: without effect on a height field")) << found;
+  settings = {};
+  settings.bump_format = BumpFormat::kHeight;
+  settings.is_signed = true;
+  settings.two_channel = true;
+  EXPECT_TRUE(contains(warnings(read_map(folder / "grey.png", settings)), "--signed, --two-channel: without effect"));
+
+  write_test_image(folder / "normals.png", normal_image(64, 64));
+  settings = {};
+  EXPECT_EQ(warnings(read_map(folder / "normals.png", settings)), "");
+  settings.height_scale = 8.0f;
+  EXPECT_EQ(warnings(read_map(folder / "normals.png", settings)), "--height-scale: without effect on a normal map\n");
+}
+
 TEST(NormalMapReading, SettingsOutOfRangeAreRefused) {
   NormalMapSettings settings;
   settings.height_scale = 0.0f;
