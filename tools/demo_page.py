@@ -277,9 +277,9 @@ multum stores how they are distributed instead. Click a picture for its full siz
 pictures of a view have the same camera, light, material and texture filter.</p>
 {"".join(view_section(folder, name, view, step_of(steps, "view", name)) for name, view in views.items())}
 <h2>Bakes</h2>
-<p>The error of a bake is measured before it is written, on the rounded values, at random texels and directions of
-light and view, against a sum over every normal that the texel covers. blinn-phong:500 is a sharp highlight, lambert
-is matt.</p>
+<p>The error of a bake is measured before it is written, on the rounded values, at random texels, for 12 fixed half
+vectors (4 lights for lambert), against a sum over every normal that the texel covers. blinn-phong:500 is a sharp
+highlight, lambert is matt.</p>
 {"".join(bake_section(name, bake, step_of(steps, "bake", name)) for name, bake in bakes.items())}
 <h2>Time</h2>
 <p>Seconds of each command, from start to end, on the machine below; a first run also compiles the kernels.</p>
