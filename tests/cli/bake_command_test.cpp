@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <regex>
 
 #include "host/asset/movmf_mipmap.h"
 #include "tests/cli/program.h"
@@ -25,15 +26,21 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
                                      path("map.ndf.exr")});
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
   EXPECT_TRUE(contains(bake.out, "map.ndf.exr: written")) << bake.out;
-  EXPECT_TRUE(contains(bake.out, "measured error")) << bake.out;
+  // Without neighbours there is nothing midway.
+  for (const char* part : {"measured error, relative L1", "measured error with colours, relative L1", " | -\n"})
+    EXPECT_TRUE(contains(bake.out, part)) << part << " is not in\n" << bake.out;
+  EXPECT_FALSE(contains(bake.out, "| 0.00\n")) << bake.out;
   EXPECT_TRUE(contains(bake.err, "map_normal.png: 64 x 64")) << bake.err;
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png", "map.ndf.exr"}));
 
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
   EXPECT_EQ(info.exit_code, 0) << info.err;
   for (const char* line : {"4 von Mises-Fisher lobes a texel, with a colour a lobe", "64 x 64, 7 levels", "snorm16",
-                           "map_normal.png, SHA-256", "\"lobes\":4", "blinn-phong:500"})
+                           "map_normal.png, SHA-256", "\"lobes\":4", "\"height_scale\":1.0"})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
+  EXPECT_FALSE(std::regex_search(info.out, std::regex("\":[0-9.]{9}"))) << "floats are not rounded in\n" << info.out;
+  const std::string table = bake.out.substr(bake.out.find("measured error"));
+  EXPECT_TRUE(contains(info.out, table)) << "the bake printed\n" << table << "info prints\n" << info.out;
 
   const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
   EXPECT_EQ(verify.exit_code, 0) << verify.err;
@@ -226,7 +233,7 @@ TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
   EXPECT_EQ(help.exit_code, 0);
   for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
                            "{none,black,box3}=box3", "{black,clamp,periodic,mirror}", "--lobes INT=4",
-                           "--compression TEXT=zip"})
+                           "--compression TEXT=zip", "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;
   for (const char* part : {"->", "ENUM"}) EXPECT_FALSE(contains(help.out, part)) << part;
 }
