@@ -132,6 +132,26 @@ TEST_F(BakeCommandTest, RepairsAreShown) {
   EXPECT_FALSE(contains(whole.err, "warning")) << whole.err;
 }
 
+TEST_F(BakeCommandTest, DoubtsAreWarnedOf) {
+  TestImage heights{.width = 64, .height = 64, .channels = 1};
+  for (int i = 0; i < 64 * 64; ++i) heights.values.push_back(static_cast<float>(i % 64) / 63.0f);
+  write_test_image(path("heights.png"), heights);
+  std::vector<std::string> bake = {"bake", path("heights.png"), "-o", path("heights.ndf.exr"), "--no-measure",
+                                   "--green", "up"};
+  const ProgramResult warned = multum(bake);
+  EXPECT_EQ(warned.exit_code, 0) << warned.err;
+  for (const char* part : {"heights.png: a grey image, taken for a height field at --height-scale 1", "warning: ",
+                           "--green: without effect on a height field"})
+    EXPECT_TRUE(contains(warned.err, part)) << part << " is not in\n" << warned.err;
+  bake.emplace_back("--quiet");
+  EXPECT_EQ(multum(bake).err, "");
+}
+
+TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
+  const ProgramResult made = multum({"testmap", path("map"), "--size", "16"});
+  EXPECT_TRUE(contains(made.out, "bake with --green up")) << made.out;
+}
+
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
   make_map("map", 256);  // the bar is drawn anew 12 times a second
   const std::vector<std::string> arguments = {"bake", path("map_normal.png"), "-o", path("map.ndf.exr")};

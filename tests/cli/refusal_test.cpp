@@ -71,6 +71,14 @@ TEST_F(RefusalTest, InputsThatAreNoNormalMap) {
   write_test_image(path("mask.png"), mask);
   expect_refused(path("mask.png"), {}, kInput, {"mask.png", "found no normal map", "expected unit vectors"});
 
+  TestImage grey{.width = 64, .height = 64, .channels = 1};
+  for (int i = 0; i < 64 * 64; ++i) grey.values.push_back(i / 8 % 2 == 0 ? 0.0f : 1.0f);
+  write_test_image(path("grey.png"), grey);
+  expect_refused(path("grey.png"), {}, kInput,
+                 {"grey.png", "every texel is 0 or 1, as in a mask", "--bumpformat height"});
+  expect_refused(path("grey.png"), {"--two-channel"}, kInput,
+                 {"grey.png", "1 colour channel", "expected red and green"});
+
   write_bytes(path("text.png"), "not an image");
   expect_refused(path("text.png"), {}, kInput, {"text.png", "found an unknown format", "expected PNG"});
   write_bytes(path("empty.png"), "");
