@@ -173,6 +173,11 @@ def errors_by_level(bake, brdf, points):
 
 def bake_section(name, bake, step):
     brdfs = list(dict.fromkeys(e["brdf"] for e in bake["measured_error"]))
+    # The lobes of a coloured bake are those of the white one: its colours are what is new.
+    coloured = [b for b in brdfs if b.endswith(" coloured")]
+    brdfs = coloured or brdfs
+    names = [b.removesuffix(" coloured") for b in brdfs]
+    what = "error with colours" if coloured else "error"
     labels = [level["level"] for level in bake["levels"]]
     rows = []
     centre = {b: errors_by_level(bake, b, ("centre",)) for b in brdfs}
@@ -183,7 +188,9 @@ def bake_section(name, bake, step):
         rows.append([f"{level['level']}: {level['width']} x {level['height']}", *cells, f"{level['seconds']:.3f}"])
     stages = ", ".join(f"{s['name']} {s['seconds']:.2f}" for s in bake["stages"])
     counts = bake["counts"]
-    percent_series = [(b, [100 * centre[b][l] if l in centre[b] else None for l in labels]) for b in brdfs]
+    percent_series = [(n, [100 * centre[b][l] if l in centre[b] else None for l in labels])
+                      for n, b in zip(names, brdfs)]
+    errors = chart(f"{name}: {what} by level, in percent", f"{what} at texel centres, %", labels, percent_series)
     seconds = [("fit", [level["seconds"] for level in bake["levels"]])]
     return f"""<h3 id="bake-{text(name)}">{text(BAKES.get(name, name))}</h3>
 <p>Seconds: {text(stages)}; the whole command took {step["seconds"]:.1f}. {counts["lobes"]} lobes fitted,
@@ -191,12 +198,13 @@ def bake_section(name, bake, step):
 without normals.</p>
 <p class="soft">Found: {text(bake["input"]["encoding"])}.</p>
 <div class="charts">
-<figure>{chart(f"{name}: error by level, in percent", "error at texel centres, %", labels, percent_series)}
-{key(brdfs)}</figure>
+<figure>{errors}
+{key(names)}</figure>
 <figure>{chart(f"{name}: seconds by level", "fit, seconds", labels, seconds, bars=True)}</figure></div>
 <details><summary>the numbers</summary>
-<p>Relative L1 at texel centres | midway between texels (the worse of x and y), and seconds of the fit.</p>
-{table(["level", *brdfs, "seconds"], rows)}</details>"""
+<p>The {what}, relative L1, at texel centres | midway between texels (the worse of x and y), and seconds of the
+fit.</p>
+{table(["level", *names, "seconds"], rows)}</details>"""
 
 
 def picture(folder, name, method, caption, kind):
@@ -277,9 +285,9 @@ multum stores how they are distributed instead. Click a picture for its full siz
 pictures of a view have the same camera, light, material and texture filter.</p>
 {"".join(view_section(folder, name, view, step_of(steps, "view", name)) for name, view in views.items())}
 <h2>Bakes</h2>
-<p>The error of a bake is measured before it is written, on the rounded values, at random texels and directions of
-light and view, against a sum over every normal that the texel covers. blinn-phong:500 is a sharp highlight, lambert
-is matt.</p>
+<p>The error of a bake is measured before it is written, on the rounded values, at random texels, for 12 fixed half
+vectors (4 lights for lambert), against a sum over every normal that the texel covers. blinn-phong:500 is a sharp
+highlight, lambert is matt.</p>
 {"".join(bake_section(name, bake, step_of(steps, "bake", name)) for name, bake in bakes.items())}
 <h2>Time</h2>
 <p>Seconds of each command, from start to end, on the machine below; a first run also compiles the kernels.</p>

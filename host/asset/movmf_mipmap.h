@@ -68,7 +68,7 @@ int mip_level_count(int width, int height);
 inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? size >> level : 1; }
 
 struct MovmfWriteOptions {
-  std::string compression = "zip";  // none, rle, zips, zip, piz, pxr24; with ":LEVEL" for zip and zips
+  std::string compression = "zip";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
   int tile_size = 64;
   int threads = 2;
 };

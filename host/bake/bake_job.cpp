@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "host/bake/accuracy_table.h"
 #include "host/bake/movmf_bake.h"
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
@@ -57,13 +58,6 @@ std::string all_settings_json(const BakeJob& job) {
   json["fixnan"] = r.fix_nan == FixNan::kNone ? "none" : r.fix_nan == FixNan::kBlack ? "black" : "box3";
   json["encoding"] = storage_encoding_name(job.encoding);
   json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
-  return json.dump();
-}
-
-std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const AccuracyRow& row : rows)
-    json.push_back({row.level, accuracy_point_name(row.point), row.brdf, std::round(row.error * 1e6) / 1e6});
   return json.dump();
 }
 
@@ -116,6 +110,7 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   if (!job.albedo.empty()) albedo = read_albedo_map(job.albedo, map.width, map.height, job.threads);
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, map.width, map.height, map.report.encoding,
                        map.report.encoding_reason));
+  for (const std::string& warning : map.report.warnings) log_warning(job.input + ": " + warning);
   clock.finish("read");
 
   // Measuring and writing count as about a level's work each.
@@ -133,6 +128,7 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
     progress_stage(progress, "measure");
     AccuracySettings accuracy;
     accuracy.threads = job.threads;
+    accuracy.albedo = albedo ? &*albedo : nullptr;
     report.accuracy = measure_accuracy(device, mipmap, map, accuracy, progress);
     clock.finish("measure");
   }

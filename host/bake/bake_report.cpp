@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/bake/accuracy_table.h"
+
 namespace multum {
 namespace {
 
@@ -22,39 +24,14 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
   return list;
 }
 
-const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, AccuracyPoint point,
-                            const std::string& brdf) {
-  for (const AccuracyRow& row : rows)
-    if (row.level == level && row.point == point && row.brdf == brdf) return &row;
-  return nullptr;
-}
-
-std::string accuracy_text(const std::vector<AccuracyRow>& rows) {
-  if (rows.empty()) return "";
-  std::vector<std::string> brdfs;
-  int level_max = 0;
-  for (const AccuracyRow& row : rows) {
-    if (std::find(brdfs.begin(), brdfs.end(), row.brdf) == brdfs.end()) brdfs.push_back(row.brdf);
-    level_max = std::max(level_max, row.level);
-  }
-  std::string text =
-      "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n  level";
-  for (const std::string& brdf : brdfs) text += fmt::format("{:>20}", brdf);
-  text += "\n";
-  for (int level = 0; level <= level_max; ++level) {
-    std::string line;
-    for (const std::string& brdf : brdfs) {
-      const AccuracyRow* centre = find_row(rows, level, AccuracyPoint::kCentre, brdf);
-      const AccuracyRow* x = find_row(rows, level, AccuracyPoint::kMidX, brdf);
-      const AccuracyRow* y = find_row(rows, level, AccuracyPoint::kMidY, brdf);
-      const double midway = std::max(x != nullptr ? x->error : 0.0, y != nullptr ? y->error : 0.0);
-      line += centre == nullptr
-                  ? fmt::format("{:>20}", "-")
-                  : fmt::format("{:>20}", fmt::format("{:.2f} | {:.2f}", centre->error * 100, midway * 100));
-    }
-    text += fmt::format("  {:>5}{}\n", level, line);
-  }
-  return text;
+// One line when anything was repaired, else nothing.
+std::string repairs_text(const NormalMapReport& input) {
+  if (input.nonfinite_repaired + input.zero_length_repaired + input.below_horizon_repaired + input.unused_texels == 0)
+    return "";
+  return fmt::format(
+      "repaired texels of the source: {} not finite, {} of zero length, {} below the horizon; {} black ones taken as "
+      "flat\n",
+      input.nonfinite_repaired, input.zero_length_repaired, input.below_horizon_repaired, input.unused_texels);
 }
 
 }  // namespace
@@ -66,6 +43,8 @@ std::string BakeReport::to_json() const {
   json["input"] = {{"format", input.format},
                    {"encoding", input.encoding},
                    {"reason", input.encoding_reason},
+                   {"warnings", input.warnings},
+                   {"unused_texels", input.unused_texels},
                    {"nonfinite_repaired", input.nonfinite_repaired},
                    {"zero_length_repaired", input.zero_length_repaired},
                    {"below_horizon_repaired", input.below_horizon_repaired}};
@@ -91,16 +70,17 @@ std::string BakeReport::to_json() const {
 }
 
 std::string BakeReport::to_text() const {
-  std::string text;
+  std::string text = repairs_text(input);
+  std::string times;
   double total = 0.0;
   for (const StageTime& stage : stages) {
-    text += fmt::format("{}{} {:.2f} s", text.empty() ? "" : ", ", stage.name, stage.seconds);
+    times += fmt::format("{}{} {:.2f} s", times.empty() ? "" : ", ", stage.name, stage.seconds);
     total += stage.seconds;
   }
-  text += fmt::format("; {:.2f} s in all on {}\n", total, device);
+  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device);
   text += fmt::format("{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction\n",
                       lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes);
-  return text + accuracy_text(accuracy);
+  return text + accuracy_table(accuracy);
 }
 
 }  // namespace multum

@@ -38,7 +38,7 @@ struct BakeReport {
   std::uint64_t lobe_count_total = 0;
   std::uint64_t nonfinite = 0;      // must be 0
   std::uint64_t kappa_clamped = 0;  // sharper than MovmfSettings::kappa_cap: EM may have fitted them as if less sharp
-  std::uint64_t dead_lobes = 0;     // amplitude below 1e-6: keeps its last direction
+  std::uint64_t dead_lobes = 0;     // amplitude below 1e-6; below 1e-7 (DEAD_SHARE) EM keeps its last direction
   std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
   std::vector<AccuracyRow> accuracy;
 

@@ -2,7 +2,8 @@
 // Rules, in order. Thresholds lie between real maps on either side, whose numbers stand next to them; the test
 // SharedData.EveryFileOfTheManifestIsUnderstood prints the numbers of every file.
 //  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
-//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or mask is like a height: the reason says so.
+//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo is like a height: a warning says so. One
+//     value tells nothing and two are a mask: refused.
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
 //  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
 //  4. Refused unless it looks like normals (`refusal` below).
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -62,6 +64,44 @@ double chroma_rms(const RawImage& image, int threads) {
 bool is_grey(const RawImage& image, int threads) {
   constexpr double kChromaMax = 1.0 / 255.0;
   return image.planes.size() == 3 && chroma_rms(image, threads) <= kChromaMax;
+}
+
+// Why a grey image is no height field, nullopt when it may be one: all its finite values are the same, or are one of
+// two, up to a fiftieth of what lies between them (8 bits of a compressed mask).
+std::optional<std::string> grey_refusal(const RawImage& image, int threads) {
+  const std::vector<float>& values = image.planes[0];
+  struct Range {
+    float low = std::numeric_limits<float>::infinity();
+    float high = -std::numeric_limits<float>::infinity();
+    bool between = false;
+  };
+  std::vector<Range> bands(static_cast<std::size_t>(row_band_count(image.height, kRowsPerBand)));
+  const auto for_each_value = [&](const auto& visit) {
+    for_each_row_band(image.height, kRowsPerBand, threads, [&](int band, int row_begin, int row_end) {
+      const auto width = static_cast<std::size_t>(image.width);
+      for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < static_cast<std::size_t>(row_end) * width;
+           ++i)
+        if (std::isfinite(values[i])) visit(bands[static_cast<std::size_t>(band)], values[i]);
+    });
+  };
+  for_each_value([](Range& band, float value) {
+    band.low = std::min(band.low, value);
+    band.high = std::max(band.high, value);
+  });
+  Range all;
+  for (const Range& band : bands) {
+    all.low = std::min(all.low, band.low);
+    all.high = std::max(all.high, band.high);
+  }
+  if (all.high < all.low) return "no value is finite";
+  if (all.high == all.low) return fmt::format("every texel is {:.4g}, which tells nothing", all.low);
+  const double margin = 0.02 * (static_cast<double>(all.high) - static_cast<double>(all.low));
+  for_each_value([&all, margin](Range& band, float value) {
+    const double v = static_cast<double>(value);
+    if (v - static_cast<double>(all.low) > margin && static_cast<double>(all.high) - v > margin) band.between = true;
+  });
+  if (std::any_of(bands.begin(), bands.end(), [](const Range& band) { return band.between; })) return std::nullopt;
+  return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", all.low, all.high);
 }
 
 // How well a reading explains the numbers: unit vectors, or for a rebuilt z: possible ones, not all leaning to one
@@ -150,6 +190,62 @@ std::optional<std::string> refusal(const Reading& reading) {
   return reading.encoding.rebuild_z ? two_channel_refusal(s) : vector_refusal(s);
 }
 
+// A constant red beside an alpha: compressed maps of one good channel and a better alpha keep x there (DXT5nm).
+bool has_x_in_alpha(const RawImage& image) {
+  if (!image.has_alpha || image.planes.size() < 3) return false;
+  const auto spread = [](const std::vector<float>& plane) {
+    const auto [low, high] = std::minmax_element(plane.begin(), plane.end());
+    return static_cast<double>(*high) - static_cast<double>(*low);
+  };
+  constexpr double kNoise = 2.5 / 255.0;
+  return spread(image.planes[0]) <= kNoise && spread(image.planes[1]) > kNoise;
+}
+
+// --bumpformat cannot help a map with its x in alpha, which is not read: the message does not offer it.
+[[noreturn]] void refuse_vectors(const std::string& path, const RawImage& image, const std::string& why) {
+  if (has_x_in_alpha(image))
+    throw Error(ErrorCode::kInput,
+                path + ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
+                       "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
+  throw Error(
+      ErrorCode::kInput,
+      fmt::format("{}: found no normal map and no height field: {}; expected unit vectors around +Z, or grey. "
+                  "If it is one all the same, say so (--bumpformat normal or height)",
+                  path, why));
+}
+
+// Of the options given, those that say nothing of what the file was taken for.
+void warn_of_ignored(const std::vector<std::pair<bool, const char*>>& given, const char* what,
+                     std::vector<std::string>& warnings) {
+  std::string names;
+  for (const auto& [is_given, name] : given)
+    if (is_given) names += (names.empty() ? "" : ", ") + std::string(name);
+  if (!names.empty()) warnings.push_back(names + ": without effect on " + what);
+}
+
+DetectedEncoding height_field(const std::string& reason, const NormalMapSettings& settings) {
+  DetectedEncoding result;
+  result.is_height_field = true;
+  result.reason = reason;
+  const bool is_signed = settings.is_signed.value_or(false);
+  warn_of_ignored({{settings.green.has_value(), "--green"},
+                   {is_signed, "--signed"},
+                   {settings.is_signed.has_value() && !is_signed, "--unsigned"},
+                   {settings.two_channel.has_value(), "--two-channel"}},
+                  "a height field", result.warnings);
+  return result;
+}
+
+DetectedEncoding grey_image(const std::string& path, const RawImage& image, const std::string& reason,
+                            const NormalMapSettings& settings, int threads) {
+  if (const std::optional<std::string> why = grey_refusal(image, threads))
+    throw Error(ErrorCode::kInput, fmt::format("{}: found a grey image that is no height field: {}; expected heights "
+                                               "of more than two values. If it is one all the same, say so "
+                                               "(--bumpformat height)",
+                                               path, *why));
+  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height", settings);
+}
+
 // The threshold lies between the maps that are known and those that are not (0.15 and 0.31, see vector_statistics.cpp);
 // four standard deviations of the correlation of independent samples where they are few.
 std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
@@ -165,36 +261,29 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
                      encoding.green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)", green_note);
 }
 
-DetectedEncoding height_field(const std::string& reason) {
-  DetectedEncoding result;
-  result.is_height_field = true;
-  result.reason = reason;
-  return result;
-}
-
 }  // namespace
 
 DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const NormalMapSettings& settings,
                                  int threads) {
-  constexpr const char* kGreyNote = "; a grey gloss or mask cannot be told from a height";
   if (settings.bump_format == BumpFormat::kHeight)
-    return height_field(image.planes.size() == 1 ? "as asked for" : "as asked for; the mean of the colour channels");
+    return height_field(image.planes.size() == 1 ? "as asked for" : "as asked for; the mean of the colour channels",
+                        settings);
+  if (image.planes.size() == 1 && settings.two_channel.value_or(false))
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {}: 1 colour channel, expected red and green, where a "
+                                               "two-channel map has x and y",
+                                               path, image.format));
   if (image.planes.size() == 1) {
     if (settings.bump_format == BumpFormat::kNormal)
       throw Error(ErrorCode::kInput, path + ": found 1 colour channel, expected a normal map of 2 or 3 as asked for");
-    return height_field(std::string("1 channel") + kGreyNote);
+    return grey_image(path, image, "1 channel", settings, threads);
   }
   if (settings.bump_format == BumpFormat::kAuto && is_grey(image, threads))
-    return height_field(std::string("red, green and blue are equal") + kGreyNote);
+    return grey_image(path, image, "red, green and blue are equal", settings, threads);
 
   const Reading reading = best_reading(image, settings, threads);
   if (settings.bump_format == BumpFormat::kAuto) {
     if (const std::optional<std::string> why = refusal(reading))
-      throw Error(
-          ErrorCode::kInput,
-          fmt::format("{}: found no normal map and no height field: {} ({}); expected unit vectors around +Z, or grey. "
-                      "If it is one all the same, say so (--bumpformat normal or height)",
-                      path, *why, summary(reading)));
+      refuse_vectors(path, image, fmt::format("{} ({})", *why, summary(reading)));
   }
   DetectedEncoding result;
   result.vectors = reading.encoding;
@@ -203,6 +292,13 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   const char* green_note = settings.green.has_value() ? ", as asked for" : found_green.has_value() ? "" : ", undecided";
   result.description = describe(result.vectors, green_note);
   result.reason = summary(reading);
+  const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
+  warn_of_ignored({{is_scaled, "--height-scale"}}, "a normal map", result.warnings);
+  // Where nothing is tilted, green is 0 either way.
+  if (!settings.green.has_value() && !found_green.has_value() && reading.statistics.tilted_share > 0.0)
+    result.warnings.emplace_back(
+        "which way green points cannot be told from the statistics; up (OpenGL) is taken, --green up or --green down "
+        "says it");
   return result;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host/image/image_io.h"
 #include "host/image/normal_decode.h"
@@ -16,6 +17,7 @@ struct DetectedEncoding {
   VectorEncoding vectors;   // of a normal map
   std::string description;  // NormalMapReport::encoding of a normal map
   std::string reason;       // NormalMapReport::encoding_reason
+  std::vector<std::string> warnings;  // NormalMapReport::warnings
 };
 
 /// Follows the overrides in `settings`. Throws Error(kInput) with the reason when the file is neither a normal map nor

@@ -82,6 +82,21 @@ void merge_channels(RawImage& image) {
   image.planes.resize(1);
 }
 
+// A height's scale is not in the file, and a grey image may be none: both show in the slopes.
+void warn_of_doubts(NormalMapReport& report, double slope_rms, const NormalMapSettings& settings) {
+  constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // surfaces that a bake is for: 3 to 79 degrees
+  std::string text;
+  if (settings.bump_format == BumpFormat::kAuto)
+    text = fmt::format("a grey image, taken for a height field at --height-scale {:g} (--bumpformat height says that "
+                       "it is one)",
+                       settings.height_scale);
+  if (slope_rms < kSlopeMin || slope_rms > kSlopeMax)
+    text += fmt::format("{}its rms slope {:.3g} is too {}, expected {:g} to {:g}: --height-scale {:g} may be wrong",
+                        text.empty() ? "" : "; ", slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin,
+                        kSlopeMax, settings.height_scale);
+  if (!text.empty()) report.warnings.push_back(text);
+}
+
 }  // namespace
 
 NormalMap normals_from_heights(const std::string& path, RawImage image, const NormalMapSettings& settings, int threads,
@@ -122,6 +137,7 @@ NormalMap normals_from_heights(const std::string& path, RawImage image, const No
   const double slope_rms = std::sqrt(std::accumulate(square_sums.begin(), square_sums.end(), 0.0) / texel_count);
   map.report.encoding =
       fmt::format("height field, scale {:g} texels, rms slope {:.3g}", settings.height_scale, slope_rms);
+  warn_of_doubts(map.report, slope_rms, settings);
   for (const std::int64_t count : lifted) map.report.below_horizon_repaired += count;
   check_repair_share(path, map, settings);
   return map;

@@ -174,8 +174,9 @@ RawImage read_checked(const std::string& path, const ImageReadSettings& settings
   image.width = spec.width;
   image.height = spec.height;
   image.colour_space = spec.get_string_attribute("oiio:ColorSpace");
+  image.has_alpha = spec.alpha_channel >= 0;
   image.format = fmt::format("{} {}, {} channel{}{}", container.format, spec.format.c_str(), spec.nchannels,
-                             spec.nchannels == 1 ? "" : "s", spec.alpha_channel >= 0 ? " (alpha not read)" : "");
+                             spec.nchannels == 1 ? "" : "s", image.has_alpha ? " (alpha not read)" : "");
   if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
       spec.height != spec.full_height)
     image.format += fmt::format(", data window {} x {} of a {} x {} frame", spec.width, spec.height, spec.full_width,

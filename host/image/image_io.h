@@ -19,6 +19,7 @@ struct RawImage {
   std::vector<std::vector<float>> planes;  // 1 to 3 colour channels, row 0 on top; integers scaled to 0..1. No alpha.
   SampleType sample_type = SampleType::kFloat;
   std::string colour_space;  // as the file says: "sRGB", "Linear", "Gamma2.2", or empty
+  bool has_alpha = false;    // in the file; never read
   std::string format;        // "png uint8, 4 channels (alpha not read)"
 };
 

@@ -142,9 +142,23 @@ void check_repair_share(const std::string& path, const NormalMap& map, const Nor
       ErrorCode::kInput,
       fmt::format(
           "{}: {} of {:.0f} texels ({:.2f} %) hold no usable normal: {} not finite, {} of zero length, {} below "
-          "the horizon; expected at most {:.2f} % (raise repair_share_max to repair them all the same)",
+          "the horizon; expected at most {:.2f} % (raise --repair-max to repair them all the same)",
           path, repaired, texel_count, 100.0 * share, report.nonfinite_repaired, report.zero_length_repaired,
           report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max)));
+}
+
+void check_unused_share(const std::string& path, NormalMap& map, const NormalMapSettings& settings) {
+  const auto texel_count = static_cast<double>(map.width) * map.height;
+  const double share = static_cast<double>(map.report.unused_texels) / texel_count;
+  if (share <= kUnusedShareNoted) return;
+  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are black, which is no normal",
+                                        map.report.unused_texels, texel_count, 100.0 * share);
+  if (share > kUnusedShareMax && settings.bump_format != BumpFormat::kNormal)
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: {}; expected at most {:.0f} % (if it is a normal map all the same, say so: "
+                            "--bumpformat normal)",
+                            path, found, 100.0 * kUnusedShareMax));
+  map.report.warnings.push_back(found + "; they are taken as never written, and as flat");
 }
 
 NormalMap decode_normals(const std::string& path, RawImage image, const VectorEncoding& encoding,
@@ -174,6 +188,7 @@ NormalMap decode_normals(const std::string& path, RawImage image, const VectorEn
     map.report.zero_length_repaired += band.zero_length;
     map.report.below_horizon_repaired += band.below_horizon;
   }
+  check_unused_share(path, map, settings);
   check_repair_share(path, map, settings);
   repair_texels(map, states, settings.fix_nan, threads);
   return map;

@@ -48,7 +48,8 @@ inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b)
 }
 
 /// Consumes `image` (2 or 3 planes). Fills the map's counts, not its encoding. Throws Error(kInput) for a non-finite
-/// value when the settings refuse them, and when more than repair_share_max of the texels needed repair.
+/// value when the settings refuse them, when more than repair_share_max of the texels needed repair, and when too many
+/// are black.
 NormalMap decode_normals(const std::string& path, RawImage image, const VectorEncoding& encoding,
                          const NormalMapSettings& settings, int threads, Progress* progress);
 
@@ -59,6 +60,10 @@ std::int64_t check_finite(const std::string& path, const RawImage& image, const 
 
 /// Throws Error(kInput) with the counts when they exceed settings.repair_share_max of all texels.
 void check_repair_share(const std::string& path, const NormalMap& map, const NormalMapSettings& settings);
+
+/// Adds a warning to the report when more than kUnusedShareNoted of the texels are black; throws Error(kInput) for more
+/// than kUnusedShareMax unless the settings say that it is a normal map.
+void check_unused_share(const std::string& path, NormalMap& map, const NormalMapSettings& settings);
 
 /// A normal of any length to a unit normal with z >= kHorizonZ. Returns false where z was lifted.
 inline bool normalise_above_horizon(glm::dvec3& n) {

@@ -19,10 +19,9 @@ namespace {
 void check_settings(const NormalMapSettings& settings) {
   if (!std::isfinite(settings.height_scale) || settings.height_scale == 0.0f)
     throw Error(ErrorCode::kUsage,
-                fmt::format("height_scale: found {}, expected a finite number that is not 0", settings.height_scale));
+                fmt::format("--height-scale is {}, expected a finite number that is not 0", settings.height_scale));
   if (!(settings.repair_share_max >= 0.0f && settings.repair_share_max <= 1.0f))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("repair_share_max: found {}, expected 0 to 1", settings.repair_share_max));
+    throw Error(ErrorCode::kUsage, fmt::format("--repair-max is {}, expected 0 to 1", settings.repair_share_max));
   if (settings.texel_count_max < 1)
     throw Error(ErrorCode::kUsage,
                 fmt::format("texel_count_max: found {}, expected at least 1", settings.texel_count_max));
@@ -50,6 +49,7 @@ NormalMap read_normal_map(const std::string& path, const NormalMapSettings& sett
   }
   map.report.format = format;
   map.report.encoding_reason = encoding.reason;
+  map.report.warnings.insert(map.report.warnings.begin(), encoding.warnings.begin(), encoding.warnings.end());
   return map;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reading of normal maps and height fields: what the file's numbers mean is found from their statistics, printed, and
-// can be overridden; what is doubtful is refused with the reason, not guessed.
+// can be overridden. What is neither normals nor heights is refused with the reason; where a single property cannot be
+// told, green above all, the usual one is taken with a warning (docs/READING.md has the rules).
 #pragma once
 
 #include <cstdint>
@@ -32,6 +33,11 @@ struct NormalMapSettings {
   std::int64_t texel_count_max = std::int64_t{1} << 30;
 };
 
+/// Black texels of an unsigned file, as a share of all: more than the first is warned of, more than the second is
+/// refused unless BumpFormat::kNormal says that the file is a normal map.
+constexpr double kUnusedShareNoted = 0.01;
+constexpr double kUnusedShareMax = 0.5;
+
 /// What was found and done; printed by the bake and written into its report.
 struct NormalMapReport {
   std::string format;                     // "png uint8, 3 channels"
@@ -41,6 +47,7 @@ struct NormalMapReport {
   std::int64_t nonfinite_repaired = 0;    // by NormalMapSettings::fix_nan
   std::int64_t zero_length_repaired = 0;  // mean of the 3 x 3 neighbours, else flat
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/image/normal_decode.h)
+  std::vector<std::string> warnings;        // what was taken in doubt, and the option that settles it; a line each
 };
 
 /// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out; planes of width * height floats, row 0 on

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <regex>
 
 #include "host/asset/movmf_mipmap.h"
 #include "tests/cli/program.h"
@@ -25,15 +26,21 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
                                      path("map.ndf.exr")});
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
   EXPECT_TRUE(contains(bake.out, "map.ndf.exr: written")) << bake.out;
-  EXPECT_TRUE(contains(bake.out, "measured error")) << bake.out;
+  // Without neighbours there is nothing midway.
+  for (const char* part : {"measured error, relative L1", "measured error with colours, relative L1", " | -\n"})
+    EXPECT_TRUE(contains(bake.out, part)) << part << " is not in\n" << bake.out;
+  EXPECT_FALSE(contains(bake.out, "| 0.00\n")) << bake.out;
   EXPECT_TRUE(contains(bake.err, "map_normal.png: 64 x 64")) << bake.err;
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png", "map.ndf.exr"}));
 
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
   EXPECT_EQ(info.exit_code, 0) << info.err;
   for (const char* line : {"4 von Mises-Fisher lobes a texel, with a colour a lobe", "64 x 64, 7 levels", "snorm16",
-                           "map_normal.png, SHA-256", "\"lobes\":4", "blinn-phong:500"})
+                           "map_normal.png, SHA-256", "\"lobes\":4", "\"height_scale\":1.0"})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
+  EXPECT_FALSE(std::regex_search(info.out, std::regex("\":[0-9.]{9}"))) << "floats are not rounded in\n" << info.out;
+  const std::string table = bake.out.substr(bake.out.find("measured error"));
+  EXPECT_TRUE(contains(info.out, table)) << "the bake printed\n" << table << "info prints\n" << info.out;
 
   const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
   EXPECT_EQ(verify.exit_code, 0) << verify.err;
@@ -83,7 +90,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes"})
     EXPECT_TRUE(report["counts"][count].is_number_unsigned()) << count;
-  for (const char* count : {"nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
+  for (const char* count : {"unused_texels", "nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
     EXPECT_EQ(report["input"][count], 0) << count;
 
   const auto row = [&](int level, const std::string& point, const std::string& brdf) {
@@ -100,6 +107,49 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
       for (const char* point : {"midway-x", "midway-y", "between-levels"})
         EXPECT_EQ(row(level, point, brdf), level < 6 ? 1 : 0) << level << " " << point << " " << brdf;
     }
+}
+
+TEST_F(BakeCommandTest, RepairsAreShown) {
+  TestImage image = normal_image(64, 64);
+  for (int c = 0; c < 3; ++c) image.at(9, 9, c) = 128.0f / 255.0f;  // of zero length
+  for (int i = 0; i < 128; ++i)
+    for (int c = 0; c < 3; ++c) image.at(i % 64, 20 + i / 64, c) = 0.0f;
+  write_test_image(path("holes.png"), image);
+  const ProgramResult bake = multum({"bake", path("holes.png"), "-o", path("holes.ndf.exr"), "--no-measure",
+                                     "--report", path("report.json")});
+  ASSERT_EQ(bake.exit_code, 0) << bake.err;
+  EXPECT_TRUE(contains(bake.out, "0 not finite, 1 of zero length, 0 below the horizon; 128 black")) << bake.out;
+  EXPECT_TRUE(contains(bake.err, "warning: " + path("holes.png") + ": 128 of 4096 texels (3.1 %) are black"))
+      << bake.err;
+  const auto input = nlohmann::json::parse(read_bytes(path("report.json")))["input"];
+  EXPECT_EQ(input["unused_texels"], 128);
+  EXPECT_EQ(input["zero_length_repaired"], 1);
+  EXPECT_EQ(input["warnings"].size(), 1u);
+
+  write_test_image(path("whole.png"), normal_image(64, 64));
+  const ProgramResult whole = multum({"bake", path("whole.png"), "-o", path("whole.ndf.exr"), "--no-measure"});
+  EXPECT_FALSE(contains(whole.out, "repaired")) << whole.out;
+  EXPECT_FALSE(contains(whole.err, "warning")) << whole.err;
+}
+
+TEST_F(BakeCommandTest, DoubtsAreWarnedOf) {
+  TestImage heights{.width = 64, .height = 64, .channels = 1};
+  for (int i = 0; i < 64 * 64; ++i) heights.values.push_back(static_cast<float>(i % 64) / 63.0f);
+  write_test_image(path("heights.png"), heights);
+  std::vector<std::string> bake = {"bake", path("heights.png"), "-o", path("heights.ndf.exr"), "--no-measure",
+                                   "--green", "up"};
+  const ProgramResult warned = multum(bake);
+  EXPECT_EQ(warned.exit_code, 0) << warned.err;
+  for (const char* part : {"heights.png: a grey image, taken for a height field at --height-scale 1", "warning: ",
+                           "--green: without effect on a height field"})
+    EXPECT_TRUE(contains(warned.err, part)) << part << " is not in\n" << warned.err;
+  bake.emplace_back("--quiet");
+  EXPECT_EQ(multum(bake).err, "");
+}
+
+TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
+  const ProgramResult made = multum({"testmap", path("map"), "--size", "16"});
+  EXPECT_TRUE(contains(made.out, "bake with --green up")) << made.out;
 }
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
@@ -203,7 +253,7 @@ TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
   EXPECT_EQ(help.exit_code, 0);
   for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
                            "{none,black,box3}=box3", "{black,clamp,periodic,mirror}", "--lobes INT=4",
-                           "--compression TEXT=zip"})
+                           "--compression TEXT=zip", "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;
   for (const char* part : {"->", "ENUM"}) EXPECT_FALSE(contains(help.out, part)) << part;
 }

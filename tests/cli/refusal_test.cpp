@@ -71,6 +71,14 @@ TEST_F(RefusalTest, InputsThatAreNoNormalMap) {
   write_test_image(path("mask.png"), mask);
   expect_refused(path("mask.png"), {}, kInput, {"mask.png", "found no normal map", "expected unit vectors"});
 
+  TestImage grey{.width = 64, .height = 64, .channels = 1};
+  for (int i = 0; i < 64 * 64; ++i) grey.values.push_back(i / 8 % 2 == 0 ? 0.0f : 1.0f);
+  write_test_image(path("grey.png"), grey);
+  expect_refused(path("grey.png"), {}, kInput,
+                 {"grey.png", "every texel is 0 or 1, as in a mask", "--bumpformat height"});
+  expect_refused(path("grey.png"), {"--two-channel"}, kInput,
+                 {"grey.png", "1 colour channel", "expected red and green"});
+
   write_bytes(path("text.png"), "not an image");
   expect_refused(path("text.png"), {}, kInput, {"text.png", "found an unknown format", "expected PNG"});
   write_bytes(path("empty.png"), "");
@@ -92,7 +100,7 @@ TEST_F(RefusalTest, TooManyRepairsAndTooManyTexels) {
   map.type = OIIO::TypeDesc::FLOAT;
   for (int i = 0; i < 64; ++i) map.at(i, 7, 1) = std::numeric_limits<float>::quiet_NaN();  // 1.6 % of all
   write_test_image(path("nan.exr"), map);
-  expect_refused(path("nan.exr"), {}, kInput, {"nan.exr", "64 ", "expected at most"});
+  expect_refused(path("nan.exr"), {}, kInput, {"nan.exr", "64 ", "expected at most", "raise --repair-max"});
   expect_refused(path("nan.exr"), {"--checknan"}, kInput, {"nan.exr", "column 0, row 7", "expected finite"});
   expect_refused(path("nan.exr"), {"--fixnan", "none"}, kInput, {"nan.exr"});
   const ProgramResult repaired = multum({"bake", path("nan.exr"), "-o", path("out/nan.ndf.exr"), "--repair-max", "0.1",
@@ -118,6 +126,7 @@ TEST_F(RefusalTest, SettingsOutsideTheirRanges) {
   expect_refused(map, {"--lobes", "0"}, kUsage, {"--lobes is 0", "expected 1 to 8"});
   expect_refused(map, {"--lobes", "9"}, kUsage, {"--lobes is 9", "expected 1 to 8"});
   expect_refused(map, {"--iterations", "0"}, kUsage, {"--iterations is 0", "expected 1 to 1000"});
+  expect_refused(map, {"--height-scale", "0"}, kUsage, {"--height-scale is 0", "expected a finite number"});
   expect_refused(map, {"--lobes", "four"}, kUsage, {"--lobes", "four"});
   expect_refused(map, {"--compression", "dwaa"}, kUsage, {"'dwaa'", "expected none, rle, zips, zip or piz"});
   expect_refused(map, {"--compression", "zip:10"}, kUsage, {"'zip:10'"});

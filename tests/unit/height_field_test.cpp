@@ -130,8 +130,56 @@ TEST(HeightField, NonfiniteHeights) {
 TEST(HeightField, CliffsAreLiftedAndCounted) {
   NormalMapSettings settings;
   settings.height_scale = 1e6f;
+  settings.bump_format = BumpFormat::kHeight;
   const TestImage image = height_image(16, 16, [](int x, int) { return x < 8 ? 0.0 : 1.0; });
   expect_error(ErrorCode::kInput, {"64 below the horizon"}, [&] { read_heights(image, settings); });
+}
+
+TEST(HeightField, OneOrTwoGreyValuesAreRefusedUnlessAskedFor) {
+  const TemporaryFolder folder;
+  for (const int channels : {1, 3}) {
+    for (const int values : {1, 2}) {
+      for (const char* file : {"h.png", "h.jpg"}) {
+        TestImage image{.width = 32, .height = 32, .channels = channels};
+        for (int i = 0; i < 32 * 32; ++i)  // the blocks of a JPEG are 8 wide
+          for (int c = 0; c < channels; ++c)
+            image.values.push_back(values == 2 && i / 8 % 2 == 0 ? 230.0f / 255.0f : 51.0f / 255.0f);
+        write_test_image(folder / file, image);
+        SCOPED_TRACE(std::string(file) + ", " + std::to_string(channels) + " channels");
+        expect_error(ErrorCode::kInput,
+                     {file, "grey image that is no height field", values == 1 ? "every texel is 0.2," : "as in a mask",
+                      "--bumpformat height"},
+                     [&] { read_map(folder / file); });
+        NormalMapSettings settings;
+        settings.bump_format = BumpFormat::kHeight;
+        EXPECT_EQ(read_map(folder / file, settings).width, 32);
+      }
+    }
+  }
+  expect_error(ErrorCode::kInput, {"no value is finite"}, [] {
+    read_heights(height_image(4, 4, [](int, int) { return std::numeric_limits<double>::quiet_NaN(); }));
+  });
+}
+
+TEST(HeightField, DoubtsAreWarnedOf) {
+  const auto warnings = [](double slope, BumpFormat format) {
+    NormalMapSettings settings;
+    settings.bump_format = format;
+    settings.wrap_s = WrapMode::kClamp;
+    const TestImage image = height_image(64, 8, [=](int x, int) { return slope * x; });
+    const std::vector<std::string> found = read_heights(image, settings).report.warnings;
+    EXPECT_LE(found.size(), 1u);
+    return found.empty() ? std::string() : found[0];
+  };
+  EXPECT_EQ(warnings(1.0, BumpFormat::kHeight), "");
+  const std::string taken = warnings(1.0, BumpFormat::kAuto);
+  EXPECT_NE(taken.find("a grey image, taken for a height field at --height-scale 1"), std::string::npos) << taken;
+  EXPECT_EQ(taken.find("slope"), std::string::npos) << taken;
+  for (const BumpFormat format : {BumpFormat::kAuto, BumpFormat::kHeight}) {
+    const std::string flat = warnings(0.01, format), steep = warnings(10.0, format);
+    EXPECT_NE(flat.find("is too flat, expected 0.05 to 5: --height-scale 1"), std::string::npos) << flat;
+    EXPECT_NE(steep.find("is too steep"), std::string::npos) << steep;
+  }
 }
 
 TEST(HeightField, ThreadCountChangesNoBit) {

@@ -22,6 +22,12 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+std::string warnings(const NormalMap& map) {
+  std::string text;
+  for (const std::string& warning : map.report.warnings) text += warning + "\n";
+  return text;
+}
+
 std::int64_t repair_count(const NormalMap& map) {
   return map.report.nonfinite_repaired + map.report.zero_length_repaired + map.report.below_horizon_repaired;
 }
@@ -172,6 +178,7 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
       write_test_image(folder / "flat.png", image);
       const NormalMap map = read_map(folder / "flat.png");
       EXPECT_TRUE(contains(map.report.encoding, "undecided")) << map.report.encoding;
+      EXPECT_EQ(warnings(map), "");  // green is 0 either way
       for (std::size_t i = 0; i < map.x.size(); ++i) {
         EXPECT_EQ(map.x[i], 0.0f);
         EXPECT_EQ(map.y[i], 0.0f);
@@ -179,6 +186,26 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
       }
     }
   }
+}
+
+// Directions that are random from texel to texel are the slopes of no surface, with green up or down.
+TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
+  const TemporaryFolder folder;
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  TestImage image{.width = 64, .height = 64};
+  for (int i = 0; i < 64 * 64; ++i) {
+    const double x = uniform(generator), y = uniform(generator);
+    for (const double v : {x, y, std::sqrt(1.0 - x * x - y * y)})
+      image.values.push_back(static_cast<float>(v * 0.5 + 0.5));
+  }
+  write_test_image(folder / "facets.png", image);
+  const NormalMap map = read_map(folder / "facets.png");
+  EXPECT_TRUE(contains(map.report.encoding, "green up (OpenGL), undecided")) << map.report.encoding_reason;
+  EXPECT_TRUE(contains(warnings(map), "up (OpenGL) is taken, --green up or --green down")) << warnings(map);
+  NormalMapSettings settings;
+  settings.green = GreenAxis::kDown;
+  EXPECT_EQ(warnings(read_map(folder / "facets.png", settings)), "");
 }
 
 TEST(NormalMapReading, FlatTwoChannelFloatsAreSigned) {
@@ -287,15 +314,65 @@ TEST(NormalMapReading, OneChannelIsNoNormalMap) {
   EXPECT_TRUE(contains(read_map(folder / "grey.png").report.encoding_reason, "cannot be told from a height"));
 }
 
+TEST(NormalMapReading, TwoChannelsOfAGreyImageAreRefused) {
+  const TemporaryFolder folder;
+  TestImage image{.width = 8, .height = 8, .channels = 2, .channel_names = {"Y", "A"}, .alpha_channel = 1};
+  for (int i = 0; i < 128; ++i) image.values.push_back(static_cast<float>(i) / 128.0f);
+  write_test_image(folder / "ga.png", image);
+  NormalMapSettings settings;
+  settings.two_channel = true;
+  expect_error(ErrorCode::kInput,
+               {"ga.png", "found png uint8, 2 channels (alpha not read): 1 colour channel", "expected red and green"},
+               [&] { read_map(folder / "ga.png", settings); });
+}
+
+TEST(NormalMapReading, XInAlphaIsNamed) {
+  const TemporaryFolder folder;
+  const TestImage full = normal_image(64, 64);
+  TestImage image{.width = 64, .height = 64, .channels = 4, .alpha_channel = 3};
+  for (const float blue : {0.0f, 1.0f, -1.0f}) {  // -1: the same as green
+    image.values.clear();
+    for (std::size_t i = 0; i < full.values.size(); i += 3)
+      image.values.insert(image.values.end(),
+                          {1.0f, full.values[i + 1], blue < 0.0f ? full.values[i + 1] : blue, full.values[i]});
+    write_test_image(folder / "dxt5nm.png", image);
+    expect_error(ErrorCode::kInput, {"dxt5nm.png", "a constant red and an alpha", "x in alpha", "expected x in red"},
+                 [&] { read_map(folder / "dxt5nm.png"); });
+  }
+}
+
+TEST(NormalMapReading, OptionsWithoutEffectAreNamed) {
+  const TemporaryFolder folder;
+  TestImage grey{.width = 8, .height = 8, .channels = 1};
+  for (int i = 0; i < 64; ++i) grey.values.push_back(static_cast<float>(i) / 64.0f);
+  write_test_image(folder / "grey.png", grey);
+  NormalMapSettings settings;
+  settings.green = GreenAxis::kUp;
+  settings.is_signed = false;
+  const std::string found = warnings(read_map(folder / "grey.png", settings));
+  EXPECT_TRUE(contains(found, "--green, --unsigned: without effect on a height field")) << found;
+  settings = {};
+  settings.bump_format = BumpFormat::kHeight;
+  settings.is_signed = true;
+  settings.two_channel = true;
+  EXPECT_TRUE(contains(warnings(read_map(folder / "grey.png", settings)), "--signed, --two-channel: without effect"));
+
+  write_test_image(folder / "normals.png", normal_image(64, 64));
+  settings = {};
+  EXPECT_EQ(warnings(read_map(folder / "normals.png", settings)), "");
+  settings.height_scale = 8.0f;
+  EXPECT_EQ(warnings(read_map(folder / "normals.png", settings)), "--height-scale: without effect on a normal map\n");
+}
+
 TEST(NormalMapReading, SettingsOutOfRangeAreRefused) {
   NormalMapSettings settings;
   settings.height_scale = 0.0f;
-  expect_error(ErrorCode::kUsage, {"height_scale"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--height-scale is"}, [&] { read_map("x", settings); });
   settings.height_scale = kNan;
-  expect_error(ErrorCode::kUsage, {"height_scale"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--height-scale is"}, [&] { read_map("x", settings); });
   settings = {};
   settings.repair_share_max = 1.5f;
-  expect_error(ErrorCode::kUsage, {"repair_share_max"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--repair-max is 1.5"}, [&] { read_map("x", settings); });
   settings = {};
   settings.texel_count_max = 0;
   expect_error(ErrorCode::kUsage, {"texel_count_max"}, [&] { read_map("x", settings); });
@@ -380,7 +457,7 @@ TEST_F(NormalRepair, TooManyRepairsRefuseTheFileWithTheCounts) {
   read();  // 40 of 4096 are 0.98 %
   set(0, 0, 0, 0, 0);
   expect_error(ErrorCode::kInput,
-               {"a.exr", "41 of 4096 texels (1.00 %)", "40 not finite, 1 of zero length", "repair_share_max"},
+               {"a.exr", "41 of 4096 texels (1.00 %)", "40 not finite, 1 of zero length", "raise --repair-max"},
                [&] { read(); });
   NormalMapSettings settings;
   settings.repair_share_max = 0.02f;
@@ -398,16 +475,31 @@ TEST_F(NormalRepair, UnitLengthWhateverTheFileHas) {
 TEST(NormalMapReading, UnusedTexelsAreFlatAndNoRepairs) {
   const TemporaryFolder folder;
   TestImage image = normal_image(64, 64);
-  for (int row = 0; row < 40; ++row)
-    for (int column = 0; column < 64; ++column)
-      for (int channel = 0; channel < 3; ++channel)
-        image.at(column, row, channel) = static_cast<float>(column % 5) / 255.0f;
+  const auto blacken = [&](int row_end) {
+    for (int row = 0; row < row_end; ++row)
+      for (int column = 0; column < 64; ++column)
+        for (int channel = 0; channel < 3; ++channel)
+          image.at(column, row, channel) = static_cast<float>(column % 5) / 255.0f;
+    write_test_image(folder / "atlas.png", image);
+  };
+  for (int column = 0; column < 40; ++column)
+    for (int channel = 0; channel < 3; ++channel) image.at(column, 63, channel) = 0.0f;
   write_test_image(folder / "atlas.png", image);
+  EXPECT_EQ(read_map(folder / "atlas.png").report.unused_texels, 40);
+  EXPECT_EQ(warnings(read_map(folder / "atlas.png")), "");  // 0.98 %
+  blacken(31);
   const NormalMap map = read_map(folder / "atlas.png");
-  EXPECT_EQ(map.report.unused_texels, 40 * 64);
+  EXPECT_EQ(map.report.unused_texels, 31 * 64 + 40);
   EXPECT_EQ(repair_count(map), 0);
   EXPECT_EQ(map.z[0], 1.0f);
   EXPECT_EQ(map.x[0], 0.0f);
+  EXPECT_TRUE(contains(warnings(map), "2024 of 4096 texels (49.4 %) are black")) << warnings(map);
+  blacken(33);
+  expect_error(ErrorCode::kInput, {"atlas.png", "2152 of 4096 texels (52.5 %) are black", "expected at most 50 %"},
+               [&] { read_map(folder / "atlas.png"); });
+  NormalMapSettings settings;
+  settings.bump_format = BumpFormat::kNormal;
+  EXPECT_EQ(read_map(folder / "atlas.png", settings).report.unused_texels, 33 * 64 + 40);
 }
 
 TEST(NormalMapReading, MidGreyIsZeroLength) {

@@ -144,7 +144,7 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
   CLI::App* bake =
       app.add_subcommand("bake", "bake a normal map or height field into an aligned mixture-of-vMF mipmap");
-  bake->add_option("input", options->job.input, "PNG, TIFF, EXR, JPEG, WebP ... of any size")->required();
+  bake->add_option("input", options->job.input, "PNG, TIFF, EXR, JPEG or WebP, sides to 32768")->required();
   add_output_options(*bake, *options);
   add_fit_options(*bake, *options);
   add_input_options(*bake, *options);

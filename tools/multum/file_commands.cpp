@@ -5,9 +5,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "host/asset/movmf_mipmap.h"
 #include "host/asset/movmf_verify.h"
+#include "host/bake/accuracy_table.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
 #include "host/opencl/device.h"
@@ -15,6 +18,21 @@
 
 namespace multum {
 namespace {
+
+// The settings' floats as a person gave them: 0.01, which as a float is 0.00999999977.
+std::string rounded_settings(const std::string& text) {
+  nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object()) return text;
+  for (auto& [name, value] : json.items())
+    if (value.is_number_float()) value = std::stod(fmt::format("{:g}", value.get<double>()));
+  return json.dump();
+}
+
+std::string measured_error(const std::string& text) {
+  const std::optional<std::vector<AccuracyRow>> rows = parse_measured_error(text);
+  if (rows && rows->empty()) return "measured error  not measured\n";
+  return rows ? accuracy_table(*rows) : fmt::format("measured error  {}\n", text);
+}
 
 int run_info(const std::string& path) {
   const MovmfMipmap file = read_movmf_header(path);
@@ -37,10 +55,10 @@ int run_info(const std::string& path) {
       fmt::format("on disk         {:.1f} MiB\n", static_cast<double>(std::filesystem::file_size(path)) / (1 << 20));
   text += fmt::format("on the GPU      {:.1f} MiB\n", mib);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
-  text += fmt::format("settings        {}\n", from.settings);
-  text += fmt::format("measured error  {}\n", from.measured_error == "[]" ? "not measured" : from.measured_error);
+  text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);
   text += fmt::format("written by      {}\n", from.software);
+  text += measured_error(from.measured_error);
   std::fputs(text.c_str(), stdout);
   return 0;
 }
@@ -107,7 +125,9 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
     if (options->size % 2 != 0)
       throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));
     write_four_quarter_map(make_four_quarter_map(options->size, options->seed), options->prefix);
-    std::printf("%s_normal.png, %s_albedo.png: written\n", options->prefix.c_str(), options->prefix.c_str());
+    const char* prefix = options->prefix.c_str();
+    // Its statistics look like green down (host/image/four_quarter_map.cpp).
+    std::printf("%s_normal.png, %s_albedo.png: written; bake with --green up\n", prefix, prefix);
     *exit_code = 0;
   });
 }

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/accuracy_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace multum {
+namespace {
+
+constexpr const char* kColoured = " coloured";  // ends the names of coloured rows, see AccuracyRow::brdf
+constexpr int kLevelMax = 63;                   // of any file: sides fit into 32 bits
+
+// As the file keeps it. The table rounds again, from this, so that it is the same from a bake and from its file.
+double rounded(double error) { return std::round(error * 1e6) / 1e6; }
+
+const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, AccuracyPoint point,
+                            const std::string& brdf) {
+  for (const AccuracyRow& row : rows)
+    if (row.level == level && row.point == point && row.brdf == brdf) return &row;
+  return nullptr;
+}
+
+std::string percent(const AccuracyRow* a, const AccuracyRow* b) {
+  if (a == nullptr && b == nullptr) return "-";
+  const double worse = std::max(a != nullptr ? a->error : 0.0, b != nullptr ? b->error : 0.0);
+  return fmt::format("{:.2f}", 100.0 * rounded(worse));
+}
+
+std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::string>& brdfs,
+                  const std::string& suffix) {
+  if (brdfs.empty()) return "";
+  int level_min = kLevelMax, level_max = 0;
+  for (const AccuracyRow& row : rows) {
+    level_min = std::min(level_min, row.level);
+    level_max = std::max(level_max, row.level);
+  }
+  std::string text = fmt::format(
+      "measured error{}, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n  level",
+      suffix.empty() ? "" : " with colours");
+  for (const std::string& brdf : brdfs) text += fmt::format("{:>20}", brdf);
+  text += "\n";
+  for (int level = level_min; level <= level_max; ++level) {
+    text += fmt::format("  {:>5}", level);
+    for (const std::string& brdf : brdfs) {
+      const auto found = [&](AccuracyPoint point) { return find_row(rows, level, point, brdf + suffix); };
+      const AccuracyRow* centre = found(AccuracyPoint::kCentre);
+      const std::string midway = percent(found(AccuracyPoint::kMidX), found(AccuracyPoint::kMidY));
+      text += fmt::format("{:>20}", centre == nullptr ? "-" : percent(centre, nullptr) + " | " + midway);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::optional<AccuracyPoint> parse_point(const std::string& name) {
+  for (const AccuracyPoint point :
+       {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
+    if (name == accuracy_point_name(point)) return point;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
+  std::vector<std::string> plain, coloured;
+  for (const AccuracyRow& row : rows) {
+    const bool is_coloured = row.brdf.ends_with(kColoured);
+    const std::string name =
+        is_coloured ? row.brdf.substr(0, row.brdf.size() - std::string(kColoured).size()) : row.brdf;
+    std::vector<std::string>& names = is_coloured ? coloured : plain;
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return table(rows, plain, "") + table(rows, coloured, kColoured);
+}
+
+std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const AccuracyRow& row : rows)
+    json.push_back({row.level, accuracy_point_name(row.point), row.brdf, rounded(row.error)});
+  return json.dump();
+}
+
+std::optional<std::vector<AccuracyRow>> parse_measured_error(const std::string& text) {
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);  // discarded, not thrown, when it is none
+  if (!json.is_array()) return std::nullopt;
+  std::vector<AccuracyRow> rows;
+  for (const nlohmann::json& one : json) {
+    if (!one.is_array() || one.size() != 4 || !one[0].is_number_integer() || !one[1].is_string() ||
+        !one[2].is_string() || !one[3].is_number())
+      return std::nullopt;
+    const auto level = one[0].get<std::int64_t>();
+    const std::optional<AccuracyPoint> point = parse_point(one[1].get<std::string>());
+    if (level < 0 || level > kLevelMax || !point) return std::nullopt;
+    rows.push_back({static_cast<int>(level), *point, one[2].get<std::string>(), one[3].get<double>(), 0.0, 0});
+  }
+  return rows;
+}
+
+}  // namespace multum

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measured errors as people and as files have them; any other text in the attribute is recognised as such.
+#include "host/bake/accuracy_table.h"
+
+#include <gtest/gtest.h>
+
+namespace multum {
+namespace {
+
+std::vector<AccuracyRow> some_rows() {
+  std::vector<AccuracyRow> rows;
+  for (const char* brdf : {"blinn-phong:500", "lambert", "blinn-phong:500 coloured", "lambert coloured"}) {
+    rows.push_back({0, AccuracyPoint::kCentre, brdf, 0.0123456, 0.001, 4});
+    rows.push_back({0, AccuracyPoint::kMidX, brdf, 0.02, 0.001, 4});
+    rows.push_back({0, AccuracyPoint::kMidY, brdf, 0.03, 0.001, 4});
+    rows.push_back({0, AccuracyPoint::kBetween, brdf, 0.9, 0.001, 4});
+    rows.push_back({1, AccuracyPoint::kCentre, brdf, 0.05, 0.0, 1});
+  }
+  return rows;
+}
+
+TEST(AccuracyTable, OneForWhiteAndOneForColours) {
+  EXPECT_EQ(accuracy_table(some_rows()),
+            "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n"
+            "  level     blinn-phong:500             lambert\n"
+            "      0         1.23 | 3.00         1.23 | 3.00\n"
+            "      1            5.00 | -            5.00 | -\n"
+            "measured error with colours, relative L1 in %, at texel centres | midway between texels (the worse of x "
+            "and y)\n"
+            "  level     blinn-phong:500             lambert\n"
+            "      0         1.23 | 3.00         1.23 | 3.00\n"
+            "      1            5.00 | -            5.00 | -\n");
+  EXPECT_EQ(accuracy_table({}), "");
+}
+
+TEST(AccuracyTable, TheAttributeGivesBackTheTable) {
+  const std::string json = measured_error_json(some_rows());
+  EXPECT_EQ(json.substr(0, 46), "[[0,\"centre\",\"blinn-phong:500\",0.012346],[0,\"m");
+  const auto parsed = parse_measured_error(json);
+  ASSERT_TRUE(parsed.has_value());
+  EXPECT_EQ(accuracy_table(*parsed), accuracy_table(some_rows()));
+  EXPECT_EQ(parse_measured_error("[]")->size(), 0u);
+}
+
+// Rounding to six digits, then to four, is not rounding to four.
+TEST(AccuracyTable, RoundsAlikeFromBakeAndFile) {
+  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert", 0.0001499996, 0.0, 1}};
+  EXPECT_EQ(accuracy_table(*parse_measured_error(measured_error_json(rows))), accuracy_table(rows));
+}
+
+TEST(AccuracyTable, OtherTextsAreNoErrors) {
+  for (const char* text : {"", "{}", "nonsense", "[1]", "[[0,\"centre\",\"lambert\"]]",
+                           "[[0,\"middle\",\"lambert\",0.1]]",
+                           "[[1000000000,\"centre\",\"lambert\",0.1]]", "[[-1,\"centre\",\"lambert\",0.1]]",
+                           "[[0.5,\"centre\",\"lambert\",0.1]]", "[[0,\"centre\",\"lambert\",\"0.1\"]]"})
+    EXPECT_FALSE(parse_measured_error(text).has_value()) << text;
+}
+
+}  // namespace
+}  // namespace multum
