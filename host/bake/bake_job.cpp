@@ -3,11 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -16,6 +13,7 @@
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/output_paths.h"
 
 namespace multum {
 namespace {
@@ -59,30 +57,6 @@ std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
   return json.dump();
 }
 
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;  // of a file that does not exist
-  return std::filesystem::equivalent(a, b, ignored) ||
-         std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
-}
-
-// A result that takes the place of a source, or of another result, would lose it without a word.
-void check_paths_differ(const BakeJob& job) {
-  const std::string* names[] = {&job.input, &job.albedo, &job.output, &job.report};
-  for (const std::string* result : {&job.output, &job.report})
-    for (const std::string* other : names)
-      if (other != result && !result->empty() && !other->empty() && same_file(*result, *other))
-        throw Error(ErrorCode::kUsage, *result + ": is named twice, expected different files to read and to write");
-}
-
-// Fails early, before minutes of work, when the output could not be written. Permissions do not tell everything (a
-// read-only disk, root): a file is created, and goes away with the probe.
-void check_writable(const std::string& path) {
-  const AtomicFile probe(path);
-  if (!std::ofstream(probe.temporary_path()))
-    throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: no file can be created in its folder: {}", path, std::strerror(errno)));
-}
-
 // Programs choose a reader by the extension: a baked file named .png would be taken for a broken picture.
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
@@ -95,7 +69,7 @@ void check_output_name(const std::string& path) {
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   validate(job.fitting);
   validate(job.writing);
-  check_paths_differ(job);
+  check_paths_differ({job.input, job.albedo}, {job.output, job.report});
   check_output_name(job.output);
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);

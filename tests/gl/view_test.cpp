@@ -109,6 +109,40 @@ TEST_F(ViewTest, ImpossiblePicturesAreEnvironmentErrors) {
   expect_refusal({"-o", path("no/folder/out.png"), "--size", "8x8", "--context", "osmesa"}, 4, "folder");
 }
 
+TEST_F(ViewTest, OutputsOverwriteNeitherInputsNorEachOther) {
+  const std::string out = path("out.png"), baked = path("map.ndf.exr");
+  for (const char* name : {"source.png", "albedo.png", "mesh.obj"}) write_text_file(path(name), "as it was");
+  const std::vector<std::string> inputs = {"--source", path("source.png"), "--albedo", path("albedo.png"),
+                                           "--mesh",   path("mesh.obj"),   "--size",   "8x8",
+                                           "--compare", "truth,mip"};
+  const auto refuse = [&](std::vector<std::string> outputs) {
+    outputs.insert(outputs.end(), inputs.begin(), inputs.end());
+    expect_refusal(outputs, 2, "is named twice");
+  };
+  const auto size = fs::file_size(baked);
+  refuse({"-o", baked});
+  refuse({"-o", (folder_ / "." / "map.ndf.exr").string()});
+  fs::create_symlink(baked, path("link.exr"));
+  refuse({"-o", path("link.exr")});
+  refuse({"-o", path("source.png")});
+  refuse({"-o", path("albedo.png")});
+  refuse({"-o", out, "--report", path("mesh.obj")});
+  refuse({"-o", out, "--report", out});
+  refuse({"-o", path("one_multum.png"), "--pictures", path("one")});
+  fs::rename(path("source.png"), path("one_mip_difference.png"));
+  expect_refusal({"-o", out, "--pictures", path("one"), "--source", path("one_mip_difference.png"), "--compare",
+                  "mip,truth"}, 2, "one_mip_difference.png: is named twice");
+  EXPECT_EQ(fs::file_size(baked), size);
+  for (const char* name : {"one_mip_difference.png", "albedo.png", "mesh.obj"})
+    EXPECT_EQ(fs::file_size(path(name)), 9u);
+}
+
+TEST_F(ViewTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", path("no/folder/r.json")}, 4, "folder");
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", folder_.string()}, 2, "is a folder");
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--pictures", path("no/folder/p")}, 4, "folder");
+}
+
 TEST_F(ViewTest, LinksNeitherGlNorOpenCl) {
   // What the program itself asks for: image libraries may pull in more, OpenCV's OpenCL among it.
   const ChildResult needed = run_child({"readelf", "-d", std::string(MULTUM_BIN_DIR) + "/multum-view"});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum-view: reads a baked map and a mesh, renders them with runtime_gl, compares them with the truth and with what
 // users have today, and writes pictures and errors.
+#include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/output_paths.h"
 #include "host/image/colour_map.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/render/contact_sheet.h"
@@ -118,16 +120,37 @@ gl::FloatImage compose(const std::vector<NamedPicture>& pictures, bool has_truth
   return gl::make_contact_sheet(rows, 1.0f / exposure);
 }
 
+/// The file that a picture gets by itself: `what` is its name, or its name and "_difference".
+std::string picture_path(const ViewOptions& options, const std::string& what) {
+  return options.pictures + "_" + what + options.output.substr(options.output.rfind('.'));
+}
+
 /// Every picture, and what it is off by, in a file of its own.
 void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>& pictures, bool has_truth) {
-  const std::string extension = options.output.substr(options.output.rfind('.'));
   for (const NamedPicture& one : pictures) {
-    const std::string path = options.pictures + "_" + one.name;
-    write_picture(path + extension, one.picture.image, options.exposure);
+    write_picture(picture_path(options, one.name), one.picture.image, options.exposure);
     if (has_truth && one.name != "truth")
-      write_picture(path + "_difference" + extension,
+      write_picture(picture_path(options, one.name + "_difference"),
                     bright_difference(one.picture.image, pictures[0].picture.image), options.exposure);
   }
+}
+
+/// Refuses, before anything is drawn, file names that would overwrite each other or what is read, or that cannot be
+/// written: nothing is rendered for nothing, and no picture is left beside a report that failed.
+void check_outputs(const ViewOptions& options) {
+  std::vector<std::string> outputs = {options.output};
+  if (!options.report.empty()) outputs.push_back(options.report);
+  if (!options.pictures.empty()) {
+    const bool has_truth = std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
+    std::vector<std::string> names = options.compare;
+    names.insert(names.begin(), "multum");
+    for (const std::string& name : names) {
+      outputs.push_back(picture_path(options, name));
+      if (has_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
+    }
+  }
+  check_paths_differ({options.input, options.source, options.albedo, options.mesh}, outputs);
+  for (const std::string& path : outputs) check_writable(path);
 }
 
 bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
@@ -184,6 +207,7 @@ int run(int argc, char** argv) {
   int exit_code = 0;
   std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
   if (!options.has_value()) return exit_code;
+  check_outputs(*options);
   const MovmfMipmap mipmap = read_movmf_mipmap(options->input);
   const gl::MeshData mesh_data = make_mesh(*options);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
