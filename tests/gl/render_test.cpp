@@ -133,6 +133,35 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
   }
 }
 
+TEST_P(RenderTest, WrapModesEqualTruth) {
+  // Seen from straight above, a corner of the map in the middle of the picture: the map's last row and column lie at
+  // x = -10 and y = 40, and three of the picture's quarters are beyond the border.
+  Scene scene;
+  scene.camera.eye = {-10.0f, 40.0f, 30.0f};
+  scene.camera.target = {-10.0f, 40.0f, 0.0f};
+  scene.camera.up = {0.0f, 1.0f, 0.0f};
+  scene.uv_scale = 3.0f;
+  scene.brdf.exponent = 20.0f;
+  scene.lights = {{{0.6f, 0.4f, 1.0f}, glm::vec3(3.0f)}};
+  std::vector<FloatImage> exact;
+  for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kMirror, WrapMode::kClamp, WrapMode::kBlack}) {
+    const TestMap map = make_wave_map(64, wrap);
+    exact.push_back(truth(map, scene, 64));
+    const FloatImage drawn = movmf(map, scene);
+    EXPECT_LT(picture_error(drawn, exact.back()).relative_l1, 0.02) << wrap_mode_name(wrap);
+    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+      EXPECT_LT(picture_error(baseline(map, scene, which), exact.back()).relative_l1, 0.2) << wrap_mode_name(wrap);
+    if (wrap != WrapMode::kBlack) continue;
+    const std::size_t beyond = 4 * (kHeight / 4 * kWidth + kWidth * 3 / 4);
+    EXPECT_EQ(drawn.rgba[beyond], 0.0f);
+    EXPECT_EQ(exact.back().rgba[beyond], 0.0f);
+    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+      EXPECT_EQ(baseline(map, scene, which).rgba[beyond], 0.0f);
+  }
+  for (std::size_t i = 1; i < exact.size(); ++i)
+    EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must be told apart";
+}
+
 TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
   for (const bool coloured : {false, true}) {
     const TestMap map = make_two_tilt_map(8, 20.0, StorageEncoding::kFloat, coloured);
