@@ -14,6 +14,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/image/reading_settings.h"
 
 namespace multum {
 namespace {
@@ -35,16 +36,7 @@ class StageClock {
 // Every setting that changes pixels, the reading's too: what an unchanged bake is recognised by.
 std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(settings_json(job.fitting));
-  const NormalMapSettings& r = job.reading;
-  json["bump_format"] = r.bump_format == BumpFormat::kAuto     ? "auto"
-                        : r.bump_format == BumpFormat::kHeight ? "height"
-                                                               : "normal";
-  json["green"] = !r.green ? "auto" : *r.green == GreenAxis::kUp ? "up" : "down";
-  json["signed"] = !r.is_signed ? "auto" : *r.is_signed ? "yes" : "no";
-  json["two_channel"] = !r.two_channel ? "auto" : *r.two_channel ? "yes" : "no";
-  json["height_scale"] = r.height_scale;
-  json["wrap"] = std::string(wrap_mode_name(r.wrap_s)) + "," + wrap_mode_name(r.wrap_t);
-  json["fixnan"] = r.fix_nan == FixNan::kNone ? "none" : r.fix_nan == FixNan::kBlack ? "black" : "box3";
+  add_reading_settings(job.reading, json);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
   return json.dump();

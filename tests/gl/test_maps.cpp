@@ -33,19 +33,25 @@ TestMap make_flat_map(int size) {
 }
 
 TestMap make_wave_map(int size, WrapMode wrap) {
-  TestMap map;
-  map.image = {size, size, {}, {}, wrap, wrap};
-  map.mipmap.wrap_s = map.mipmap.wrap_t = wrap;
-  map.mipmap.encoding = StorageEncoding::kFloat;
+  NormalImage image{size, size, {}, {}, wrap, wrap};
   const double step = 2.0 * std::numbers::pi / size;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x) {
       const glm::dvec3 n(0.7 * std::sin(step * (x + 0.5)), 0.5 * std::sin(step * (y + 0.5)), 1.0);
-      map.image.normals.emplace_back(glm::normalize(n));
+      image.normals.emplace_back(glm::normalize(n));
     }
+  return make_one_lobe_map(std::move(image));
+}
+
+TestMap make_one_lobe_map(NormalImage image) {
+  TestMap map;
+  map.image = std::move(image);
+  map.mipmap.wrap_s = map.image.wrap_s;
+  map.mipmap.wrap_t = map.image.wrap_t;
+  map.mipmap.encoding = StorageEncoding::kFloat;
   std::vector<glm::vec4> texels;
   for (const glm::vec3& n : map.image.normals) texels.emplace_back(n, 1.0f);
-  for (int s = size;; s /= 2) {
+  for (int s = map.image.width;; s /= 2) {
     map.mipmap.levels.push_back(make_level(s, 1, false));
     map.mipmap.levels.back().lobes[0] = texels;
     if (s == 1) return map;

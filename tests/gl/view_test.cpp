@@ -2,6 +2,7 @@
 // multum-view as its user meets it: exit codes, messages, and files that appear whole or not at all.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,9 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
+#include "host/base/content_hash.h"
+#include "host/image/image_io.h"
+#include "host/image/reading_settings.h"
 #include "tests/gl/test_maps.h"
 
 namespace multum {
@@ -141,6 +145,50 @@ TEST_F(ViewTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
   expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", path("no/folder/r.json")}, 4, "folder");
   expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", folder_.string()}, 2, "is a folder");
   expect_refusal({"-o", path("out.png"), "--size", "8x8", "--pictures", path("no/folder/p")}, 4, "folder");
+}
+
+TEST_F(ViewTest, SourceIsReadAsTheBakeReadIt) {
+  // A ramp: what its slopes are at the border depends on the wrap mode, and everywhere on the height scale.
+  constexpr int kSize = 16;
+  const auto write_heights = [&](double power) {
+    std::vector<std::uint16_t> rgb;
+    for (int i = 0; i < kSize * kSize; ++i)
+      rgb.insert(rgb.end(), 3, static_cast<std::uint16_t>(65535.0 * std::pow((i % kSize) / (kSize - 1.0), power)));
+    write_png16(path("h.png"), kSize, kSize, rgb, "");
+  };
+  write_heights(2.0);
+  NormalMapSettings settings;
+  settings.bump_format = BumpFormat::kHeight;
+  settings.height_scale = 6.0f;
+  settings.wrap_s = WrapMode::kClamp;
+  settings.wrap_t = WrapMode::kMirror;
+  const NormalMap read = read_normal_map(path("h.png"), settings, 1, nullptr);
+  gl::NormalImage image{kSize, kSize, {}, {}, settings.wrap_s, settings.wrap_t};
+  for (std::size_t i = 0; i < read.x.size(); ++i) image.normals.emplace_back(read.x[i], read.y[i], read.z[i]);
+  MovmfMipmap baked = gl::make_one_lobe_map(image).mipmap;
+  nlohmann::json json;
+  add_reading_settings(settings, json);
+  baked.provenance.settings = json.dump();
+  baked.provenance.source_hash = hash_file(path("h.png"));
+  write_movmf_mipmap(path("map.ndf.exr"), baked, {});
+  // Seen from above, near enough that texels are magnified: all that is left is the border between texels.
+  const auto error = [&](const std::vector<std::string>& more, bool warns) {
+    std::vector<std::string> arguments = {"-o", path("out.png"), "--compare", "truth", "--size", "64x48", "--samples",
+                                          "16", "--camera", "0,30,60,0,30,0", "--repeat", "1", "--report",
+                                          path("r.json"), "--context", "osmesa"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_EQ(result.output.find("is not the file") != std::string::npos, warns) << result.output;
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file)["pictures"][1]["relative_l1"].get<double>();
+  };
+  const double own = error({}, false);
+  EXPECT_NEAR(error({"--source", path("h.png")}, false), own, 1e-4);
+  EXPECT_GT(error({"--source", path("h.png"), "--height-scale", "-6"}, false), own + 0.1);
+  EXPECT_GT(error({"--source", path("h.png"), "--bumpformat", "height", "--height-scale", "1"}, false), own + 0.1);
+  write_heights(1.0);
+  error({"--source", path("h.png")}, true);
 }
 
 TEST_F(ViewTest, LinksNeitherGlNorOpenCl) {

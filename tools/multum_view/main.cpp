@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
 #include "host/image/colour_map.h"
+#include "host/image/reading_settings.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
@@ -58,9 +60,25 @@ gl::MeshData make_mesh(ViewOptions& options) {
   return to_mesh_data(mesh);
 }
 
+/// As the bake read it, unless the command line says otherwise.
+NormalMapSettings source_settings(const ViewOptions& options, const MovmfMipmap& mipmap) {
+  NormalMapSettings settings = parse_reading_settings(mipmap.provenance.settings);
+  settings.wrap_s = mipmap.wrap_s;
+  settings.wrap_t = mipmap.wrap_t;
+  if (hash_file(options.source) == mipmap.provenance.source_hash) {
+    settings.repair_share_max = 1.0f;  // the bake took these very texels
+  } else if (!mipmap.provenance.source_hash.empty()) {
+    log_warning(fmt::format("{}: is not the file that {} was baked from ({}, SHA-256 {}): the truth and the baselines "
+                            "may show another map", options.source, options.input, mipmap.provenance.source_name,
+                            mipmap.provenance.source_hash));
+  }
+  apply(options.reading, settings);
+  return settings;
+}
+
 gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipmap) {
   if (options.source.empty()) return gl::finest_normals(mipmap);
-  const NormalMap map = read_normal_map(options.source, options.source_settings, 1, nullptr);
+  const NormalMap map = read_normal_map(options.source, source_settings(options, mipmap), 1, nullptr);
   log_info(options.source + ": " + map.report.encoding);
   if (map.width != mipmap.width() || map.height != mipmap.height())
     throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source,
@@ -75,14 +93,13 @@ gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipma
 }
 
 std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
-                                   const MovmfMipmap& mipmap) {
+                                   const MovmfMipmap& mipmap, const gl::NormalImage& source) {
   using gl::NormalMaterial;
   gl::Renderer renderer(gl, options.width, options.height);
   std::vector<NamedPicture> pictures;
   const gl::MovmfMaterial baked(gl, mipmap, options.anisotropy);
   pictures.push_back({"multum", renderer.draw_movmf(mesh, baked, options.scene, options.formula)});
   if (options.compare.empty()) return pictures;
-  const gl::NormalImage source = read_source(options, mipmap);
   const NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
   for (const std::string& name : options.compare) {
     if (name == "truth") {
@@ -210,11 +227,12 @@ int run(int argc, char** argv) {
   check_outputs(*options);
   const MovmfMipmap mipmap = read_movmf_mipmap(options->input);
   const gl::MeshData mesh_data = make_mesh(*options);
+  const gl::NormalImage source = options->compare.empty() ? gl::NormalImage{} : read_source(*options, mipmap);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
   log_info(context->description());
   warn_of_wrong_anisotropy(*options, mipmap, context->description());
   const gl::Mesh mesh(context->functions(), mesh_data);
-  const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, mipmap);
+  const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, mipmap, source);
   const bool has_truth = pictures[0].name == "truth";
   const nlohmann::json rows = print_table(pictures, has_truth);
   write_picture(options->output,

@@ -21,7 +21,6 @@ struct RawOptions {
   std::string size = "640x480";
   std::string context = "auto";
   std::string formula = "product";
-  std::string green;
   std::string compare;
 };
 
@@ -114,7 +113,6 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   parse_size(raw.size, options);
   options.context = gl::parse_context_backend(raw.context).value();
   options.formula = raw.formula == "paper" ? gl::LobeFormula::kPaper : gl::LobeFormula::kProduct;
-  if (!raw.green.empty()) options.source_settings.green = raw.green == "up" ? GreenAxis::kUp : GreenAxis::kDown;
   if (!raw.compare.empty()) options.compare = CLI::detail::split(raw.compare, ',');
   for (const std::string& name : options.compare)
     if (name != "truth" && name != "mip" && name != "toksvig" && name != "lean")
@@ -136,10 +134,6 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--source", o.source, "normal map that the file was baked from, for the truth and the baselines "
                                        "(default: level 0 of the file)");
   app.add_option("--albedo", o.albedo, "the source's colours");
-  app.add_option("--green", raw.green, "the source's green axis (default: found)")
-      ->check(CLI::IsMember({"up", "down"}));
-  app.add_option("--height-scale", o.source_settings.height_scale, "of a source that is a height field")
-      ->capture_default_str();
   app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane that runs to the horizon)");
   app.add_option("--repeat", o.repeat, "how often the map repeats across the plane or uv unit (default: 60, mesh 1)")
       ->check(CLI::PositiveNumber);
@@ -158,6 +152,8 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--context", raw.context, "auto, osmesa (software) or egl")
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))->capture_default_str();
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
+  app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
+  add_reading_options(app, o.reading);
 }
 
 }  // namespace
