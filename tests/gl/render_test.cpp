@@ -241,6 +241,19 @@ TEST(Render, OsmesaEqualsEgl) {
   }
 }
 
+TEST(Camera, FramesABoxFromItsFront) {
+  const glm::vec3 low(-1.0f), high(1.0f);
+  const Camera y_up = frame_box(low, high, {0.0f, 1.0f, 0.0f});
+  EXPECT_GT(y_up.eye.x, 0.0f);
+  EXPECT_GT(y_up.eye.y, 0.0f);
+  EXPECT_GT(y_up.eye.z, 0.0f);
+  const Camera z_up = frame_box(low, high, {0.0f, 0.0f, 1.0f});  // the same, turned by 90 degrees about X
+  EXPECT_NEAR(z_up.eye.x, y_up.eye.x, 1e-5f);
+  EXPECT_NEAR(z_up.eye.y, -y_up.eye.z, 1e-5f);
+  EXPECT_NEAR(z_up.eye.z, y_up.eye.y, 1e-5f);
+  EXPECT_EQ(frame_box(low, high, {1.0f, 0.0f, 0.0f}).up.x, 1.0f);
+}
+
 TEST(Material, RefusesLevelsThatDoNotFit) {
   const auto context = make_headless_context(ContextBackend::kOsmesa);
   MovmfMipmap broken = make_flat_map(8).mipmap;

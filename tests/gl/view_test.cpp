@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "host/base/atomic_file.h"
@@ -93,6 +94,9 @@ TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--light", "0,0,0"}, 2, "towards the light");
   expect_refusal({"-o", out, "--light", "1,2"}, 2, "towards the light");
   expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, "eye x,y,z");
+  expect_refusal({"-o", out, "--up", "0,0,0"}, 2, "--up");
+  expect_refusal({"-o", out, "--up", "0,1"}, 2, "--up");
+  expect_refusal({"-o", out, "--camera", "0,0,0,1,1,0", "--up", "2,2,0"}, 2, "line of sight");
   expect_refusal({"-o", out, "--size", "640x"}, 2, "WIDTHxHEIGHT");
   expect_refusal({"-o", out, "--compare", "truth,leaan"}, 2, "truth, mip, toksvig, lean");
   expect_refusal({"-o", out, "--context", "glx"}, 2, "--context");
@@ -189,6 +193,25 @@ TEST_F(ViewTest, SourceIsReadAsTheBakeReadIt) {
   EXPECT_GT(error({"--source", path("h.png"), "--bumpformat", "height", "--height-scale", "1"}, false), own + 0.1);
   write_heights(1.0);
   error({"--source", path("h.png")}, true);
+}
+
+TEST_F(ViewTest, MeshesStandUprightUnderAnyCamera) {
+  write_text_file(path("quad.obj"), "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n"
+                                    "f 1/1/1 2/2/1 3/3/1\n");
+  const auto picture = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"-o", path("out.exr"), "--mesh", path("quad.obj"), "--size", "32x24",
+                                          "--context", "osmesa"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("out.exr"), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::vector<std::string> oblique = {"--camera", "0,3,3,0,0,0"};
+  EXPECT_EQ(picture(oblique), picture({"--camera", "0,3,3,0,0,0", "--up", "0,2,0"}));
+  EXPECT_NE(picture(oblique), picture({"--camera", "0,3,3,0,0,0", "--up", "0,0,1"}));
+  EXPECT_EQ(picture({}), picture({"--up", "0,1,0"}));
+  EXPECT_NE(picture({}), picture({"--up", "0,0,1"}));
 }
 
 TEST_F(ViewTest, LinksNeitherGlNorOpenCl) {

@@ -53,7 +53,7 @@ gl::MeshData make_mesh(ViewOptions& options) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  const gl::Camera frame = gl::frame_box(low, high);
+  const gl::Camera frame = gl::frame_box(low, high, options.up);
   if (!options.has_camera) scene.camera = frame;
   scene.camera.near_distance = frame.near_distance;
   scene.camera.far_distance = std::max(frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target));

@@ -14,6 +14,7 @@ namespace {
 /// The option values that need more than a type.
 struct RawOptions {
   std::string camera;
+  std::string up;
   std::vector<std::string> lights;
   std::string brdf = "blinn-phong:100";
   std::string diffuse = "0.5";
@@ -72,8 +73,32 @@ void parse_camera(const std::string& text, gl::Camera& camera) {
   const glm::vec3 view = camera.target - camera.eye;
   if (!(glm::length(view) > 1e-9f) || camera.fov_y_degrees < 1.0f || camera.fov_y_degrees > 170.0f)
     refuse("--camera", text, expected);
-  // Looking straight up or down, another direction has to be up.
-  if (glm::length(glm::cross(view, camera.up)) < 1e-4f * glm::length(view)) camera.up = {0.0f, 1.0f, 0.0f};
+}
+
+bool looks_along(const gl::Camera& camera, const glm::vec3& direction) {
+  const glm::vec3 view = camera.target - camera.eye;
+  return glm::length(glm::cross(view, direction)) < 1e-4f * glm::length(view) * glm::length(direction);
+}
+
+/// What is up in the picture: meshes have it along +Y, as glTF does, and the plane along +Z.
+void parse_up(const std::string& text, ViewOptions& options) {
+  gl::Camera& camera = options.scene.camera;
+  const bool is_plane = options.mesh.empty();
+  options.up = is_plane ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+  if (!text.empty()) {
+    const char* const expected = "x,y,z, not all 0, and not along the line of sight: 0,0,1";
+    const std::vector<float> n = parse_numbers("--up", text, expected);
+    if (n.size() != 3) refuse("--up", text, expected);
+    options.up = {n[0], n[1], n[2]};
+    if (!(glm::length(options.up) > 1e-12f)) refuse("--up", text, expected);
+    options.up = glm::normalize(options.up);
+    if ((options.has_camera || is_plane) && looks_along(camera, options.up)) refuse("--up", text, expected);
+  } else if (options.has_camera && looks_along(camera, options.up)) {
+    // Looking straight up or down, another direction has to be up: further away on the plane, and away from who
+    // looks at a mesh from the front.
+    options.up = is_plane ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
+  }
+  camera.up = options.up;
 }
 
 void parse_brdf(const std::string& text, gl::Brdf& brdf) {
@@ -104,6 +129,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   gl::Scene& scene = options.scene;
   if (!raw.camera.empty()) parse_camera(raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
+  parse_up(raw.up, options);
   if (!raw.lights.empty()) scene.lights.clear();
   if (raw.lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
   for (const std::string& light : raw.lights) scene.lights.push_back(parse_light(light));
@@ -134,10 +160,13 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--source", o.source, "normal map that the file was baked from, for the truth and the baselines "
                                        "(default: level 0 of the file)");
   app.add_option("--albedo", o.albedo, "the source's colours");
-  app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane that runs to the horizon)");
+  app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "
+                                   "horizon: x from -30 to 30, y from 0 to 60)");
   app.add_option("--repeat", o.repeat, "how often the map repeats across the plane or uv unit (default: 60, mesh 1)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--camera", raw.camera, "eye and target: x,y,z,x,y,z[,field of view in degrees]");
+  app.add_option("--camera", raw.camera, "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: the "
+                                       "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
+  app.add_option("--up", raw.up, "x,y,z that is up in the picture (default: 0,0,1; with a mesh 0,1,0)");
   app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
   app.add_option("--brdf", raw.brdf, "blinn-phong:S or torrance-sparrow:SIGMA")->capture_default_str();
   app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b")->capture_default_str();

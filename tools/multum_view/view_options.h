@@ -24,6 +24,7 @@ struct ViewOptions {
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
   bool has_camera = false;
+  glm::vec3 up{0.0f, 0.0f, 1.0f};     // unit; the camera's, also where the camera frames the mesh
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
   std::vector<std::string> compare;   // of truth, mip, toksvig, lean
   int width = 640;
