@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/base/error.h"
+#include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
 
 namespace multum {
@@ -198,6 +199,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
       "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.",
       "multum-view");
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
+  app.failure_message(usage_error);
   add_options(app, options, raw);
   try {
     app.parse(argc, argv);
