@@ -94,6 +94,9 @@ TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--light", "0,0,0"}, 2, "towards the light");
   expect_refusal({"-o", out, "--light", "1,2"}, 2, "towards the light");
   expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, "eye x,y,z");
+  for (const char* number : {"nan", "inf", "0", "-1", "1e7", "x"})
+    for (const char* option : {"--exposure", "--repeat", "--anisotropy"})
+      expect_refusal({"-o", out, option, number}, 2, option);
   expect_refusal({"-o", out, "--up", "0,0,0"}, 2, "--up");
   expect_refusal({"-o", out, "--up", "0,1"}, 2, "--up");
   expect_refusal({"-o", out, "--camera", "0,0,0,1,1,0", "--up", "2,2,0"}, 2, "line of sight");
@@ -193,6 +196,21 @@ TEST_F(ViewTest, SourceIsReadAsTheBakeReadIt) {
   EXPECT_GT(error({"--source", path("h.png"), "--bumpformat", "height", "--height-scale", "1"}, false), own + 0.1);
   write_heights(1.0);
   error({"--source", path("h.png")}, true);
+}
+
+TEST_F(ViewTest, NamesGivenTwiceAreDrawnOnce) {
+  const ChildResult result = view({"-o", path("out.png"), "--compare", "mip,truth,mip,truth", "--size", "8x8",
+                                   "--samples", "1", "--report", path("r.json"), "--context", "osmesa"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  std::ifstream file(path("r.json"));
+  EXPECT_EQ(nlohmann::json::parse(file)["pictures"].size(), 3u);
+}
+
+TEST_F(ViewTest, WarnsOfASourceThatIsNotRead) {
+  const ChildResult result = view({"-o", path("out.png"), "--source", path("none.png"), "--albedo", path("no.png"),
+                                   "--size", "8x8", "--context", "osmesa"});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("none.png: is not read without --compare"), std::string::npos) << result.output;
 }
 
 TEST_F(ViewTest, MeshesStandUprightUnderAnyCamera) {

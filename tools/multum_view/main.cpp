@@ -182,6 +182,11 @@ void warn_of_wrong_anisotropy(const ViewOptions& options, const MovmfMipmap& mip
                           options.input, mipmap.width(), mipmap.height()));
 }
 
+void warn_of_unused_source(const ViewOptions& options) {
+  if (options.compare.empty() && !options.source.empty())
+    log_warning(options.source + ": is not read without --compare: the baked map's picture does not need it");
+}
+
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures, bool has_truth) {
   nlohmann::json rows = nlohmann::json::array();
   fmt::print("{:10} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms");
@@ -225,6 +230,7 @@ int run(int argc, char** argv) {
   std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
   if (!options.has_value()) return exit_code;
   check_outputs(*options);
+  warn_of_unused_source(*options);
   const MovmfMipmap mipmap = read_movmf_mipmap(options->input);
   const gl::MeshData mesh_data = make_mesh(*options);
   const gl::NormalImage source = options->compare.empty() ? gl::NormalImage{} : read_source(*options, mipmap);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/view_options.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -38,6 +41,18 @@ std::vector<float> parse_numbers(const std::string& option, const std::string& t
     numbers.push_back(value);
   }
   return numbers;
+}
+
+/// CLI11's own range check lets "nan" pass.
+CLI::Validator number_in(float low, float high) {
+  const std::string range = fmt::format("in [{:g} - {:g}]", low, high);
+  return CLI::Validator(
+      [=](std::string& text) {
+        float value = 0.0f;
+        const bool fits = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+        return fits ? std::string() : fmt::format("'{}': expected a number {}", text, range);
+      },
+      "FLOAT " + range, "");
 }
 
 glm::vec3 parse_colour(const std::string& option, const std::string& text) {
@@ -126,6 +141,17 @@ void parse_size(const std::string& text, ViewOptions& options) {
     refuse("--size", text, "WIDTHxHEIGHT in pixels, as 640x480");
 }
 
+/// Each once, however often it is named: two pictures of one name would share a file.
+std::vector<std::string> parse_compare(const std::string& text) {
+  std::vector<std::string> names;
+  for (const std::string& name : CLI::detail::split(text, ',')) {
+    if (name != "truth" && name != "mip" && name != "toksvig" && name != "lean")
+      refuse("--compare", text, "a list of truth, mip, toksvig, lean");
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
 void finish(const RawOptions& raw, ViewOptions& options) {
   gl::Scene& scene = options.scene;
   if (!raw.camera.empty()) parse_camera(raw.camera, scene.camera);
@@ -140,10 +166,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   parse_size(raw.size, options);
   options.context = gl::parse_context_backend(raw.context).value();
   options.formula = raw.formula == "paper" ? gl::LobeFormula::kPaper : gl::LobeFormula::kProduct;
-  if (!raw.compare.empty()) options.compare = CLI::detail::split(raw.compare, ',');
-  for (const std::string& name : options.compare)
-    if (name != "truth" && name != "mip" && name != "toksvig" && name != "lean")
-      refuse("--compare", raw.compare, "a list of truth, mip, toksvig, lean");
+  if (!raw.compare.empty()) options.compare = parse_compare(raw.compare);
   if (!options.albedo.empty() && options.source.empty())
     throw Error(ErrorCode::kUsage, "--albedo goes with --source: both describe the map that the file was baked from");
   if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind == gl::BrdfKind::kTorranceSparrow)
@@ -164,7 +187,7 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "
                                    "horizon: x from -30 to 30, y from 0 to 60)");
   app.add_option("--repeat", o.repeat, "how often the map repeats across the plane or uv unit (default: 60, mesh 1)")
-      ->check(CLI::PositiveNumber);
+      ->check(number_in(1e-6f, 1e6f));
   app.add_option("--camera", raw.camera, "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: the "
                                        "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
   app.add_option("--up", raw.up, "x,y,z that is up in the picture (default: 0,0,1; with a mesh 0,1,0)");
@@ -176,9 +199,9 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
       ->check(CLI::IsMember({"product", "paper"}))->capture_default_str();
   app.add_option("--size", raw.size, "of each picture, pixels")->capture_default_str();
   app.add_option("--samples", o.samples, "a pixel of the truth")->check(CLI::Range(1, 65536))->capture_default_str();
-  app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")->check(CLI::Range(1.0f, 16.0f))
+  app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")->check(number_in(1.0f, 16.0f))
       ->capture_default_str();
-  app.add_option("--exposure", o.exposure, "brightness of a PNG")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--exposure", o.exposure, "brightness of a PNG")->check(number_in(1e-6f, 1e6f))->capture_default_str();
   app.add_option("--context", raw.context, "auto, osmesa (software) or egl")
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))->capture_default_str();
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
