@@ -285,7 +285,21 @@ TEST(ContactSheet, PlacesPicturesUnderTheirLabels) {
   const std::size_t below = 4 * static_cast<std::size_t>((sheet.height - 1) * sheet.width);
   EXPECT_EQ(sheet.rgba[below], 0.25f);                // third picture
   EXPECT_EQ(sheet.rgba[below + 4 * 13], 0.0f);        // nothing beside it
-  EXPECT_EQ(std::count(sheet.rgba.begin(), sheet.rgba.begin() + 4 * 22 * sheet.width, 1.0f) % 2, 0);
+}
+
+TEST(ContactSheet, LabelsAreWholeHoweverSmallThePictures) {
+  // A dash is five pixels of ink, ten by two at the larger scale; nothing else is white.
+  const std::string label(20, '-');
+  const auto ink = [&](int width) {
+    const FloatImage dark{width, 4, std::vector<float>(static_cast<std::size_t>(16 * width), 0.0f)};
+    const FloatImage sheet = make_contact_sheet({{{"", dark}, {label, dark}}, {{label, dark}}}, 1.0f);
+    std::ptrdiff_t count = 0;
+    for (std::size_t i = 0; i < sheet.rgba.size(); i += 4) count += sheet.rgba[i] == 1.0f;
+    return count;
+  };
+  EXPECT_EQ(ink(8), 2 * 20 * 5);
+  EXPECT_EQ(ink(122), 2 * 20 * 5);
+  EXPECT_EQ(ink(244), 2 * 20 * 10 * 2);
 }
 
 }  // namespace
