@@ -3,11 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -17,6 +14,8 @@
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/output_paths.h"
+#include "host/image/reading_settings.h"
 
 namespace multum {
 namespace {
@@ -46,43 +45,10 @@ MovmfSettings fitting_settings(const BakeJob& job) {
 // Every setting that changes pixels, the reading's too: what an unchanged bake is recognised by.
 std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(settings_json(fitting_settings(job)));
-  const NormalMapSettings& r = job.reading;
-  json["bump_format"] = r.bump_format == BumpFormat::kAuto     ? "auto"
-                        : r.bump_format == BumpFormat::kHeight ? "height"
-                                                               : "normal";
-  json["green"] = !r.green ? "auto" : *r.green == GreenAxis::kUp ? "up" : "down";
-  json["signed"] = !r.is_signed ? "auto" : *r.is_signed ? "yes" : "no";
-  json["two_channel"] = !r.two_channel ? "auto" : *r.two_channel ? "yes" : "no";
-  json["height_scale"] = r.height_scale;
-  json["wrap"] = std::string(wrap_mode_name(r.wrap_s)) + "," + wrap_mode_name(r.wrap_t);
-  json["fixnan"] = r.fix_nan == FixNan::kNone ? "none" : r.fix_nan == FixNan::kBlack ? "black" : "box3";
+  add_reading_settings(job.reading, json);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
   return json.dump();
-}
-
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;  // of a file that does not exist
-  return std::filesystem::equivalent(a, b, ignored) ||
-         std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
-}
-
-// A result that takes the place of a source, or of another result, would lose it without a word.
-void check_paths_differ(const BakeJob& job) {
-  const std::string* names[] = {&job.input, &job.albedo, &job.output, &job.report};
-  for (const std::string* result : {&job.output, &job.report})
-    for (const std::string* other : names)
-      if (other != result && !result->empty() && !other->empty() && same_file(*result, *other))
-        throw Error(ErrorCode::kUsage, *result + ": is named twice, expected different files to read and to write");
-}
-
-// Fails early, before minutes of work, when the output could not be written. Permissions do not tell everything (a
-// read-only disk, root): a file is created, and goes away with the probe.
-void check_writable(const std::string& path) {
-  const AtomicFile probe(path);
-  if (!std::ofstream(probe.temporary_path()))
-    throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: no file can be created in its folder: {}", path, std::strerror(errno)));
 }
 
 // Programs choose a reader by the extension: a baked file named .png would be taken for a broken picture.
@@ -97,7 +63,7 @@ void check_output_name(const std::string& path) {
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   validate(job.fitting);
   validate(job.writing);
-  check_paths_differ(job);
+  check_paths_differ({job.input, job.albedo}, {job.output, job.report});
   check_output_name(job.output);
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);

@@ -17,13 +17,17 @@ glm::mat4 view_projection(const Camera& camera, int width, int height, glm::vec2
   return glm::translate(glm::mat4(1.0f), shift) * projection * glm::lookAt(camera.eye, camera.target, camera.up);
 }
 
-Camera frame_box(const glm::vec3& low, const glm::vec3& high) {
+Camera frame_box(const glm::vec3& low, const glm::vec3& high, const glm::vec3& up) {
   Camera camera;
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
   camera.target = 0.5f * (low + high);
-  camera.up = {0.0f, 1.0f, 0.0f};
+  camera.up = up;
+  // With +Y up the front is +Z, as in glTF; with +Z up it is -Y.
+  const glm::vec3 side = std::abs(up.x) < 0.9f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
+  const glm::vec3 front = glm::normalize(glm::cross(side, up));
+  const glm::vec3 right = glm::cross(up, front);
   const float distance = radius / std::sin(glm::radians(0.5f * camera.fov_y_degrees));
-  camera.eye = camera.target + distance * glm::normalize(glm::vec3(0.5f, 0.45f, 1.0f));
+  camera.eye = camera.target + distance * glm::normalize(0.5f * right + 0.45f * up + front);
   camera.near_distance = 0.05f * radius;
   camera.far_distance = distance + 2.0f * radius;
   return camera;

@@ -23,7 +23,7 @@ struct Camera {
 /// `jitter`: the picture's shift in pixels, -0.5..0.5 each.
 glm::mat4 view_projection(const Camera& camera, int width, int height, glm::vec2 jitter);
 
-/// A camera that sees the whole of a box, from a little above and to the right.
-Camera frame_box(const glm::vec3& low, const glm::vec3& high);
+/// A camera that sees the whole of a box, from the front, a little above and to the right. `up`: unit.
+Camera frame_box(const glm::vec3& low, const glm::vec3& high, const glm::vec3& up);
 
 }  // namespace multum::gl

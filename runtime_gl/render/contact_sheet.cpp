@@ -10,9 +10,10 @@ namespace {
 
 constexpr int kGlyphWidth = 5;
 constexpr int kGlyphHeight = 8;
-constexpr int kGlyphScale = 2;
-constexpr int kGlyphAdvance = kGlyphScale * (kGlyphWidth + 1);
-constexpr int kLabelHeight = kGlyphScale * (kGlyphHeight + 4);
+constexpr int kGlyphAdvance = kGlyphWidth + 1;
+constexpr int kMargin = 2;         // around a label; this and the glyph's sizes are pixels at scale 1
+constexpr int kGlyphScaleMax = 2;  // where the pictures are wide enough for it
+constexpr int kLabelHeight = kGlyphScaleMax * (kGlyphHeight + 2 * kMargin);
 constexpr int kGap = 4;
 
 struct Glyph {
@@ -79,21 +80,27 @@ void put_pixel(FloatImage& sheet, int x, int y, float value) {
   pixel[3] = 1.0f;
 }
 
-void draw_glyph(FloatImage& sheet, const Glyph& glyph, int left, int top, float value) {
-  for (int y = 0; y < kGlyphHeight * kGlyphScale; ++y)
-    for (int x = 0; x < kGlyphWidth * kGlyphScale; ++x)
-      if (glyph.rows[y / kGlyphScale * kGlyphWidth + x / kGlyphScale] == '#')
-        put_pixel(sheet, left + x, top + y, value);
+void draw_glyph(FloatImage& sheet, const Glyph& glyph, int left, int top, int scale, float value) {
+  for (int y = 0; y < kGlyphHeight * scale; ++y)
+    for (int x = 0; x < kGlyphWidth * scale; ++x)
+      if (glyph.rows[y / scale * kGlyphWidth + x / scale] == '#') put_pixel(sheet, left + x, top + y, value);
 }
 
-void draw_cell(FloatImage& sheet, const SheetCell& cell, int left, int top, float label_value) {
-  // A label longer than its picture is cut rather than run into its neighbour's.
-  const int letters_max = std::max(1, (cell.image.width - 4) / kGlyphAdvance);
-  const int letters = std::min(static_cast<int>(cell.label.size()), letters_max);
-  for (int i = 0; i < letters; ++i)
+/// Of the longest label, pixels at scale 1.
+int widest_label(const std::vector<std::vector<SheetCell>>& rows) {
+  int width = 0;
+  for (const std::vector<SheetCell>& row : rows)
+    for (const SheetCell& cell : row)
+      width = std::max(width, kMargin + kGlyphAdvance * static_cast<int>(cell.label.size()));
+  return width;
+}
+
+void draw_cell(FloatImage& sheet, const SheetCell& cell, int left, int top, int scale, float label_value) {
+  for (std::size_t i = 0; i < cell.label.size(); ++i)
     for (const Glyph& glyph : kGlyphs)
-      if (glyph.letter == cell.label[static_cast<std::size_t>(i)])
-        draw_glyph(sheet, glyph, left + 4 + i * kGlyphAdvance, top + 2 * kGlyphScale, label_value);
+      if (glyph.letter == cell.label[i])
+        draw_glyph(sheet, glyph, left + scale * (kMargin + static_cast<int>(i) * kGlyphAdvance), top + scale * kMargin,
+                   scale, label_value);
   const auto row = 4 * static_cast<std::ptrdiff_t>(cell.image.width);
   for (int y = 0; y < cell.image.height; ++y) {
     const auto to = 4 * (static_cast<std::ptrdiff_t>(top + kLabelHeight + y) * sheet.width + left);
@@ -105,7 +112,10 @@ void draw_cell(FloatImage& sheet, const SheetCell& cell, int left, int top, floa
 
 FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, float label_value) {
   MULTUM_CHECK(!rows.empty() && !rows[0].empty());
-  const int cell_width = rows[0][0].image.width + kGap;
+  // No label is cut: a small picture gets smaller letters, and a cell wider than itself where these are too wide too.
+  const int label_width = widest_label(rows);
+  const int scale = kGlyphScaleMax * label_width <= rows[0][0].image.width ? kGlyphScaleMax : 1;
+  const int cell_width = std::max(rows[0][0].image.width, scale * label_width) + kGap;
   const int cell_height = rows[0][0].image.height + kLabelHeight + kGap;
   FloatImage sheet{static_cast<int>(rows[0].size()) * cell_width - kGap,
                    static_cast<int>(rows.size()) * cell_height - kGap, {}};
@@ -116,7 +126,8 @@ FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, f
     for (std::size_t x = 0; x < rows[y].size(); ++x) {
       MULTUM_CHECK(rows[y][x].image.width == rows[0][0].image.width &&
                    rows[y][x].image.height == rows[0][0].image.height);
-      draw_cell(sheet, rows[y][x], static_cast<int>(x) * cell_width, static_cast<int>(y) * cell_height, label_value);
+      draw_cell(sheet, rows[y][x], static_cast<int>(x) * cell_width, static_cast<int>(y) * cell_height, scale,
+                label_value);
     }
   }
   return sheet;

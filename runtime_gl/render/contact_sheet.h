@@ -14,7 +14,8 @@ struct SheetCell {
   FloatImage image;
 };
 
-/// Rows of cells, all images of one size; a row may be shorter than the first. `label_value`: the letters' grey.
+/// Rows of cells, all images of one size; a row may be shorter than the first. Labels are always whole: cells are as
+/// wide as the longest one where the images are narrower. `label_value`: the letters' grey.
 FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, float label_value);
 
 }  // namespace multum::gl

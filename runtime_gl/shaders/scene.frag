@@ -86,7 +86,9 @@ vec3 shade(vec3 l, vec3 h) {
 vec3 shade(vec3 l, vec3 h) {
   vec4 texel = texture(u_normals, v_st);
   float size = length(texel.xyz);
-  vec3 n = size > 1e-12 ? texel.xyz / size : vec3(0.0, 0.0, 1.0);
+  // Beyond the border of a map that wraps black there is no material: 0, which no mean of normals above the surface is.
+  if (size <= 1e-12) return vec3(0.0);
+  vec3 n = texel.xyz / size;
   float cosine = max(dot(n, l), 0.0);
   float diffuse = cosine;
   float facets = facet_distribution(n, h);

@@ -133,6 +133,35 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
   }
 }
 
+TEST_P(RenderTest, WrapModesEqualTruth) {
+  // Seen from straight above, a corner of the map in the middle of the picture: the map's last row and column lie at
+  // x = -10 and y = 40, and three of the picture's quarters are beyond the border.
+  Scene scene;
+  scene.camera.eye = {-10.0f, 40.0f, 30.0f};
+  scene.camera.target = {-10.0f, 40.0f, 0.0f};
+  scene.camera.up = {0.0f, 1.0f, 0.0f};
+  scene.uv_scale = 3.0f;
+  scene.brdf.exponent = 20.0f;
+  scene.lights = {{{0.6f, 0.4f, 1.0f}, glm::vec3(3.0f)}};
+  std::vector<FloatImage> exact;
+  for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kMirror, WrapMode::kClamp, WrapMode::kBlack}) {
+    const TestMap map = make_wave_map(64, wrap);
+    exact.push_back(truth(map, scene, 64));
+    const FloatImage drawn = movmf(map, scene);
+    EXPECT_LT(picture_error(drawn, exact.back()).relative_l1, 0.02) << wrap_mode_name(wrap);
+    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+      EXPECT_LT(picture_error(baseline(map, scene, which), exact.back()).relative_l1, 0.2) << wrap_mode_name(wrap);
+    if (wrap != WrapMode::kBlack) continue;
+    const std::size_t beyond = 4 * (kHeight / 4 * kWidth + kWidth * 3 / 4);
+    EXPECT_EQ(drawn.rgba[beyond], 0.0f);
+    EXPECT_EQ(exact.back().rgba[beyond], 0.0f);
+    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+      EXPECT_EQ(baseline(map, scene, which).rgba[beyond], 0.0f);
+  }
+  for (std::size_t i = 1; i < exact.size(); ++i)
+    EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must be told apart";
+}
+
 TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
   for (const bool coloured : {false, true}) {
     const TestMap map = make_two_tilt_map(8, 20.0, StorageEncoding::kFloat, coloured);
@@ -212,6 +241,19 @@ TEST(Render, OsmesaEqualsEgl) {
   }
 }
 
+TEST(Camera, FramesABoxFromItsFront) {
+  const glm::vec3 low(-1.0f), high(1.0f);
+  const Camera y_up = frame_box(low, high, {0.0f, 1.0f, 0.0f});
+  EXPECT_GT(y_up.eye.x, 0.0f);
+  EXPECT_GT(y_up.eye.y, 0.0f);
+  EXPECT_GT(y_up.eye.z, 0.0f);
+  const Camera z_up = frame_box(low, high, {0.0f, 0.0f, 1.0f});  // the same, turned by 90 degrees about X
+  EXPECT_NEAR(z_up.eye.x, y_up.eye.x, 1e-5f);
+  EXPECT_NEAR(z_up.eye.y, -y_up.eye.z, 1e-5f);
+  EXPECT_NEAR(z_up.eye.z, y_up.eye.y, 1e-5f);
+  EXPECT_EQ(frame_box(low, high, {1.0f, 0.0f, 0.0f}).up.x, 1.0f);
+}
+
 TEST(Material, RefusesLevelsThatDoNotFit) {
   const auto context = make_headless_context(ContextBackend::kOsmesa);
   MovmfMipmap broken = make_flat_map(8).mipmap;
@@ -243,7 +285,21 @@ TEST(ContactSheet, PlacesPicturesUnderTheirLabels) {
   const std::size_t below = 4 * static_cast<std::size_t>((sheet.height - 1) * sheet.width);
   EXPECT_EQ(sheet.rgba[below], 0.25f);                // third picture
   EXPECT_EQ(sheet.rgba[below + 4 * 13], 0.0f);        // nothing beside it
-  EXPECT_EQ(std::count(sheet.rgba.begin(), sheet.rgba.begin() + 4 * 22 * sheet.width, 1.0f) % 2, 0);
+}
+
+TEST(ContactSheet, LabelsAreWholeHoweverSmallThePictures) {
+  // A dash is five pixels of ink, ten by two at the larger scale; nothing else is white.
+  const std::string label(20, '-');
+  const auto ink = [&](int width) {
+    const FloatImage dark{width, 4, std::vector<float>(static_cast<std::size_t>(16 * width), 0.0f)};
+    const FloatImage sheet = make_contact_sheet({{{"", dark}, {label, dark}}, {{label, dark}}}, 1.0f);
+    std::ptrdiff_t count = 0;
+    for (std::size_t i = 0; i < sheet.rgba.size(); i += 4) count += sheet.rgba[i] == 1.0f;
+    return count;
+  };
+  EXPECT_EQ(ink(8), 2 * 20 * 5);
+  EXPECT_EQ(ink(122), 2 * 20 * 5);
+  EXPECT_EQ(ink(244), 2 * 20 * 10 * 2);
 }
 
 }  // namespace

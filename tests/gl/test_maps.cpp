@@ -3,6 +3,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include <glm/geometric.hpp>
 
 namespace multum::gl {
 namespace {
@@ -27,6 +30,40 @@ TestMap make_flat_map(int size) {
     for (glm::vec4& lobe : map.mipmap.levels.back().lobes[0]) lobe = {0.0f, 0.0f, 1.0f, 1.0f};
   }
   return map;
+}
+
+TestMap make_wave_map(int size, WrapMode wrap) {
+  NormalImage image{size, size, {}, {}, wrap, wrap};
+  const double step = 2.0 * std::numbers::pi / size;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const glm::dvec3 n(0.7 * std::sin(step * (x + 0.5)), 0.5 * std::sin(step * (y + 0.5)), 1.0);
+      image.normals.emplace_back(glm::normalize(n));
+    }
+  return make_one_lobe_map(std::move(image));
+}
+
+TestMap make_one_lobe_map(NormalImage image) {
+  TestMap map;
+  map.image = std::move(image);
+  map.mipmap.wrap_s = map.image.wrap_s;
+  map.mipmap.wrap_t = map.image.wrap_t;
+  map.mipmap.encoding = StorageEncoding::kFloat;
+  std::vector<glm::vec4> texels;
+  for (const glm::vec3& n : map.image.normals) texels.emplace_back(n, 1.0f);
+  for (int s = map.image.width;; s /= 2) {
+    map.mipmap.levels.push_back(make_level(s, 1, false));
+    map.mipmap.levels.back().lobes[0] = texels;
+    if (s == 1) return map;
+    const std::size_t columns = static_cast<std::size_t>(s);
+    std::vector<glm::vec4> coarse;
+    for (std::size_t y = 0; y < columns; y += 2)
+      for (std::size_t x = 0; x < columns; x += 2) {
+        const glm::vec4* const upper = &texels[y * columns + x];
+        coarse.push_back(0.25f * (upper[0] + upper[1] + upper[columns] + upper[columns + 1]));
+      }
+    texels = std::move(coarse);
+  }
 }
 
 TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encoding, bool coloured) {

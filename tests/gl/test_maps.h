@@ -14,6 +14,13 @@ struct TestMap {
 /// Every normal (0, 0, 1): one lobe of |r| = 1.
 TestMap make_flat_map(int size);
 
+/// One lobe a texel of unit normals, box-filtered. The sides are powers of two and equal.
+TestMap make_one_lobe_map(NormalImage image);
+
+/// One wave along each axis, 0 at the borders: smooth under every wrap mode, but mirrored it is another map. One lobe.
+/// `size` is a power of two.
+TestMap make_wave_map(int size, WrapMode wrap);
+
 /// A checkerboard of texels tilted by +angle and -angle (degrees) about Y, red and blue when `coloured`: two lobes of
 /// |r| = 1, of amplitude 1/2 each from level 1 on. `size` is a power of two.
 TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encoding, bool coloured);

@@ -2,13 +2,18 @@
 // multum-view as its user meets it: exit codes, messages, and files that appear whole or not at all.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
+#include "host/base/content_hash.h"
+#include "host/image/image_io.h"
+#include "host/image/reading_settings.h"
 #include "tests/gl/test_maps.h"
 
 namespace multum {
@@ -82,13 +87,19 @@ TEST_F(ViewTest, WritesFloatsToExr) {
 TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   const std::string out = path("out.png");
   expect_refusal({"-o", path("out.jpg")}, 2, "written as .png or .exr");
-  expect_refusal({}, 2, "--output is required");
+  expect_refusal({}, 2, "multum-view: --output is required\nSee 'multum-view --help'.\n");
   expect_refusal({"-o", out, "--brdf", "ggx:0.1"}, 2, "blinn-phong:S");
   expect_refusal({"-o", out, "--brdf", "blinn-phong:nan"}, 2, "blinn-phong:S");
   expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, "1..100000");
   expect_refusal({"-o", out, "--light", "0,0,0"}, 2, "towards the light");
   expect_refusal({"-o", out, "--light", "1,2"}, 2, "towards the light");
   expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, "eye x,y,z");
+  for (const char* number : {"nan", "inf", "0", "-1", "1e7", "x"})
+    for (const char* option : {"--exposure", "--repeat", "--anisotropy"})
+      expect_refusal({"-o", out, option, number}, 2, option);
+  expect_refusal({"-o", out, "--up", "0,0,0"}, 2, "--up");
+  expect_refusal({"-o", out, "--up", "0,1"}, 2, "--up");
+  expect_refusal({"-o", out, "--camera", "0,0,0,1,1,0", "--up", "2,2,0"}, 2, "line of sight");
   expect_refusal({"-o", out, "--size", "640x"}, 2, "WIDTHxHEIGHT");
   expect_refusal({"-o", out, "--compare", "truth,leaan"}, 2, "truth, mip, toksvig, lean");
   expect_refusal({"-o", out, "--context", "glx"}, 2, "--context");
@@ -107,6 +118,118 @@ TEST_F(ViewTest, UnusableFilesAreInputErrors) {
 TEST_F(ViewTest, ImpossiblePicturesAreEnvironmentErrors) {
   expect_refusal({"-o", path("out.png"), "--size", "1000000x4", "--context", "osmesa"}, 4, "1000000 x 4");
   expect_refusal({"-o", path("no/folder/out.png"), "--size", "8x8", "--context", "osmesa"}, 4, "folder");
+}
+
+TEST_F(ViewTest, OutputsOverwriteNeitherInputsNorEachOther) {
+  const std::string out = path("out.png"), baked = path("map.ndf.exr");
+  for (const char* name : {"source.png", "albedo.png", "mesh.obj"}) write_text_file(path(name), "as it was");
+  const std::vector<std::string> inputs = {"--source", path("source.png"), "--albedo", path("albedo.png"),
+                                           "--mesh",   path("mesh.obj"),   "--size",   "8x8",
+                                           "--compare", "truth,mip"};
+  const auto refuse = [&](std::vector<std::string> outputs) {
+    outputs.insert(outputs.end(), inputs.begin(), inputs.end());
+    expect_refusal(outputs, 2, "is named twice");
+  };
+  const auto size = fs::file_size(baked);
+  refuse({"-o", baked});
+  refuse({"-o", (folder_ / "." / "map.ndf.exr").string()});
+  fs::create_symlink(baked, path("link.exr"));
+  refuse({"-o", path("link.exr")});
+  refuse({"-o", path("source.png")});
+  refuse({"-o", path("albedo.png")});
+  refuse({"-o", out, "--report", path("mesh.obj")});
+  refuse({"-o", out, "--report", out});
+  refuse({"-o", path("one_multum.png"), "--pictures", path("one")});
+  fs::rename(path("source.png"), path("one_mip_difference.png"));
+  expect_refusal({"-o", out, "--pictures", path("one"), "--source", path("one_mip_difference.png"), "--compare",
+                  "mip,truth"}, 2, "one_mip_difference.png: is named twice");
+  EXPECT_EQ(fs::file_size(baked), size);
+  for (const char* name : {"one_mip_difference.png", "albedo.png", "mesh.obj"})
+    EXPECT_EQ(fs::file_size(path(name)), 9u);
+}
+
+TEST_F(ViewTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", path("no/folder/r.json")}, 4, "folder");
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", folder_.string()}, 2, "is a folder");
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--pictures", path("no/folder/p")}, 4, "folder");
+}
+
+TEST_F(ViewTest, SourceIsReadAsTheBakeReadIt) {
+  // A ramp: what its slopes are at the border depends on the wrap mode, and everywhere on the height scale.
+  constexpr int kSize = 16;
+  const auto write_heights = [&](double power) {
+    std::vector<std::uint16_t> rgb;
+    for (int i = 0; i < kSize * kSize; ++i)
+      rgb.insert(rgb.end(), 3, static_cast<std::uint16_t>(65535.0 * std::pow((i % kSize) / (kSize - 1.0), power)));
+    write_png16(path("h.png"), kSize, kSize, rgb, "");
+  };
+  write_heights(2.0);
+  NormalMapSettings settings;
+  settings.bump_format = BumpFormat::kHeight;
+  settings.height_scale = 6.0f;
+  settings.wrap_s = WrapMode::kClamp;
+  settings.wrap_t = WrapMode::kMirror;
+  const NormalMap read = read_normal_map(path("h.png"), settings, 1, nullptr);
+  gl::NormalImage image{kSize, kSize, {}, {}, settings.wrap_s, settings.wrap_t};
+  for (std::size_t i = 0; i < read.x.size(); ++i) image.normals.emplace_back(read.x[i], read.y[i], read.z[i]);
+  MovmfMipmap baked = gl::make_one_lobe_map(image).mipmap;
+  nlohmann::json json;
+  add_reading_settings(settings, json);
+  baked.provenance.settings = json.dump();
+  baked.provenance.source_hash = hash_file(path("h.png"));
+  write_movmf_mipmap(path("map.ndf.exr"), baked, {});
+  // Seen from above, near enough that texels are magnified: all that is left is the border between texels.
+  const auto error = [&](const std::vector<std::string>& more, bool warns) {
+    std::vector<std::string> arguments = {"-o", path("out.png"), "--compare", "truth", "--size", "64x48", "--samples",
+                                          "16", "--camera", "0,30,60,0,30,0", "--repeat", "1", "--report",
+                                          path("r.json"), "--context", "osmesa"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_EQ(result.output.find("is not the file") != std::string::npos, warns) << result.output;
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file)["pictures"][1]["relative_l1"].get<double>();
+  };
+  const double own = error({}, false);
+  EXPECT_NEAR(error({"--source", path("h.png")}, false), own, 1e-4);
+  EXPECT_GT(error({"--source", path("h.png"), "--height-scale", "-6"}, false), own + 0.1);
+  EXPECT_GT(error({"--source", path("h.png"), "--bumpformat", "height", "--height-scale", "1"}, false), own + 0.1);
+  write_heights(1.0);
+  error({"--source", path("h.png")}, true);
+}
+
+TEST_F(ViewTest, NamesGivenTwiceAreDrawnOnce) {
+  const ChildResult result = view({"-o", path("out.png"), "--compare", "mip,truth,mip,truth", "--size", "8x8",
+                                   "--samples", "1", "--report", path("r.json"), "--context", "osmesa"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  std::ifstream file(path("r.json"));
+  EXPECT_EQ(nlohmann::json::parse(file)["pictures"].size(), 3u);
+}
+
+TEST_F(ViewTest, WarnsOfASourceThatIsNotRead) {
+  const ChildResult result = view({"-o", path("out.png"), "--source", path("none.png"), "--albedo", path("no.png"),
+                                   "--size", "8x8", "--context", "osmesa"});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("none.png: is not read without --compare"), std::string::npos) << result.output;
+}
+
+TEST_F(ViewTest, MeshesStandUprightUnderAnyCamera) {
+  write_text_file(path("quad.obj"), "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n"
+                                    "f 1/1/1 2/2/1 3/3/1\n");
+  const auto picture = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"-o", path("out.exr"), "--mesh", path("quad.obj"), "--size", "32x24",
+                                          "--context", "osmesa"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("out.exr"), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::vector<std::string> oblique = {"--camera", "0,3,3,0,0,0"};
+  EXPECT_EQ(picture(oblique), picture({"--camera", "0,3,3,0,0,0", "--up", "0,2,0"}));
+  EXPECT_NE(picture(oblique), picture({"--camera", "0,3,3,0,0,0", "--up", "0,0,1"}));
+  EXPECT_EQ(picture({}), picture({"--up", "0,1,0"}));
+  EXPECT_NE(picture({}), picture({"--up", "0,0,1"}));
 }
 
 TEST_F(ViewTest, LinksNeitherGlNorOpenCl) {

@@ -2,12 +2,12 @@
 // multum bake: options as maketx names them where it has them.
 #include <cstdio>
 #include <memory>
-#include <utility>
-#include <vector>
 
 #include "host/bake/bake_job.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "tools/command_line/choices.h"
+#include "tools/command_line/reading_options.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -18,63 +18,28 @@ struct BakeOptions {
   BakeJob job;
   std::string device;
   std::string wrap, wrap_s, wrap_t;
-  std::string green;
-  bool is_signed = false, is_unsigned = false, two_channel = false;
+  ReadingOptions reading;
   bool no_measure = false;
   bool run_stats = false;
 };
 
-template <typename Value>
-using Choices = std::vector<std::pair<std::string, Value>>;  // in the order that --help shows
-
-const Choices<BumpFormat> kBumpFormats = {
-    {"auto", BumpFormat::kAuto}, {"height", BumpFormat::kHeight}, {"normal", BumpFormat::kNormal}};
-const Choices<FixNan> kFixNans = {{"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
 const Choices<FitOrder> kOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
 const Choices<StorageEncoding> kEncodings = {
     {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
 
-// An option that takes one of some names. CLI11's own transformers would take, and show, the enumerators' numbers too.
-template <typename Value>
-void add_choice(CLI::App& app, const std::string& option, Value& value, const Choices<Value>& choices,
-                const std::string& help) {
-  std::vector<std::string> names;
-  std::string default_name;
-  for (const auto& [name, meaning] : choices) {
-    names.push_back(name);
-    if (meaning == value) default_name = name;
-  }
-  const auto choose = [&value, &choices](const std::string& text) {
-    for (const auto& [name, meaning] : choices)
-      if (name == text) value = meaning;
-  };
-  app.add_option_function<std::string>(option, choose, help)
-      ->check(CLI::IsMember(names))
-      ->default_str(default_name);
-}
-
 void add_input_options(CLI::App& bake, BakeOptions& o) {
   NormalMapSettings& r = o.job.reading;
+  o.reading.bump_format = r.bump_format;  // --help shows these as the defaults
+  o.reading.height_scale = r.height_scale;
+  o.reading.fix_nan = r.fix_nan;
+  o.reading.repair_share_max = r.repair_share_max;
   const CLI::Validator wraps = CLI::IsMember({"black", "clamp", "periodic", "mirror"});
-  add_choice(bake, "--bumpformat", r.bump_format, kBumpFormats, "what the file is; auto: found from its statistics");
-  bake.add_option("--green", o.green, "green points up (OpenGL) or down (DirectX) (default: found)")
-      ->check(CLI::IsMember({"up", "down"}));
-  auto* is_signed = bake.add_flag("--signed", o.is_signed, "channel values are the vector, -1..1 (default: found)");
-  bake.add_flag("--unsigned", o.is_unsigned, "channel values are encoded, 0..1 (default: found)")->excludes(is_signed);
-  bake.add_flag("--two-channel", o.two_channel, "only x and y are stored; z is rebuilt (default: found)");
-  bake.add_option("--height-scale", r.height_scale, "height field: height in texels of a value difference of 1")
-      ->capture_default_str();
+  add_reading_options(bake, o.reading);
   bake.add_option("--wrap", o.wrap, "beyond the border: black, clamp, periodic or mirror (default: periodic)")
       ->check(wraps);
   bake.add_option("--swrap", o.wrap_s, "the same for s (x) alone")->check(wraps);
   bake.add_option("--twrap", o.wrap_t, "the same for t (y) alone")->check(wraps);
   bake.add_flag("--checknan", r.check_nan, "refuse a file with NaN or Inf, naming the first");
-  add_choice(bake, "--fixnan", r.fix_nan, kFixNans,
-             "repair NaN and Inf: none (refuse), black (flat), box3 (mean of the neighbours)");
-  bake.add_option("--repair-max", r.repair_share_max,
-                  "refuse a file that needs more repairs than this share of its texels")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
   bake.add_option("--albedo", o.job.albedo, "colour map of the same size: bakes colours per lobe");
 }
 
@@ -118,9 +83,7 @@ int run_bake(BakeOptions& o) {
   const WrapMode wrap = wrap_or(o.wrap, WrapMode::kPeriodic);
   job.reading.wrap_s = wrap_or(o.wrap_s, wrap);
   job.reading.wrap_t = wrap_or(o.wrap_t, wrap);
-  if (!o.green.empty()) job.reading.green = o.green == "up" ? GreenAxis::kUp : GreenAxis::kDown;
-  if (o.is_signed || o.is_unsigned) job.reading.is_signed = o.is_signed;
-  if (o.two_channel) job.reading.two_channel = true;
+  apply(o.reading, job.reading);
   job.threads = job.writing.threads = threads;
   job.measure = !o.no_measure;
   const auto progress = make_terminal_progress(!o.common.quiet);

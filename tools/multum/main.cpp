@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/opencl/program_cache.h"
+#include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -23,28 +24,14 @@ std::string program_cache_folder() {
   return "";
 }
 
-// What a wrong command line gets on stderr: what is wrong with it, and where to read on.
-std::string usage_error(const CLI::App* app, const CLI::Error& error) {
-  const std::vector<CLI::App*> chosen = app->get_subcommands();
-  std::string text = std::string("multum: ") + error.what();
-  if (chosen.empty()) {
-    const std::vector<std::string> unknown = app->remaining();
-    text = unknown.empty() ? "multum: no command given" : "multum: '" + unknown.front() + "' is no command";
-    text += ", expected one of:";
-    for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; }))
-      text += " " + command->get_name();
-  }
-  const std::string program = chosen.empty() ? "multum" : "multum " + chosen.front()->get_name();
-  return text + "\nSee '" + program + " --help'.\n";
-}
-
 int run(int argc, char** argv) {
   CLI::App app(
       "multum bakes normal maps into textures that look right at every distance:\n"
       "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
       "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
       "  multum-view bricks.ndf.exr -o frame.png             render it\n"
-      "  multum info bricks.ndf.exr                          look inside");
+      "  multum info bricks.ndf.exr                          look inside",
+      "multum");
   app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
   app.require_subcommand(1);
   app.failure_message(usage_error);

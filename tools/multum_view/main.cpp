@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum-view: reads a baked map and a mesh, renders them with runtime_gl, compares them with the truth and with what
 // users have today, and writes pictures and errors.
+#include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/output_paths.h"
 #include "host/image/colour_map.h"
+#include "host/image/reading_settings.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
@@ -49,16 +53,32 @@ gl::MeshData make_mesh(ViewOptions& options) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  const gl::Camera frame = gl::frame_box(low, high);
+  const gl::Camera frame = gl::frame_box(low, high, options.up);
   if (!options.has_camera) scene.camera = frame;
   scene.camera.near_distance = frame.near_distance;
   scene.camera.far_distance = std::max(frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target));
   return to_mesh_data(mesh);
 }
 
+/// As the bake read it, unless the command line says otherwise.
+NormalMapSettings source_settings(const ViewOptions& options, const MovmfMipmap& mipmap) {
+  NormalMapSettings settings = parse_reading_settings(mipmap.provenance.settings);
+  settings.wrap_s = mipmap.wrap_s;
+  settings.wrap_t = mipmap.wrap_t;
+  if (hash_file(options.source) == mipmap.provenance.source_hash) {
+    settings.repair_share_max = 1.0f;  // the bake took these very texels
+  } else if (!mipmap.provenance.source_hash.empty()) {
+    log_warning(fmt::format("{}: is not the file that {} was baked from ({}, SHA-256 {}): the truth and the baselines "
+                            "may show another map", options.source, options.input, mipmap.provenance.source_name,
+                            mipmap.provenance.source_hash));
+  }
+  apply(options.reading, settings);
+  return settings;
+}
+
 gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipmap) {
   if (options.source.empty()) return gl::finest_normals(mipmap);
-  const NormalMap map = read_normal_map(options.source, options.source_settings, 1, nullptr);
+  const NormalMap map = read_normal_map(options.source, source_settings(options, mipmap), 1, nullptr);
   log_info(options.source + ": " + map.report.encoding);
   if (map.width != mipmap.width() || map.height != mipmap.height())
     throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source,
@@ -73,14 +93,13 @@ gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipma
 }
 
 std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
-                                   const MovmfMipmap& mipmap) {
+                                   const MovmfMipmap& mipmap, const gl::NormalImage& source) {
   using gl::NormalMaterial;
   gl::Renderer renderer(gl, options.width, options.height);
   std::vector<NamedPicture> pictures;
   const gl::MovmfMaterial baked(gl, mipmap, options.anisotropy);
   pictures.push_back({"multum", renderer.draw_movmf(mesh, baked, options.scene, options.formula)});
   if (options.compare.empty()) return pictures;
-  const gl::NormalImage source = read_source(options, mipmap);
   const NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
   for (const std::string& name : options.compare) {
     if (name == "truth") {
@@ -118,16 +137,37 @@ gl::FloatImage compose(const std::vector<NamedPicture>& pictures, bool has_truth
   return gl::make_contact_sheet(rows, 1.0f / exposure);
 }
 
+/// The file that a picture gets by itself: `what` is its name, or its name and "_difference".
+std::string picture_path(const ViewOptions& options, const std::string& what) {
+  return options.pictures + "_" + what + options.output.substr(options.output.rfind('.'));
+}
+
 /// Every picture, and what it is off by, in a file of its own.
 void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>& pictures, bool has_truth) {
-  const std::string extension = options.output.substr(options.output.rfind('.'));
   for (const NamedPicture& one : pictures) {
-    const std::string path = options.pictures + "_" + one.name;
-    write_picture(path + extension, one.picture.image, options.exposure);
+    write_picture(picture_path(options, one.name), one.picture.image, options.exposure);
     if (has_truth && one.name != "truth")
-      write_picture(path + "_difference" + extension,
+      write_picture(picture_path(options, one.name + "_difference"),
                     bright_difference(one.picture.image, pictures[0].picture.image), options.exposure);
   }
+}
+
+/// Refuses, before anything is drawn, file names that would overwrite each other or what is read, or that cannot be
+/// written: nothing is rendered for nothing, and no picture is left beside a report that failed.
+void check_outputs(const ViewOptions& options) {
+  std::vector<std::string> outputs = {options.output};
+  if (!options.report.empty()) outputs.push_back(options.report);
+  if (!options.pictures.empty()) {
+    const bool has_truth = std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
+    std::vector<std::string> names = options.compare;
+    names.insert(names.begin(), "multum");
+    for (const std::string& name : names) {
+      outputs.push_back(picture_path(options, name));
+      if (has_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
+    }
+  }
+  check_paths_differ({options.input, options.source, options.albedo, options.mesh}, outputs);
+  for (const std::string& path : outputs) check_writable(path);
 }
 
 bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
@@ -140,6 +180,11 @@ void warn_of_wrong_anisotropy(const ViewOptions& options, const MovmfMipmap& mip
   log_warning(fmt::format("{}: is {} x {} texels; this software renderer filters sizes that are no powers of two "
                           "wrongly with --anisotropy: leave it out for a right picture",
                           options.input, mipmap.width(), mipmap.height()));
+}
+
+void warn_of_unused_source(const ViewOptions& options) {
+  if (options.compare.empty() && !options.source.empty())
+    log_warning(options.source + ": is not read without --compare: the baked map's picture does not need it");
 }
 
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures, bool has_truth) {
@@ -184,13 +229,16 @@ int run(int argc, char** argv) {
   int exit_code = 0;
   std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
   if (!options.has_value()) return exit_code;
+  check_outputs(*options);
+  warn_of_unused_source(*options);
   const MovmfMipmap mipmap = read_movmf_mipmap(options->input);
   const gl::MeshData mesh_data = make_mesh(*options);
+  const gl::NormalImage source = options->compare.empty() ? gl::NormalImage{} : read_source(*options, mipmap);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
   log_info(context->description());
   warn_of_wrong_anisotropy(*options, mipmap, context->description());
   const gl::Mesh mesh(context->functions(), mesh_data);
-  const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, mipmap);
+  const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, mipmap, source);
   const bool has_truth = pictures[0].name == "truth";
   const nlohmann::json rows = print_table(pictures, has_truth);
   write_picture(options->output,

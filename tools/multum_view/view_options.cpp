@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/view_options.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "host/base/error.h"
+#include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
 
 namespace multum {
@@ -14,6 +18,7 @@ namespace {
 /// The option values that need more than a type.
 struct RawOptions {
   std::string camera;
+  std::string up;
   std::vector<std::string> lights;
   std::string brdf = "blinn-phong:100";
   std::string diffuse = "0.5";
@@ -21,7 +26,6 @@ struct RawOptions {
   std::string size = "640x480";
   std::string context = "auto";
   std::string formula = "product";
-  std::string green;
   std::string compare;
 };
 
@@ -37,6 +41,18 @@ std::vector<float> parse_numbers(const std::string& option, const std::string& t
     numbers.push_back(value);
   }
   return numbers;
+}
+
+/// CLI11's own range check lets "nan" pass.
+CLI::Validator number_in(float low, float high) {
+  const std::string range = fmt::format("in [{:g} - {:g}]", low, high);
+  return CLI::Validator(
+      [=](std::string& text) {
+        float value = 0.0f;
+        const bool fits = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+        return fits ? std::string() : fmt::format("'{}': expected a number {}", text, range);
+      },
+      "FLOAT " + range, "");
 }
 
 glm::vec3 parse_colour(const std::string& option, const std::string& text) {
@@ -73,8 +89,32 @@ void parse_camera(const std::string& text, gl::Camera& camera) {
   const glm::vec3 view = camera.target - camera.eye;
   if (!(glm::length(view) > 1e-9f) || camera.fov_y_degrees < 1.0f || camera.fov_y_degrees > 170.0f)
     refuse("--camera", text, expected);
-  // Looking straight up or down, another direction has to be up.
-  if (glm::length(glm::cross(view, camera.up)) < 1e-4f * glm::length(view)) camera.up = {0.0f, 1.0f, 0.0f};
+}
+
+bool looks_along(const gl::Camera& camera, const glm::vec3& direction) {
+  const glm::vec3 view = camera.target - camera.eye;
+  return glm::length(glm::cross(view, direction)) < 1e-4f * glm::length(view) * glm::length(direction);
+}
+
+/// What is up in the picture: meshes have it along +Y, as glTF does, and the plane along +Z.
+void parse_up(const std::string& text, ViewOptions& options) {
+  gl::Camera& camera = options.scene.camera;
+  const bool is_plane = options.mesh.empty();
+  options.up = is_plane ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+  if (!text.empty()) {
+    const char* const expected = "x,y,z, not all 0, and not along the line of sight: 0,0,1";
+    const std::vector<float> n = parse_numbers("--up", text, expected);
+    if (n.size() != 3) refuse("--up", text, expected);
+    options.up = {n[0], n[1], n[2]};
+    if (!(glm::length(options.up) > 1e-12f)) refuse("--up", text, expected);
+    options.up = glm::normalize(options.up);
+    if ((options.has_camera || is_plane) && looks_along(camera, options.up)) refuse("--up", text, expected);
+  } else if (options.has_camera && looks_along(camera, options.up)) {
+    // Looking straight up or down, another direction has to be up: further away on the plane, and away from who
+    // looks at a mesh from the front.
+    options.up = is_plane ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
+  }
+  camera.up = options.up;
 }
 
 void parse_brdf(const std::string& text, gl::Brdf& brdf) {
@@ -101,10 +141,22 @@ void parse_size(const std::string& text, ViewOptions& options) {
     refuse("--size", text, "WIDTHxHEIGHT in pixels, as 640x480");
 }
 
+/// Each once, however often it is named: two pictures of one name would share a file.
+std::vector<std::string> parse_compare(const std::string& text) {
+  std::vector<std::string> names;
+  for (const std::string& name : CLI::detail::split(text, ',')) {
+    if (name != "truth" && name != "mip" && name != "toksvig" && name != "lean")
+      refuse("--compare", text, "a list of truth, mip, toksvig, lean");
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
 void finish(const RawOptions& raw, ViewOptions& options) {
   gl::Scene& scene = options.scene;
   if (!raw.camera.empty()) parse_camera(raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
+  parse_up(raw.up, options);
   if (!raw.lights.empty()) scene.lights.clear();
   if (raw.lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
   for (const std::string& light : raw.lights) scene.lights.push_back(parse_light(light));
@@ -114,11 +166,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   parse_size(raw.size, options);
   options.context = gl::parse_context_backend(raw.context).value();
   options.formula = raw.formula == "paper" ? gl::LobeFormula::kPaper : gl::LobeFormula::kProduct;
-  if (!raw.green.empty()) options.source_settings.green = raw.green == "up" ? GreenAxis::kUp : GreenAxis::kDown;
-  if (!raw.compare.empty()) options.compare = CLI::detail::split(raw.compare, ',');
-  for (const std::string& name : options.compare)
-    if (name != "truth" && name != "mip" && name != "toksvig" && name != "lean")
-      refuse("--compare", raw.compare, "a list of truth, mip, toksvig, lean");
+  if (!raw.compare.empty()) options.compare = parse_compare(raw.compare);
   if (!options.albedo.empty() && options.source.empty())
     throw Error(ErrorCode::kUsage, "--albedo goes with --source: both describe the map that the file was baked from");
   if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind == gl::BrdfKind::kTorranceSparrow)
@@ -136,14 +184,13 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--source", o.source, "normal map that the file was baked from, for the truth and the baselines "
                                        "(default: level 0 of the file)");
   app.add_option("--albedo", o.albedo, "the source's colours");
-  app.add_option("--green", raw.green, "the source's green axis (default: found)")
-      ->check(CLI::IsMember({"up", "down"}));
-  app.add_option("--height-scale", o.source_settings.height_scale, "of a source that is a height field")
-      ->capture_default_str();
-  app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane that runs to the horizon)");
+  app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "
+                                   "horizon: x from -30 to 30, y from 0 to 60)");
   app.add_option("--repeat", o.repeat, "how often the map repeats across the plane or uv unit (default: 60, mesh 1)")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--camera", raw.camera, "eye and target: x,y,z,x,y,z[,field of view in degrees]");
+      ->check(number_in(1e-6f, 1e6f));
+  app.add_option("--camera", raw.camera, "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: the "
+                                       "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
+  app.add_option("--up", raw.up, "x,y,z that is up in the picture (default: 0,0,1; with a mesh 0,1,0)");
   app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
   app.add_option("--brdf", raw.brdf, "blinn-phong:S or torrance-sparrow:SIGMA")->capture_default_str();
   app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b")->capture_default_str();
@@ -152,12 +199,14 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
       ->check(CLI::IsMember({"product", "paper"}))->capture_default_str();
   app.add_option("--size", raw.size, "of each picture, pixels")->capture_default_str();
   app.add_option("--samples", o.samples, "a pixel of the truth")->check(CLI::Range(1, 65536))->capture_default_str();
-  app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")->check(CLI::Range(1.0f, 16.0f))
+  app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")->check(number_in(1.0f, 16.0f))
       ->capture_default_str();
-  app.add_option("--exposure", o.exposure, "brightness of a PNG")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--exposure", o.exposure, "brightness of a PNG")->check(number_in(1e-6f, 1e6f))->capture_default_str();
   app.add_option("--context", raw.context, "auto, osmesa (software) or egl")
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))->capture_default_str();
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
+  app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
+  add_reading_options(app, o.reading);
 }
 
 }  // namespace
@@ -173,6 +222,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
       "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.",
       "multum-view");
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
+  app.failure_message(usage_error);
   add_options(app, options, raw);
   try {
     app.parse(argc, argv);

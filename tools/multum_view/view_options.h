@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "host/image/normal_map.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/render/scene.h"
+#include "tools/command_line/reading_options.h"
 
 namespace multum {
 
@@ -18,12 +18,13 @@ struct ViewOptions {
   std::string pictures;               // PREFIX of a file for each picture; empty: none
   std::string source;                 // normal map that the file was baked from; empty: level 0 of the file
   std::string albedo;                 // its colours; used by the truth and the baselines
-  NormalMapSettings source_settings;  // how to read `source`
+  ReadingOptions reading;             // how to read `source`, where it is not read as the bake read it
   std::string mesh;                   // empty: the plane
   std::string report;                 // JSON; empty: none
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
   bool has_camera = false;
+  glm::vec3 up{0.0f, 0.0f, 1.0f};     // unit; the camera's, also where the camera frames the mesh
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
   std::vector<std::string> compare;   // of truth, mip, toksvig, lean
   int width = 640;

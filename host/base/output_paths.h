@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must hold of the names of files to write, checked before any work is done for them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace multum {
+
+/// Throws Error(kUsage) when an output is also an input or another output, by whatever name: a result that takes the
+/// place of a source, or of another result, would lose it without a word. Empty names stand for no file.
+void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+
+/// Throws Error(kEnvironment, or kUsage for a folder) when no file of this name can be written; creates none.
+void check_writable(const std::string& path);
+
+}  // namespace multum

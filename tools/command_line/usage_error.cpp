@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_line/usage_error.h"
+
+#include <vector>
+
+namespace multum {
+
+std::string usage_error(const CLI::App* app, const CLI::Error& error) {
+  const std::vector<CLI::App*> chosen = app->get_subcommands();
+  const std::vector<const CLI::App*> commands = app->get_subcommands([](const CLI::App*) { return true; });
+  std::string text = app->get_name() + ": " + error.what();
+  if (chosen.empty() && !commands.empty()) {
+    const std::vector<std::string> unknown = app->remaining();
+    text = app->get_name() + (unknown.empty() ? ": no command given" : ": '" + unknown.front() + "' is no command");
+    text += ", expected one of:";
+    for (const CLI::App* command : commands) text += " " + command->get_name();
+  }
+  const std::string program = app->get_name() + (chosen.empty() ? "" : " " + chosen.front()->get_name());
+  return text + "\nSee '" + program + " --help'.\n";
+}
+
+}  // namespace multum
