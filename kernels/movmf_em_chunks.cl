@@ -39,9 +39,9 @@ static real_v column_weights(int first, int x, int map_size, int level_size) {
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
 // Compute bound, like movmf_em_texels.
-__kernel void movmf_em_partial(__global const float *restrict normal_x, __global const float *restrict normal_y,
-                               __global const float *restrict normal_z, __global const float *restrict start,
-                               __global const int *restrict texel_list, __global float *restrict partial,
+__kernel void movmf_em_partial(__global const float* restrict normal_x, __global const float* restrict normal_y,
+                               __global const float* restrict normal_z, __global const float* restrict start,
+                               __global const int* restrict texel_list, __global float* restrict partial,
                                MultumMovmfFit fit) {
 #if MULTUM_VECTOR_WIDTH == 1
   const int lane = (int)get_local_id(0);
@@ -59,7 +59,7 @@ __kernel void movmf_em_partial(__global const float *restrict normal_x, __global
 
   real_v mu_x[MULTUM_LOBES], mu_y[MULTUM_LOBES], mu_z[MULTUM_LOBES], sharpness[MULTUM_LOBES], log_weight[MULTUM_LOBES];
   real_v sum_s[MULTUM_LOBES], sum_x[MULTUM_LOBES], sum_y[MULTUM_LOBES], sum_z[MULTUM_LOBES], sum_d[MULTUM_LOBES];
-  __global const float *p = start +
+  __global const float* p = start +
                             (size_t)(used_slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP +
                             used_slot % MULTUM_GROUP;
   _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j, p += MULTUM_START_PLANES * MULTUM_GROUP) {
@@ -91,16 +91,16 @@ __kernel void movmf_em_partial(__global const float *restrict normal_x, __global
     }
   }
 
-  __global float *out = partial + (size_t)chunk_index * MULTUM_LOBES * PARTIAL_SUMS;
+  __global float* out = partial + (size_t)chunk_index * MULTUM_LOBES * PARTIAL_SUMS;
 #if MULTUM_VECTOR_WIDTH == 1
-#define SUM_OVER_LANES(value, destination)                                                    \
-  lanes[lane] = value;                                                                        \
-  for (int apart = MULTUM_GROUP / 2; apart > 0; apart /= 2) {                                  \
-    barrier(CLK_LOCAL_MEM_FENCE);                                                             \
-    if (lane < apart) lanes[lane] += lanes[lane + apart];                                  \
-  }                                                                                           \
-  barrier(CLK_LOCAL_MEM_FENCE);                                                               \
-  if (lane == 0 && slot < fit.slot_count) destination = lanes[0];                             \
+#define SUM_OVER_LANES(value, destination)                        \
+  lanes[lane] = value;                                            \
+  for (int apart = MULTUM_GROUP / 2; apart > 0; apart /= 2) {     \
+    barrier(CLK_LOCAL_MEM_FENCE);                                 \
+    if (lane < apart) lanes[lane] += lanes[lane + apart];         \
+  }                                                               \
+  barrier(CLK_LOCAL_MEM_FENCE);                                   \
+  if (lane == 0 && slot < fit.slot_count) destination = lanes[0]; \
   barrier(CLK_LOCAL_MEM_FENCE);
 #else
 #define SUM_OVER_LANES(value, destination) \

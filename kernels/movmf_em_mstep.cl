@@ -12,7 +12,7 @@
 #define PARTIAL_SUMS 5
 
 // The cap of one texel's kappas: all lobes of all chunks together.
-static float cap_of_chunks(__global const float *chunks, const MultumMovmfFit *fit) {
+static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* fit) {
   float sum[3] = {0.0f, 0.0f, 0.0f}, carry[3] = {0.0f, 0.0f, 0.0f};
   for (int i = 0; i < fit->chunk_count * MULTUM_LOBES; ++i)
     for (int k = 0; k < 3; ++k) add_compensated(&sum[k], &carry[k], chunks[i * PARTIAL_SUMS + 1 + k]);
@@ -25,8 +25,8 @@ static float cap_of_chunks(__global const float *chunks, const MultumMovmfFit *f
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: the E-step's parameters; out: the next one's
 //   level   [lobe][height * width]                            written in the last iteration, which leaves `start` alone
 // Sums of up to 2^16 chunks are compensated: their rounding stays that of one addition. Memory bound.
-__kernel void movmf_em_mstep(__global const float *restrict partial, __global float *restrict start,
-                             __global const int *restrict texel_list, __global MultumVmfLobe *restrict level,
+__kernel void movmf_em_mstep(__global const float* restrict partial, __global float* restrict start,
+                             __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
                              MultumMovmfFit fit, int iteration) {
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
@@ -34,15 +34,15 @@ __kernel void movmf_em_mstep(__global const float *restrict partial, __global fl
   const int texel = texel_list[fit.list_offset + slot];
   if (texel < 0) return;
 
-  __global float *p = start +
+  __global float* p = start +
                       ((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES * MULTUM_GROUP +
                       slot % MULTUM_GROUP;
 #define PLANE(plane) p[(plane)*MULTUM_GROUP]
-  __global const float *chunks = partial + (size_t)slot * fit.chunk_count * MULTUM_LOBES * PARTIAL_SUMS;
+  __global const float* chunks = partial + (size_t)slot * fit.chunk_count * MULTUM_LOBES * PARTIAL_SUMS;
   if (iteration == 0) PLANE(MULTUM_START_CAP) = cap_of_chunks(chunks, &fit);
   float sum[PARTIAL_SUMS] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f}, carry[PARTIAL_SUMS] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
   for (int chunk = 0; chunk < fit.chunk_count; ++chunk) {
-    __global const float *in = chunks + ((size_t)chunk * MULTUM_LOBES + lobe) * PARTIAL_SUMS;
+    __global const float* in = chunks + ((size_t)chunk * MULTUM_LOBES + lobe) * PARTIAL_SUMS;
     for (int k = 0; k < PARTIAL_SUMS; ++k) add_compensated(&sum[k], &carry[k], in[k]);
   }
   for (int k = 0; k < PARTIAL_SUMS; ++k) sum[k] += carry[k];
@@ -50,7 +50,7 @@ __kernel void movmf_em_mstep(__global const float *restrict partial, __global fl
   const LobeMoments m = lobe_moments(sum[0], sum[1], sum[2], sum[3], sum[4], PLANE(MULTUM_START_MU),
                                      PLANE(MULTUM_START_MU + 1), PLANE(MULTUM_START_MU + 2), fit.total_weight_inverse);
   if (iteration + 1 == fit.iteration_count) {
-    __global MultumVmfLobe *out = level + (size_t)lobe * fit.width * fit.height + texel;
+    __global MultumVmfLobe* out = level + (size_t)lobe * fit.width * fit.height + texel;
     out->mean_x = m.x * m.length;
     out->mean_y = m.y * m.length;
     out->mean_z = m.z * m.length;

@@ -18,8 +18,8 @@
 #endif
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 
-static void store_texels(__global MultumVmfLobe *level, __global const int *texels, int texel_count, int lobe,
-                         const LobeMoments *m) {
+static void store_texels(__global MultumVmfLobe* level, __global const int* texels, int texel_count, int lobe,
+                         const LobeMoments* m) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
   STORE_V(m->x * m->length, x);
   STORE_V(m->y * m->length, y);
@@ -27,7 +27,7 @@ static void store_texels(__global MultumVmfLobe *level, __global const int *texe
   STORE_V(m->amplitude, a);
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
     if (texels[lane] < 0) continue;
-    __global MultumVmfLobe *out = level + (size_t)lobe * texel_count + texels[lane];
+    __global MultumVmfLobe* out = level + (size_t)lobe * texel_count + texels[lane];
     out->mean_x = x[lane];
     out->mean_y = y[lane];
     out->mean_z = z[lane];
@@ -35,16 +35,16 @@ static void store_texels(__global MultumVmfLobe *level, __global const int *texe
   }
 }
 
-__kernel void movmf_em_texels(__global const float *restrict samples, __global float *restrict start,
-                              __global const int *restrict texel_list, __global MultumVmfLobe *restrict level,
+__kernel void movmf_em_texels(__global const float* restrict samples, __global float* restrict start,
+                              __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
                               MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
   const int group = slot / MULTUM_GROUP, lane = slot % MULTUM_GROUP;
   const int sample_count = fit.sample_columns * fit.sample_rows;
-  __global const float *first_sample = samples + (size_t)group * sample_count * SAMPLE_STRIDE + lane;
-  __global float *lobe_start = start + (size_t)group * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + lane;
-#define START(j, plane) (lobe_start + ((j) * MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
+  __global const float* first_sample = samples + (size_t)group * sample_count * SAMPLE_STRIDE + lane;
+  __global float* lobe_start = start + (size_t)group * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + lane;
+#define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
 
   real_v mu_x[MULTUM_LOBES], mu_y[MULTUM_LOBES], mu_z[MULTUM_LOBES], sharpness[MULTUM_LOBES], log_weight[MULTUM_LOBES];
   real_v sum_s[MULTUM_LOBES], sum_x[MULTUM_LOBES], sum_y[MULTUM_LOBES], sum_z[MULTUM_LOBES], sum_d[MULTUM_LOBES];
@@ -57,10 +57,10 @@ __kernel void movmf_em_texels(__global const float *restrict samples, __global f
   }
   real_v cap = (real_v)(fit.kappa_cap);
   for (int iteration = 0; iteration < fit.iteration_count; ++iteration) {
-    _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j)
-        sum_s[j] = sum_x[j] = sum_y[j] = sum_z[j] = sum_d[j] = (real_v)(0.0f);
+    _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) sum_s[j] = sum_x[j] = sum_y[j] = sum_z[j] = sum_d[j] =
+        (real_v)(0.0f);
     for (int i = 0; i < sample_count; ++i) {
-      __global const float *sample = first_sample + (size_t)i * SAMPLE_STRIDE;
+      __global const float* sample = first_sample + (size_t)i * SAMPLE_STRIDE;
       const real_v x = LOAD_V(sample), y = LOAD_V(sample + MULTUM_GROUP), z = LOAD_V(sample + 2 * MULTUM_GROUP);
 #if MULTUM_WEIGHTED
       const real_v weight = LOAD_V(sample + 3 * MULTUM_GROUP);

@@ -16,11 +16,11 @@
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  as the EM kernels left it
 //   partial [slot][chunk][lobe][3]                            written
 // Compute bound: an exponential a lobe and sample.
-__kernel void movmf_feature_partial(__global const float *normal_x, __global const float *normal_y,
-                                    __global const float *normal_z, __global const float *red,
-                                    __global const float *green, __global const float *blue,
-                                    __global const float *start, __global const int *texel_list,
-                                    __global float *partial, MultumMovmfFit fit) {
+__kernel void movmf_feature_partial(__global const float* normal_x, __global const float* normal_y,
+                                    __global const float* normal_z, __global const float* red,
+                                    __global const float* green, __global const float* blue,
+                                    __global const float* start, __global const int* texel_list,
+                                    __global float* partial, MultumMovmfFit fit) {
   const int item = (int)get_global_id(0);
   const int slot = item / fit.chunk_count, chunk = item % fit.chunk_count;
   if (slot >= fit.slot_count) return;
@@ -30,9 +30,9 @@ __kernel void movmf_feature_partial(__global const float *normal_x, __global con
 
   float sum[MULTUM_LOBES][3];
   for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
-  __global const float *lobes =
+  __global const float* lobes =
       start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + slot % MULTUM_GROUP;
-#define PARAMETER(j, plane) lobes[((j) * MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
+#define PARAMETER(j, plane) lobes[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
   const int top_row = first_covered(y, fit.map_height, fit.height);
   const int first_row = top_row + chunk * fit.chunk_rows;
   const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
@@ -64,14 +64,14 @@ __kernel void movmf_feature_partial(__global const float *normal_x, __global con
       }
     }
   }
-  __global float *out = partial + (size_t)item * MULTUM_LOBES * 3;
+  __global float* out = partial + (size_t)item * MULTUM_LOBES * 3;
   for (int j = 0; j < MULTUM_LOBES; ++j)
     for (int c = 0; c < 3; ++c) out[j * 3 + c] = sum[j][c];
 }
 
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][3];  colours [lobe][height * width][3], written: premultiplied by the amplitude
-__kernel void movmf_feature_sum(__global const float *partial, __global const int *texel_list, __global float *colours,
+__kernel void movmf_feature_sum(__global const float* partial, __global const int* texel_list, __global float* colours,
                                 MultumMovmfFit fit) {
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
@@ -80,9 +80,9 @@ __kernel void movmf_feature_sum(__global const float *partial, __global const in
   if (texel < 0) return;
   float sum[3] = {0.0f, 0.0f, 0.0f}, carry[3] = {0.0f, 0.0f, 0.0f};
   for (int chunk = 0; chunk < fit.chunk_count; ++chunk) {
-    __global const float *in = partial + (((size_t)slot * fit.chunk_count + chunk) * MULTUM_LOBES + lobe) * 3;
+    __global const float* in = partial + (((size_t)slot * fit.chunk_count + chunk) * MULTUM_LOBES + lobe) * 3;
     for (int c = 0; c < 3; ++c) add_compensated(&sum[c], &carry[c], in[c]);
   }
-  __global float *out = colours + ((size_t)lobe * fit.width * fit.height + texel) * 3;
+  __global float* out = colours + ((size_t)lobe * fit.width * fit.height + texel) * 3;
   for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
 }

@@ -29,7 +29,7 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
   if (parent_width > 0) {
     const int parent_x = min(x >> 1, parent_width - 1), parent_y = min(y >> 1, parent_height - 1);
     const size_t parent_size = (size_t)parent_width * parent_height;
-    __global const MultumVmfLobe *from = parent + (size_t)parent_y * parent_width + parent_x;
+    __global const MultumVmfLobe* from = parent + (size_t)parent_y * parent_width + parent_x;
     // |r_p| - n . r_p = |r_p| (1 - cos): the nearest direction, wide lobes and narrow ones alike. A dead lobe takes
     // none.
     float least = 1e30f;
@@ -49,7 +49,7 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
     for (int j = 0; j < MULTUM_LOBES; ++j) amplitude[j] = j == 0 ? 1.0f : 0.0f;
   }
   for (int j = 0; j < MULTUM_LOBES; ++j) {
-    __global MultumVmfLobe *out = band + (size_t)j * band_rows * map_width + item;
+    __global MultumVmfLobe* out = band + (size_t)j * band_rows * map_width + item;
     out->mean_x = nx;
     out->mean_y = ny;
     out->mean_z = nz;

@@ -17,12 +17,12 @@
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
 // Compute bound.
-__kernel void movmf_shade(__global const float4 *lobes, __global const float4 *half_vectors,
-                          __global const float4 *lights, __global const float *exponents, __global float *values,
+__kernel void movmf_shade(__global const float4* lobes, __global const float4* half_vectors,
+                          __global const float4* lights, __global const float* exponents, __global float* values,
                           int sample_count, int half_count, int light_count, int exponent_count) {
   const int sample = (int)get_global_id(0);
   if (sample >= sample_count) return;
-  __global float *out = values + (size_t)sample * (exponent_count * half_count + light_count);
+  __global float* out = values + (size_t)sample * (exponent_count * half_count + light_count);
   for (int e = 0; e < exponent_count; ++e)
     for (int d = 0; d < half_count; ++d) {
       float sum = 0.0f;

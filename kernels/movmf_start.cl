@@ -46,8 +46,8 @@ static float3 directed_amplitude(MultumVmfLobe lobe) {
 //   texel_list [list_offset + slot]                y * width + x, or -1
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 // Bound by memory latency: ten scattered reads an item.
-__kernel void movmf_start(__global const MultumVmfLobe *parent, __global const MultumVmfLobe *level,
-                          __global const int *texel_list, __global float *start, MultumMovmfFit fit,
+__kernel void movmf_start(__global const MultumVmfLobe* parent, __global const MultumVmfLobe* level,
+                          __global const int* texel_list, __global float* start, MultumMovmfFit fit,
                           float start_kappa_factor, float start_amplitude_min) {
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES;
@@ -60,7 +60,7 @@ __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const M
 
   MultumVmfLobe from;
   float3 prior = (float3)(0.0f);
-  __global const MultumVmfLobe *own = level + lobe * level_size;
+  __global const MultumVmfLobe* own = level + lobe * level_size;
   if (has_parent) {
     const int parent_x = min(x >> 1, fit.parent_width - 1), parent_y = min(y >> 1, fit.parent_height - 1);
     from = parent[(size_t)lobe * fit.parent_width * fit.parent_height + (size_t)parent_y * fit.parent_width + parent_x];
@@ -88,7 +88,7 @@ __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const M
     amplitude = max(amplitude, start_amplitude_min);
   }
   kappa = clamp(kappa, 0.05f, 1e6f);
-  __global float *out = start +
+  __global float* out = start +
                         (((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES) * MULTUM_GROUP +
                         slot % MULTUM_GROUP;
   out[(MULTUM_START_MU + 0) * MULTUM_GROUP] = from.mean_x * inverse;
@@ -106,14 +106,14 @@ __kernel void movmf_start(__global const MultumVmfLobe *parent, __global const M
 //   normal_x, normal_y, normal_z [map_height * map_width]
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]
 // Samples that no finest texel stands for (narrower texels, unused slots) repeat one and weigh 0. Memory bound.
-__kernel void movmf_pack(__global const float *normal_x, __global const float *normal_y, __global const float *normal_z,
-                         __global const int *texel_list, __global float *samples, MultumMovmfFit fit) {
+__kernel void movmf_pack(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
+                         __global const int* texel_list, __global float* samples, MultumMovmfFit fit) {
   const int item = (int)get_global_id(0);
   const int group = item / fit.sample_rows;
   const int row = item % fit.sample_rows;
   if (group * MULTUM_GROUP >= fit.slot_count) return;
   const int planes = 3 + MULTUM_WEIGHTED;
-  __global float *out = samples + ((size_t)group * fit.sample_rows + row) * fit.sample_columns * planes * MULTUM_GROUP;
+  __global float* out = samples + ((size_t)group * fit.sample_rows + row) * fit.sample_columns * planes * MULTUM_GROUP;
   for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
     const int texel = max(texel_list[fit.list_offset + group * MULTUM_GROUP + lane], 0);
     const int x = texel % fit.width, y = texel / fit.width;
@@ -126,7 +126,7 @@ __kernel void movmf_pack(__global const float *normal_x, __global const float *n
 #endif
     for (int i = 0; i < fit.sample_columns; ++i) {
       const size_t source = row_start + min(first_column + i, fit.map_width - 1);
-      __global float *sample = out + (size_t)i * planes * MULTUM_GROUP + lane;
+      __global float* sample = out + (size_t)i * planes * MULTUM_GROUP + lane;
       sample[0 * MULTUM_GROUP] = normal_x[source];
       sample[1 * MULTUM_GROUP] = normal_y[source];
       sample[2 * MULTUM_GROUP] = normal_z[source];

@@ -11,11 +11,11 @@
 
 #define PROBE_EXP2 0
 #define PROBE_LOG2 1
-#define PROBE_KAPPA 2     // of a mean length given as spread
-#define PROBE_ISNAN 3     // 1 where isnan() sees a NaN: relaxed mathematics would answer 0
+#define PROBE_KAPPA 2  // of a mean length given as spread
+#define PROBE_ISNAN 3  // 1 where isnan() sees a NaN: relaxed mathematics would answer 0
 
 // One work-item = one input; global size count. values[i] = function(inputs[i]).
-__kernel void probe_functions(__global const float *inputs, __global float *values, int count, int function) {
+__kernel void probe_functions(__global const float* inputs, __global float* values, int count, int function) {
   const int i = (int)get_global_id(0);
   if (i >= count) return;
   const float x = inputs[i];
@@ -26,13 +26,13 @@ __kernel void probe_functions(__global const float *inputs, __global float *valu
 }
 
 // One work-item in all. sizes: the device's idea of the structs that it shares with the host.
-__kernel void probe_layout(__global int *sizes) {
+__kernel void probe_layout(__global int* sizes) {
   if (get_global_id(0) != 0) return;
   MultumMovmfFit fit;
   MultumVmfLobe lobe;
   sizes[0] = (int)sizeof(MultumVmfLobe);
-  sizes[1] = (int)((char *)&lobe.amplitude - (char *)&lobe);
+  sizes[1] = (int)((char*)&lobe.amplitude - (char*)&lobe);
   sizes[2] = (int)sizeof(MultumMovmfFit);
-  sizes[3] = (int)((char *)&fit.kappa_cap_slope - (char *)&fit);
-  sizes[4] = (int)((char *)&fit.total_weight_inverse - (char *)&fit);
+  sizes[3] = (int)((char*)&fit.kappa_cap_slope - (char*)&fit);
+  sizes[4] = (int)((char*)&fit.total_weight_inverse - (char*)&fit);
 }

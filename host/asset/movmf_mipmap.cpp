@@ -42,9 +42,11 @@ struct CompressionChoice {
 };
 
 CompressionChoice parse_compression(const std::string& text) {
-  static const std::map<std::string, Imf::Compression> kNames = {
-      {"none", Imf::NO_COMPRESSION}, {"rle", Imf::RLE_COMPRESSION},   {"zips", Imf::ZIPS_COMPRESSION},
-      {"zip", Imf::ZIP_COMPRESSION}, {"piz", Imf::PIZ_COMPRESSION}};
+  static const std::map<std::string, Imf::Compression> kNames = {{"none", Imf::NO_COMPRESSION},
+                                                                 {"rle", Imf::RLE_COMPRESSION},
+                                                                 {"zips", Imf::ZIPS_COMPRESSION},
+                                                                 {"zip", Imf::ZIP_COMPRESSION},
+                                                                 {"piz", Imf::PIZ_COMPRESSION}};
   const std::size_t colon = text.find(':');
   const auto found = kNames.find(text.substr(0, colon));
   int level = -1;
@@ -73,9 +75,7 @@ struct PartLayout {
     const auto index = static_cast<std::size_t>(lobe);
     return colour ? &level.colours[index][0].x : &level.lobes[index][0].x;
   }
-  float* values(MovmfLevel& level) const {
-    return const_cast<float*>(values(static_cast<const MovmfLevel&>(level)));
-  }
+  float* values(MovmfLevel& level) const { return const_cast<float*>(values(static_cast<const MovmfLevel&>(level))); }
 };
 
 std::vector<PartLayout> part_layouts(int lobe_count, bool has_colours) {
@@ -87,7 +87,9 @@ std::vector<PartLayout> part_layouts(int lobe_count, bool has_colours) {
                      false});
   for (int j = 0; has_colours && j < lobe_count; ++j)
     parts.push_back({fmt::format("colour.{}", j),
-                     {colour_channel(j, "R"), colour_channel(j, "G"), colour_channel(j, "B")}, j, true});
+                     {colour_channel(j, "R"), colour_channel(j, "G"), colour_channel(j, "B")},
+                     j,
+                     true});
   return parts;
 }
 

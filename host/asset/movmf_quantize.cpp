@@ -75,8 +75,7 @@ glm::vec4 round_lobe(const glm::dvec3& r, float a, const BracketOf& bracket_of) 
     const double projection = glm::dot(glm::dvec3(candidate), direction);
     if (single_direction && projection < wanted) continue;
     // Single directions: the least turn. Others: the nearest projection; the turn is at most a step either way.
-    const double cost = single_direction ? glm::length(glm::dvec3(candidate) - target)
-                                         : std::abs(projection - wanted);
+    const double cost = single_direction ? glm::length(glm::dvec3(candidate) - target) : std::abs(projection - wanted);
     if (cost < best_cost) {
       best_cost = cost;
       best = candidate;

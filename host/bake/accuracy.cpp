@@ -319,14 +319,10 @@ class AccuracyMeter {
 
 const char* accuracy_point_name(AccuracyPoint point) {
   switch (point) {
-    case AccuracyPoint::kCentre:
-      return "centre";
-    case AccuracyPoint::kMidX:
-      return "midway-x";
-    case AccuracyPoint::kMidY:
-      return "midway-y";
-    case AccuracyPoint::kBetween:
-      return "between-levels";
+    case AccuracyPoint::kCentre: return "centre";
+    case AccuracyPoint::kMidX: return "midway-x";
+    case AccuracyPoint::kMidY: return "midway-y";
+    case AccuracyPoint::kBetween: return "between-levels";
   }
   return "?";
 }

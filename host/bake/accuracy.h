@@ -30,8 +30,8 @@ const char* accuracy_point_name(AccuracyPoint point);
 struct AccuracyRow {
   int level;
   AccuracyPoint point;
-  std::string brdf;           // "lambert", "blinn-phong:20"; with " coloured" when multiplied by the colours
-  double error;               // relative L1, 0.1 = 10 %
+  std::string brdf;   // "lambert", "blinn-phong:20"; with " coloured" when multiplied by the colours
+  double error;       // relative L1, 0.1 = 10 %
   double confidence;  // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
   std::int64_t sample_count;  // texels
 };
@@ -45,7 +45,7 @@ AccuracyDirections accuracy_directions();
 
 struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
-  std::int64_t samples_per_level = 4096;     // texels, spread evenly at random; 0: every texel
+  std::int64_t samples_per_level = 4096;                 // texels, spread evenly at random; 0: every texel
   std::uint64_t seed = 1;
   const ColourMap* albedo = nullptr;  // set: colours are compared too, per channel (the mipmap must have them)
   int first_level = 0;                // finer ones are not measured

@@ -78,14 +78,10 @@ constexpr Baseline kBaselines[] = {Baseline::kMip, Baseline::kToksvig, Baseline:
 
 const char* baseline_name(Baseline baseline) {
   switch (baseline) {
-    case Baseline::kMip:
-      return "mip";
-    case Baseline::kToksvig:
-      return "Toksvig";
-    case Baseline::kLean:
-      return "LEAN";
-    case Baseline::kLeanJacobian:
-      return "LEAN with Jacobian";
+    case Baseline::kMip: return "mip";
+    case Baseline::kToksvig: return "Toksvig";
+    case Baseline::kLean: return "LEAN";
+    case Baseline::kLeanJacobian: return "LEAN with Jacobian";
   }
   return "?";
 }

@@ -14,16 +14,16 @@
 namespace multum {
 
 struct BakeJob {
-  std::string input;         // a normal map or height field
-  std::string albedo;        // empty: no colours
-  std::string output;        // *.ndf.exr
-  std::string report;        // JSON file; empty: none
+  std::string input;   // a normal map or height field
+  std::string albedo;  // empty: no colours
+  std::string output;  // *.ndf.exr
+  std::string report;  // JSON file; empty: none
   NormalMapSettings reading;
   MovmfSettings fitting;
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   MovmfWriteOptions writing;
-  bool measure = true;       // measure the error of what is written
-  int threads = 2;           // of the host's own loops
+  bool measure = true;  // measure the error of what is written
+  int threads = 2;      // of the host's own loops
 };
 
 /// Appears as JOB.output when all is done, or not at all. Throws Error, Cancelled.

@@ -9,27 +9,27 @@ namespace multum {
 enum class FitOrder { kColour, kScanline };
 
 struct MovmfSettings {
-  int lobe_count = 4;              // 1..8
-  int iteration_count = 30;        // EM iterations a texel below the coarsest level, 1..1000
-  int iteration_count_top = 60;    // of the coarsest level, 1..1000
+  int lobe_count = 4;            // 1..8
+  int iteration_count = 30;      // EM iterations a texel below the coarsest level, 1..1000
+  int iteration_count_top = 60;  // of the coarsest level, 1..1000
   // After a level is fitted, it is fitted again this many times less one, each texel from its own lobes with all its
   // neighbours done: what was fitted first has by then seen only its parent.
   int sweep_count = 2;             // 1..8
   int iteration_count_again = 10;  // EM iterations a texel in each further sweep, 1..1000
   FitOrder order = FitOrder::kColour;
-  float alignment = 0.1f;          // C of the alignment prior, 0..10; 0: none
-  bool rehearse_start = true;      // try the coarsest level's candidates on a small likeness of the map
+  float alignment = 0.1f;      // C of the alignment prior, 0..10; 0: none
+  bool rehearse_start = true;  // try the coarsest level's candidates on a small likeness of the map
   // The map repeats: texels are held to those beyond the border as well. bake_file() sets them by its wrap modes.
   bool periodic_x = false;
   bool periodic_y = false;
   bool aligned_start = true;  // false: every texel starts by itself (for comparison: filtering then mixes lobes up)
   // Cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals (what a lobe stores is its
   // normals' own spread, whatever the cap).
-  float kappa_cap = 500.0f;        // 1..1e5
-  float kappa_cap_slope = 10.0f;   // 0..1000
+  float kappa_cap = 500.0f;           // 1..1e5
+  float kappa_cap_slope = 10.0f;      // 0..1000
   float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1
   float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
-  bool force_scalar = false;       // run the kernels' scalar variant on any device
+  bool force_scalar = false;          // run the kernels' scalar variant on any device
 };
 
 /// Throws Error(kUsage) naming the setting, its value and its range.

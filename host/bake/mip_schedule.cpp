@@ -93,10 +93,8 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.total_weight_inverse =
         static_cast<float>(static_cast<double>(fit.width) * fit.height / (static_cast<double>(map_width) * map_height));
     level.chunked = static_cast<std::int64_t>(fit.sample_columns) * fit.sample_rows > kSamplesUnchunkedMax;
-    if (settings.order == FitOrder::kScanline)
-      add_wavefront_steps(level);
-    else
-      add_colour_steps(level);
+    if (settings.order == FitOrder::kScanline) add_wavefront_steps(level);
+    else add_colour_steps(level);
     schedule.levels.push_back(std::move(level));
   }
   return schedule;

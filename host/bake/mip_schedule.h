@@ -12,14 +12,14 @@
 namespace multum {
 
 struct FitStep {
-  int list_offset;   // in MipSchedule::texel_list
-  int texel_count;   // texels fitted; the list is filled up with -1 to whole groups
+  int list_offset;  // in MipSchedule::texel_list
+  int texel_count;  // texels fitted; the list is filled up with -1 to whole groups
 };
 
 struct LevelSchedule {
   int level;
-  MultumMovmfFit fit;           // all but slot_count and list_offset
-  bool chunked;                 // fitted by movmf_em_chunks and movmf_em_mstep instead of movmf_em_texels
+  MultumMovmfFit fit;  // all but slot_count and list_offset
+  bool chunked;        // fitted by movmf_em_chunks and movmf_em_mstep instead of movmf_em_texels
   std::vector<FitStep> steps;
   std::vector<int> texel_list;  // y * width + x, grouped by steps
 };

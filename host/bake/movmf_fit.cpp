@@ -269,14 +269,10 @@ class MovmfFitter {
   void count_events(const std::vector<MultumVmfLobe>& lobes) {
     for (const MultumVmfLobe& lobe : lobes) {
       const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
-      if (!std::isfinite(squared) || !std::isfinite(lobe.amplitude))
-        ++report_.nonfinite;
-      else if (lobe.amplitude < 1e-6f)
-        ++report_.dead_lobes;
-      else if (squared < 1e-6f)
-        ++report_.undirected_lobes;
-      else if (1.0f - std::sqrt(squared) < 1.0f / settings_.kappa_cap)
-        ++report_.kappa_clamped;
+      if (!std::isfinite(squared) || !std::isfinite(lobe.amplitude)) ++report_.nonfinite;
+      else if (lobe.amplitude < 1e-6f) ++report_.dead_lobes;
+      else if (squared < 1e-6f) ++report_.undirected_lobes;
+      else if (1.0f - std::sqrt(squared) < 1.0f / settings_.kappa_cap) ++report_.kappa_clamped;
     }
     report_.lobe_count_total += lobes.size();
   }

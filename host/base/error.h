@@ -12,10 +12,10 @@
 namespace multum {
 
 enum class ErrorCode {
-  kUsage,        // the command line or a setting is wrong
-  kInput,        // a file that was given cannot be used: missing, damaged, of the wrong kind
-  kEnvironment,  // device, driver, disk, memory: the machine cannot do it now
-  kVerification, // a check of a finished file failed
+  kUsage,         // the command line or a setting is wrong
+  kInput,         // a file that was given cannot be used: missing, damaged, of the wrong kind
+  kEnvironment,   // device, driver, disk, memory: the machine cannot do it now
+  kVerification,  // a check of a finished file failed
 };
 
 class Error : public std::runtime_error {

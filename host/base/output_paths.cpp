@@ -37,8 +37,7 @@ void check_writable(const std::string& path) {
   // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
   const AtomicFile probe(path);
   if (!std::ofstream(probe.temporary_path()))
-    throw Error(ErrorCode::kEnvironment,
-                path + ": no file can be created in its folder: " + std::strerror(errno));
+    throw Error(ErrorCode::kEnvironment, path + ": no file can be created in its folder: " + std::strerror(errno));
 }
 
 }  // namespace multum

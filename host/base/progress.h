@@ -11,9 +11,9 @@
 namespace multum {
 
 struct ProgressEvent {
-  std::string stage;           // "read", "fit level 3", "write": what is being done now
-  std::uint64_t units_done;    // of all stages together
-  std::uint64_t units_total;   // declared by start(); 0 while unknown
+  std::string stage;          // "read", "fit level 3", "write": what is being done now
+  std::uint64_t units_done;   // of all stages together
+  std::uint64_t units_total;  // declared by start(); 0 while unknown
 };
 
 class Progress {
@@ -38,10 +38,18 @@ class Progress {
 };
 
 // The same on an optional Progress: null means that nobody listens.
-inline void progress_start(Progress* p, std::uint64_t units) { if (p != nullptr) p->start(units); }
-inline void progress_stage(Progress* p, const std::string& name) { if (p != nullptr) p->stage(name); }
-inline void progress_advance(Progress* p, std::uint64_t units) { if (p != nullptr) p->advance(units); }
-inline void progress_finish(Progress* p) { if (p != nullptr) p->finish(); }
+inline void progress_start(Progress* p, std::uint64_t units) {
+  if (p != nullptr) p->start(units);
+}
+inline void progress_stage(Progress* p, const std::string& name) {
+  if (p != nullptr) p->stage(name);
+}
+inline void progress_advance(Progress* p, std::uint64_t units) {
+  if (p != nullptr) p->advance(units);
+}
+inline void progress_finish(Progress* p) {
+  if (p != nullptr) p->finish();
+}
 
 /// A bar on a terminal's stderr, silent when stderr is not a terminal. Ctrl-C and SIGTERM cancel.
 std::unique_ptr<Progress> make_terminal_progress(bool show_bar);

@@ -205,13 +205,13 @@ bool has_x_in_alpha(const RawImage& image) {
 [[noreturn]] void refuse_vectors(const std::string& path, const RawImage& image, const std::string& why) {
   if (has_x_in_alpha(image))
     throw Error(ErrorCode::kInput,
-                path + ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
-                       "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
-  throw Error(
-      ErrorCode::kInput,
-      fmt::format("{}: found no normal map and no height field: {}; expected unit vectors around +Z, or grey. "
-                  "If it is one all the same, say so (--bumpformat normal or height)",
-                  path, why));
+                path +
+                    ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
+                    "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
+  throw Error(ErrorCode::kInput,
+              fmt::format("{}: found no normal map and no height field: {}; expected unit vectors around +Z, or grey. "
+                          "If it is one all the same, say so (--bumpformat normal or height)",
+                          path, why));
 }
 
 // Of the options given, those that say nothing of what the file was taken for.

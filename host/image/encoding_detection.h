@@ -14,9 +14,9 @@ namespace multum {
 
 struct DetectedEncoding {
   bool is_height_field = false;
-  VectorEncoding vectors;   // of a normal map
-  std::string description;  // NormalMapReport::encoding of a normal map
-  std::string reason;       // NormalMapReport::encoding_reason
+  VectorEncoding vectors;             // of a normal map
+  std::string description;            // NormalMapReport::encoding of a normal map
+  std::string reason;                 // NormalMapReport::encoding_reason
   std::vector<std::string> warnings;  // NormalMapReport::warnings
 };
 

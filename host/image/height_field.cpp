@@ -87,9 +87,10 @@ void warn_of_doubts(NormalMapReport& report, double slope_rms, const NormalMapSe
   constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // surfaces that a bake is for: 3 to 79 degrees
   std::string text;
   if (settings.bump_format == BumpFormat::kAuto)
-    text = fmt::format("a grey image, taken for a height field at --height-scale {:g} (--bumpformat height says that "
-                       "it is one)",
-                       settings.height_scale);
+    text = fmt::format(
+        "a grey image, taken for a height field at --height-scale {:g} (--bumpformat height says that "
+        "it is one)",
+        settings.height_scale);
   if (slope_rms < kSlopeMin || slope_rms > kSlopeMax)
     text += fmt::format("{}its rms slope {:.3g} is too {}, expected {:g} to {:g}: --height-scale {:g} may be wrong",
                         text.empty() ? "" : "; ", slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin,

@@ -40,12 +40,12 @@ constexpr double kUnusedShareMax = 0.5;
 
 /// What was found and done; printed by the bake and written into its report.
 struct NormalMapReport {
-  std::string format;                     // "png uint8, 3 channels"
-  std::string encoding;                   // "normal map, unsigned, green up (OpenGL)", "height field"
-  std::string encoding_reason;            // the statistics behind it, one line
-  std::int64_t unused_texels = 0;         // black in an unsigned file: never written; flat, no repair
-  std::int64_t nonfinite_repaired = 0;    // by NormalMapSettings::fix_nan
-  std::int64_t zero_length_repaired = 0;  // mean of the 3 x 3 neighbours, else flat
+  std::string format;                       // "png uint8, 3 channels"
+  std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
+  std::string encoding_reason;              // the statistics behind it, one line
+  std::int64_t unused_texels = 0;           // black in an unsigned file: never written; flat, no repair
+  std::int64_t nonfinite_repaired = 0;      // by NormalMapSettings::fix_nan
+  std::int64_t zero_length_repaired = 0;    // mean of the 3 x 3 neighbours, else flat
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/image/normal_decode.h)
   std::vector<std::string> warnings;        // what was taken in doubt, and the option that settles it; a line each
 };

@@ -32,9 +32,7 @@ void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& jso
   json["two_channel"] = yes_or_no(settings.two_channel);
   json["height_scale"] = settings.height_scale;
   json["wrap"] = std::string(wrap_mode_name(settings.wrap_s)) + "," + wrap_mode_name(settings.wrap_t);
-  json["fixnan"] = settings.fix_nan == FixNan::kNone    ? "none"
-                   : settings.fix_nan == FixNan::kBlack ? "black"
-                                                        : "box3";
+  json["fixnan"] = settings.fix_nan == FixNan::kNone ? "none" : settings.fix_nan == FixNan::kBlack ? "black" : "box3";
 }
 
 NormalMapSettings parse_reading_settings(const std::string& text) {

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <vector>
 
-
 namespace multum {
 namespace {
 

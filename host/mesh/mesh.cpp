@@ -4,11 +4,11 @@
 #include <cmath>
 #include <mutex>
 
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <glm/geometric.hpp>
 
 #include "host/base/error.h"
@@ -92,8 +92,8 @@ void append_vertices(TriangleMesh& mesh, const aiMesh& part, const std::string& 
 void append_mesh(TriangleMesh& mesh, const aiMesh& part, const std::string& path) {
   if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) return;  // points and lines are not drawn
   if (!part.HasTextureCoords(0))
-    refuse(path, std::string("mesh '") + part.mName.C_Str() +
-                     "' has no texture coordinates, so no map can be put on it");
+    refuse(path,
+           std::string("mesh '") + part.mName.C_Str() + "' has no texture coordinates, so no map can be put on it");
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());
   append_vertices(mesh, part, path);
   for (unsigned f = 0; f < part.mNumFaces; ++f) {

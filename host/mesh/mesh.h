@@ -15,10 +15,10 @@ namespace multum {
 /// All vertices of a file's meshes in one list, world space.
 struct TriangleMesh {
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;   // unit
-  std::vector<glm::vec4> tangents;  // unit, along growing u, orthogonal to the normal; w = +1 or -1:
-                                    // bitangent = w * cross(normal, tangent), along growing v
-  std::vector<glm::vec2> uvs;       // v grows upwards in the image, for every file format
+  std::vector<glm::vec3> normals;      // unit
+  std::vector<glm::vec4> tangents;     // unit, along growing u, orthogonal to the normal; w = +1 or -1:
+                                       // bitangent = w * cross(normal, tangent), along growing v
+  std::vector<glm::vec2> uvs;          // v grows upwards in the image, for every file format
   std::vector<std::uint32_t> indices;  // three a triangle
 };
 

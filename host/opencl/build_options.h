@@ -9,9 +9,9 @@ namespace multum {
 
 /// Structural choices that are compiled into a kernel.
 struct KernelVariant {
-  int lobes = 4;            // 1..8
-  int vector_width = 1;     // 1: scalar, one work-item a texel (GPUs); 16: float16 (CPUs)
-  bool weighted = false;    // texels cover fractions of finest texels: the map's sides are no powers of two
+  int lobes = 4;          // 1..8
+  int vector_width = 1;   // 1: scalar, one work-item a texel (GPUs); 16: float16 (CPUs)
+  bool weighted = false;  // texels cover fractions of finest texels: the map's sides are no powers of two
 };
 
 std::string build_options(const KernelVariant& variant);

@@ -15,7 +15,7 @@
 namespace multum {
 
 struct DeviceInfo {
-  int index;             // as `multum devices` numbers them
+  int index;  // as `multum devices` numbers them
   std::string name;
   std::string platform;
   std::string driver;

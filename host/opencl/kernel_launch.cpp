@@ -23,7 +23,8 @@ void Kernel::enqueue(const WorkSize& size) {
   const std::size_t local = size.local != 0 ? size.local : (device_->info.is_cpu ? 1 : 64);
   const std::size_t global = (size.global + local - 1) / local * local;
   check_cl(clEnqueueNDRangeKernel(device_->queue, static_cast<cl_kernel>(kernel_.get()), 1, nullptr, &global, &local, 0,
-                                  nullptr, nullptr), "kernel " + name_);
+                                  nullptr, nullptr),
+           "kernel " + name_);
   ++device_->launch_counts[name_];
 }
 

@@ -16,28 +16,28 @@
 #define MULTUM_START_SHARPNESS 3  // kappa * log2(e)
 #define MULTUM_START_LOG 4        // log2(a kappa / (1 - exp(-2 kappa)))
 #define MULTUM_START_PRIOR 5      // 3 planes: C * sum over done neighbours k of a_k mu_k
-#define MULTUM_START_CAP 8       // the texel's cap of kappa, known after the first E-step
+#define MULTUM_START_CAP 8        // the texel's cap of kappa, known after the first E-step
 #define MULTUM_START_PLANES 9
 
 typedef struct MultumMovmfFit {
-  int map_width;      // finest level, texels, at most 32768 a side
+  int map_width;  // finest level, texels, at most 32768 a side
   int map_height;
-  int width;          // this level
+  int width;  // this level
   int height;
-  int parent_width;   // next coarser level; 0: none, the level's own lobes are the start
+  int parent_width;  // next coarser level; 0: none, the level's own lobes are the start
   int parent_height;
   int sample_columns;  // finest texels that a texel's samples span, the largest of the level (narrower ones: weight 0)
   int sample_rows;
-  int slot_count;      // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
-  int list_offset;     // of this launch in texel_list, in slots
-  int order;           // MULTUM_ORDER_*
-  int periodic_x;      // not 0: beyond the border lies the other one, whose texels are neighbours too
+  int slot_count;   // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
+  int list_offset;  // of this launch in texel_list, in slots
+  int order;        // MULTUM_ORDER_*
+  int periodic_x;   // not 0: beyond the border lies the other one, whose texels are neighbours too
   int periodic_y;
   int iteration_count;
-  int chunk_rows;      // rows a chunk sums (movmf_em_chunks.cl)
-  int chunk_count;     // chunks a texel
-  float alignment;     // C of the alignment prior, >= 0
-  float kappa_cap;        // cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
+  int chunk_rows;   // rows a chunk sums (movmf_em_chunks.cl)
+  int chunk_count;  // chunks a texel
+  float alignment;  // C of the alignment prior, >= 0
+  float kappa_cap;  // cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
   float kappa_cap_slope;
   float total_weight_inverse;  // 1 / (finest texels that a texel covers)
 } MultumMovmfFit;

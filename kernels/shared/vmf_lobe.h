@@ -4,7 +4,7 @@
 #define MULTUM_KERNELS_SHARED_VMF_LOBE_H
 
 typedef struct MultumVmfLobe {
-  float mean_x;     // r = mean vector of the lobe's normals, |r| <= 1; its direction is the lobe's, 1 - |r| its spread
+  float mean_x;  // r = mean vector of the lobe's normals, |r| <= 1; its direction is the lobe's, 1 - |r| its spread
   float mean_y;
   float mean_z;
   float amplitude;  // share of the texel's normals; the lobes of a texel sum to 1

@@ -29,9 +29,22 @@ class OsmesaContext final : public HeadlessContext {
     const auto create = library_.symbol<void* (*)(const int*, void*)>("OSMesaCreateContextAttribs");
     make_current_ = library_.symbol<MakeCurrent>("OSMesaMakeCurrent");
     destroy_ = library_.symbol<Destroy>("OSMesaDestroyContext");
-    const int attributes[] = {kOsmesaFormat, kOsmesaRgba, kOsmesaDepthBits, 0, kOsmesaStencilBits, 0,
-                              kOsmesaAccumBits, 0, kOsmesaProfile, kOsmesaCoreProfile,
-                              kOsmesaMajorVersion, 4, kOsmesaMinorVersion, 5, 0, 0};
+    const int attributes[] = {kOsmesaFormat,
+                              kOsmesaRgba,
+                              kOsmesaDepthBits,
+                              0,
+                              kOsmesaStencilBits,
+                              0,
+                              kOsmesaAccumBits,
+                              0,
+                              kOsmesaProfile,
+                              kOsmesaCoreProfile,
+                              kOsmesaMajorVersion,
+                              4,
+                              kOsmesaMinorVersion,
+                              5,
+                              0,
+                              0};
     context_ = create(attributes, nullptr);
     if (context_ == nullptr) throw Error(ErrorCode::kEnvironment, "OSMesa: refused an OpenGL 4.5 core context");
     try {

@@ -49,9 +49,9 @@ GLuint compile(const GlFunctions& gl, GLenum stage, const ShaderSources& sources
   if (ok == GL_TRUE) return shader;
   const std::string log = shader_log(gl, shader);
   gl.DeleteShader(shader);
-  throw Error(ErrorCode::kEnvironment,
-              variant_name(sources) + ": the driver refuses the " + (is_vertex ? "vertex" : "fragment") +
-                  " stage (text 0 is the version and the flags):\n" + log);
+  throw Error(ErrorCode::kEnvironment, variant_name(sources) + ": the driver refuses the " +
+                                           (is_vertex ? "vertex" : "fragment") +
+                                           " stage (text 0 is the version and the flags):\n" + log);
 }
 
 }  // namespace

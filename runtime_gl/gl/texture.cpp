@@ -45,8 +45,9 @@ void set_anisotropy(const GlFunctions& gl, GLuint texture, float anisotropy) {
   if (anisotropy <= 1.0f) return;
   if (!has_gl_extension(gl, "GL_ARB_texture_filter_anisotropic") &&
       !has_gl_extension(gl, "GL_EXT_texture_filter_anisotropic"))
-    throw Error(ErrorCode::kEnvironment, "anisotropic filtering was asked for; the GL driver has no "
-                                         "GL_EXT_texture_filter_anisotropic");
+    throw Error(ErrorCode::kEnvironment,
+                "anisotropic filtering was asked for; the GL driver has no "
+                "GL_EXT_texture_filter_anisotropic");
   GLfloat anisotropy_max = 1.0f;
   gl.GetFloatv(kMaxTextureMaxAnisotropy, &anisotropy_max);
   gl.TextureParameterf(texture, kTextureMaxAnisotropy, std::min(anisotropy, anisotropy_max));

@@ -21,6 +21,7 @@ struct Glyph {
   const char* rows;  // eight rows of five, '#' = ink, the last one below the line
 };
 
+// clang-format off
 constexpr Glyph kGlyphs[] = {
     {'a', "...........###.....#.#####...#.####....."},
     {'b', "#....#....####.#...##...##...#####......"},
@@ -71,6 +72,7 @@ constexpr Glyph kGlyphs[] = {
     {'=', "..........#####.....#####..............."},
     {'_', "..............................#####....."},
 };
+// clang-format on
 
 void put_pixel(FloatImage& sheet, int x, int y, float value) {
   if (x < 0 || y < 0 || x >= sheet.width || y >= sheet.height) return;
@@ -117,8 +119,8 @@ FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, f
   const int scale = kGlyphScaleMax * label_width <= rows[0][0].image.width ? kGlyphScaleMax : 1;
   const int cell_width = std::max(rows[0][0].image.width, scale * label_width) + kGap;
   const int cell_height = rows[0][0].image.height + kLabelHeight + kGap;
-  FloatImage sheet{static_cast<int>(rows[0].size()) * cell_width - kGap,
-                   static_cast<int>(rows.size()) * cell_height - kGap, {}};
+  FloatImage sheet{
+      static_cast<int>(rows[0].size()) * cell_width - kGap, static_cast<int>(rows.size()) * cell_height - kGap, {}};
   sheet.rgba.assign(4 * static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), 0.0f);
   for (std::size_t i = 3; i < sheet.rgba.size(); i += 4) sheet.rgba[i] = 1.0f;
   for (std::size_t y = 0; y < rows.size(); ++y) {

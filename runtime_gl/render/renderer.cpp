@@ -56,8 +56,7 @@ void Renderer::set_scene(const ShaderProgram& shader, const Scene& scene) const 
     irradiances[i] = scene.lights[i].irradiance;
   }
   const bool is_torrance = scene.brdf.kind == BrdfKind::kTorranceSparrow;
-  const float exponent =
-      is_torrance ? 0.5f / (scene.brdf.sigma * scene.brdf.sigma) : scene.brdf.exponent;
+  const float exponent = is_torrance ? 0.5f / (scene.brdf.sigma * scene.brdf.sigma) : scene.brdf.exponent;
   shader.set_vec3("u_eye", glm::value_ptr(scene.camera.eye), 1);
   shader.set("u_light_count", static_cast<int>(scene.lights.size()));
   shader.set_vec3("u_light_directions", glm::value_ptr(directions[0]), kLightCountMax);
@@ -97,8 +96,7 @@ Picture Renderer::draw_timed(const ShaderProgram& shader, const Mesh& mesh, cons
   return {framebuffer_.read(), times[2]};
 }
 
-Picture Renderer::draw_movmf(const Mesh& mesh, const MovmfMaterial& material, const Scene& scene,
-                             LobeFormula formula) {
+Picture Renderer::draw_movmf(const Mesh& mesh, const MovmfMaterial& material, const Scene& scene, LobeFormula formula) {
   std::vector<std::string> flags = {"MULTUM_MOVMF", "MULTUM_LOBE_COUNT " + std::to_string(material.lobe_count())};
   if (formula == LobeFormula::kPaper) flags.push_back("MULTUM_PAPER");
   const ShaderProgram& shader = program("movmf", with_brdf(flags, scene, material.has_colours()));
@@ -110,8 +108,9 @@ Picture Renderer::draw_movmf(const Mesh& mesh, const MovmfMaterial& material, co
 
 Picture Renderer::draw_baseline(const Mesh& mesh, const NormalMaterial& material, const Scene& scene,
                                 Baseline baseline) {
-  const char* const flag = baseline == Baseline::kMip ? "MULTUM_MIP"
-                           : baseline == Baseline::kToksvig ? "MULTUM_TOKSVIG" : "MULTUM_LEAN";
+  const char* const flag = baseline == Baseline::kMip       ? "MULTUM_MIP"
+                           : baseline == Baseline::kToksvig ? "MULTUM_TOKSVIG"
+                                                            : "MULTUM_LEAN";
   const ShaderProgram& shader = program("baseline", with_brdf({flag}, scene, material.has_albedo()));
   shader.set("u_normals", 0);
   shader.set("u_slopes", 1);

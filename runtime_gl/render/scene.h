@@ -18,8 +18,8 @@ struct Light {
 };
 
 enum class BrdfKind {
-  kBlinnPhong,        // facets (s + 1) / (2 pi) (n.h)^s
-  kTorranceSparrow,   // facets = vMF of kappa 1 / (2 sigma^2); Fresnel and shadowing are left to `specular`
+  kBlinnPhong,       // facets (s + 1) / (2 pi) (n.h)^s
+  kTorranceSparrow,  // facets = vMF of kappa 1 / (2 sigma^2); Fresnel and shadowing are left to `specular`
 };
 
 struct Brdf {

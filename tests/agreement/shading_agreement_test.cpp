@@ -75,8 +75,11 @@ std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::
 
 std::vector<float> shade_glsl(const gl::HeadlessContext& context, const std::vector<glm::vec4>& lobes,
                               const std::vector<glm::vec3>& directions, float exponent) {
-  gl::ShaderHarnessInput input{exponent == 0.0f ? "vec4(multum_movmf_lambert(a, b.xyz))"
-                                                : "vec4(multum_movmf_blinn_phong(a, b.xyz, b.w))", {}, {}, nullptr};
+  gl::ShaderHarnessInput input{
+      exponent == 0.0f ? "vec4(multum_movmf_lambert(a, b.xyz))" : "vec4(multum_movmf_blinn_phong(a, b.xyz, b.w))",
+      {},
+      {},
+      nullptr};
   for (const glm::vec4& lobe : lobes)
     for (const glm::vec3& d : directions) {
       input.a.push_back(lobe);

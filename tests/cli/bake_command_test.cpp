@@ -22,8 +22,8 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   make_map("map", 64);
-  const ProgramResult bake = multum({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
-                                     path("map.ndf.exr")});
+  const ProgramResult bake =
+      multum({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o", path("map.ndf.exr")});
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
   EXPECT_TRUE(contains(bake.out, "map.ndf.exr: written")) << bake.out;
   // Without neighbours there is nothing midway.
@@ -61,8 +61,8 @@ TEST_F(BakeCommandTest, VerifyAcceptsEveryStorage) {
 
 TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   make_map("map", 64);
-  const ProgramResult bake = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--report",
-                                     path("report.json")});
+  const ProgramResult bake =
+      multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--report", path("report.json")});
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
   const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
   std::vector<std::string> stages;
@@ -83,8 +83,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
     EXPECT_GT(level["launches"].get<int>(), 0);
     launches_of_fit += level["launches"].get<std::uint64_t>();
   }
-  for (const auto& [kernel, count] : report["launches"].items())
-    launches_of_kernels += count.get<std::uint64_t>();
+  for (const auto& [kernel, count] : report["launches"].items()) launches_of_kernels += count.get<std::uint64_t>();
   EXPECT_EQ(launches_of_fit + 1, launches_of_kernels) << "but for one to measure all, the start's and the levels'";
   EXPECT_EQ(report["counts"]["lobes"], 4 * (4096 + 1024 + 256 + 64 + 16 + 4 + 1));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
@@ -115,8 +114,8 @@ TEST_F(BakeCommandTest, RepairsAreShown) {
   for (int i = 0; i < 128; ++i)
     for (int c = 0; c < 3; ++c) image.at(i % 64, 20 + i / 64, c) = 0.0f;
   write_test_image(path("holes.png"), image);
-  const ProgramResult bake = multum({"bake", path("holes.png"), "-o", path("holes.ndf.exr"), "--no-measure",
-                                     "--report", path("report.json")});
+  const ProgramResult bake =
+      multum({"bake", path("holes.png"), "-o", path("holes.ndf.exr"), "--no-measure", "--report", path("report.json")});
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
   EXPECT_TRUE(contains(bake.out, "0 not finite, 1 of zero length, 0 below the horizon; 128 black")) << bake.out;
   EXPECT_TRUE(contains(bake.err, "warning: " + path("holes.png") + ": 128 of 4096 texels (3.1 %) are black"))
@@ -136,12 +135,12 @@ TEST_F(BakeCommandTest, DoubtsAreWarnedOf) {
   TestImage heights{.width = 64, .height = 64, .channels = 1};
   for (int i = 0; i < 64 * 64; ++i) heights.values.push_back(static_cast<float>(i % 64) / 63.0f);
   write_test_image(path("heights.png"), heights);
-  std::vector<std::string> bake = {"bake", path("heights.png"), "-o", path("heights.ndf.exr"), "--no-measure",
-                                   "--green", "up"};
+  std::vector<std::string> bake = {"bake",         path("heights.png"), "-o", path("heights.ndf.exr"),
+                                   "--no-measure", "--green",           "up"};
   const ProgramResult warned = multum(bake);
   EXPECT_EQ(warned.exit_code, 0) << warned.err;
-  for (const char* part : {"heights.png: a grey image, taken for a height field at --height-scale 1", "warning: ",
-                           "--green: without effect on a height field"})
+  for (const char* part : {"heights.png: a grey image, taken for a height field at --height-scale 1",
+                           "warning: ", "--green: without effect on a height field"})
     EXPECT_TRUE(contains(warned.err, part)) << part << " is not in\n" << warned.err;
   bake.emplace_back("--quiet");
   EXPECT_EQ(multum(bake).err, "");
@@ -186,8 +185,8 @@ TEST_F(BakeCommandTest, RunstatsPrintLevelsAndLaunches) {
 TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   make_map("map", 128);
   const auto bake = [&](const std::string& name, std::vector<std::string> options) {
-    options.insert(options.begin(), {"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
-                                     path(name), "--quiet"});
+    options.insert(options.begin(),
+                   {"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o", path(name), "--quiet"});
     const ProgramResult result = multum(options);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return read_bytes(path(name));
@@ -213,8 +212,8 @@ double highlight_peak(const std::vector<glm::dvec4>& lobes, double exponent) {
     if (lobe.w <= 0.0) continue;
     const double length = glm::length(glm::dvec3(lobe));
     const double kappa = 1.0 / (1.0 - std::min(length / lobe.w, 1.0) * cosine);
-    value += lobe.w * kappa / (2.0 * std::numbers::pi) *
-             std::exp(kappa * (glm::dot(glm::dvec3(lobe) / length, at) - 1.0));
+    value +=
+        lobe.w * kappa / (2.0 * std::numbers::pi) * std::exp(kappa * (glm::dot(glm::dvec3(lobe) / length, at) - 1.0));
   }
   return value;
 }
@@ -267,8 +266,8 @@ TEST_F(BakeCommandTest, ChoicesTakeEffect) {
            {"--order", "scanline", "\"order\":\"scanline\""},
            {"--bumpformat", "normal", "\"bump_format\":\"normal\""},
            {"--fixnan", "black", "\"fixnan\":\"black\""}}) {
-    const ProgramResult bake = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure",
-                                       "--iterations", "1", option, name});
+    const ProgramResult bake = multum(
+        {"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure", "--iterations", "1", option, name});
     ASSERT_EQ(bake.exit_code, 0) << bake.err;
     EXPECT_TRUE(contains(multum({"info", path("map.ndf.exr")}).out, setting)) << setting;
   }

@@ -37,8 +37,8 @@ class OclgrindTest : public CliTest {
 
   // Bakes in oclgrind and remembers which kernels were launched, by the report.
   void bake(std::vector<std::string> options) {
-    options.insert(options.begin(), {"bake", "--bumpformat", "normal", "--report", path("report.json"), "-o",
-                                     path("map.ndf.exr")});
+    options.insert(options.begin(),
+                   {"bake", "--bumpformat", "normal", "--report", path("report.json"), "-o", path("map.ndf.exr")});
     simulate(multum_command(options));
     const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
     EXPECT_EQ(report["device"], "Oclgrind Simulator");
@@ -69,8 +69,8 @@ std::set<std::string> all_kernels() {
 }
 
 TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
-  write_maps("odd", 35, 31);    // its coarsest texel is fitted in chunks; texels cover fractions
-  write_maps("even", 64, 32);   // the same with whole texels
+  write_maps("odd", 35, 31);   // its coarsest texel is fitted in chunks; texels cover fractions
+  write_maps("even", 64, 32);  // the same with whole texels
   write_maps("tiny", 7, 6);
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--lobes", "3", "--no-measure",
         "--no-rehearsal"});

@@ -17,8 +17,8 @@ class OtherReadersTest : public CliTest {
  protected:
   void bake(const std::vector<std::string>& options) {
     make_map("map", 64);
-    std::vector<std::string> arguments = {"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
-                                          path("map.ndf.exr")};
+    std::vector<std::string> arguments = {"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"),
+                                          "-o",   path("map.ndf.exr")};
     arguments.insert(arguments.end(), options.begin(), options.end());
     const ProgramResult result = multum(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -148,8 +148,8 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
     SCOPED_TRACE(encoding);
     bake({"--data-format", encoding, "--no-measure"});
     const MovmfMipmap mipmap = read_movmf_mipmap(path("map.ndf.exr"));
-    const ProgramResult read = run_program({python, path("read.py"), path("map.ndf.exr"), path("values"),
-                                            std::to_string(mipmap.levels.size())});
+    const ProgramResult read = run_program(
+        {python, path("read.py"), path("map.ndf.exr"), path("values"), std::to_string(mipmap.levels.size())});
     ASSERT_EQ(read.exit_code, 0) << read.err;
     const std::string hash = mipmap.provenance.content_hash;
     EXPECT_EQ(hash.size(), 64u);

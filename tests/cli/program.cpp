@@ -90,7 +90,8 @@ ProgramResult run_on_terminal(const std::vector<std::string>& arguments) {
     else if (count == 0 || errno != EINTR) break;
   }
   int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {}
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
   close(terminal);
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);

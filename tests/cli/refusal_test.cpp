@@ -103,8 +103,8 @@ TEST_F(RefusalTest, TooManyRepairsAndTooManyTexels) {
   expect_refused(path("nan.exr"), {}, kInput, {"nan.exr", "64 ", "expected at most", "raise --repair-max"});
   expect_refused(path("nan.exr"), {"--checknan"}, kInput, {"nan.exr", "column 0, row 7", "expected finite"});
   expect_refused(path("nan.exr"), {"--fixnan", "none"}, kInput, {"nan.exr"});
-  const ProgramResult repaired = multum({"bake", path("nan.exr"), "-o", path("out/nan.ndf.exr"), "--repair-max", "0.1",
-                                         "--no-measure"});
+  const ProgramResult repaired =
+      multum({"bake", path("nan.exr"), "-o", path("out/nan.ndf.exr"), "--repair-max", "0.1", "--no-measure"});
   EXPECT_EQ(repaired.exit_code, 0) << repaired.err;
   std::filesystem::remove(path("out/nan.ndf.exr"));
 

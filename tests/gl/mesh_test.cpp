@@ -49,13 +49,13 @@ void expect_good_frames(const TriangleMesh& mesh) {
 
 TEST(Mesh, TangentsFollowTheTextureCoordinates) {
   const std::string head = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\n";
-  const TriangleMesh plain = read_mesh(
-      temporary_file("plain.obj", head + "vt 0 0\nvt 1 0\nvt 1 1\nf 1/1/1 2/2/1 3/3/1\n"));
+  const TriangleMesh plain =
+      read_mesh(temporary_file("plain.obj", head + "vt 0 0\nvt 1 0\nvt 1 1\nf 1/1/1 2/2/1 3/3/1\n"));
   expect_good_frames(plain);
   EXPECT_NEAR(plain.tangents[0].x, 1.0f, 1e-5f);
   EXPECT_EQ(plain.tangents[0].w, 1.0f);
-  const TriangleMesh mirrored = read_mesh(
-      temporary_file("mirrored.obj", head + "vt 0 0\nvt -1 0\nvt -1 1\nf 1/1/1 2/2/1 3/3/1\n"));
+  const TriangleMesh mirrored =
+      read_mesh(temporary_file("mirrored.obj", head + "vt 0 0\nvt -1 0\nvt -1 1\nf 1/1/1 2/2/1 3/3/1\n"));
   EXPECT_NEAR(mirrored.tangents[0].x, -1.0f, 1e-5f);
   EXPECT_EQ(mirrored.tangents[0].w, -1.0f);
   EXPECT_EQ(mirrored.uvs[2], glm::vec2(-1.0f, 1.0f));  // v as OBJ has it: upwards
@@ -93,7 +93,9 @@ std::string two_triangles(char index) {
   }
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"indices":2}]}],)"
-         R"("buffers":[{"byteLength":72,"uri":"data:application/octet-stream;base64,)" + base64 + R"("}],)"
+         R"("buffers":[{"byteLength":72,"uri":"data:application/octet-stream;base64,)" +
+         base64 +
+         R"("}],)"
          R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24},)"
          R"({"buffer":0,"byteOffset":60,"byteLength":12}],"accessors":[)"
          R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"

@@ -23,8 +23,8 @@ MeshData make_quad(float size) {
   MeshData mesh;
   const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
   for (const glm::vec2& corner : corners)
-    mesh.vertices.push_back({{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f},
-                             {1.0f, 0.0f, 0.0f, 1.0f}, corner});
+    mesh.vertices.push_back(
+        {{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f, 1.0f}, corner});
   mesh.indices = {0, 1, 2, 0, 2, 3};
   return mesh;
 }
@@ -283,8 +283,8 @@ TEST(ContactSheet, PlacesPicturesUnderTheirLabels) {
   const FloatImage sheet = make_contact_sheet({{{"a", red}, {"b", red}}, {{"c", red}}}, 1.0f);
   EXPECT_EQ(sheet.width, 8 + 4 + 8);
   const std::size_t below = 4 * static_cast<std::size_t>((sheet.height - 1) * sheet.width);
-  EXPECT_EQ(sheet.rgba[below], 0.25f);                // third picture
-  EXPECT_EQ(sheet.rgba[below + 4 * 13], 0.0f);        // nothing beside it
+  EXPECT_EQ(sheet.rgba[below], 0.25f);          // third picture
+  EXPECT_EQ(sheet.rgba[below + 4 * 13], 0.0f);  // nothing beside it
 }
 
 TEST(ContactSheet, LabelsAreWholeHoweverSmallThePictures) {

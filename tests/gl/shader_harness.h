@@ -13,10 +13,10 @@
 namespace multum::gl {
 
 struct ShaderHarnessInput {
-  std::string expression;              // a vec4, of the vec4s a and b, with movmf_shading.glsl's functions
-  std::vector<glm::vec4> a;            // at most 16384 elements
-  std::vector<glm::vec4> b;            // as many
-  const Texture* texture = nullptr;    // bound to the sampler `map`
+  std::string expression;            // a vec4, of the vec4s a and b, with movmf_shading.glsl's functions
+  std::vector<glm::vec4> a;          // at most 16384 elements
+  std::vector<glm::vec4> b;          // as many
+  const Texture* texture = nullptr;  // bound to the sampler `map`
 };
 
 /// The output is poisoned with NaN first: an element that no fragment wrote shows.

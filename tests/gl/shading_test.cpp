@@ -189,7 +189,9 @@ TEST_F(ShadingTest, HardCases) {
 TEST_F(ShadingTest, EquatorialLobesLightUp) {
   // A lobe whose mean lies in the plane of the surface still answers light along it.
   ShaderHarnessInput input{"vec4(multum_movmf_lambert(a, b.xyz), multum_movmf_blinn_phong(a, b.xyz, 50.0), 0.0, 0.0)",
-                           {{0.9f, 0.0f, 0.0f, 1.0f}}, {{1.0f, 0.0f, 0.0f, 0.0f}}, nullptr};
+                           {{0.9f, 0.0f, 0.0f, 1.0f}},
+                           {{1.0f, 0.0f, 0.0f, 0.0f}},
+                           nullptr};
   const glm::vec4 value = evaluate_shader(context_->functions(), input)[0];
   EXPECT_NEAR(value.x, 0.9f, 0.01f);
   EXPECT_NEAR(static_cast<double>(value.y), reference::product_blinn_phong(50.0, 0.1, 0.0), 0.01);

@@ -125,7 +125,8 @@ TEST_P(TextureTest, RoundsToNearest) {
   texture.upload_level(0, rgba);
   const std::vector<float> read = texture.read_level(0);
   const float step = GetParam() == TexelFormat::kRgba16Snorm ? 1.0f / 32767.0f
-                     : GetParam() == TexelFormat::kRgba16f ? 1.0f / 4096.0f : 0.0f;
+                     : GetParam() == TexelFormat::kRgba16f   ? 1.0f / 4096.0f
+                                                             : 0.0f;
   EXPECT_NEAR(read[0], value, 0.501f * step);
   EXPECT_EQ(read[1], -read[0]);
   EXPECT_EQ(read[2], 1.0f);

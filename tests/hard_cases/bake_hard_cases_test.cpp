@@ -106,10 +106,13 @@ TEST_P(HardCaseTest, OppositeNormalsOnTheEquatorWithOneLobe) {
 
 // Normals below the horizon reach the kernels only if a caller skips the reader's repair; they must do no harm.
 TEST_P(HardCaseTest, NormalsOverTheWholeSphere) {
-  const Baked baked = bake(make_map(64, 64, [](int x, int y) {
-    const double z = 1.0 - 2.0 * (y * 64 + x + 0.5) / 4096.0, phi = (y * 64 + x) * 2.399963;
-    return glm::dvec3(std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z);
-  }), 4, GetParam());
+  const Baked baked =
+      bake(make_map(64, 64,
+                    [](int x, int y) {
+                      const double z = 1.0 - 2.0 * (y * 64 + x + 0.5) / 4096.0, phi = (y * 64 + x) * 2.399963;
+                      return glm::dvec3(std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z);
+                    }),
+           4, GetParam());
   const glm::vec4 top = baked.mipmap.levels.back().lobes[0][0] + baked.mipmap.levels.back().lobes[1][0] +
                         baked.mipmap.levels.back().lobes[2][0] + baked.mipmap.levels.back().lobes[3][0];
   EXPECT_LT(glm::length(glm::vec3(top)), 1e-3f);

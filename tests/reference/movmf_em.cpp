@@ -84,8 +84,7 @@ std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& 
       else if (glm::length(moments[j].r) > 1e-6) lobes[j].mu = glm::normalize(moments[j].r);
       if (moments[j].amplitude > 1e-7)
         lobes[j].kappa = std::clamp(kappa_of_mean_length(1.0 - moments[j].spread), 0.05, cap);
-      else
-        lobes[j].kappa = std::clamp(lobes[j].kappa, 0.05, cap);
+      else lobes[j].kappa = std::clamp(lobes[j].kappa, 0.05, cap);
       lobes[j].amplitude = moments[j].amplitude;
     }
   }

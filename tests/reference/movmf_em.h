@@ -10,19 +10,19 @@
 namespace multum::reference {
 
 struct Sample {
-  glm::dvec3 normal;   // may be shorter than 1
+  glm::dvec3 normal;  // may be shorter than 1
   double weight = 1.0;
 };
 
 struct Lobe {
-  glm::dvec3 mu;        // unit
+  glm::dvec3 mu;  // unit
   double kappa;
   double amplitude;
 };
 
 struct Moments {
-  glm::dvec3 r;         // mean vector of the lobe's normals; its last direction where it has none of its own
-  double spread;        // 1 - |r|
+  glm::dvec3 r;   // mean vector of the lobe's normals; its last direction where it has none of its own
+  double spread;  // 1 - |r|
   double amplitude;
 };
 

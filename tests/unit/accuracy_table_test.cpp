@@ -49,10 +49,10 @@ TEST(AccuracyTable, RoundsAlikeFromBakeAndFile) {
 }
 
 TEST(AccuracyTable, OtherTextsAreNoErrors) {
-  for (const char* text : {"", "{}", "nonsense", "[1]", "[[0,\"centre\",\"lambert\"]]",
-                           "[[0,\"middle\",\"lambert\",0.1]]",
-                           "[[1000000000,\"centre\",\"lambert\",0.1]]", "[[-1,\"centre\",\"lambert\",0.1]]",
-                           "[[0.5,\"centre\",\"lambert\",0.1]]", "[[0,\"centre\",\"lambert\",\"0.1\"]]"})
+  for (const char* text :
+       {"", "{}", "nonsense", "[1]", "[[0,\"centre\",\"lambert\"]]", "[[0,\"middle\",\"lambert\",0.1]]",
+        "[[1000000000,\"centre\",\"lambert\",0.1]]", "[[-1,\"centre\",\"lambert\",0.1]]",
+        "[[0.5,\"centre\",\"lambert\",0.1]]", "[[0,\"centre\",\"lambert\",\"0.1\"]]"})
     EXPECT_FALSE(parse_measured_error(text).has_value()) << text;
 }
 

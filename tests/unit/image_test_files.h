@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <OpenImageIO/imageio.h>
-#include <glm/vec3.hpp>
 #include <gtest/gtest.h>
+#include <glm/vec3.hpp>
 
 #include "host/image/normal_map.h"
 #include "tests/unit/test_folder.h"

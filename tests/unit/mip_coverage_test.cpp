@@ -38,8 +38,8 @@ TEST(MipCoverageTest, EqualsBruteForce) {
     const std::vector<double> found = average_over_texels(plane, from, to, 2);
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i)
-      ASSERT_NEAR(found[i], expected[i], 1e-12) << from.width << " x " << from.height << " to " << to.width << " x "
-                                                << to.height << ", texel " << i;
+      ASSERT_NEAR(found[i], expected[i], 1e-12)
+          << from.width << " x " << from.height << " to " << to.width << " x " << to.height << ", texel " << i;
   }
 }
 

@@ -240,9 +240,7 @@ TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
       if (h.name() == "lobe.1") change(h);
     });
   };
-  expect_refusal(change_lobe_1([](Imf::Header& h) {
-                   h.channels().insert("lobe1.vMF.A", Imf::Channel(Imf::HALF));
-                 }),
+  expect_refusal(change_lobe_1([](Imf::Header& h) { h.channels().insert("lobe1.vMF.A", Imf::Channel(Imf::HALF)); }),
                  {"channel lobe1.vMF.A of another pixel type", "expected float for encoding snorm16"});
   expect_refusal(change_lobe_1([](Imf::Header& h) {
                    Imf::ChannelList channels;

@@ -66,8 +66,7 @@ inline MovmfMipmap random_mipmap(int width, int height, int lobe_count, bool col
         const double length = uniform(random) < 0.2 ? 1.0 : 1.0 - std::pow(10.0, -5.0 * uniform(random));
         level.lobes[j][i] = stored_lobe(shares[j], length * random_direction(random, std::numbers::pi / 2.0));
         if (colours)
-          level.colours[j][i] =
-              glm::vec3(glm::dvec3(uniform(random), uniform(random), uniform(random)) * shares[j]);
+          level.colours[j][i] = glm::vec3(glm::dvec3(uniform(random), uniform(random), uniform(random)) * shares[j]);
       }
     }
     mipmap.levels.push_back(std::move(level));

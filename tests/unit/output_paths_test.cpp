@@ -22,8 +22,9 @@ TEST(OutputPathsTest, OneFileUnderTwoNamesIsRefused) {
   for (const std::string& name : {in, folder / "./in.png", folder / "link.png", folder / "same/in.png"})
     expect_error(ErrorCode::kUsage, {name, "is named twice"}, [&] { check_paths_differ({"", in}, {name}); });
   // Neither exists yet.
-  expect_error(ErrorCode::kUsage, {"is named twice"},
-               [&] { check_paths_differ({in}, {folder / "out.png", "", folder / "same/out.png"}); });
+  expect_error(ErrorCode::kUsage, {"is named twice"}, [&] {
+    check_paths_differ({in}, {folder / "out.png", "", folder / "same/out.png"});
+  });
 }
 
 TEST(OutputPathsTest, DifferentFilesAreTaken) {

@@ -18,8 +18,14 @@ std::string to_text(const NormalMapSettings& settings) {
 TEST(ReadingSettingsTest, WhatIsWrittenIsReadBack) {
   NormalMapSettings settings;
   EXPECT_EQ(to_text(parse_reading_settings(to_text(settings))), to_text(settings));
-  settings = {.bump_format = BumpFormat::kHeight, .green = GreenAxis::kDown, .is_signed = true, .two_channel = false,
-              .height_scale = 0.1f, .wrap_s = WrapMode::kMirror, .wrap_t = WrapMode::kBlack, .fix_nan = FixNan::kNone};
+  settings = {.bump_format = BumpFormat::kHeight,
+              .green = GreenAxis::kDown,
+              .is_signed = true,
+              .two_channel = false,
+              .height_scale = 0.1f,
+              .wrap_s = WrapMode::kMirror,
+              .wrap_t = WrapMode::kBlack,
+              .fix_nan = FixNan::kNone};
   const std::string text = to_text(settings);
   EXPECT_EQ(to_text(parse_reading_settings(text)), text);
   EXPECT_EQ(parse_reading_settings(text).height_scale, 0.1f);

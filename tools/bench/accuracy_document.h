@@ -7,10 +7,10 @@
 namespace multum::bench {
 
 struct AccuracyDocumentOptions {
-  std::string output;     // Markdown file
-  std::string maps;       // folder of real maps; empty: none
-  std::string commit;     // named in the document
-  int size = 1024;        // side of the four-quarter map
+  std::string output;  // Markdown file
+  std::string maps;    // folder of real maps; empty: none
+  std::string commit;  // named in the document
+  int size = 1024;     // side of the four-quarter map
   int threads = 2;
 };
 

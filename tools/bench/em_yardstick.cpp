@@ -275,14 +275,10 @@ std::vector<float> fit(const YardstickLevel& level) {
 
 std::vector<float> fit_with_yardstick(const YardstickLevel& level) {
   switch (level.lobe_count) {
-    case 4:
-      return fit<4>(level);
-    case 6:
-      return fit<6>(level);
-    case 8:
-      return fit<8>(level);
-    default:
-      return fit<1>(level);
+    case 4: return fit<4>(level);
+    case 6: return fit<6>(level);
+    case 8: return fit<8>(level);
+    default: return fit<1>(level);
   }
 }
 

@@ -13,10 +13,10 @@ namespace multum::bench {
 struct YardstickLevel {
   int lobe_count;
   int iteration_count;
-  int group_count;             // groups of 16 texels
-  int sample_count;            // a texel
-  const float* samples;        // [group][sample][3][16]; null: use the planes (one texel after another)
-  const float* start;          // [group][lobe][MULTUM_START_PLANES][16]
+  int group_count;       // groups of 16 texels
+  int sample_count;      // a texel
+  const float* samples;  // [group][sample][3][16]; null: use the planes (one texel after another)
+  const float* start;    // [group][lobe][MULTUM_START_PLANES][16]
   float kappa_cap;
   float kappa_cap_slope;
   // Coarse levels: a texel is a rectangle of the planes.
@@ -26,7 +26,7 @@ struct YardstickLevel {
   int map_width = 0;
   int level_width = 0;
   int texel_count = 0;
-  int texel_side = 0;          // finest texels along a side
+  int texel_side = 0;  // finest texels along a side
 };
 
 /// (r_x, r_y, r_z, a) of [lobe][texel slot].

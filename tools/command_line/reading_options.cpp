@@ -26,8 +26,9 @@ void add_reading_options(CLI::App& app, ReadingOptions& o) {
   auto* is_signed = app.add_flag("--signed", o.is_signed, "channel values are the vector, -1..1" + found);
   app.add_flag("--unsigned", o.is_unsigned, "channel values are encoded, 0..1" + found)->excludes(is_signed);
   app.add_flag("--two-channel", o.two_channel, "only x and y are stored; z is rebuilt" + found);
-  show_default(app.add_option("--height-scale", o.height_scale,
-                              "height field: height in texels of a value difference of 1"), o.height_scale);
+  show_default(
+      app.add_option("--height-scale", o.height_scale, "height field: height in texels of a value difference of 1"),
+      o.height_scale);
   add_choice(app, "--fixnan", o.fix_nan, kFixNans,
              "repair NaN and Inf: none (refuse), black (flat), box3 (mean of the neighbours)");
   show_default(app.add_option("--repair-max", o.repair_share_max,

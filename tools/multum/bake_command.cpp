@@ -51,8 +51,9 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--sweeps", f.sweep_count, "times that a level is fitted; more than one aligns it better")
       ->capture_default_str();
   add_choice(bake, "--order", f.order, kOrders, "colour (parallel) or scanline (the paper's)");
-  bake.add_flag_callback("--no-rehearsal", [&f] { f.rehearse_start = false; },
-                         "start from the candidate of least error, without trying them all: saves half a second");
+  bake.add_flag_callback(
+      "--no-rehearsal", [&f] { f.rehearse_start = false; },
+      "start from the candidate of least error, without trying them all: saves half a second");
   bake.add_option("--align", f.alignment, "weight of the alignment prior; 0: none")->capture_default_str();
   bake.add_option("--kappa-cap", f.kappa_cap,
                   "sharpest lobe that EM uses on rough texels; smooth ones get sharper ones")

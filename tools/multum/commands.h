@@ -8,7 +8,7 @@ namespace multum {
 
 /// Options that every command shares.
 struct CommonOptions {
-  int threads = 0;       // 0: all cores
+  int threads = 0;  // 0: all cores
   bool verbose = false;
   bool quiet = false;
 };

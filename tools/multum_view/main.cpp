@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum-view: reads a baked map and a mesh, renders them with runtime_gl, compares them with the truth and with what
 // users have today, and writes pictures and errors.
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdio>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/atomic_file.h"
@@ -68,9 +68,10 @@ NormalMapSettings source_settings(const ViewOptions& options, const MovmfMipmap&
   if (hash_file(options.source) == mipmap.provenance.source_hash) {
     settings.repair_share_max = 1.0f;  // the bake took these very texels
   } else if (!mipmap.provenance.source_hash.empty()) {
-    log_warning(fmt::format("{}: is not the file that {} was baked from ({}, SHA-256 {}): the truth and the baselines "
-                            "may show another map", options.source, options.input, mipmap.provenance.source_name,
-                            mipmap.provenance.source_hash));
+    log_warning(
+        fmt::format("{}: is not the file that {} was baked from ({}, SHA-256 {}): the truth and the baselines "
+                    "may show another map",
+                    options.source, options.input, mipmap.provenance.source_name, mipmap.provenance.source_hash));
   }
   apply(options.reading, settings);
   return settings;
@@ -106,8 +107,9 @@ std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunct
       const NormalMaterial finest(gl, source, NormalMaterial::Sampling::kNearest, 1.0f);
       pictures.insert(pictures.begin(), {name, renderer.draw_truth(mesh, finest, options.scene, options.samples)});
     } else {
-      const gl::Baseline baseline = name == "mip" ? gl::Baseline::kMip
-                                    : name == "toksvig" ? gl::Baseline::kToksvig : gl::Baseline::kLean;
+      const gl::Baseline baseline = name == "mip"       ? gl::Baseline::kMip
+                                    : name == "toksvig" ? gl::Baseline::kToksvig
+                                                        : gl::Baseline::kLean;
       pictures.push_back({name, renderer.draw_baseline(mesh, mipmapped, options.scene, baseline)});
     }
   }
@@ -177,9 +179,10 @@ bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 void warn_of_wrong_anisotropy(const ViewOptions& options, const MovmfMipmap& mipmap, const std::string& renderer) {
   if (options.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(mipmap.width()) && is_power_of_two(mipmap.height())) return;
-  log_warning(fmt::format("{}: is {} x {} texels; this software renderer filters sizes that are no powers of two "
-                          "wrongly with --anisotropy: leave it out for a right picture",
-                          options.input, mipmap.width(), mipmap.height()));
+  log_warning(
+      fmt::format("{}: is {} x {} texels; this software renderer filters sizes that are no powers of two "
+                  "wrongly with --anisotropy: leave it out for a right picture",
+                  options.input, mipmap.width(), mipmap.height()));
 }
 
 void warn_of_unused_source(const ViewOptions& options) {
@@ -210,18 +213,17 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures, bool has_t
 void write_report(const ViewOptions& options, const std::string& context, const nlohmann::json& pictures) {
   const gl::Brdf& brdf = options.scene.brdf;
   const bool is_phong = brdf.kind == gl::BrdfKind::kBlinnPhong;
-  const nlohmann::json report = {
-      {"software", std::string("multum-view ") + MULTUM_VERSION},
-      {"context", context},
-      {"width", options.width},
-      {"height", options.height},
-      {"truth_samples", options.samples},
-      {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
-      {"brdf", is_phong ? "blinn-phong" : "torrance-sparrow"},
-      {is_phong ? "exponent" : "sigma", is_phong ? brdf.exponent : brdf.sigma},
-      {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
-      {"anisotropy", options.anisotropy},
-      {"pictures", pictures}};
+  const nlohmann::json report = {{"software", std::string("multum-view ") + MULTUM_VERSION},
+                                 {"context", context},
+                                 {"width", options.width},
+                                 {"height", options.height},
+                                 {"truth_samples", options.samples},
+                                 {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
+                                 {"brdf", is_phong ? "blinn-phong" : "torrance-sparrow"},
+                                 {is_phong ? "exponent" : "sigma", is_phong ? brdf.exponent : brdf.sigma},
+                                 {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
+                                 {"anisotropy", options.anisotropy},
+                                 {"pictures", pictures}};
   write_text_file(options.report, report.dump(2) + "\n");
 }
 

@@ -79,8 +79,9 @@ gl::Light parse_light(const std::string& text) {
 }
 
 void parse_camera(const std::string& text, gl::Camera& camera) {
-  const char* const expected = "eye x,y,z, target x,y,z and perhaps the vertical field of view in degrees (1..170): "
-                               "0,0,0.3,0,1,0,40";
+  const char* const expected =
+      "eye x,y,z, target x,y,z and perhaps the vertical field of view in degrees (1..170): "
+      "0,0,0.3,0,1,0,40";
   const std::vector<float> n = parse_numbers("--camera", text, expected);
   if (n.size() != 6 && n.size() != 7) refuse("--camera", text, expected);
   camera.eye = {n[0], n[1], n[2]};
@@ -177,33 +178,40 @@ void finish(const RawOptions& raw, ViewOptions& options) {
 void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("file", o.input, "baked map, *.ndf.exr")->required();
   app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)")->required();
-  app.add_option("--pictures", o.pictures, "also write each picture by itself: PREFIX_multum.png, PREFIX_truth.png, "
-                                           "PREFIX_multum_difference.png, ...");
+  app.add_option("--pictures", o.pictures,
+                 "also write each picture by itself: PREFIX_multum.png, PREFIX_truth.png, "
+                 "PREFIX_multum_difference.png, ...");
   app.add_option("--compare", raw.compare,
                  "also draw these beside it, of truth,mip,toksvig,lean; with truth: errors too");
-  app.add_option("--source", o.source, "normal map that the file was baked from, for the truth and the baselines "
-                                       "(default: level 0 of the file)");
+  app.add_option("--source", o.source,
+                 "normal map that the file was baked from, for the truth and the baselines "
+                 "(default: level 0 of the file)");
   app.add_option("--albedo", o.albedo, "the source's colours");
-  app.add_option("--mesh", o.mesh, "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "
-                                   "horizon: x from -30 to 30, y from 0 to 60)");
+  app.add_option("--mesh", o.mesh,
+                 "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "
+                 "horizon: x from -30 to 30, y from 0 to 60)");
   app.add_option("--repeat", o.repeat, "how often the map repeats across the plane or uv unit (default: 60, mesh 1)")
       ->check(number_in(1e-6f, 1e6f));
-  app.add_option("--camera", raw.camera, "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: the "
-                                       "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
+  app.add_option("--camera", raw.camera,
+                 "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: the "
+                 "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
   app.add_option("--up", raw.up, "x,y,z that is up in the picture (default: 0,0,1; with a mesh 0,1,0)");
   app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
   app.add_option("--brdf", raw.brdf, "blinn-phong:S or torrance-sparrow:SIGMA")->capture_default_str();
   app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b")->capture_default_str();
   app.add_option("--specular", raw.specular, "specular factor, grey or r,g,b")->capture_default_str();
   app.add_option("--formula", raw.formula, "lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)")
-      ->check(CLI::IsMember({"product", "paper"}))->capture_default_str();
+      ->check(CLI::IsMember({"product", "paper"}))
+      ->capture_default_str();
   app.add_option("--size", raw.size, "of each picture, pixels")->capture_default_str();
   app.add_option("--samples", o.samples, "a pixel of the truth")->check(CLI::Range(1, 65536))->capture_default_str();
-  app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")->check(number_in(1.0f, 16.0f))
+  app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")
+      ->check(number_in(1.0f, 16.0f))
       ->capture_default_str();
   app.add_option("--exposure", o.exposure, "brightness of a PNG")->check(number_in(1e-6f, 1e6f))->capture_default_str();
   app.add_option("--context", raw.context, "auto, osmesa (software) or egl")
-      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))->capture_default_str();
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->capture_default_str();
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
   app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
   add_reading_options(app, o.reading);

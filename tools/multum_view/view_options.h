@@ -13,26 +13,26 @@
 namespace multum {
 
 struct ViewOptions {
-  std::string input;                  // *.ndf.exr
-  std::string output;                 // *.png, *.exr
-  std::string pictures;               // PREFIX of a file for each picture; empty: none
-  std::string source;                 // normal map that the file was baked from; empty: level 0 of the file
-  std::string albedo;                 // its colours; used by the truth and the baselines
-  ReadingOptions reading;             // how to read `source`, where it is not read as the bake read it
-  std::string mesh;                   // empty: the plane
-  std::string report;                 // JSON; empty: none
+  std::string input;       // *.ndf.exr
+  std::string output;      // *.png, *.exr
+  std::string pictures;    // PREFIX of a file for each picture; empty: none
+  std::string source;      // normal map that the file was baked from; empty: level 0 of the file
+  std::string albedo;      // its colours; used by the truth and the baselines
+  ReadingOptions reading;  // how to read `source`, where it is not read as the bake read it
+  std::string mesh;        // empty: the plane
+  std::string report;      // JSON; empty: none
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
   bool has_camera = false;
-  glm::vec3 up{0.0f, 0.0f, 1.0f};     // unit; the camera's, also where the camera frames the mesh
+  glm::vec3 up{0.0f, 0.0f, 1.0f};  // unit; the camera's, also where the camera frames the mesh
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
-  std::vector<std::string> compare;   // of truth, mip, toksvig, lean
+  std::vector<std::string> compare;  // of truth, mip, toksvig, lean
   int width = 640;
   int height = 480;
-  int samples = 256;                  // a pixel of the truth
-  float repeat = 0.0f;                // 0: 60 across the plane, 1 on a mesh
+  int samples = 256;    // a pixel of the truth
+  float repeat = 0.0f;  // 0: 60 across the plane, 1 on a mesh
   float anisotropy = 1.0f;
-  float exposure = 1.0f;              // PNG only
+  float exposure = 1.0f;  // PNG only
 };
 
 /// Unset when the program is done already (--help); `exit_code` then says how. Throws Error(kUsage) for a bad value.
