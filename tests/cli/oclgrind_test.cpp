@@ -17,6 +17,9 @@ namespace {
 class OclgrindTest : public CliTest {
  protected:
   void SetUp() override {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "oclgrind is preloaded, and the address sanitizer must be first";
+#endif
     if (!program_works("oclgrind", "--version")) GTEST_SKIP() << "no oclgrind (Debian package oclgrind)";
     // Nothing of a simulator belongs among the compiled kernels of the other tests.
     setenv("MULTUM_CACHE_DIR", "", 1);
