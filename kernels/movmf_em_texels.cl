@@ -2,11 +2,13 @@
 // EM of fine levels: every iteration of a texel inside one work-item. Han et al. 2007, section 7, Algorithm 1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
-//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack
+//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_condense_pack
+//   sample_counts [group]                                              at most fit.sample_capacity
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return those of the last
 //                                                                      E-step, for movmf_features
 //   level   [lobe][height * width]                                     written: r and amplitude of each texel's lobes
-// Sums run over the samples in their order: the same bytes from both variants. Compute bound: about 26 operations a
+// Sums run over the samples in their order, and a texel that has settled keeps its lobes whatever the others of its
+// group still do: the same bytes from both variants. Compute bound: about 26 operations a
 // lobe and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.
 
 #include "device/movmf_em.clh"
@@ -16,6 +18,8 @@
 #ifndef MULTUM_WEIGHTED
 #define MULTUM_WEIGHTED 0
 #endif
+// What a lobe of less does to a texel cannot be seen: whether it still moves does not matter.
+#define UNSEEN_SHARE 1e-3f
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 
 static void store_texels(__global MultumVmfLobe* level, __global const int* texels, int texel_count, int lobe,
@@ -35,14 +39,14 @@ static void store_texels(__global MultumVmfLobe* level, __global const int* texe
   }
 }
 
-__kernel void movmf_em_texels(__global const float* restrict samples, __global float* restrict start,
-                              __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
-                              MultumMovmfFit fit) {
+__kernel void movmf_em_texels(__global const float* restrict samples, __global const int* restrict sample_counts,
+                              __global float* restrict start, __global const int* restrict texel_list,
+                              __global MultumVmfLobe* restrict level, MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
   const int group = slot / MULTUM_GROUP, lane = slot % MULTUM_GROUP;
-  const int sample_count = fit.sample_columns * fit.sample_rows;
-  __global const float* first_sample = samples + (size_t)group * sample_count * SAMPLE_STRIDE + lane;
+  const int sample_count = sample_counts[group];
+  __global const float* first_sample = samples + (size_t)group * fit.sample_capacity * SAMPLE_STRIDE + lane;
   __global float* lobe_start = start + (size_t)group * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + lane;
 #define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
 
@@ -56,6 +60,7 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global f
     log_weight[j] = LOAD_V(START(j, MULTUM_START_LOG));
   }
   real_v cap = (real_v)(fit.kappa_cap);
+  int_v moving = (real_v)(0.0f) == (real_v)(0.0f);
   for (int iteration = 0; iteration < fit.iteration_count; ++iteration) {
     _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) sum_s[j] = sum_x[j] = sum_y[j] = sum_z[j] = sum_d[j] =
         (real_v)(0.0f);
@@ -78,15 +83,29 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global f
       }
       cap = kappa_cap_of_texel(x, y, z, (real_v)(fit.total_weight_inverse), fit.kappa_cap, fit.kappa_cap_slope);
     }
-    if (iteration + 1 == fit.iteration_count) break;
+    if (iteration + 1 == fit.iteration_count || !ANY_V(moving)) break;
+    real_v change = (real_v)(0.0f);
     _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
       const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
                                          (real_v)(fit.total_weight_inverse));
       const real_v prior_x = LOAD_V(START(j, MULTUM_START_PRIOR));
       const real_v prior_y = LOAD_V(START(j, MULTUM_START_PRIOR + 1));
       const real_v prior_z = LOAD_V(START(j, MULTUM_START_PRIOR + 2));
-      M_STEP(m, prior_x, prior_y, prior_z, cap, mu_x[j], mu_y[j], mu_z[j], sharpness[j], log_weight[j])
+      real_v next_x, next_y, next_z, next_sharpness = sharpness[j], next_log;
+      M_STEP(m, prior_x, prior_y, prior_z, cap, next_x, next_y, next_z, next_sharpness, next_log)
+      // The turn in units of the lobe's width, and the relative changes of kappa and of the weight, all squared.
+      const real_v dx = next_x - mu_x[j], dy = next_y - mu_y[j], dz = next_z - mu_z[j];
+      const real_v turn = fma(dx, dx, fma(dy, dy, dz * dz)) * next_sharpness;
+      const real_v dl = next_log - log_weight[j], dk = 1.0f - sharpness[j] / next_sharpness;
+      const real_v most = MAX_V(turn, MAX_V(dl * dl, dk * dk));
+      change = m.amplitude > UNSEEN_SHARE ? MAX_V(change, most) : change;
+      mu_x[j] = moving ? next_x : mu_x[j];
+      mu_y[j] = moving ? next_y : mu_y[j];
+      mu_z[j] = moving ? next_z : mu_z[j];
+      sharpness[j] = moving ? next_sharpness : sharpness[j];
+      log_weight[j] = moving ? next_log : log_weight[j];
     }
+    moving = moving & (change > fit.settled_change_squared);
   }
   // The last E-step's own moments are stored, without the prior: it steers which lobe is which and never biases them.
   for (int j = 0; j < MULTUM_LOBES; ++j) {

@@ -11,6 +11,28 @@
 #define MULTUM_LOBES 4
 #endif
 
+// Responsibilities z_ij of one normal or mean of normals; `lobes` is movmf_em_texels' start of one slot.
+static void responsibilities(float nx, float ny, float nz, __global const float* lobes, float* z) {
+#define PARAMETER(j, plane) lobes[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
+  float largest = -1e30f, total = 0.0f;
+  for (int j = 0; j < MULTUM_LOBES; ++j) {
+    const float u = fma(-PARAMETER(j, MULTUM_START_MU), nx,
+                        fma(-PARAMETER(j, MULTUM_START_MU + 1), ny, fma(-PARAMETER(j, MULTUM_START_MU + 2), nz, 1.0f)));
+    z[j] = fma(-PARAMETER(j, MULTUM_START_SHARPNESS), u, PARAMETER(j, MULTUM_START_LOG));
+    largest = MAX_V(largest, z[j]);
+  }
+  for (int j = 0; j < MULTUM_LOBES; ++j) {
+    z[j] = exp2_v(z[j] - largest);
+    total += z[j];
+  }
+  for (int j = 0; j < MULTUM_LOBES; ++j) z[j] /= total;
+}
+
+static __global const float* lobes_of_slot(__global const float* start, int slot) {
+  return start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP +
+         slot % MULTUM_GROUP;
+}
+
 // One work-item = one chunk of rows of one slot; global size chunk_count * slot_count.
 //   normal_x, normal_y, normal_z, red, green, blue [map_height * map_width]
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  as the EM kernels left it
@@ -30,9 +52,7 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
 
   float sum[MULTUM_LOBES][3];
   for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
-  __global const float* lobes =
-      start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + slot % MULTUM_GROUP;
-#define PARAMETER(j, plane) lobes[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
+  __global const float* lobes = lobes_of_slot(start, slot);
   const int top_row = first_covered(y, fit.map_height, fit.height);
   const int first_row = top_row + chunk * fit.chunk_rows;
   const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
@@ -42,22 +62,11 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
     const float row_weight = coverage(row, y, fit.map_height, fit.height);
     for (int column = first_column; column < last_column; ++column) {
       const size_t source = (size_t)row * fit.map_width + column;
-      const float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
-      float e[MULTUM_LOBES], largest = -1e30f, total = 0.0f;
+      float z[MULTUM_LOBES];
+      responsibilities(normal_x[source], normal_y[source], normal_z[source], lobes, z);
+      const float weight = row_weight * coverage(column, x, fit.map_width, fit.width);
       for (int j = 0; j < MULTUM_LOBES; ++j) {
-        const float u =
-            fma(-PARAMETER(j, MULTUM_START_MU), nx,
-                fma(-PARAMETER(j, MULTUM_START_MU + 1), ny, fma(-PARAMETER(j, MULTUM_START_MU + 2), nz, 1.0f)));
-        e[j] = fma(-PARAMETER(j, MULTUM_START_SHARPNESS), u, PARAMETER(j, MULTUM_START_LOG));
-        largest = MAX_V(largest, e[j]);
-      }
-      for (int j = 0; j < MULTUM_LOBES; ++j) {
-        e[j] = exp2_v(e[j] - largest);
-        total += e[j];
-      }
-      const float scale = row_weight * coverage(column, x, fit.map_width, fit.width) / total;
-      for (int j = 0; j < MULTUM_LOBES; ++j) {
-        const float responsibility = e[j] * scale;
+        const float responsibility = z[j] * weight;
         sum[j][0] = fma(responsibility, red[source], sum[j][0]);
         sum[j][1] = fma(responsibility, green[source], sum[j][1]);
         sum[j][2] = fma(responsibility, blue[source], sum[j][2]);
@@ -85,4 +94,33 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
   }
   __global float* out = colours + ((size_t)lobe * fit.width * fit.height + texel) * 3;
   for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
+}
+
+// The same from condensed texels. One work-item = one slot.
+//   samples, colour_samples [group][sample][4][MULTUM_GROUP]  of normals and of colours: the same cells in one order
+//   sample_counts [group];  start as above;  colours [lobe][height * width][3], written
+__kernel void movmf_feature_condensed(__global const float* samples, __global const float* colour_samples,
+                                      __global const int* sample_counts, __global const float* start,
+                                      __global const int* texel_list, __global float* colours, MultumMovmfFit fit) {
+  const int slot = (int)get_global_id(0);
+  if (slot >= fit.slot_count) return;
+  const int texel = texel_list[fit.list_offset + slot];
+  if (texel < 0) return;
+  const size_t first = (size_t)(slot / MULTUM_GROUP) * fit.sample_capacity * 4 * MULTUM_GROUP + slot % MULTUM_GROUP;
+  __global const float* lobes = lobes_of_slot(start, slot);
+  float sum[MULTUM_LOBES][3];
+  for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
+  for (int i = 0; i < sample_counts[slot / MULTUM_GROUP]; ++i) {
+    __global const float* n = samples + first + (size_t)i * 4 * MULTUM_GROUP;
+    __global const float* colour = colour_samples + first + (size_t)i * 4 * MULTUM_GROUP;
+    float z[MULTUM_LOBES];
+    responsibilities(n[0], n[MULTUM_GROUP], n[2 * MULTUM_GROUP], lobes, z);
+    for (int j = 0; j < MULTUM_LOBES; ++j) {
+      const float responsibility = z[j] * n[3 * MULTUM_GROUP];
+      for (int c = 0; c < 3; ++c) sum[j][c] = fma(responsibility, colour[c * MULTUM_GROUP], sum[j][c]);
+    }
+  }
+  for (int j = 0; j < MULTUM_LOBES; ++j)
+    for (int c = 0; c < 3; ++c)
+      colours[((size_t)j * fit.width * fit.height + texel) * 3 + c] = sum[j][c] * fit.total_weight_inverse;
 }

@@ -105,14 +105,17 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
 // One work-item = one row of samples of one group; global size sample_rows * slot_count / MULTUM_GROUP.
 //   normal_x, normal_y, normal_z [map_height * map_width]
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]
+//   sample_counts [group]
 // Samples that no finest texel stands for (narrower texels, unused slots) repeat one and weigh 0. Memory bound.
 __kernel void movmf_pack(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
-                         __global const int* texel_list, __global float* samples, MultumMovmfFit fit) {
+                         __global const int* texel_list, __global float* samples, __global int* sample_counts,
+                         MultumMovmfFit fit) {
   const int item = (int)get_global_id(0);
   const int group = item / fit.sample_rows;
   const int row = item % fit.sample_rows;
   if (group * MULTUM_GROUP >= fit.slot_count) return;
   const int planes = 3 + MULTUM_WEIGHTED;
+  if (row == 0) sample_counts[group] = fit.sample_columns * fit.sample_rows;
   __global float* out = samples + ((size_t)group * fit.sample_rows + row) * fit.sample_columns * planes * MULTUM_GROUP;
   for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
     const int texel = max(texel_list[fit.list_offset + group * MULTUM_GROUP + lane], 0);

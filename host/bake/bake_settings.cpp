@@ -21,9 +21,11 @@ void check_range(const char* name, Value value, Value low, Value high) {
 void validate(const MovmfSettings& s) {
   check_range("--lobes", s.lobe_count, 1, 8);
   check_range("--iterations", s.iteration_count, 1, 1000);
+  check_range("the iteration count of coarse levels", s.iteration_count_coarse, 1, 1000);
   check_range("the iteration count of the coarsest level", s.iteration_count_top, 1, 1000);
   check_range("--sweeps", s.sweep_count, 1, 8);
   check_range("the iteration count of further sweeps", s.iteration_count_again, 1, 1000);
+  check_range("the change at which texels are settled", s.settled_change, 0.0f, 0.1f);
   check_range("--align", s.alignment, 0.0f, 10.0f);
   check_range("--kappa-cap", s.kappa_cap, 1.0f, 1.0e5f);
   check_range("the slope of the kappa cap", s.kappa_cap_slope, 0.0f, 1000.0f);
@@ -36,9 +38,12 @@ std::string settings_json(const MovmfSettings& s) {
   json["representation"] = "movmf";
   json["lobes"] = s.lobe_count;
   json["iterations"] = s.iteration_count;
+  json["iterations_coarse"] = s.iteration_count_coarse;
   json["iterations_top"] = s.iteration_count_top;
   json["sweeps"] = s.sweep_count;
   json["iterations_again"] = s.iteration_count_again;
+  json["settled_change"] = s.settled_change;
+  json["coarse_normals"] = s.coarse_normals == CoarseNormals::kCondensed ? "condensed" : "all";
   json["order"] = s.order == FitOrder::kColour ? "colour" : "scanline";
   json["align"] = s.alignment;
   json["rehearse_start"] = s.rehearse_start;

@@ -8,14 +8,25 @@ namespace multum {
 
 enum class FitOrder { kColour, kScanline };
 
+/// What EM sees of a texel that covers more than kSamplesUnchunkedMax normals: cells of normals that point the same way
+/// (movmf_condense.cl), or every one of them, which costs each level as much as the finest.
+enum class CoarseNormals { kCondensed, kAll };
+
 struct MovmfSettings {
-  int lobe_count = 4;            // 1..8
-  int iteration_count = 30;      // EM iterations a texel below the coarsest level, 1..1000
-  int iteration_count_top = 60;  // of the coarsest level, 1..1000
+  int lobe_count = 4;        // 1..8
+  int iteration_count = 20;  // EM iterations a texel, at most; 1..1000
+  // Of texels that cover more than kSamplesUnchunkedMax normals: condensed they cost little, and what they miss every
+  // finer level misses.
+  int iteration_count_coarse = 30;  // 1..1000
+  int iteration_count_top = 60;     // of the coarsest level, 1..1000
   // After a level is fitted, it is fitted again this many times less one, each texel from its own lobes with all its
   // neighbours done: what was fitted first has by then seen only its parent.
   int sweep_count = 2;             // 1..8
-  int iteration_count_again = 10;  // EM iterations a texel in each further sweep, 1..1000
+  int iteration_count_again = 10;  // EM iterations a texel in each further sweep, at most; 1..1000
+  // A texel is done before when no lobe's kappa or weight changes by more than this share, and none turns by more than
+  // this share of its width; 0: never. Coarse texels run all their iterations.
+  float settled_change = 0.01f;  // 0..0.1
+  CoarseNormals coarse_normals = CoarseNormals::kCondensed;
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;      // C of the alignment prior, 0..10; 0: none
   bool rehearse_start = true;  // try the coarsest level's candidates on a small likeness of the map

@@ -58,7 +58,30 @@ void add_wavefront_steps(LevelSchedule& level) {
   }
 }
 
+void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
+  MultumMovmfFit& fit = level.fit;
+  const std::int64_t samples = static_cast<std::int64_t>(fit.sample_columns) * fit.sample_rows;
+  if (samples <= kSamplesUnchunkedMax) {
+    level.method = FitMethod::kTexels;
+    fit.sample_capacity = static_cast<int>(samples);
+    if (samples >= kSamplesSettledMin) fit.settled_change_squared = settings.settled_change * settings.settled_change;
+  } else if (settings.coarse_normals == CoarseNormals::kCondensed) {
+    level.method = FitMethod::kCondensed;
+    fit.sample_capacity = MULTUM_CELL_COUNT;
+    set_chunks(fit, kSamplesPerCondensedChunk, fit.sample_columns);
+    return;
+  } else {
+    level.method = FitMethod::kChunks;
+  }
+  set_chunks(fit, kSamplesPerChunk, (fit.sample_columns + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP);
+}
+
 }  // namespace
+
+void set_chunks(MultumMovmfFit& fit, int samples_per_chunk, int samples_per_row) {
+  fit.chunk_rows = std::max(1, samples_per_chunk / samples_per_row);
+  fit.chunk_count = (fit.sample_rows + fit.chunk_rows - 1) / fit.chunk_rows;
+}
 
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted) {
   MULTUM_CHECK(map_width >= 1 && map_height >= 1 && map_width <= 32768 && map_height <= 32768);
@@ -83,16 +106,15 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     const bool wraps = settings.order == FitOrder::kColour;
     fit.periodic_x = wraps && settings.periodic_x ? 1 : 0;
     fit.periodic_y = wraps && settings.periodic_y ? 1 : 0;
-    fit.iteration_count = top ? settings.iteration_count_top : settings.iteration_count;
-    const int padded_columns = (fit.sample_columns + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP;
-    fit.chunk_rows = std::max(1, kSamplesPerChunk / padded_columns);
-    fit.chunk_count = (fit.sample_rows + fit.chunk_rows - 1) / fit.chunk_rows;
     fit.alignment = settings.alignment;
     fit.kappa_cap = settings.kappa_cap;
     fit.kappa_cap_slope = settings.kappa_cap_slope;
     fit.total_weight_inverse =
         static_cast<float>(static_cast<double>(fit.width) * fit.height / (static_cast<double>(map_width) * map_height));
-    level.chunked = static_cast<std::int64_t>(fit.sample_columns) * fit.sample_rows > kSamplesUnchunkedMax;
+    choose_method(settings, level);
+    fit.iteration_count = top                                  ? settings.iteration_count_top
+                          : level.method == FitMethod::kTexels ? settings.iteration_count
+                                                               : settings.iteration_count_coarse;
     if (settings.order == FitOrder::kScanline) add_wavefront_steps(level);
     else add_colour_steps(level);
     schedule.levels.push_back(std::move(level));

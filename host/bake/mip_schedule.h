@@ -16,10 +16,16 @@ struct FitStep {
   int texel_count;  // texels fitted; the list is filled up with -1 to whole groups
 };
 
+enum class FitMethod {
+  kTexels,     // every normal a sample, one work-item a texel: movmf_em_texels
+  kCondensed,  // movmf_condense, then movmf_em_texels
+  kChunks,     // every normal a sample, chunks of them summed apart: movmf_em_chunks, movmf_em_mstep
+};
+
 struct LevelSchedule {
   int level;
   MultumMovmfFit fit;  // all but slot_count and list_offset
-  bool chunked;        // fitted by movmf_em_chunks and movmf_em_mstep instead of movmf_em_texels
+  FitMethod method;
   std::vector<FitStep> steps;
   std::vector<int> texel_list;  // y * width + x, grouped by steps
 };
@@ -29,12 +35,19 @@ struct MipSchedule {
   std::vector<LevelSchedule> levels;  // coarsest first, down to level 1
 };
 
-/// A texel of up to this many samples is summed by one work-item in one go; larger ones in chunks. By the sample count
-/// alone, so that summation order never depends on tiles or devices. 1024: the packed normals of a group still fit a
-/// core's cache, and rounding of a plain sum stays below 1e-6.
+/// A texel of up to this many samples is summed by one work-item in one go; larger ones are condensed, or summed in
+/// chunks. By the sample count alone, so that summation order never depends on tiles or devices. 1024: the packed
+/// normals of a group still fit a core's cache, and rounding of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;
-/// Samples a chunk sums, about.
+/// A texel of fewer samples runs all its iterations, which cost little: with 4 normals lobes creep, and stopping them
+/// when they have all but stopped costs level 1 up to a fifth of its error.
+constexpr int kSamplesSettledMin = 9;
+/// Samples a chunk sums, about: in EM, and where cells are filled.
 constexpr int kSamplesPerChunk = 4096;
+constexpr int kSamplesPerCondensedChunk = 65536;
+
+/// For rows of so many samples each: a chunk's rows, and chunks a texel.
+void set_chunks(MultumMovmfFit& fit, int samples_per_chunk, int samples_per_row);
 
 /// `weighted`: use the kernels that weigh samples even where whole texels are covered (the same result).
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "host/bake/mip_schedule.h"
+#include "host/bake/movmf_em_step.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/error.h"
 #include "kernels/shared/movmf_fit.h"
@@ -17,7 +18,6 @@
 namespace multum {
 namespace {
 
-constexpr int kPartialSums = 5;            // of movmf_em_chunks.cl
 constexpr int kLevelZeroTexels = 1 << 20;  // texels of a level-0 band
 
 double now_seconds() {
@@ -28,38 +28,21 @@ std::size_t texel_count(int width, int height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-// Planes of a map on the device, with MULTUM_GROUP zeros behind the last texel for reads past a row's end.
-struct DevicePlanes {
-  std::vector<float> host[3];
-  DeviceBuffer buffer[3];
-
-  DevicePlanes(Device& device, const std::vector<float>& a, const std::vector<float>& b, const std::vector<float>& c,
-               const char* what) {
-    const std::vector<float>* sources[3] = {&a, &b, &c};
-    for (int i = 0; i < 3; ++i) {
-      host[i].reserve(sources[i]->size() + MULTUM_GROUP);
-      host[i] = *sources[i];
-      host[i].resize(sources[i]->size() + MULTUM_GROUP, 0.0f);
-      buffer[i] = device.wrap_buffer(host[i].data(), host[i].size() * sizeof(float), what);
-    }
-  }
-};
-
 class MovmfFitter {
  public:
   MovmfFitter(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
               const MovmfFitPlan& plan, BakeReport& report, Progress* progress)
       : device_(device),
         map_(map),
+        albedo_(albedo),
         settings_(settings),
         report_(report),
         progress_(progress),
         schedule_(make_mip_schedule(map.width, map.height, settings, plan.weighted)),
         top_start_(plan.top_start),
-        normals_(device, map.x, map.y, map.z, "the normal map") {
-    if (albedo != nullptr) albedo_.emplace(device, albedo->r, albedo->g, albedo->b, "the albedo map");
-    make_kernels();
-    make_work_buffers();
+        em_step_(device, map, albedo, settings, schedule_),
+        level_zero_kernel_(device.kernel("movmf_level_zero", "movmf_level_zero",
+                                         KernelVariant{settings.lobe_count, 1, schedule_.weighted})) {
     const int level_count = mip_level_count(map.width, map.height);
     lobes_.resize(static_cast<std::size_t>(level_count));
     result_.levels.resize(static_cast<std::size_t>(level_count));
@@ -69,7 +52,7 @@ class MovmfFitter {
       level.width = mip_level_size(map.width, l);
       level.height = mip_level_size(map.height, l);
       level.lobes.resize(lobe_count());
-      if (albedo_) level.colours.resize(lobe_count());
+      if (albedo_ != nullptr) level.colours.resize(lobe_count());
     }
   }
 
@@ -82,46 +65,6 @@ class MovmfFitter {
  private:
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
 
-  void make_kernels() {
-    KernelVariant scalar{settings_.lobe_count, 1, schedule_.weighted};
-    KernelVariant fast = scalar;
-    fast.vector_width = settings_.force_scalar ? 1 : device_.vector_width();
-    vector_width_ = fast.vector_width;
-    start_kernel_ = device_.kernel("movmf_start", "movmf_start", scalar);
-    pack_kernel_ = device_.kernel("movmf_start", "movmf_pack", scalar);
-    em_texels_kernel_ = device_.kernel("movmf_em_texels", "movmf_em_texels", fast);
-    em_partial_kernel_ = device_.kernel("movmf_em_chunks", "movmf_em_partial", fast);
-    mstep_kernel_ = device_.kernel("movmf_em_mstep", "movmf_em_mstep", scalar);
-    level_zero_kernel_ = device_.kernel("movmf_level_zero", "movmf_level_zero", scalar);
-    if (albedo_) {
-      feature_partial_kernel_ = device_.kernel("movmf_features", "movmf_feature_partial", scalar);
-      feature_sum_kernel_ = device_.kernel("movmf_features", "movmf_feature_sum", scalar);
-    }
-  }
-
-  // Buffers large enough for the largest step of any level.
-  void make_work_buffers() {
-    std::size_t list = MULTUM_GROUP, start = 0, samples = 1, partial = 1;
-    for (const LevelSchedule& level : schedule_.levels) {
-      list = std::max(list, level.texel_list.size());
-      for (const FitStep& step : level.steps) {
-        const std::size_t groups = (static_cast<std::size_t>(step.texel_count) + MULTUM_GROUP - 1) / MULTUM_GROUP;
-        start = std::max(start, groups * lobe_count() * MULTUM_START_PLANES * MULTUM_GROUP);
-        const std::size_t per_texel = texel_count(level.fit.sample_columns, level.fit.sample_rows);
-        if (!level.chunked) samples = std::max(samples, groups * per_texel * sample_planes() * MULTUM_GROUP);
-        const std::size_t chunks =
-            static_cast<std::size_t>(step.texel_count) * static_cast<std::size_t>(level.fit.chunk_count);
-        partial = std::max(partial, chunks * lobe_count() * kPartialSums);
-      }
-    }
-    list_buffer_ = device_.make_buffer(list * sizeof(int), "texel list");
-    start_buffer_ = device_.make_buffer(std::max<std::size_t>(start, 1) * sizeof(float), "EM parameters");
-    sample_buffer_ = device_.make_buffer(samples * sizeof(float), "packed normals");
-    partial_buffer_ = device_.make_buffer(partial * sizeof(float), "partial sums");
-  }
-
-  std::size_t sample_planes() const { return schedule_.weighted ? 4 : 3; }
-
   void fit_level(const LevelSchedule& level) {
     progress_stage(progress_, fmt::format("fit level {}", level.level));
     const double start_seconds = now_seconds();
@@ -130,13 +73,14 @@ class MovmfFitter {
     DeviceBuffer& lobes = lobes_[static_cast<std::size_t>(level.level)];
     lobes = device_.make_buffer(lobe_count() * texels * sizeof(MultumVmfLobe), "the lobes of a level");
     DeviceBuffer colours;
-    if (albedo_) colours = device_.make_buffer(lobe_count() * texels * 3 * sizeof(float), "the colours of a level");
+    if (albedo_ != nullptr)
+      colours = device_.make_buffer(lobe_count() * texels * 3 * sizeof(float), "the colours of a level");
     MultumMovmfFit fit = level.fit;
     if (fit.parent_width == 0 || !settings_.aligned_start) {
       write_parentless_start(level, lobes);
       fit.parent_width = fit.parent_height = 0;
     }
-    device_.write(list_buffer_, level.texel_list.data(), level.texel_list.size() * sizeof(int));
+    em_step_.use_texel_list(level.texel_list);
     const int sweeps = fit.parent_width > 0 ? settings_.sweep_count : 1;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       if (sweep > 0) {
@@ -153,54 +97,11 @@ class MovmfFitter {
   }
 
   // Every step of a level once. An empty `colours` buffer: none are wanted.
-  void fit_sweep(const LevelSchedule& level, MultumMovmfFit fit, DeviceBuffer& lobes, DeviceBuffer colours) {
-    for (const FitStep& step : level.steps) {
-      fit.list_offset = step.list_offset;
-      fit.slot_count = (step.texel_count + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP;
-      fit_step(level, fit, step, lobes, colours);
-      device_.finish();
-      progress_advance(progress_, 0);
-    }
-  }
-
-  void fit_step(const LevelSchedule& level, MultumMovmfFit& fit, const FitStep& step, DeviceBuffer& lobes,
-                DeviceBuffer& colours) {
-    const auto slots = static_cast<std::size_t>(fit.slot_count);
-    const auto used = static_cast<std::size_t>(step.texel_count);
+  void fit_sweep(const LevelSchedule& level, const MultumMovmfFit& fit, DeviceBuffer& lobes, DeviceBuffer colours) {
     // A start without a parent reads its own texel's lobes; the parent argument is then only a placeholder.
     const std::size_t parent_level = std::min(static_cast<std::size_t>(level.level) + 1, lobes_.size() - 1);
     const DeviceBuffer& parent = fit.parent_width > 0 ? lobes_[parent_level] : lobes;
-    start_kernel_.launch({slots * lobe_count()}, parent, lobes, list_buffer_, start_buffer_, fit,
-                         settings_.start_kappa_factor, settings_.start_amplitude_min);
-    if (level.chunked) {
-      const std::size_t chunks = used * static_cast<std::size_t>(fit.chunk_count);
-      const Kernel::WorkSize partial_size =
-          vector_width_ == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1};
-      for (int i = 0; i < fit.iteration_count; ++i) {
-        em_partial_kernel_.launch(partial_size, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2],
-                                  start_buffer_, list_buffer_, partial_buffer_, fit);
-        mstep_kernel_.launch({used * lobe_count()}, partial_buffer_, start_buffer_, list_buffer_, lobes, fit, i);
-        // An iteration reads every normal of its texels, seconds on the largest maps: a chance to cancel after each.
-        device_.finish();
-        progress_advance(progress_, 0);
-      }
-    } else {
-      const std::size_t groups = slots / MULTUM_GROUP;
-      pack_kernel_.launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals_.buffer[0], normals_.buffer[1],
-                          normals_.buffer[2], list_buffer_, sample_buffer_, fit);
-      em_texels_kernel_.launch({slots / static_cast<std::size_t>(vector_width_)}, sample_buffer_, start_buffer_,
-                               list_buffer_, lobes, fit);
-    }
-    if (colours.byte_count() == 0) return;
-    MultumMovmfFit feature_fit = fit;
-    if (!level.chunked) {
-      feature_fit.chunk_rows = fit.sample_rows;
-      feature_fit.chunk_count = 1;
-    }
-    feature_partial_kernel_.launch({used * static_cast<std::size_t>(feature_fit.chunk_count)}, normals_.buffer[0],
-                                   normals_.buffer[1], normals_.buffer[2], albedo_->buffer[0], albedo_->buffer[1],
-                                   albedo_->buffer[2], start_buffer_, list_buffer_, partial_buffer_, feature_fit);
-    feature_sum_kernel_.launch({used * lobe_count()}, partial_buffer_, list_buffer_, colours, feature_fit);
+    for (const FitStep& step : level.steps) em_step_.run(level.method, fit, step, parent, lobes, colours, progress_);
   }
 
   // Texels without a parent: the coarsest level, and every level of an unaligned bake.
@@ -235,7 +136,7 @@ class MovmfFitter {
     MovmfLevel& out = result_.levels[static_cast<std::size_t>(level.level)];
     for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, 0);
     count_events(fitted);
-    if (albedo_) {
+    if (albedo_ != nullptr) {
       std::vector<glm::vec3> fitted_colours(lobe_count() * texels);
       device_.read(colours, fitted_colours.data(), fitted_colours.size() * sizeof(glm::vec3));
       for (std::size_t j = 0; j < lobe_count(); ++j)
@@ -293,18 +194,18 @@ class MovmfFitter {
     for (int first_row = 0; first_row < map_.height; first_row += band_rows) {
       const int rows = std::min(band_rows, map_.height - first_row);
       const std::size_t texels = texel_count(map_.width, rows);
-      level_zero_kernel_.launch({texels}, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], parent, band,
-                                map_.width, parent_width, parent_height, first_row, rows);
+      level_zero_kernel_.launch({texels}, em_step_.normals().buffer[0], em_step_.normals().buffer[1],
+                                em_step_.normals().buffer[2], parent, band, map_.width, parent_width, parent_height,
+                                first_row, rows);
       device_.read(band, fitted.data(), lobe_count() * texels * sizeof(MultumVmfLobe));
       const std::size_t offset = texel_count(map_.width, first_row);
       for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, offset);
       progress_advance(progress_, texels);
     }
-    for (std::size_t j = 0; albedo_ && j < lobe_count(); ++j) {
+    for (std::size_t j = 0; albedo_ != nullptr && j < lobe_count(); ++j) {
       out.colours[j].resize(texel_count(map_.width, map_.height));
       for (std::size_t i = 0; i < out.colours[j].size(); ++i)
-        out.colours[j][i] =
-            out.lobes[j][i].w * glm::vec3(albedo_->host[0][i], albedo_->host[1][i], albedo_->host[2][i]);
+        out.colours[j][i] = out.lobes[j][i].w * glm::vec3(albedo_->r[i], albedo_->g[i], albedo_->b[i]);
     }
     report_.lobe_count_total += lobe_count() * texel_count(map_.width, map_.height);
     report_.levels[0] = {0, map_.width, map_.height, now_seconds() - start_seconds,
@@ -313,17 +214,14 @@ class MovmfFitter {
 
   Device& device_;
   const NormalMap& map_;
+  const ColourMap* albedo_;
   const MovmfSettings settings_;
   BakeReport& report_;
   Progress* progress_;
   const MipSchedule schedule_;
   const std::vector<MultumVmfLobe> top_start_;
-  DevicePlanes normals_;
-  std::optional<DevicePlanes> albedo_;
-  int vector_width_ = 1;
-  Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_partial_kernel_, mstep_kernel_, level_zero_kernel_;
-  Kernel feature_partial_kernel_, feature_sum_kernel_;
-  DeviceBuffer list_buffer_, start_buffer_, sample_buffer_, partial_buffer_;
+  MovmfEmStep em_step_;
+  Kernel level_zero_kernel_;
   std::vector<DeviceBuffer> lobes_;  // by level; [0] unused: level 0 is made in bands
   MovmfMipmap result_;
 };

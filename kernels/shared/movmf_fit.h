@@ -19,6 +19,12 @@
 #define MULTUM_START_CAP 8        // the texel's cap of kappa, known after the first E-step
 #define MULTUM_START_PLANES 9
 
+// The grid of a condensed texel (movmf_condense.cl): cells along a side, bins of an axis, floats that describe an axis.
+#define MULTUM_CELL_SIDE 32
+#define MULTUM_CELL_COUNT (MULTUM_CELL_SIDE * MULTUM_CELL_SIDE)
+#define MULTUM_AXIS_BINS 64
+#define MULTUM_AXIS_FLOATS (MULTUM_AXIS_BINS + 3)
+
 typedef struct MultumMovmfFit {
   int map_width;  // finest level, texels, at most 32768 a side
   int map_height;
@@ -34,9 +40,11 @@ typedef struct MultumMovmfFit {
   int periodic_x;   // not 0: beyond the border lies the other one, whose texels are neighbours too
   int periodic_y;
   int iteration_count;
-  int chunk_rows;   // rows a chunk sums (movmf_em_chunks.cl)
-  int chunk_count;  // chunks a texel
-  float alignment;  // C of the alignment prior, >= 0
+  int sample_capacity;           // samples of a group of texels, room for this many (movmf_em_texels.cl)
+  float settled_change_squared;  // a texel in which nothing moves by more is done; 0: run every iteration
+  int chunk_rows;                // rows a chunk sums (movmf_em_chunks.cl, movmf_condense.cl)
+  int chunk_count;               // chunks a texel
+  float alignment;               // C of the alignment prior, >= 0
   float kappa_cap;  // cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
   float kappa_cap_slope;
   float total_weight_inverse;  // 1 / (finest texels that a texel covers)

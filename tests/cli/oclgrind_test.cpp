@@ -72,14 +72,17 @@ std::set<std::string> all_kernels() {
 }
 
 TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
-  write_maps("odd", 35, 31);   // its coarsest texel is fitted in chunks; texels cover fractions
+  write_maps("odd", 35, 31);   // its coarsest texel is condensed, or fitted in chunks; texels cover fractions
   write_maps("even", 64, 32);  // the same with whole texels
   write_maps("tiny", 7, 6);
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--lobes", "3", "--no-measure",
         "--no-rehearsal"});
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2",
-        "--scalar", "--no-rehearsal"});
+        "--scalar", "--no-rehearsal", "--coarse-normals", "all"});
+  bake({path("odd.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2", "--scalar", "--no-rehearsal"});
   bake({path("even.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2", "--no-rehearsal"});
+  bake({path("even.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2", "--no-rehearsal", "--coarse-normals",
+        "all"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "2"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "1", "--lobes", "8", "--albedo",
         path("tiny_albedo.png"), "--scalar", "--no-rehearsal"});

@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <numeric>
 
 #include <glm/geometric.hpp>
 
 #include "host/asset/movmf_mipmap.h"
-#include "host/bake/mip_schedule.h"
+#include "host/bake/movmf_em_step.h"
 
 namespace multum::testing {
 namespace {
-
-constexpr float kPoison = -12345.0f;
 
 template <typename Value>
 DeviceBuffer upload(Device& device, const std::vector<Value>& values) {
@@ -22,22 +20,36 @@ DeviceBuffer upload(Device& device, const std::vector<Value>& values) {
   return buffer;
 }
 
-DeviceBuffer upload_plane(Device& device, std::vector<float> plane) {
-  plane.resize(plane.size() + MULTUM_GROUP, 0.0f);
-  return upload(device, plane);
-}
-
-LevelSchedule level_schedule(const NormalMap& map, const LevelFit& how, bool* weighted) {
+MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
   MovmfSettings settings;
-  settings.iteration_count = settings.iteration_count_top = how.iterations;
+  settings.lobe_count = lobe_count;
+  settings.iteration_count = settings.iteration_count_coarse = settings.iteration_count_top = how.iterations;
+  settings.settled_change = how.settled_change;
   settings.alignment = how.alignment;
   settings.kappa_cap = how.kappa_cap;
   settings.kappa_cap_slope = how.kappa_cap_slope;
-  const MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
-  *weighted = schedule.weighted;
-  for (const LevelSchedule& level : schedule.levels)
-    if (level.level == how.level) return level;
-  std::abort();
+  settings.force_scalar = how.scalar;
+  return settings;
+}
+
+// The level alone, with all its texels in one step.
+MipSchedule one_step_schedule(const NormalMap& map, const MovmfSettings& settings, const LevelFit& how) {
+  MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
+  std::erase_if(schedule.levels, [&](const LevelSchedule& level) { return level.level != how.level; });
+  LevelSchedule& level = schedule.levels.at(0);
+  MultumMovmfFit& fit = level.fit;
+  fit.parent_width = mip_level_size(map.width, how.level + 1);
+  fit.parent_height = mip_level_size(map.height, how.level + 1);
+  level.method = how.method;
+  if (how.method == FitMethod::kCondensed) {
+    fit.sample_capacity = MULTUM_CELL_COUNT;
+    set_chunks(fit, how.samples_per_condensed_chunk, fit.sample_columns);
+  }
+  level.steps = {{0, fit.width * fit.height}};
+  level.texel_list.resize(static_cast<std::size_t>(fit.width * fit.height));
+  std::iota(level.texel_list.begin(), level.texel_list.end(), 0);
+  while (level.texel_list.size() % MULTUM_GROUP != 0) level.texel_list.push_back(-1);
+  return schedule;
 }
 
 glm::dvec3 direction_of(const MultumVmfLobe& lobe) {
@@ -56,54 +68,17 @@ Device& test_device() {
 std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                             int lobe_count, const LevelFit& how) {
   Device& device = test_device();
-  bool weighted = false;
-  const LevelSchedule level = level_schedule(map, how, &weighted);
-  MultumMovmfFit fit = level.fit;
-  fit.parent_width = mip_level_size(map.width, how.level + 1);
-  fit.parent_height = mip_level_size(map.height, how.level + 1);
-  const int texels = fit.width * fit.height;
-  // One launch of every texel: neighbours of lower colour rank would be read as done, so the prior sees only zeros
-  // there.
-  std::vector<int> list(static_cast<std::size_t>(texels));
-  for (int i = 0; i < texels; ++i) list[static_cast<std::size_t>(i)] = i;
-  while (list.size() % MULTUM_GROUP != 0) list.push_back(-1);
-  fit.list_offset = 0;
-  fit.slot_count = static_cast<int>(list.size());
-  const auto slots = list.size(), lobes = static_cast<std::size_t>(lobe_count);
-
-  const KernelVariant scalar{lobe_count, 1, weighted};
-  KernelVariant fast = scalar;
-  fast.vector_width = how.scalar ? 1 : 16;
-  const DeviceBuffer x = upload_plane(device, map.x), y = upload_plane(device, map.y), z = upload_plane(device, map.z);
-  const DeviceBuffer list_buffer = upload(device, list), parent_buffer = upload(device, parent);
-  std::vector<MultumVmfLobe> result(lobes * static_cast<std::size_t>(texels), MultumVmfLobe{0, 0, 0, 0});
-  DeviceBuffer level_buffer = upload(device, result);
-  const DeviceBuffer start = upload(device, std::vector<float>(slots * lobes * MULTUM_START_PLANES, kPoison));
-  device.kernel("movmf_start", "movmf_start", scalar)
-      .launch({slots * lobes}, parent_buffer, level_buffer, list_buffer, start, fit, 0.5f, 0.02f);
-  // Now poison what must be written.
-  for (MultumVmfLobe& lobe : result) lobe = {kPoison, kPoison, kPoison, kPoison};
-  device.write(level_buffer, result.data(), result.size() * sizeof(MultumVmfLobe));
-  if (how.force_chunked || level.chunked) {
-    const std::size_t chunks = slots * static_cast<std::size_t>(fit.chunk_count);
-    const DeviceBuffer partial = upload(device, std::vector<float>(chunks * lobes * 5, kPoison));
-    Kernel em = device.kernel("movmf_em_chunks", "movmf_em_partial", fast);
-    Kernel mstep = device.kernel("movmf_em_mstep", "movmf_em_mstep", scalar);
-    for (int i = 0; i < fit.iteration_count; ++i) {
-      em.launch(how.scalar ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1}, x, y,
-                z, start, list_buffer, partial, fit);
-      mstep.launch({slots * lobes}, partial, start, list_buffer, level_buffer, fit, i);
-    }
-  } else {
-    const std::size_t planes = weighted ? 4 : 3;
-    const auto samples = static_cast<std::size_t>(fit.sample_columns) * static_cast<std::size_t>(fit.sample_rows);
-    const DeviceBuffer packed = upload(device, std::vector<float>(slots * samples * planes, kPoison));
-    device.kernel("movmf_start", "movmf_pack", scalar)
-        .launch({slots / MULTUM_GROUP * static_cast<std::size_t>(fit.sample_rows)}, x, y, z, list_buffer, packed, fit);
-    device.kernel("movmf_em_texels", "movmf_em_texels", fast)
-        .launch({how.scalar ? slots : slots / MULTUM_GROUP}, packed, start, list_buffer, level_buffer, fit);
-  }
-  device.read(level_buffer, result.data(), result.size() * sizeof(MultumVmfLobe));
+  const MovmfSettings settings = settings_of(how, lobe_count);
+  const MipSchedule schedule = one_step_schedule(map, settings, how);
+  const LevelSchedule& level = schedule.levels[0];
+  const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(level.fit.height);
+  // Neighbours of lower colour rank are read as if they were done: the prior sees only zeros there.
+  std::vector<MultumVmfLobe> result(static_cast<std::size_t>(lobe_count) * texels, MultumVmfLobe{0, 0, 0, 0});
+  DeviceBuffer lobes = upload(device, result), no_colours;
+  MovmfEmStep em_step(device, map, nullptr, settings, schedule);
+  em_step.use_texel_list(level.texel_list);
+  em_step.run(level.method, level.fit, level.steps[0], upload(device, parent), lobes, no_colours, nullptr);
+  device.read(lobes, result.data(), result.size() * sizeof(MultumVmfLobe));
   return result;
 }
 

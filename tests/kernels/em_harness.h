@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "host/bake/mip_schedule.h"
 #include "host/image/normal_map.h"
 #include "host/opencl/device.h"
 #include "kernels/shared/movmf_fit.h"
@@ -19,14 +20,16 @@ struct LevelFit {
   float kappa_cap = 500.0f;
   float kappa_cap_slope = 10.0f;
   bool scalar = false;
-  bool force_chunked = false;  // run the kernels of coarse levels on any level
+  FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals a texel
+  int samples_per_condensed_chunk = kSamplesPerCondensedChunk;
+  float settled_change = 0.0f;
 };
 
 /// Deterministic test device: the CPU.
 Device& test_device();
 
-/// Fits every texel of a level in one launch (no neighbours are done, only the parent speaks), from `parent` lobes
-/// [lobe][parent texel]. Returns [lobe][texel]. Memory is filled with a poison value first.
+/// Fits every texel of a level in one step (no neighbours are done, only the parent speaks), from `parent` lobes
+/// [lobe][parent texel]. Returns [lobe][texel].
 std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                             int lobe_count, const LevelFit& how);
 

@@ -37,6 +37,7 @@ TEST(BakeSettingsTest, RefusalsNameTheSettingItsValueAndItsRange) {
   expect_refused({"--lobes is 9, expected 1 to 8"}, [](auto& s) { s.lobe_count = 9; });
   expect_refused({"--lobes is 0, expected 1 to 8"}, [](auto& s) { s.lobe_count = 0; });
   expect_refused({"--iterations is 0, expected 1 to 1000"}, [](auto& s) { s.iteration_count = 0; });
+  expect_refused({"settled is 0.2, expected 0 to 0.1"}, [](auto& s) { s.settled_change = 0.2f; });
   expect_refused({"coarsest level is 1001, expected 1 to 1000"}, [](auto& s) { s.iteration_count_top = 1001; });
   expect_refused({"--align is -1", "expected 0 to 10"}, [](auto& s) { s.alignment = -1.0f; });
   expect_refused({"--align is nan"}, [](auto& s) { s.alignment = std::nanf(""); });
@@ -53,7 +54,12 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
   EXPECT_TRUE(nlohmann::json::accept(usual));
   const std::vector<Change> changes = {[](auto& s) { s.lobe_count = 5; },
                                        [](auto& s) { s.iteration_count = 5; },
+                                       [](auto& s) { s.iteration_count_coarse = 5; },
                                        [](auto& s) { s.iteration_count_top = 5; },
+                                       [](auto& s) { s.sweep_count = 3; },
+                                       [](auto& s) { s.iteration_count_again = 5; },
+                                       [](auto& s) { s.settled_change = 0.0f; },
+                                       [](auto& s) { s.coarse_normals = CoarseNormals::kAll; },
                                        [](auto& s) { s.order = FitOrder::kScanline; },
                                        [](auto& s) { s.alignment = 0.5f; },
                                        [](auto& s) { s.aligned_start = false; },

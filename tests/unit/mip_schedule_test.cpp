@@ -114,9 +114,22 @@ TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
     EXPECT_EQ(fit.sample_columns, columns);
     EXPECT_GE(fit.chunk_rows * fit.chunk_count, fit.sample_rows);
     EXPECT_LT(fit.chunk_rows * (fit.chunk_count - 1), fit.sample_rows) << "no empty chunk";
-    EXPECT_EQ(level.chunked, fit.sample_columns * fit.sample_rows > kSamplesUnchunkedMax);
+    const bool coarse = fit.sample_columns * fit.sample_rows > kSamplesUnchunkedMax;
+    EXPECT_EQ(level.method, coarse ? FitMethod::kCondensed : FitMethod::kTexels);
+    EXPECT_EQ(fit.sample_capacity, coarse ? MULTUM_CELL_COUNT : fit.sample_columns * fit.sample_rows);
+    EXPECT_EQ(fit.settled_change_squared > 0.0f, !coarse && fit.sample_columns * fit.sample_rows >= kSamplesSettledMin);
     const double texels = static_cast<double>(fit.map_width) * fit.map_height / fit.width / fit.height;
     EXPECT_NEAR(static_cast<double>(fit.total_weight_inverse) * texels, 1.0, 1e-6);
+  }
+}
+
+TEST(MipScheduleMethodTest, AllNormalsAreSummedInChunksOnRequest) {
+  MovmfSettings settings;
+  settings.coarse_normals = CoarseNormals::kAll;
+  for (const LevelSchedule& level : make_mip_schedule(256, 128, settings).levels) {
+    const bool coarse = level.level > 5;
+    EXPECT_EQ(level.method, coarse ? FitMethod::kChunks : FitMethod::kTexels);
+    EXPECT_TRUE(!coarse || level.fit.chunk_rows * level.fit.sample_columns <= kSamplesPerChunk);
   }
 }
 

@@ -22,10 +22,10 @@ namespace {
 constexpr AccuracyPoint kPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY,
                                      AccuracyPoint::kBetween};
 
-// Errors in %, looked up by level, point and BRDF.
+// What a bake reached and took: errors in %, looked up by level, point and BRDF.
 class Errors {
  public:
-  explicit Errors(const std::vector<AccuracyRow>& rows) {
+  Errors(const std::vector<AccuracyRow>& rows, double fit_seconds) : fit_seconds_(fit_seconds) {
     for (const AccuracyRow& row : rows) values_[{row.level, static_cast<int>(row.point), row.brdf}] = row.error * 100.0;
   }
   std::optional<double> at(int level, AccuracyPoint point, const std::string& brdf) const {
@@ -36,6 +36,7 @@ class Errors {
     const auto value = at(level, point, brdf);
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
+  double fit_seconds() const { return fit_seconds_; }
   // "10.3 / 6.8 / 6.6" at levels 3, 5, 7.
   std::string three_levels(AccuracyPoint point, const std::string& brdf) const {
     std::string text;
@@ -47,6 +48,7 @@ class Errors {
   }
 
  private:
+  double fit_seconds_;
   std::map<std::tuple<int, int, std::string>, double> values_;
 };
 
@@ -65,7 +67,9 @@ Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, co
   accuracy.samples_per_level = 0;
   accuracy.threads = threads;
   accuracy.albedo = albedo;
-  return Errors(measure_accuracy(device, mipmap, map, accuracy, nullptr));
+  double fit_seconds = report.start_seconds;
+  for (const LevelReport& level : report.levels) fit_seconds += level.seconds;
+  return Errors(measure_accuracy(device, mipmap, map, accuracy, nullptr), fit_seconds);
 }
 
 MovmfSettings with_lobes(int lobes) {
@@ -95,12 +99,12 @@ std::string summary_line(const std::string& name, const Errors& errors) {
   for (AccuracyPoint point : kPoints) text += " " + errors.three_levels(point, "blinn-phong:100") + " |";
   for (const char* brdf : {"blinn-phong:20", "blinn-phong:500", "lambert"})
     text += " " + errors.three_levels(AccuracyPoint::kCentre, brdf) + " |";
-  return text + "\n";
+  return text + fmt::format(" {:.2f} |\n", errors.fit_seconds());
 }
 
 constexpr char kSummaryHead[] =
-    "| | s = 100, centres | midway in x | midway in y | between l and l+1 | s = 20 | s = 500 | Lambert |\n"
-    "|---|---|---|---|---|---|---|---|\n";
+    "| | s = 100, centres | midway in x | midway in y | between l and l+1 | s = 20 | s = 500 | Lambert | fit, s |\n"
+    "|---|---|---|---|---|---|---|---|---|\n";
 
 std::vector<Variant> compared_variants() {
   std::vector<Variant> variants;
@@ -123,6 +127,14 @@ std::vector<Variant> compared_variants() {
   Variant scanline{"4 lobes, scan-line order (the paper's)", with_lobes(4)};
   scanline.settings.order = FitOrder::kScanline;
   variants.push_back(scanline);
+  Variant all_normals{"4 lobes, all normals at every level", with_lobes(4)};
+  all_normals.settings.coarse_normals = CoarseNormals::kAll;
+  variants.push_back(all_normals);
+  Variant patient{"4 lobes, all normals, 60 iterations, none spared", with_lobes(4)};
+  patient.settings.coarse_normals = CoarseNormals::kAll;
+  patient.settings.iteration_count = patient.settings.iteration_count_coarse = 60;
+  patient.settings.settled_change = 0.0f;
+  variants.push_back(patient);
   Variant half{"4 lobes, stored as half", with_lobes(4), StorageEncoding::kHalf};
   variants.push_back(half);
   Variant whole{"4 lobes, stored as float", with_lobes(4), StorageEncoding::kFloat};
@@ -157,7 +169,9 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
       colours += " " + errors.three_levels(AccuracyPoint::kCentre, brdf) + " |";
     colours += "\n";
   }
-  return "## The four-quarter map\n\nLevels 3 / 5 / 7, all texels, white:\n\n" + summary +
+  return "## The four-quarter map\n\nLevels 3 / 5 / 7, all texels, white; the time is that of one fit on this machine, "
+         "start included:\n\n" +
+         summary +
          fmt::format(
              "\nThe same with another seed of the noise quarter: how far the figures are a matter of luck. Level "
              "7 is only {0} x {0} texels.\n\n",

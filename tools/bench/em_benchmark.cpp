@@ -50,6 +50,7 @@ class LevelBench {
     slots_ = list.size();
     fit_.slot_count = static_cast<int>(slots_);
     fit_.iteration_count = options.iterations;
+    fit_.settled_change_squared = 0.0f;  // both programs run every iteration
     for (const std::vector<float>* plane : {&map.x, &map.y, &map.z}) {
       planes_.push_back(*plane);
       planes_.back().resize(plane->size() + MULTUM_GROUP, 0.0f);
@@ -74,15 +75,16 @@ class LevelBench {
     device.kernel("movmf_start", "movmf_start", scalar)
         .launch({slots_ * lobes_}, parent_buffer, result_buffer_, list_buffer_, start_buffer_, fit_, 0.5f, 0.02f);
     device.read(start_buffer_, start_.data(), start_.size() * sizeof(float));
-    if (level.chunked) {
+    if (level.method == FitMethod::kChunks) {
       partial_buffer_ =
           device.make_buffer(texels * static_cast<std::size_t>(fit_.chunk_count) * lobes_ * 5 * sizeof(float), "sums");
     } else {
       samples_.resize(slots_ * static_cast<std::size_t>(fit_.sample_columns * fit_.sample_rows) * 3);
+      sample_count_buffer_ = device.make_buffer(slots_ / MULTUM_GROUP * sizeof(int), "sample counts");
       sample_buffer_ = device.make_buffer(samples_.size() * sizeof(float), "samples");
       device.kernel("movmf_start", "movmf_pack", scalar)
           .launch({slots_ / MULTUM_GROUP * static_cast<std::size_t>(fit_.sample_rows)}, plane_buffers_[0],
-                  plane_buffers_[1], plane_buffers_[2], list_buffer_, sample_buffer_, fit_);
+                  plane_buffers_[1], plane_buffers_[2], list_buffer_, sample_buffer_, sample_count_buffer_, fit_);
       device.read(sample_buffer_, samples_.data(), samples_.size() * sizeof(float));
     }
   }
@@ -92,7 +94,7 @@ class LevelBench {
     device_.finish();
     return milliseconds_of([&] {
       const auto texels = static_cast<std::size_t>(fit_.width * fit_.height);
-      if (level_.chunked) {
+      if (level_.method == FitMethod::kChunks) {
         const std::size_t chunks = texels * static_cast<std::size_t>(fit_.chunk_count);
         for (int i = 0; i < fit_.iteration_count; ++i) {
           partial_kernel_.launch(
@@ -103,8 +105,8 @@ class LevelBench {
                                i);
         }
       } else {
-        texels_kernel_.launch({slots_ / static_cast<std::size_t>(width_)}, sample_buffer_, start_buffer_, list_buffer_,
-                              result_buffer_, fit_);
+        texels_kernel_.launch({slots_ / static_cast<std::size_t>(width_)}, sample_buffer_, sample_count_buffer_,
+                              start_buffer_, list_buffer_, result_buffer_, fit_);
       }
       device_.finish();
     });
@@ -115,7 +117,7 @@ class LevelBench {
                      fit_.iteration_count,
                      static_cast<int>(slots_ / MULTUM_GROUP),
                      fit_.sample_columns * fit_.sample_rows,
-                     level_.chunked ? nullptr : samples_.data(),
+                     level_.method == FitMethod::kChunks ? nullptr : samples_.data(),
                      start_.data(),
                      fit_.kappa_cap,
                      fit_.kappa_cap_slope};
@@ -159,7 +161,7 @@ class LevelBench {
   std::vector<float> samples_, start_, yardstick_result_;
   std::vector<MultumVmfLobe> result_;
   std::vector<DeviceBuffer> plane_buffers_;
-  DeviceBuffer list_buffer_, start_buffer_, sample_buffer_, partial_buffer_, result_buffer_;
+  DeviceBuffer list_buffer_, start_buffer_, sample_buffer_, sample_count_buffer_, partial_buffer_, result_buffer_;
   Kernel texels_kernel_, partial_kernel_, mstep_kernel_;
 };
 
@@ -195,6 +197,7 @@ int run_em_benchmark(const EmBenchmarkOptions& options) {
   const NormalMap map = make_four_quarter_map(options.size, 7).normals;
   MovmfSettings settings;
   settings.lobe_count = options.lobes;
+  settings.coarse_normals = CoarseNormals::kAll;  // the yardstick knows no other way
   const MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
   std::printf(
       "EM of %d x %d, %d lobes, %d iterations, all levels; kernels on %s, yardstick in C++ on %d threads of %s\n",
