@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The normals of a coarse texel, condensed: sorted into the cells of a grid over directions, each cell a sample of EM
 // with the number of its normals as weight and their mean vector as normal. Cells are so much smaller than lobes that
-// EM does the same with at most 1024 of them as with all normals, and first moments stay exact. docs/ALGORITHMS.md,
+// EM does the same with at most 961 of them as with all normals, and first moments stay exact. docs/ALGORITHMS.md,
 // "Condensed normals".
 //
 // Directions lie at p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to cells, by
@@ -110,7 +110,8 @@ static int cell_along(float p, __global const float* axis) {
 // chunk_count * slot_count.
 //   normal_x, normal_y, normal_z  choose the cell
 //   value_x, value_y, value_z     what is summed: the normals again, or colours
-//   cells [slot][chunk][cell][4]  written: sums of the three values, number of normals
+//   cells [slot][chunk][cell][MULTUM_CELL_FLOATS]  written
+// Compensated: thousands of near-equal normals would round away what they differ by.
 // Bound by the latency of scattered adds.
 __kernel void movmf_condense_cells(__global const float* normal_x, __global const float* normal_y,
                                    __global const float* normal_z, __global const float* value_x,
@@ -126,8 +127,8 @@ __kernel void movmf_condense_cells(__global const float* normal_x, __global cons
   const Covered covered = covered_by(x, y, &fit);
   const int first_row = covered.first_row + chunk * fit.chunk_rows;
   const int last_row = min(first_row + fit.chunk_rows, covered.last_row);
-  __global float* out = cells + (size_t)item * MULTUM_CELL_COUNT * 4;
-  for (int i = 0; i < MULTUM_CELL_COUNT * 4; ++i) out[i] = 0.0f;
+  __global float* out = cells + (size_t)item * MULTUM_CELL_COUNT * MULTUM_CELL_FLOATS;
+  for (int i = 0; i < MULTUM_CELL_COUNT * MULTUM_CELL_FLOATS; ++i) out[i] = 0.0f;
   __global const float* axis_x = axes + (size_t)slot * 2 * MULTUM_AXIS_FLOATS;
   __global const float* axis_y = axis_x + MULTUM_AXIS_FLOATS;
   for (int row = first_row; row < last_row; ++row) {
@@ -135,13 +136,14 @@ __kernel void movmf_condense_cells(__global const float* normal_x, __global cons
       const size_t source = (size_t)row * fit.map_width + column;
       const float2 p = equal_area(normal_x[source], normal_y[source], normal_z[source]);
       const int cell = cell_along(p.y, axis_y) * MULTUM_CELL_SIDE + cell_along(p.x, axis_x);
-      const float4 value = (float4)(value_x[source], value_y[source], value_z[source], 1.0f);
+      float4 value = (float4)(value_x[source], value_y[source], value_z[source], 1.0f);
 #if MULTUM_WEIGHTED
-      const float weight = coverage(row, y, fit.map_height, fit.height) * coverage(column, x, fit.map_width, fit.width);
-      vstore4(vload4(cell, out) + value * weight, cell, out);
-#else
-      vstore4(vload4(cell, out) + value, cell, out);
+      value *= coverage(row, y, fit.map_height, fit.height) * coverage(column, x, fit.map_width, fit.width);
 #endif
+      const float4 old = vload4(2 * cell, out), corrected = value - vload4(2 * cell + 1, out);
+      const float4 sum = old + corrected;
+      vstore4(sum, 2 * cell, out);
+      vstore4((sum - old) - corrected, 2 * cell + 1, out);
     }
   }
 }
@@ -162,17 +164,20 @@ __kernel void movmf_condense_pack(__global const float* cells, __global const in
     const int slot = group * MULTUM_GROUP + lane;
     used[lane] = 0;
     if (texel_list[fit.list_offset + slot] < 0) continue;
-    __global const float* in = cells + (size_t)slot * fit.chunk_count * MULTUM_CELL_COUNT * 4;
+    __global const float* in = cells + (size_t)slot * fit.chunk_count * MULTUM_CELL_COUNT * MULTUM_CELL_FLOATS;
     for (int cell = 0; cell < MULTUM_CELL_COUNT; ++cell) {
       float sum[4] = {0.0f, 0.0f, 0.0f, 0.0f}, carry[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-      for (int chunk = 0; chunk < fit.chunk_count; ++chunk)
-        for (int k = 0; k < 4; ++k)
-          add_compensated(&sum[k], &carry[k], in[((size_t)chunk * MULTUM_CELL_COUNT + cell) * 4 + k]);
+      for (int chunk = 0; chunk < fit.chunk_count; ++chunk) {
+        __global const float* part = in + ((size_t)chunk * MULTUM_CELL_COUNT + cell) * MULTUM_CELL_FLOATS;
+        for (int k = 0; k < 4; ++k) {
+          add_compensated(&sum[k], &carry[k], part[k]);
+          add_compensated(&sum[k], &carry[k], -part[4 + k]);
+        }
+      }
       const float weight = sum[3] + carry[3];
       if (!(weight > 0.0f)) continue;
       __global float* sample = out + (size_t)used[lane] * 4 * MULTUM_GROUP + lane;
-      const float inverse = 1.0f / weight;
-      for (int k = 0; k < 3; ++k) sample[k * MULTUM_GROUP] = (sum[k] + carry[k]) * inverse;
+      for (int k = 0; k < 3; ++k) sample[k * MULTUM_GROUP] = (sum[k] + carry[k]) / weight;
       sample[3 * MULTUM_GROUP] = weight;
       ++used[lane];
     }

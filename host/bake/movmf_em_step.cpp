@@ -9,8 +9,8 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kPartialSums = 5;  // of movmf_em_chunks.cl
-constexpr std::size_t kCellFloats = 4;   // of movmf_condense.cl: three values and a weight
+constexpr std::size_t kPartialSums = 5;      // of movmf_em_chunks.cl
+constexpr std::size_t kCondensedPlanes = 4;  // of movmf_condense.cl: three values and a weight
 
 std::size_t product(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
 
@@ -86,8 +86,8 @@ void MovmfEmStep::make_buffers() {
       const std::size_t group_samples = groups * MULTUM_GROUP * static_cast<std::size_t>(level.fit.sample_capacity);
       const std::size_t chunks = product(step.texel_count, level.fit.chunk_count);
       if (level.method == FitMethod::kCondensed) {
-        condensed = std::max(condensed, group_samples * kCellFloats);
-        cells = std::max(cells, chunks * MULTUM_CELL_COUNT * kCellFloats);
+        condensed = std::max(condensed, group_samples * kCondensedPlanes);
+        cells = std::max(cells, chunks * MULTUM_CELL_COUNT * MULTUM_CELL_FLOATS);
         axes = std::max(axes, groups * MULTUM_GROUP * 2 * MULTUM_AXIS_FLOATS);
       } else {
         samples = std::max(samples, group_samples * sample_planes);  // none of them in chunks

@@ -20,10 +20,13 @@
 #define MULTUM_START_PLANES 9
 
 // The grid of a condensed texel (movmf_condense.cl): cells along a side, bins of an axis, floats that describe an axis.
-#define MULTUM_CELL_SIDE 32
+// Odd, so that the flat normals of a map that tilts both ways alike lie in the middle of a cell and not on an edge.
+#define MULTUM_CELL_SIDE 31
 #define MULTUM_CELL_COUNT (MULTUM_CELL_SIDE * MULTUM_CELL_SIDE)
-#define MULTUM_AXIS_BINS 64
+#define MULTUM_AXIS_BINS 63
 #define MULTUM_AXIS_FLOATS (MULTUM_AXIS_BINS + 3)
+#define MULTUM_CELL_FLOATS 8  // sums of three values and of weights, and what rounding added to each
+#define MULTUM_CELL_FLOATS 8  // sums of three values and of weights, and what rounding took from each
 
 typedef struct MultumMovmfFit {
   int map_width;  // finest level, texels, at most 32768 a side

@@ -91,17 +91,21 @@ TEST(BakeRotationTest, RotatedNormalsGiveRotatedLobes) {
     turned.x[i] = -map.y[i];
     turned.y[i] = map.x[i];
   }
-  const MovmfMipmap straight = bake(map, {}), rotated = bake(turned, {});
-  double error = 0.0;
-  std::size_t count = 0;
-  for (std::size_t l = 0; l < straight.levels.size(); ++l)
+  // Candidates for the start of nearly the same worth may change places when rounding does: none are rehearsed here.
+  MovmfSettings settings;
+  settings.rehearse_start = false;
+  const MovmfMipmap straight = bake(map, settings), rotated = bake(turned, settings);
+  for (std::size_t l = 0; l < straight.levels.size(); ++l) {
+    double error = 0.0;
+    std::size_t count = 0;
     for (std::size_t j = 0; j < straight.levels[l].lobes.size(); ++j)
       for (std::size_t i = 0; i < straight.levels[l].lobes[j].size(); ++i, ++count) {
         const glm::vec4 s = straight.levels[l].lobes[j][i], r = rotated.levels[l].lobes[j][i];
         error += static_cast<double>(glm::length(r - glm::vec4(-s.y, s.x, s.z, s.w)));
       }
-  // On average; a texel where two lobes compete evenly may fall either way.
-  EXPECT_LT(error / static_cast<double>(count), 2e-3);
+    // On average. Where a texel has no more normals than lobes, two lobes may compete evenly and fall either way.
+    EXPECT_LT(error / static_cast<double>(count), l < 2 ? 1e-2 : 1e-4) << "level " << l;
+  }
 }
 
 // How unlike the lobes of neighbouring columns are, over all rows: sum over lobes of |a mu| differences.
