@@ -23,6 +23,14 @@ def check_spread(spread):
     assert 0 < low <= spread["median"] <= high, spread
 
 
+def check_costs(costs, cores):
+    for key in ("wall_s", "cpu_s", "peak_mib", "output_mb"):
+        check_spread(costs[key])
+    # Far apart on purpose: libraries and sanitizers decide, not maps of these sizes.
+    assert 1 < costs["peak_mib"]["median"] < 4096, costs
+    assert costs["cpu_s"]["median"] <= costs["wall_s"]["median"] * cores + 0.1, costs
+
+
 def check_em(text):
     result = parse_result(text, "em")
     levels = [row["level"] for row in result["levels"]]
@@ -32,6 +40,31 @@ def check_em(text):
     for row in result["levels"]:
         check_spread({"median": row["ratio"], "quartiles": row["ratio_quartiles"]})
         assert row["mean_difference"] < 2e-3, f"kernels and yardstick did different work: {row}"
+
+
+def check_bake(text):
+    result = parse_result(text, "bake")
+    assert (result["size"], result["lobes"], result["repetitions"]) == (32, 2, 2)
+    ours, theirs = result["programs"]
+    assert ours["name"] == "multum bake" and theirs["name"] == "maketx" and theirs["version"]
+    assert ours["command"] == ("multum bake map_normal.png -o map.ndf.exr --green up --lobes 2 --quiet --no-measure "
+                               "--iterations 2"), ours["command"]
+    assert theirs["command"].startswith("maketx --bumpslopes "), theirs["command"]
+    for program in result["programs"]:
+        check_costs(program, result["cores"])
+    for key in ("wall", "cpu", "peak", "output"):
+        check_spread(result["ratio"][key])
+
+
+def check_scale(text):
+    result = parse_result(text, "scale")
+    assert [row["size"] for row in result["sizes"]] == [16, 32, 64]
+    hashes = set()
+    for row in result["sizes"]:
+        check_costs(row, result["cores"])
+        assert abs(row["ns_per_texel"] * row["size"] ** 2 / 1e9 / row["wall_s"]["median"] - 1) < 1e-9, row
+        hashes.add(row["content_hash"])
+    assert len(hashes) == 3, "maps of different sizes gave the same pixels"
 
 
 def check_accuracy(text):
@@ -45,5 +78,5 @@ def check_accuracy(text):
 
 
 if __name__ == "__main__":
-    checks = {"em": check_em, "accuracy": check_accuracy}
+    checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "accuracy": check_accuracy}
     checks[sys.argv[1]](open(sys.argv[2], encoding="utf-8").read())

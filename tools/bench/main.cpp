@@ -10,16 +10,20 @@
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
 #include "tools/bench/accuracy_document.h"
+#include "tools/bench/bake_benchmark.h"
 #include "tools/bench/build_info.h"
 #include "tools/bench/command_text.h"
 #include "tools/bench/em_benchmark.h"
 #include "tools/bench/result_file.h"
+#include "tools/bench/scale_benchmark.h"
 #include "tools/command_line/usage_error.h"
 
 namespace multum::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
 
 // PoCL takes its thread count from the environment when the first platform is looked for.
 void set_device_threads(int threads) { setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1); }
@@ -42,6 +46,24 @@ struct Benchmark {
   std::function<Json(Progress*)> run;
 };
 
+CLI::Option* add_side(CLI::App& command, const std::string& option, int& side, const std::string& help) {
+  const auto refuse_odd = [](const std::string& text) {
+    const bool odd = !text.empty() && std::string("13579").find(text.back()) != std::string::npos;
+    return odd ? text + " is odd, expected an even number" : std::string();
+  };
+  const CLI::Validator even(refuse_odd, "even");
+  return command.add_option(option, side, help)->check(CLI::Range(kSizeMin, kSizeMax) & even)->capture_default_str();
+}
+
+template <typename Options>
+void add_bake_options(CLI::App& command, Options& options) {
+  command.add_option("--lobes", options.lobes, "lobes a texel")->check(CLI::Range(1, 8))->capture_default_str();
+  command.add_option("--threads", options.threads, "threads to use (default: all cores)")->check(CLI::Range(1, 1024));
+  command
+      .add_option("--folder", options.folder, "where maps and results go for the time being (default: $TMPDIR, /tmp)")
+      ->check(CLI::ExistingDirectory);
+}
+
 template <typename Options>
 void add_repetitions(CLI::App& command, Options& options, const std::string& help) {
   command.add_option("--repetitions", options.repetitions, help)->check(CLI::Range(1, 1000))->capture_default_str();
@@ -60,6 +82,27 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
             set_device_threads(em.threads);
             return run_em_benchmark(em, progress);
           }};
+}
+
+Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
+  CLI::App* command = app.add_subcommand(
+      "bake", "multum bake against maketx --bumpslopes, whole programs: time, processor time, memory");
+  add_side(*command, "--size", bake.size, "side of the map; making it takes about 40 bytes of memory a texel");
+  add_bake_options(*command, bake);
+  add_repetitions(*command, bake, "pairs of runs");
+  command->add_option("options", bake.bake_options, "behind --: more options of multum bake");
+  return {command, "", [&bake](Progress* progress) { return run_bake_benchmark(bake, progress); }};
+}
+
+Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
+  CLI::App* command = app.add_subcommand("scale", "multum bake of maps that double in size, a process each");
+  add_side(*command, "--size-min", scale.size_min, "side of the first map");
+  add_side(*command, "--size-max", scale.size_max,
+           "sides double up to this; making a map takes about 40 bytes of memory a texel");
+  add_bake_options(*command, scale);
+  add_repetitions(*command, scale, "runs a size");
+  command->add_option("options", scale.bake_options, "behind --: more options of multum bake");
+  return {command, "", [&scale](Progress* progress) { return run_scale_benchmark(scale, progress); }};
 }
 
 CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
@@ -92,7 +135,9 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message(usage_error);
   EmBenchmarkOptions em;
-  std::vector<Benchmark> benchmarks = {add_em(app, em)};
+  BakeBenchmarkOptions bake;
+  ScaleBenchmarkOptions scale;
+  std::vector<Benchmark> benchmarks = {add_em(app, em), add_bake(app, bake), add_scale(app, scale)};
   for (Benchmark& benchmark : benchmarks)
     benchmark.command->add_option("--json", benchmark.json, "write the result here too");
   AccuracyDocumentOptions accuracy;

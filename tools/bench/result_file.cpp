@@ -6,16 +6,19 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "tools/bench/bake_benchmark.h"
 #include "tools/bench/build_info.h"
 #include "tools/bench/em_benchmark.h"
 #include "tools/bench/machine.h"
+#include "tools/bench/scale_benchmark.h"
 
 namespace multum::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::pair<const char*, ResultView (*)(const Json&)> kViews[] = {{"em", view_em}};
+constexpr std::pair<const char*, ResultView (*)(const Json&)> kViews[] = {
+    {"em", view_em}, {"bake", view_bake}, {"scale", view_scale}};
 
 }  // namespace
 
