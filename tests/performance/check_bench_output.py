@@ -5,6 +5,9 @@ import json
 import re
 import sys
 
+ENCODINGS = ("snorm16", "half", "float")
+COMPRESSIONS = ("none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz")
+
 
 def parse_result(text, benchmark):
     """The result, its first part checked: what was run on what."""
@@ -67,6 +70,19 @@ def check_scale(text):
     assert len(hashes) == 3, "maps of different sizes gave the same pixels"
 
 
+def check_load(text):
+    result = parse_result(text, "load")
+    files = {(row["encoding"], row["compression"]): row for row in result["files"]}
+    assert list(files) == [(e, c) for e in ENCODINGS for c in COMPRESSIONS], list(files)
+    texels = sum((32 >> level) ** 2 for level in range(6))
+    for (encoding, compression), row in files.items():
+        assert row["texture_bytes"] == texels * result["lobes"] * 4 * (4 if encoding == "float" else 2), row
+        for key in ("write_s", "read_s", "read_threaded_s", "upload_s"):
+            check_spread(row[key])
+        assert 0 < row["file_bytes"] <= files[encoding, "none"]["file_bytes"], row
+    assert files["half", "none"]["file_bytes"] < files["float", "none"]["file_bytes"]
+
+
 def check_accuracy(text):
     # The first figure of a summary line is s = 100 at the centres of level 3.
     error = {name: float(value) for name, value in re.findall(r"^\| ([^|]+) \| ([0-9.]+) /", text, re.MULTILINE)}
@@ -78,5 +94,5 @@ def check_accuracy(text):
 
 
 if __name__ == "__main__":
-    checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "accuracy": check_accuracy}
+    checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "load": check_load, "accuracy": check_accuracy}
     checks[sys.argv[1]](open(sys.argv[2], encoding="utf-8").read())

@@ -14,8 +14,10 @@
 #include "tools/bench/build_info.h"
 #include "tools/bench/command_text.h"
 #include "tools/bench/em_benchmark.h"
+#include "tools/bench/load_benchmark.h"
 #include "tools/bench/result_file.h"
 #include "tools/bench/scale_benchmark.h"
+#include "tools/command_line/choices.h"
 #include "tools/command_line/usage_error.h"
 
 namespace multum::bench {
@@ -24,6 +26,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
+
+const Choices<gl::ContextBackend> kContexts = {
+    {"osmesa", gl::ContextBackend::kOsmesa}, {"egl", gl::ContextBackend::kEgl}, {"auto", gl::ContextBackend::kAuto}};
 
 // PoCL takes its thread count from the environment when the first platform is looked for.
 void set_device_threads(int threads) { setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1); }
@@ -105,6 +110,16 @@ Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
   return {command, "", [&scale](Progress* progress) { return run_scale_benchmark(scale, progress); }};
 }
 
+Benchmark add_load(CLI::App& app, LoadBenchmarkOptions& load) {
+  CLI::App* command =
+      app.add_subcommand("load", "files of every encoding and compression: size, writing, reading, upload to GL");
+  add_side(*command, "--size", load.size, "side of the map");
+  add_bake_options(*command, load);
+  add_repetitions(*command, load, "of every file");
+  add_choice(*command, "--context", load.context, kContexts, "who gives the GL context");
+  return {command, "", [&load](Progress* progress) { return run_load_benchmark(load, progress); }};
+}
+
 CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
   CLI::App* command = app.add_subcommand("accuracy", "make docs/ACCURACY.md: every figure of it");
   command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
@@ -137,7 +152,9 @@ int run(int argc, char** argv) {
   EmBenchmarkOptions em;
   BakeBenchmarkOptions bake;
   ScaleBenchmarkOptions scale;
-  std::vector<Benchmark> benchmarks = {add_em(app, em), add_bake(app, bake), add_scale(app, scale)};
+  LoadBenchmarkOptions load;
+  std::vector<Benchmark> benchmarks = {add_em(app, em), add_bake(app, bake), add_scale(app, scale),
+                                       add_load(app, load)};
   for (Benchmark& benchmark : benchmarks)
     benchmark.command->add_option("--json", benchmark.json, "write the result here too");
   AccuracyDocumentOptions accuracy;
