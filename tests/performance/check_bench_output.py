@@ -83,6 +83,19 @@ def check_load(text):
     assert files["half", "none"]["file_bytes"] < files["float", "none"]["file_bytes"]
 
 
+def check_document(text):
+    sections = re.split(r"^## ", text, flags=re.MULTILINE)
+    assert len(sections) == 5, f"{len(sections) - 1} sections, expected one for each of em, bake, scale and load"
+    assert "commit " in sections[0] and " cores, " in sections[0], "the same conditions: said once, at the top"
+    assert "multum-bench document -o docs/BENCHMARKS.md --json em.json --json bake.json" in sections[0]
+    for name, section in zip(("em", "bake", "scale", "load"), sections[1:]):
+        assert section.count("\n`multum-bench ") == 1 and f"`multum-bench {name} --" in section, section
+        rows = [line for line in section.splitlines() if line.startswith("|")]
+        assert len(rows) >= 5 and len({row.count("|") for row in rows}) == 1, section
+    assert "/tmp" not in text and "nan" not in text, text
+    assert not re.search(r"\b20\d\d-\d\d", text), "a date: the same figures must give the same document"
+
+
 def check_accuracy(text):
     # The first figure of a summary line is s = 100 at the centres of level 3.
     error = {name: float(value) for name, value in re.findall(r"^\| ([^|]+) \| ([0-9.]+) /", text, re.MULTILINE)}
@@ -94,5 +107,6 @@ def check_accuracy(text):
 
 
 if __name__ == "__main__":
-    checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "load": check_load, "accuracy": check_accuracy}
+    checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "load": check_load,
+              "document": check_document, "accuracy": check_accuracy}
     checks[sys.argv[1]](open(sys.argv[2], encoding="utf-8").read())

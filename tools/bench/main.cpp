@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-bench: two programs in one run, in turns, ratios with their spread; and the tables of docs/ACCURACY.md.
+// multum-bench: two programs in one run, in turns, ratios with their spread; and the documents made of such figures.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -11,6 +11,7 @@
 #include "host/base/output_paths.h"
 #include "tools/bench/accuracy_document.h"
 #include "tools/bench/bake_benchmark.h"
+#include "tools/bench/benchmarks_document.h"
 #include "tools/bench/build_info.h"
 #include "tools/bench/command_text.h"
 #include "tools/bench/em_benchmark.h"
@@ -132,6 +133,14 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
   return command;
 }
 
+CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
+  CLI::App* command = app.add_subcommand("document", "make docs/BENCHMARKS.md of results: runs nothing");
+  command->add_option("-o,--output", document.output, "Markdown file to write")->required();
+  command->add_option("--json", document.results, "a result of em, bake, scale or load; more than one in this order")
+      ->required();
+  return command;
+}
+
 int run_benchmark(const Benchmark& benchmark, const std::string& command) {
   if (!benchmark.json.empty()) check_writable(benchmark.json);
   const auto progress = make_terminal_progress(false);  // for its Ctrl-C: files that were made go away
@@ -156,14 +165,17 @@ int run(int argc, char** argv) {
   std::vector<Benchmark> benchmarks = {add_em(app, em), add_bake(app, bake), add_scale(app, scale),
                                        add_load(app, load)};
   for (Benchmark& benchmark : benchmarks)
-    benchmark.command->add_option("--json", benchmark.json, "write the result here too");
+    benchmark.command->add_option("--json", benchmark.json, "write the result here too, for multum-bench document");
   AccuracyDocumentOptions accuracy;
+  BenchmarksDocumentOptions document;
   const CLI::App* accuracy_command = add_accuracy(app, accuracy);
+  const CLI::App* document_command = add_document(app, document);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : exit_code(ErrorCode::kUsage);
   }
+  if (document_command->parsed()) return write_benchmarks_document(document);
   for (const Benchmark& benchmark : benchmarks)
     if (benchmark.command->parsed()) return run_benchmark(benchmark, command_line(argc, argv));
   MULTUM_CHECK(accuracy_command->parsed());

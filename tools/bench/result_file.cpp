@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <utility>
 
 #include "host/base/error.h"
@@ -32,6 +33,13 @@ Json make_result(const std::string& benchmark, const std::string& command, const
   return result;
 }
 
+std::string conditions_text(const Json& result) {
+  return fmt::format("commit {}, {}; {}, {} cores, {:.0f} GiB of memory, {}", result.at("commit").get<std::string>(),
+                     result.at("compiler").get<std::string>(), result.at("processor").get<std::string>(),
+                     result.at("cores").get<int>(), result.at("memory_bytes").get<double>() / (1 << 30),
+                     result.at("system").get<std::string>());
+}
+
 ResultView view_of(const Json& result) {
   const auto name = result.at("benchmark").get<std::string>();
   std::string known;
@@ -40,6 +48,22 @@ ResultView view_of(const Json& result) {
     known += std::string(known.empty() ? "" : ", ") + benchmark;
   }
   throw Error(ErrorCode::kInput, fmt::format("found the benchmark '{}', expected one of {}", name, known));
+}
+
+Json read_result(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) throw Error(ErrorCode::kInput, path + ": cannot be read, expected a file of multum-bench --json");
+  try {
+    const Json result = Json::parse(in);
+    view_of(result);
+    conditions_text(result);
+    for (const char* key : {"command", "device", "result_hash"}) result.at(key).get<std::string>();
+    return result;
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kInput, path + ": " + error.what());
+  } catch (const Json::exception& error) {
+    throw Error(ErrorCode::kInput, path + ": " + error.what() + "; expected a file of multum-bench --json");
+  }
 }
 
 }  // namespace multum::bench
