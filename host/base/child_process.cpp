@@ -2,16 +2,28 @@
 #include "host/base/child_process.h"
 
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 
 #include "host/base/error.h"
 
 namespace multum {
+namespace {
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+// Linux counts in KiB.
+std::uint64_t peak_memory_bytes(const rusage& usage) { return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; }
+
+}  // namespace
 
 ChildResult run_child(const std::vector<std::string>& arguments) {
   MULTUM_CHECK(!arguments.empty());
@@ -28,6 +40,7 @@ ChildResult run_child(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   pid_t pid = 0;
+  const auto start = std::chrono::steady_clock::now();
   const int spawn_error = posix_spawnp(&pid, argv[0], &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   close(pipe_ends[1]);
@@ -36,7 +49,7 @@ ChildResult run_child(const std::vector<std::string>& arguments) {
     throw Error(ErrorCode::kEnvironment, arguments[0] + ": cannot be started: " + std::strerror(spawn_error));
   }
 
-  ChildResult result{-1, 0, {}};
+  ChildResult result{-1, 0, {}, {}};
   std::array<char, 4096> buffer;
   for (;;) {
     const ssize_t count = read(pipe_ends[0], buffer.data(), buffer.size());
@@ -45,11 +58,20 @@ ChildResult run_child(const std::vector<std::string>& arguments) {
   }
   close(pipe_ends[0]);
   int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  rusage usage = {};
+  while (wait4(pid, &status, 0, &usage) < 0 && errno == EINTR) {
   }
+  result.usage = {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+                  seconds(usage.ru_utime), seconds(usage.ru_stime), peak_memory_bytes(usage)};
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   return result;
+}
+
+std::uint64_t own_peak_memory_bytes() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return peak_memory_bytes(usage);
 }
 
 }  // namespace multum

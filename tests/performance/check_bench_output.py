@@ -1,21 +1,99 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks what multum-bench wrote: check_bench_output.py em FILE.json | accuracy FILE.md. Never judges a time."""
+"""Checks what multum-bench wrote: check_bench_output.py SUBCOMMAND FILE. Never judges a time."""
 import json
 import re
 import sys
 
+ENCODINGS = ("snorm16", "half", "float")
+COMPRESSIONS = ("none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz")
+
+
+def parse_result(text, benchmark):
+    """The result, its first part checked: what was run on what."""
+    result = json.loads(text)
+    assert result["benchmark"] == benchmark, result["benchmark"]
+    assert result["command"].startswith(f"multum-bench {benchmark} --") and "json" not in result["command"], result
+    for key in ("commit", "compiler", "processor", "system", "device"):
+        assert isinstance(result[key], str) and result[key], f"{key}: {result[key]}"
+    assert result["cores"] >= 1 and result["memory_bytes"] > 2**20 and result["repetitions"] >= 1
+    assert re.fullmatch("[0-9a-f]{64}", result["result_hash"]), result["result_hash"]
+    return result
+
+
+def check_spread(spread):
+    low, high = spread["quartiles"]
+    assert 0 < low <= spread["median"] <= high, spread
+
+
+def check_costs(costs, cores):
+    for key in ("wall_s", "cpu_s", "peak_mib", "output_mb"):
+        check_spread(costs[key])
+    # Far apart on purpose: libraries and sanitizers decide, not maps of these sizes.
+    assert 1 < costs["peak_mib"]["median"] < 4096, costs
+    assert costs["cpu_s"]["median"] <= costs["wall_s"]["median"] * cores + 0.1, costs
+
 
 def check_em(text):
-    result = json.loads(text)
+    result = parse_result(text, "em")
     levels = [row["level"] for row in result["levels"]]
     assert levels == list(range(levels[0], 0, -1)), f"levels {levels}: expected each from the second coarsest to 1"
     assert 2 ** (levels[0] + 1) == result["size"]
-    assert result["ratio"] > 0 and result["kernels_ms"] > 0 and result["device"] and result["processor"]
+    assert result["ratio"] > 0 and result["kernels_ms"] > 0 and result["evaluations_per_s"] > 0
     for row in result["levels"]:
-        low, high = row["ratio_quartiles"]
-        assert 0 < low <= row["ratio"] <= high, row
+        check_spread({"median": row["ratio"], "quartiles": row["ratio_quartiles"]})
         assert row["mean_difference"] < 2e-3, f"kernels and yardstick did different work: {row}"
+
+
+def check_bake(text):
+    result = parse_result(text, "bake")
+    assert (result["size"], result["lobes"], result["repetitions"]) == (32, 2, 2)
+    ours, theirs = result["programs"]
+    assert ours["name"] == "multum bake" and theirs["name"] == "maketx" and theirs["version"]
+    assert ours["command"] == ("multum bake map_normal.png -o map.ndf.exr --green up --lobes 2 --quiet --no-measure "
+                               "--iterations 2"), ours["command"]
+    assert theirs["command"].startswith("maketx --bumpslopes "), theirs["command"]
+    for program in result["programs"]:
+        check_costs(program, result["cores"])
+    for key in ("wall", "cpu", "peak", "output"):
+        check_spread(result["ratio"][key])
+
+
+def check_scale(text):
+    result = parse_result(text, "scale")
+    assert [row["size"] for row in result["sizes"]] == [16, 32, 64]
+    hashes = set()
+    for row in result["sizes"]:
+        check_costs(row, result["cores"])
+        assert abs(row["ns_per_texel"] * row["size"] ** 2 / 1e9 / row["wall_s"]["median"] - 1) < 1e-9, row
+        hashes.add(row["content_hash"])
+    assert len(hashes) == 3, "maps of different sizes gave the same pixels"
+
+
+def check_load(text):
+    result = parse_result(text, "load")
+    files = {(row["encoding"], row["compression"]): row for row in result["files"]}
+    assert list(files) == [(e, c) for e in ENCODINGS for c in COMPRESSIONS], list(files)
+    texels = sum((32 >> level) ** 2 for level in range(6))
+    for (encoding, compression), row in files.items():
+        assert row["texture_bytes"] == texels * result["lobes"] * 4 * (4 if encoding == "float" else 2), row
+        for key in ("write_s", "read_s", "read_threaded_s", "upload_s"):
+            check_spread(row[key])
+        assert 0 < row["file_bytes"] <= files[encoding, "none"]["file_bytes"], row
+    assert files["half", "none"]["file_bytes"] < files["float", "none"]["file_bytes"]
+
+
+def check_document(text):
+    sections = re.split(r"^## ", text, flags=re.MULTILINE)
+    assert len(sections) == 5, f"{len(sections) - 1} sections, expected one for each of em, bake, scale and load"
+    assert "commit " in sections[0] and " cores, " in sections[0], "the same conditions: said once, at the top"
+    assert "multum-bench document -o docs/BENCHMARKS.md --json em.json --json bake.json" in sections[0]
+    for name, section in zip(("em", "bake", "scale", "load"), sections[1:]):
+        assert section.count("\n`multum-bench ") == 1 and f"`multum-bench {name} --" in section, section
+        rows = [line for line in section.splitlines() if line.startswith("|")]
+        assert len(rows) >= 5 and len({row.count("|") for row in rows}) == 1, section
+    assert "/tmp" not in text and "nan" not in text, text
+    assert not re.search(r"\b20\d\d-\d\d", text), "a date: the same figures must give the same document"
 
 
 def check_accuracy(text):
@@ -29,4 +107,6 @@ def check_accuracy(text):
 
 
 if __name__ == "__main__":
-    {"em": check_em, "accuracy": check_accuracy}[sys.argv[1]](open(sys.argv[2], encoding="utf-8").read())
+    checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "load": check_load,
+              "document": check_document, "accuracy": check_accuracy}
+    checks[sys.argv[1]](open(sys.argv[2], encoding="utf-8").read())

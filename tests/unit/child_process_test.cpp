@@ -32,6 +32,20 @@ TEST(ChildProcessTest, ASignalIsNotAnExitCode) {
   EXPECT_EQ(result.signal, SIGSEGV);
 }
 
+TEST(ChildProcessTest, UsageIsTheChildsOwn) {
+  // dd holds one block of 200 MiB, and fills it.
+  const ChildResult busy = run_child({"dd", "if=/dev/zero", "of=/dev/null", "bs=200M", "count=1"});
+  ASSERT_EQ(busy.exit_code, 0) << busy.output;
+  EXPECT_GT(busy.usage.peak_memory_bytes, 200u << 20);
+  EXPECT_LT(busy.usage.peak_memory_bytes, (300u << 20) + own_peak_memory_bytes());
+  EXPECT_GT(busy.usage.cpu_seconds(), 0.0);
+  const ChildResult idle = run_child({"sleep", "0.2"});
+  EXPECT_GE(idle.usage.wall_seconds, 0.2);
+  EXPECT_LT(idle.usage.cpu_seconds(), 0.2);
+  EXPECT_LT(idle.usage.peak_memory_bytes, (100u << 20) + own_peak_memory_bytes())
+      << "one child's peak counts for the next";
+}
+
 TEST(ChildProcessTest, AMissingProgramIsNamed) {
   testing::expect_error(ErrorCode::kEnvironment, {"multum-no-such-program", "cannot be started", "No such file"},
                         [] { run_child({"multum-no-such-program"}); });

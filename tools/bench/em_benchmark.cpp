@@ -4,24 +4,21 @@
 #include <fmt/format.h>
 #include <omp.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "host/asset/movmf_mipmap.h"
 #include "host/bake/mip_schedule.h"
 #include "host/bake/movmf_bake.h"
-#include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
 #include "host/image/four_quarter_map.h"
 #include "host/opencl/device.h"
 #include "kernels/shared/vmf_lobe.h"
 #include "tools/bench/em_yardstick.h"
-#include "tools/bench/machine.h"
+#include "tools/bench/markdown_table.h"
+#include "tools/bench/statistics.h"
 
 namespace multum::bench {
 namespace {
@@ -30,11 +27,6 @@ double milliseconds_of(const std::function<void()>& body) {
   const auto start = std::chrono::steady_clock::now();
   body();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 // One level, ready to be fitted by either program: all texels in one launch.
@@ -165,12 +157,9 @@ class LevelBench {
   Kernel texels_kernel_, partial_kernel_, mstep_kernel_;
 };
 
-struct Row {
-  int level;
-  double kernels_ms, yardstick_ms, ratio, ratio_low, ratio_high, difference;
-};
+using Json = nlohmann::ordered_json;
 
-Row run_level(LevelBench& bench, int level, int repetitions) {
+Json run_level(LevelBench& bench, int level, int repetitions) {
   bench.time_kernels();  // compiles, fills caches
   bench.time_yardstick();
   std::vector<double> ours, theirs, ratios;
@@ -179,19 +168,24 @@ Row run_level(LevelBench& bench, int level, int repetitions) {
     theirs.push_back(bench.time_yardstick());
     ratios.push_back(ours.back() / theirs.back());
   }
-  std::sort(ratios.begin(), ratios.end());
-  return {level,
-          median(ours),
-          median(theirs),
-          median(ratios),
-          ratios[ratios.size() / 4],
-          ratios[ratios.size() * 3 / 4],
-          bench.mean_difference()};
+  const Spread ratio = spread_of(ratios);
+  return {{"level", level},
+          {"kernels_ms", spread_of(ours).median},
+          {"yardstick_ms", spread_of(theirs).median},
+          {"ratio", ratio.median},
+          {"ratio_quartiles", {ratio.low, ratio.high}},
+          {"mean_difference", bench.mean_difference()}};
+}
+
+double sum_over_levels(const Json& levels, const char* key) {
+  double sum = 0.0;
+  for (const Json& level : levels) sum += level.at(key).get<double>();
+  return sum;
 }
 
 }  // namespace
 
-int run_em_benchmark(const EmBenchmarkOptions& options) {
+Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   omp_set_num_threads(options.threads);
   Device device = Device::open("");
   const NormalMap map = make_four_quarter_map(options.size, 7).normals;
@@ -199,54 +193,66 @@ int run_em_benchmark(const EmBenchmarkOptions& options) {
   settings.lobe_count = options.lobes;
   settings.coarse_normals = CoarseNormals::kAll;  // the yardstick knows no other way
   const MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
-  std::printf(
-      "EM of %d x %d, %d lobes, %d iterations, all levels; kernels on %s, yardstick in C++ on %d threads of %s\n",
-      options.size, options.size, options.lobes, options.iterations, device.info().name.c_str(), options.threads,
-      processor_name().c_str());
-  std::printf("level  kernels ms  yardstick ms   ratio (quartiles)      mean difference\n");
   std::vector<MultumVmfLobe> parent(static_cast<std::size_t>(options.lobes));
   for (int j = 0; j < options.lobes; ++j) {
     const float phi = 6.2831853f * static_cast<float>(j) / static_cast<float>(options.lobes);
     parent[static_cast<std::size_t>(j)] = {0.4f * std::cos(phi), 0.4f * std::sin(phi), 0.7f,
                                            1.0f / static_cast<float>(options.lobes)};
   }
-  std::vector<Row> rows;
+  Json levels = Json::array();
   ContentHash hash;
   for (const LevelSchedule& level : schedule.levels) {
     if (level.fit.parent_width == 0) continue;  // the coarsest has no parent: its start is another program
+    progress_advance(progress, 0);              // a chance to cancel
     // Each level starts from the level above it as the kernels fitted it.
     LevelBench bench(device, map, level, parent, options);
-    rows.push_back(run_level(bench, level.level, options.repetitions));
+    levels.push_back(run_level(bench, level.level, options.repetitions));
     parent = bench.kernel_result();
     hash.update(parent.data(), parent.size() * sizeof(MultumVmfLobe));
-    const Row& r = rows.back();
-    std::printf("%5d  %10.3f  %12.3f   %5.2f (%.2f .. %.2f)    %.1e\n", r.level, r.kernels_ms, r.yardstick_ms, r.ratio,
-                r.ratio_low, r.ratio_high, r.difference);
+    fmt::print(stderr, "level {}: ratio {}\n", level.level, rounded_text(levels.back()["ratio"].get<double>()));
   }
-  double ours = 0.0, theirs = 0.0;
-  for (const Row& row : rows) {
-    ours += row.kernels_ms;
-    theirs += row.yardstick_ms;
-  }
+  const double ours = sum_over_levels(levels, "kernels_ms"), theirs = sum_over_levels(levels, "yardstick_ms");
   const double evaluations = static_cast<double>(options.size) * options.size * options.lobes * options.iterations *
-                             static_cast<double>(rows.size());
-  std::printf("  all  %10.3f  %12.3f   %5.2f of medians   %.2f G lobe evaluations/s; result hash %s\n", ours, theirs,
-              ours / theirs, evaluations / ours / 1e6, hash.finish().substr(0, 16).c_str());
-  if (!options.json.empty()) {
-    nlohmann::ordered_json json = {
-        {"size", options.size},         {"lobes", options.lobes},        {"iterations", options.iterations},
-        {"device", device.info().name}, {"processor", processor_name()}, {"kernels_ms", ours},
-        {"yardstick_ms", theirs},       {"ratio", ours / theirs}};
-    for (const Row& r : rows)
-      json["levels"].push_back({{"level", r.level},
-                                {"kernels_ms", r.kernels_ms},
-                                {"yardstick_ms", r.yardstick_ms},
-                                {"ratio", r.ratio},
-                                {"ratio_quartiles", {r.ratio_low, r.ratio_high}},
-                                {"mean_difference", r.difference}});
-    write_text_file(options.json, json.dump(2) + "\n");
+                             static_cast<double>(levels.size());
+  return {{"device", device.info().name},
+          {"size", options.size},
+          {"lobes", options.lobes},
+          {"iterations", options.iterations},
+          {"repetitions", options.repetitions},
+          {"threads", options.threads},
+          {"kernels_ms", ours},
+          {"yardstick_ms", theirs},
+          {"ratio", ours / theirs},
+          {"evaluations_per_s", evaluations / ours * 1e3},
+          {"result_hash", hash.finish()},
+          {"levels", levels}};
+}
+
+ResultView view_em(const Json& result) {
+  MarkdownTable table({"level", "kernels, ms", "yardstick, ms", "ratio", "mean difference"});
+  for (const Json& level : result.at("levels")) {
+    const Json& quartiles = level.at("ratio_quartiles");
+    table.add(
+        {std::to_string(level.at("level").get<int>()), rounded_text(level.at("kernels_ms").get<double>()),
+         rounded_text(level.at("yardstick_ms").get<double>()),
+         spread_text({level.at("ratio").get<double>(), quartiles.at(0).get<double>(), quartiles.at(1).get<double>()}),
+         fmt::format("{:.1e}", level.at("mean_difference").get<double>())});
   }
-  return 0;
+  table.add({"all", rounded_text(result.at("kernels_ms").get<double>()),
+             rounded_text(result.at("yardstick_ms").get<double>()), rounded_text(result.at("ratio").get<double>()),
+             "-"});
+  return {
+      "EM kernels against plain C++",
+      fmt::format("EM of the four-quarter map, {0} x {0}, {1} lobes, {2} iterations, every level but the coarsest; "
+                  "kernels and yardstick (`tools/bench/em_yardstick.cpp`: the same sums in C++ with 16-wide vectors "
+                  "and OpenMP, {3} threads) in turns, {4} pairs a level, from the same starts; the ratio is that "
+                  "of a pair, in the last row that of the sums of medians. Mean difference: of amplitudes and "
+                  "first moments; where lobes outnumber normals, rounding picks between equal optima. {5} G lobe "
+                  "evaluations a second.",
+                  result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
+                  result.at("threads").get<int>(), result.at("repetitions").get<int>(),
+                  rounded_text(result.at("evaluations_per_s").get<double>() / 1e9)),
+      table.text()};
 }
 
 }  // namespace multum::bench

@@ -2,7 +2,10 @@
 // EM kernels against the C++ yardstick, in turns (A B A B ...) on the same samples and starts.
 #pragma once
 
-#include <string>
+#include <nlohmann/json.hpp>
+
+#include "host/base/progress.h"
+#include "tools/bench/result_view.h"
 
 namespace multum::bench {
 
@@ -12,11 +15,11 @@ struct EmBenchmarkOptions {
   int iterations = 10;
   int repetitions = 7;
   int threads = 2;
-  std::string json;  // file to write; empty: none
 };
 
-/// Prints a table: level, milliseconds of both (medians), ratio; the sum over levels; the largest difference of
-/// results.
-int run_em_benchmark(const EmBenchmarkOptions& options);
+/// Milliseconds of both, a level, and their ratio; the sum over levels; the mean difference of results.
+nlohmann::ordered_json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress);
+
+ResultView view_em(const nlohmann::ordered_json& result);
 
 }  // namespace multum::bench

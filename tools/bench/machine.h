@@ -2,11 +2,17 @@
 // What a table of figures says of the machine that made it.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace multum::bench {
 
 std::string processor_name();
 std::string system_name();  // "Debian GNU/Linux 12 (bookworm)"
+int core_count();           // that this process may use
+std::uint64_t memory_bytes();
+
+/// Of the folder's file system: "ext4", "tmpfs", or its number in hexadecimal where it has no name here.
+std::string file_system_name(const std::string& folder);
 
 }  // namespace multum::bench

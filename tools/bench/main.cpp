@@ -1,49 +1,189 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-bench: two programs in one run, in turns, ratios with their spread.
-#include <CLI/CLI.hpp>
+// multum-bench: two programs in one run, in turns, ratios with their spread; and the documents made of such figures.
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <cstdlib>
+#include <functional>
 
+#include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/output_paths.h"
 #include "tools/bench/accuracy_document.h"
+#include "tools/bench/bake_benchmark.h"
+#include "tools/bench/benchmarks_document.h"
+#include "tools/bench/build_info.h"
+#include "tools/bench/command_text.h"
 #include "tools/bench/em_benchmark.h"
+#include "tools/bench/load_benchmark.h"
+#include "tools/bench/result_file.h"
+#include "tools/bench/scale_benchmark.h"
+#include "tools/command_line/choices.h"
+#include "tools/command_line/usage_error.h"
 
+namespace multum::bench {
 namespace {
 
-int run(int argc, char** argv) {
-  CLI::App app("multum-bench: benchmarks that pair multum with a yardstick in one run and report ratios");
-  app.require_subcommand(1);
-  multum::bench::EmBenchmarkOptions em;
-  CLI::App* em_command = app.add_subcommand("em", "EM kernels against a plain C++ SIMD yardstick");
-  em_command->add_option("--size", em.size, "side of the map, a power of two")
+using Json = nlohmann::ordered_json;
+
+constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
+
+const Choices<gl::ContextBackend> kContexts = {
+    {"osmesa", gl::ContextBackend::kOsmesa}, {"egl", gl::ContextBackend::kEgl}, {"auto", gl::ContextBackend::kAuto}};
+
+// PoCL takes its thread count from the environment when the first platform is looked for.
+void set_device_threads(int threads) { setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1); }
+
+// The line that was typed, without the file that the result went to: that says nothing of how it was measured.
+std::string command_line(int argc, char** argv) {
+  std::vector<std::string> command = {"multum-bench"};
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--json") ++i;
+    else if (!argument.starts_with("--json=")) command.push_back(argument);
+  }
+  return command_text(command);
+}
+
+// A subcommand, the file that its result goes to (empty: none), and what runs it once its options are known.
+struct Benchmark {
+  CLI::App* command;
+  std::string json;
+  std::function<Json(Progress*)> run;
+};
+
+CLI::Option* add_side(CLI::App& command, const std::string& option, int& side, const std::string& help) {
+  const auto refuse_odd = [](const std::string& text) {
+    const bool odd = !text.empty() && std::string("13579").find(text.back()) != std::string::npos;
+    return odd ? text + " is odd, expected an even number" : std::string();
+  };
+  const CLI::Validator even(refuse_odd, "even");
+  return command.add_option(option, side, help)->check(CLI::Range(kSizeMin, kSizeMax) & even)->capture_default_str();
+}
+
+template <typename Options>
+void add_bake_options(CLI::App& command, Options& options) {
+  command.add_option("--lobes", options.lobes, "lobes a texel")->check(CLI::Range(1, 8))->capture_default_str();
+  command.add_option("--threads", options.threads, "threads to use (default: all cores)")->check(CLI::Range(1, 1024));
+  command
+      .add_option("--folder", options.folder, "where maps and results go for the time being (default: $TMPDIR, /tmp)")
+      ->check(CLI::ExistingDirectory);
+}
+
+template <typename Options>
+void add_repetitions(CLI::App& command, Options& options, const std::string& help) {
+  command.add_option("--repetitions", options.repetitions, help)->check(CLI::Range(1, 1000))->capture_default_str();
+}
+
+Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
+  CLI::App* command = app.add_subcommand("em", "EM kernels against a plain C++ SIMD yardstick");
+  command->add_option("--size", em.size, "side of the map, a power of two")
       ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048, 4096}))
       ->capture_default_str();
-  em_command->add_option("--lobes", em.lobes, "lobes a texel")->check(CLI::IsMember({4, 6, 8}))->capture_default_str();
-  em_command->add_option("--iterations", em.iterations)->check(CLI::Range(1, 100))->capture_default_str();
-  em_command->add_option("--repetitions", em.repetitions, "pairs of runs a level")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  em_command->add_option("--threads", em.threads)->check(CLI::Range(1, 256))->capture_default_str();
-  em_command->add_option("--json", em.json, "write the result here too");
-  multum::bench::AccuracyDocumentOptions accuracy;
-  CLI::App* accuracy_command = app.add_subcommand("accuracy", "make docs/ACCURACY.md: every figure of it");
-  accuracy_command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
-  accuracy_command->add_option("--maps", accuracy.maps, "folder of real maps")->check(CLI::ExistingDirectory);
-  accuracy_command->add_option("--size", accuracy.size, "side of the four-quarter map")
+  command->add_option("--lobes", em.lobes, "lobes a texel")->check(CLI::IsMember({4, 6, 8}))->capture_default_str();
+  command->add_option("--iterations", em.iterations)->check(CLI::Range(1, 100))->capture_default_str();
+  add_repetitions(*command, em, "pairs of runs a level");
+  command->add_option("--threads", em.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  return {command, "", [&em](Progress* progress) {
+            set_device_threads(em.threads);
+            return run_em_benchmark(em, progress);
+          }};
+}
+
+Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
+  CLI::App* command = app.add_subcommand(
+      "bake", "multum bake against maketx --bumpslopes, whole programs: time, processor time, memory");
+  add_side(*command, "--size", bake.size, "side of the map; making it takes about 40 bytes of memory a texel");
+  add_bake_options(*command, bake);
+  add_repetitions(*command, bake, "pairs of runs");
+  command->add_option("options", bake.bake_options, "behind --: more options of multum bake");
+  return {command, "", [&bake](Progress* progress) { return run_bake_benchmark(bake, progress); }};
+}
+
+Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
+  CLI::App* command = app.add_subcommand("scale", "multum bake of maps that double in size, a process each");
+  add_side(*command, "--size-min", scale.size_min, "side of the first map");
+  add_side(*command, "--size-max", scale.size_max,
+           "sides double up to this; making a map takes about 40 bytes of memory a texel");
+  add_bake_options(*command, scale);
+  add_repetitions(*command, scale, "runs a size");
+  command->add_option("options", scale.bake_options, "behind --: more options of multum bake");
+  return {command, "", [&scale](Progress* progress) { return run_scale_benchmark(scale, progress); }};
+}
+
+Benchmark add_load(CLI::App& app, LoadBenchmarkOptions& load) {
+  CLI::App* command =
+      app.add_subcommand("load", "files of every encoding and compression: size, writing, reading, upload to GL");
+  add_side(*command, "--size", load.size, "side of the map");
+  add_bake_options(*command, load);
+  add_repetitions(*command, load, "of every file");
+  add_choice(*command, "--context", load.context, kContexts, "who gives the GL context");
+  return {command, "", [&load](Progress* progress) { return run_load_benchmark(load, progress); }};
+}
+
+CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
+  CLI::App* command = app.add_subcommand("accuracy", "make docs/ACCURACY.md: every figure of it");
+  command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
+  command->add_option("--maps", accuracy.maps, "folder of real maps")->check(CLI::ExistingDirectory);
+  command->add_option("--size", accuracy.size, "side of the four-quarter map")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
-  accuracy_command->add_option("--commit", accuracy.commit, "named in the document")->default_val("unknown");
-  accuracy_command->add_option("--threads", accuracy.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  command->add_option("--commit", accuracy.commit, "named in the document")->default_val(built_commit());
+  command->add_option("--threads", accuracy.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  return command;
+}
+
+CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
+  CLI::App* command = app.add_subcommand("document", "make docs/BENCHMARKS.md of results: runs nothing");
+  command->add_option("-o,--output", document.output, "Markdown file to write")->required();
+  command->add_option("--json", document.results, "a result of em, bake, scale or load; more than one in this order")
+      ->required();
+  return command;
+}
+
+int run_benchmark(const Benchmark& benchmark, const std::string& command) {
+  if (!benchmark.json.empty()) check_writable(benchmark.json);
+  const auto progress = make_terminal_progress(false);  // for its Ctrl-C: files that were made go away
+  const Json result = make_result(benchmark.command->get_name(), command, benchmark.run(progress.get()));
+  const ResultView view = view_of(result);
+  fmt::print("{}, on {}\n\n{}\n\n{}\nresult hash {}\n", view.title, result.at("device").get<std::string>(), view.method,
+             view.table, result.at("result_hash").get<std::string>().substr(0, 16));
+  if (!benchmark.json.empty()) write_text_file(benchmark.json, result.dump(2) + "\n");
+  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("multum-bench: benchmarks that pair multum with a yardstick in one run and report ratios",
+               "multum-bench");
+  app.require_subcommand(1);
+  app.failure_message(usage_error);
+  EmBenchmarkOptions em;
+  BakeBenchmarkOptions bake;
+  ScaleBenchmarkOptions scale;
+  LoadBenchmarkOptions load;
+  std::vector<Benchmark> benchmarks = {add_em(app, em), add_bake(app, bake), add_scale(app, scale),
+                                       add_load(app, load)};
+  for (Benchmark& benchmark : benchmarks)
+    benchmark.command->add_option("--json", benchmark.json, "write the result here too, for multum-bench document");
+  AccuracyDocumentOptions accuracy;
+  BenchmarksDocumentOptions document;
+  const CLI::App* accuracy_command = add_accuracy(app, accuracy);
+  const CLI::App* document_command = add_document(app, document);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : multum::exit_code(multum::ErrorCode::kUsage);
+    return app.exit(error) == 0 ? 0 : exit_code(ErrorCode::kUsage);
   }
-  const int threads = accuracy_command->parsed() ? accuracy.threads : em.threads;
-  setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1);
-  if (accuracy_command->parsed()) return multum::bench::write_accuracy_document(accuracy);
-  return multum::bench::run_em_benchmark(em);
+  if (document_command->parsed()) return write_benchmarks_document(document);
+  for (const Benchmark& benchmark : benchmarks)
+    if (benchmark.command->parsed()) return run_benchmark(benchmark, command_line(argc, argv));
+  MULTUM_CHECK(accuracy_command->parsed());
+  set_device_threads(accuracy.threads);
+  return write_accuracy_document(accuracy);
 }
 
 }  // namespace
+}  // namespace multum::bench
 
-int main(int argc, char** argv) { return multum::run_guarded("multum-bench", run, argc, argv); }
+int main(int argc, char** argv) { return multum::run_guarded("multum-bench", multum::bench::run, argc, argv); }

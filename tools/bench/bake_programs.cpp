@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/bake_programs.h"
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/base/child_process.h"
+#include "host/base/error.h"
+#include "tools/bench/measured_program.h"
+
+namespace multum::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string multum_program() {
+  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "multum";
+  if (!fs::exists(program))
+    throw Error(ErrorCode::kEnvironment,
+                program.string() + ": not found, expected multum in the folder of multum-bench (build target multum)");
+  return program.string();
+}
+
+}  // namespace
+
+std::vector<std::string> multum_bake_command(const std::string& map, const std::string& output,
+                                             const BakeCommandOptions& options) {
+  std::vector<std::string> command = {
+      multum_program(), "bake", map, "-o", output, "--green", "up", "--lobes", std::to_string(options.lobes),
+      "--quiet"};
+  if (options.threads > 0) command.insert(command.end(), {"--threads", std::to_string(options.threads)});
+  if (!options.report.empty()) command.insert(command.end(), {"--report", options.report});
+  command.insert(command.end(), options.appended.begin(), options.appended.end());
+  return command;
+}
+
+std::string device_of_report(const std::string& path) {
+  std::ifstream in(path);
+  return nlohmann::json::parse(in).at("device").get<std::string>();
+}
+
+std::vector<std::string> maketx_command(const std::string& map, const std::string& output, int threads) {
+  std::vector<std::string> command = {"maketx", "--bumpslopes", "--bumpformat", "normal", map, "-o", output};
+  if (threads > 0) command.insert(command.end(), {"--threads", std::to_string(threads)});
+  return command;
+}
+
+std::string maketx_version() {
+  try {
+    const std::string output = run_child({"maketx", "--version"}).output;
+    return output.substr(0, output.find('\n'));
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kEnvironment, std::string(error.what()) +
+                                             "; expected OpenImageIO's maketx in PATH (Debian package "
+                                             "openimageio-tools)");
+  }
+}
+
+std::string make_map_file(const std::string& folder, int size, Progress* progress) {
+  const std::string prefix = folder + "/map";
+  const std::string map = prefix + "_normal.png";
+  run_to_disk({multum_program(), "testmap", prefix, "--size", std::to_string(size)}, map, progress);
+  fs::remove(prefix + "_albedo.png");
+  return map;
+}
+
+}  // namespace multum::bench

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A folder for a benchmark's maps and results, gone when the benchmark ends or is cancelled.
+#pragma once
+
+#include <string>
+
+namespace multum::bench {
+
+class ScratchFolder {
+ public:
+  /// Made in `parent`, or in the system's folder for temporary files when it is empty. Throws Error(kEnvironment).
+  explicit ScratchFolder(const std::string& parent);
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::string& path() const { return path_; }
+  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+/// Writes what the system still holds of a file, and its folder's entry, to the disk. Throws Error(kEnvironment).
+void sync_file(const std::string& path);
+
+}  // namespace multum::bench
