@@ -150,14 +150,16 @@ __kernel void movmf_condense_cells(__global const float* normal_x, __global cons
 
 // Adds the chunks and lines up the cells that hold anything. One work-item = one group of slots; global size
 // slot_count / MULTUM_GROUP.
-//   samples [group][fit.sample_capacity][4][MULTUM_GROUP]  written: the cell's mean values and its weight
+//   samples [group][fit.sample_capacity][4][MULTUM_GROUP]  written: the cell's mean values and its weight; from group
+//                                                          fit.sample_group_offset on, counts too
 //   sample_counts [group]                                  written: those of the texel that has most
 // Memory bound.
 __kernel void movmf_condense_pack(__global const float* cells, __global const int* texel_list, __global float* samples,
                                   __global int* sample_counts, MultumMovmfFit fit) {
   const int group = (int)get_global_id(0);
   if (group * MULTUM_GROUP >= fit.slot_count) return;
-  __global float* out = samples + (size_t)group * fit.sample_capacity * 4 * MULTUM_GROUP;
+  const int sample_group = group + fit.sample_group_offset;
+  __global float* out = samples + (size_t)sample_group * fit.sample_capacity * 4 * MULTUM_GROUP;
   int used[MULTUM_GROUP];
   int most = 1;
   for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
@@ -189,5 +191,5 @@ __kernel void movmf_condense_pack(__global const float* cells, __global const in
       sample[0] = sample[MULTUM_GROUP] = sample[3 * MULTUM_GROUP] = 0.0f;
       sample[2 * MULTUM_GROUP] = 1.0f;
     }
-  sample_counts[group] = most;
+  sample_counts[sample_group] = most;
 }

@@ -2,7 +2,8 @@
 // EM of fine levels: every iteration of a texel inside one work-item. Han et al. 2007, section 7, Algorithm 1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
-//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_condense_pack
+//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_condense_pack, from group
+//                                                                      fit.sample_group_offset on, counts too
 //   sample_counts [group]                                              at most fit.sample_capacity
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return those of the last
 //                                                                      E-step, for movmf_features
@@ -45,8 +46,9 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
   const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
   const int group = slot / MULTUM_GROUP, lane = slot % MULTUM_GROUP;
-  const int sample_count = sample_counts[group];
-  __global const float* first_sample = samples + (size_t)group * fit.sample_capacity * SAMPLE_STRIDE + lane;
+  const int sample_group = group + fit.sample_group_offset;
+  const int sample_count = sample_counts[sample_group];
+  __global const float* first_sample = samples + (size_t)sample_group * fit.sample_capacity * SAMPLE_STRIDE + lane;
   __global float* lobe_start = start + (size_t)group * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + lane;
 #define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
 

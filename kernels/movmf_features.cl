@@ -97,7 +97,8 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
 }
 
 // The same from condensed texels. One work-item = one slot.
-//   samples, colour_samples [group][sample][4][MULTUM_GROUP]  of normals and of colours: the same cells in one order
+//   samples, colour_samples [group][sample][4][MULTUM_GROUP]  of normals and of colours: the same cells in one order,
+//                                                            from group fit.sample_group_offset on
 //   sample_counts [group];  start as above;  colours [lobe][height * width][3], written
 __kernel void movmf_feature_condensed(__global const float* samples, __global const float* colour_samples,
                                       __global const int* sample_counts, __global const float* start,
@@ -106,11 +107,12 @@ __kernel void movmf_feature_condensed(__global const float* samples, __global co
   if (slot >= fit.slot_count) return;
   const int texel = texel_list[fit.list_offset + slot];
   if (texel < 0) return;
-  const size_t first = (size_t)(slot / MULTUM_GROUP) * fit.sample_capacity * 4 * MULTUM_GROUP + slot % MULTUM_GROUP;
+  const int sample_group = slot / MULTUM_GROUP + fit.sample_group_offset;
+  const size_t first = (size_t)sample_group * fit.sample_capacity * 4 * MULTUM_GROUP + slot % MULTUM_GROUP;
   __global const float* lobes = lobes_of_slot(start, slot);
   float sum[MULTUM_LOBES][3];
   for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
-  for (int i = 0; i < sample_counts[slot / MULTUM_GROUP]; ++i) {
+  for (int i = 0; i < sample_counts[sample_group]; ++i) {
     __global const float* n = samples + first + (size_t)i * 4 * MULTUM_GROUP;
     __global const float* colour = colour_samples + first + (size_t)i * 4 * MULTUM_GROUP;
     float z[MULTUM_LOBES];

@@ -64,7 +64,6 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
   if (samples <= kSamplesUnchunkedMax) {
     level.method = FitMethod::kTexels;
     fit.sample_capacity = static_cast<int>(samples);
-    if (samples >= kSamplesSettledMin) fit.settled_change_squared = settings.settled_change * settings.settled_change;
   } else if (settings.coarse_normals == CoarseNormals::kCondensed) {
     level.method = FitMethod::kCondensed;
     fit.sample_capacity = MULTUM_CELL_COUNT;
@@ -74,6 +73,21 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
     level.method = FitMethod::kChunks;
   }
   set_chunks(fit, kSamplesPerChunk, (fit.sample_columns + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP);
+}
+
+void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& level) {
+  MultumMovmfFit& fit = level.fit;
+  level.iteration_count_again = settings.iteration_count_again;
+  fit.iteration_count = top                                  ? settings.iteration_count_top
+                        : level.method == FitMethod::kTexels ? settings.iteration_count
+                                                             : settings.iteration_count_coarse;
+  if (level.method != FitMethod::kTexels) return;
+  if (1.0f / fit.total_weight_inverse < kFewNormals + 0.5f) {
+    fit.iteration_count = std::min(fit.iteration_count, kIterationsFewNormals);
+    level.iteration_count_again = std::min(level.iteration_count_again, kIterationsFewNormals);
+  } else {
+    fit.settled_change_squared = settings.settled_change * settings.settled_change;
+  }
 }
 
 }  // namespace
@@ -112,9 +126,7 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.total_weight_inverse =
         static_cast<float>(static_cast<double>(fit.width) * fit.height / (static_cast<double>(map_width) * map_height));
     choose_method(settings, level);
-    fit.iteration_count = top                                  ? settings.iteration_count_top
-                          : level.method == FitMethod::kTexels ? settings.iteration_count
-                                                               : settings.iteration_count_coarse;
+    choose_iterations(settings, top, level);
     if (settings.order == FitOrder::kScanline) add_wavefront_steps(level);
     else add_colour_steps(level);
     schedule.levels.push_back(std::move(level));

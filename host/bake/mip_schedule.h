@@ -26,6 +26,7 @@ struct LevelSchedule {
   int level;
   MultumMovmfFit fit;  // all but slot_count and list_offset
   FitMethod method;
+  int iteration_count_again;  // of each further sweep; that of the first is in `fit`
   std::vector<FitStep> steps;
   std::vector<int> texel_list;  // y * width + x, grouped by steps
 };
@@ -39,9 +40,11 @@ struct MipSchedule {
 /// chunks. By the sample count alone, so that summation order never depends on tiles or devices. 1024: the packed
 /// normals of a group still fit a core's cache, and rounding of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;
-/// A texel of fewer samples runs all its iterations, which cost little: with 4 normals lobes creep, and stopping them
-/// when they have all but stopped costs level 1 up to a fifth of its error.
-constexpr int kSamplesSettledMin = 9;
+/// A texel of at most so many normals (level 1) runs kIterationsFewNormals iterations at most and never stops as
+/// settled: lobes find them at once and then creep, and stopping where they have all but stopped costs up to a fifth
+/// more error.
+constexpr int kFewNormals = 4;
+constexpr int kIterationsFewNormals = 8;
 /// Samples a chunk sums, about: in EM, and where cells are filled.
 constexpr int kSamplesPerChunk = 4096;
 constexpr int kSamplesPerCondensedChunk = 65536;

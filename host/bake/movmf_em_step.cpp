@@ -80,17 +80,18 @@ void MovmfEmStep::make_buffers() {
   const std::size_t sample_planes = schedule_.weighted ? 4 : 3;
   for (const LevelSchedule& level : schedule_.levels) {
     list = std::max(list, level.texel_list.size());
+    const auto capacity = static_cast<std::size_t>(level.fit.sample_capacity);
+    if (level.method == FitMethod::kCondensed)
+      condensed = std::max(condensed, level.texel_list.size() * capacity * kCondensedPlanes);
     for (const FitStep& step : level.steps) {
-      const std::size_t groups = group_count(step);
-      groups_most = std::max(groups_most, groups);
-      const std::size_t group_samples = groups * MULTUM_GROUP * static_cast<std::size_t>(level.fit.sample_capacity);
+      const std::size_t slots = group_count(step) * MULTUM_GROUP;
+      groups_most = std::max(groups_most, group_count(step));
       const std::size_t chunks = product(step.texel_count, level.fit.chunk_count);
       if (level.method == FitMethod::kCondensed) {
-        condensed = std::max(condensed, group_samples * kCondensedPlanes);
         cells = std::max(cells, chunks * MULTUM_CELL_COUNT * MULTUM_CELL_FLOATS);
-        axes = std::max(axes, groups * MULTUM_GROUP * 2 * MULTUM_AXIS_FLOATS);
+        axes = std::max(axes, slots * 2 * MULTUM_AXIS_FLOATS);
       } else {
-        samples = std::max(samples, group_samples * sample_planes);  // none of them in chunks
+        samples = std::max(samples, slots * capacity * sample_planes);  // a capacity of 0 in chunks
         partial = std::max(partial, chunks * lobe_count() * kPartialSums);
       }
     }
@@ -99,15 +100,17 @@ void MovmfEmStep::make_buffers() {
   start_buffer_ = device_.make_buffer(groups_most * lobe_count() * MULTUM_START_PLANES * MULTUM_GROUP * sizeof(float),
                                       "EM parameters");
   sample_buffer_ = device_.make_buffer(std::max(samples, condensed) * sizeof(float), "packed normals");
-  sample_count_buffer_ = device_.make_buffer(groups_most * sizeof(int), "sample counts");
+  sample_count_buffer_ = device_.make_buffer(list / MULTUM_GROUP * sizeof(int), "sample counts");
   partial_buffer_ = device_.make_buffer(partial * sizeof(float), "partial sums");
   axis_buffer_ = device_.make_buffer(axes * sizeof(float), "axes of cells");
   cell_buffer_ = device_.make_buffer(cells * sizeof(float), "cells of normals");
   if (albedo_) colour_sample_buffer_ = device_.make_buffer(condensed * sizeof(float), "condensed colours");
 }
 
-void MovmfEmStep::use_texel_list(const std::vector<int>& texel_list) {
-  device_.write(list_buffer_, texel_list.data(), texel_list.size() * sizeof(int));
+void MovmfEmStep::begin_level(const LevelSchedule& level) {
+  device_.write(list_buffer_, level.texel_list.data(), level.texel_list.size() * sizeof(int));
+  if (level.method != FitMethod::kCondensed) return;
+  for (const FitStep& step : level.steps) condense(level.fit, step, normals_, sample_buffer_);
 }
 
 void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, const FitStep& step, const DeviceBuffer& parent,
@@ -125,9 +128,7 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, const FitStep& step,
       em_texels_kernel_.launch(em_size, sample_buffer_, sample_count_buffer_, start_buffer_, list_buffer_, lobes, fit);
       break;
     case FitMethod::kCondensed:
-      axes_kernel_.launch({slots}, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], list_buffer_,
-                          axis_buffer_, fit);
-      condense(fit, step, normals_, sample_buffer_);
+      fit.sample_group_offset = step.list_offset / MULTUM_GROUP;
       em_condensed_kernel_.launch(em_size, sample_buffer_, sample_count_buffer_, start_buffer_, list_buffer_, lobes,
                                   fit);
       break;
@@ -138,8 +139,13 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, const FitStep& step,
   progress_advance(progress, 0);
 }
 
-void MovmfEmStep::condense(const MultumMovmfFit& fit, const FitStep& step, const DevicePlanes& values,
-                           DeviceBuffer& samples) {
+void MovmfEmStep::condense(MultumMovmfFit fit, const FitStep& step, const DevicePlanes& values, DeviceBuffer& samples) {
+  const std::size_t slots = group_count(step) * MULTUM_GROUP;
+  fit.list_offset = step.list_offset;
+  fit.slot_count = static_cast<int>(slots);
+  fit.sample_group_offset = step.list_offset / MULTUM_GROUP;
+  axes_kernel_.launch({slots}, normals_.buffer[0], normals_.buffer[1], normals_.buffer[2], list_buffer_, axis_buffer_,
+                      fit);
   cells_kernel_.launch({product(step.texel_count, fit.chunk_count)}, normals_.buffer[0], normals_.buffer[1],
                        normals_.buffer[2], values.buffer[0], values.buffer[1], values.buffer[2], list_buffer_,
                        axis_buffer_, cell_buffer_, fit);
@@ -164,6 +170,7 @@ void MovmfEmStep::run_chunks(const MultumMovmfFit& fit, const FitStep& step, Dev
 void MovmfEmStep::fit_colours(FitMethod method, MultumMovmfFit fit, const FitStep& step, DeviceBuffer& colours) {
   if (method == FitMethod::kCondensed) {
     condense(fit, step, *albedo_, colour_sample_buffer_);
+    fit.sample_group_offset = step.list_offset / MULTUM_GROUP;
     feature_condensed_kernel_.launch({group_count(step) * MULTUM_GROUP}, sample_buffer_, colour_sample_buffer_,
                                      sample_count_buffer_, start_buffer_, list_buffer_, colours, fit);
     return;

@@ -30,8 +30,8 @@ class MovmfEmStep {
   MovmfEmStep(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
               const MipSchedule& schedule);
 
-  /// Where the texel lists of a level's steps lie from now on.
-  void use_texel_list(const std::vector<int>& texel_list);
+  /// Before the steps of a level: uploads its texel list, condenses its normals where that is the method.
+  void begin_level(const LevelSchedule& level);
   /// Fits one step's texels into `lobes` [lobe][texel]. `parent`: the next coarser level's; anything where
   /// fit.parent_width is 0. An empty `colours` buffer: none are wanted. Throws Cancelled.
   void run(FitMethod method, MultumMovmfFit fit, const FitStep& step, const DeviceBuffer& parent, DeviceBuffer& lobes,
@@ -43,7 +43,7 @@ class MovmfEmStep {
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   void make_kernels();
   void make_buffers();
-  void condense(const MultumMovmfFit& fit, const FitStep& step, const DevicePlanes& values, DeviceBuffer& samples);
+  void condense(MultumMovmfFit fit, const FitStep& step, const DevicePlanes& values, DeviceBuffer& samples);
   void run_chunks(const MultumMovmfFit& fit, const FitStep& step, DeviceBuffer& lobes, Progress* progress);
   void fit_colours(FitMethod method, MultumMovmfFit fit, const FitStep& step, DeviceBuffer& colours);
 

@@ -80,12 +80,12 @@ class MovmfFitter {
       write_parentless_start(level, lobes);
       fit.parent_width = fit.parent_height = 0;
     }
-    em_step_.use_texel_list(level.texel_list);
+    em_step_.begin_level(level);
     const int sweeps = fit.parent_width > 0 ? settings_.sweep_count : 1;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       if (sweep > 0) {
         fit.order = MULTUM_ORDER_AGAIN;
-        fit.iteration_count = settings_.iteration_count_again;
+        fit.iteration_count = level.iteration_count_again;
       }
       fit_sweep(level, fit, lobes, sweep + 1 == sweeps ? colours : DeviceBuffer());
       progress_advance(progress_, texel_count(map_.width, map_.height) / static_cast<unsigned>(sweeps));

@@ -44,6 +44,7 @@ typedef struct MultumMovmfFit {
   int periodic_y;
   int iteration_count;
   int sample_capacity;           // samples of a group of texels, room for this many (movmf_em_texels.cl)
+  int sample_group_offset;       // group of this launch's first slot in samples and sample_counts
   float settled_change_squared;  // a texel in which nothing moves by more is done; 0: run every iteration
   int chunk_rows;                // rows a chunk sums (movmf_em_chunks.cl, movmf_condense.cl)
   int chunk_count;               // chunks a texel

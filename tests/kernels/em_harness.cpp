@@ -41,6 +41,7 @@ MipSchedule one_step_schedule(const NormalMap& map, const MovmfSettings& setting
   fit.parent_width = mip_level_size(map.width, how.level + 1);
   fit.parent_height = mip_level_size(map.height, how.level + 1);
   level.method = how.method;
+  fit.iteration_count = how.iterations;
   if (how.method == FitMethod::kCondensed) {
     fit.sample_capacity = MULTUM_CELL_COUNT;
     set_chunks(fit, how.samples_per_condensed_chunk, fit.sample_columns);
@@ -76,7 +77,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   std::vector<MultumVmfLobe> result(static_cast<std::size_t>(lobe_count) * texels, MultumVmfLobe{0, 0, 0, 0});
   DeviceBuffer lobes = upload(device, result), no_colours;
   MovmfEmStep em_step(device, map, nullptr, settings, schedule);
-  em_step.use_texel_list(level.texel_list);
+  em_step.begin_level(level);
   em_step.run(level.method, level.fit, level.steps[0], upload(device, parent), lobes, no_colours, nullptr);
   device.read(lobes, result.data(), result.size() * sizeof(MultumVmfLobe));
   return result;
