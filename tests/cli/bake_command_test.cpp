@@ -59,6 +59,16 @@ TEST_F(BakeCommandTest, VerifyAcceptsEveryStorage) {
   }
 }
 
+TEST_F(BakeCommandTest, InfoCountsBytesOnTheGpu) {
+  make_map("map", 64);
+  ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure"}).exit_code, 0);
+  const ProgramResult info = multum({"info", path("map.ndf.exr")});
+  // 5461 texels of 4 lobes, 8 bytes each; 343 blocks of 16 + 8 bytes.
+  EXPECT_TRUE(
+      contains(info.out, "on the GPU      170.7 KiB, 21.2 times the 8.0 KiB of a BC5 normal and a BC4 roughness\n"))
+      << info.out;
+}
+
 TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   make_map("map", 64);
   const ProgramResult bake =
