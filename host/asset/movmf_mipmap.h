@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,14 @@ MovmfMipmap read_movmf_header(const std::string& path);
 /// Largest kappa whose spread (1/kappa) a lobe of amplitude 1 keeps to within about a quarter; sharper lobes are stored
 /// sharper, up to a single direction.
 float storage_kappa_max(StorageEncoding encoding);
+
+/// Lobes of a level, before rounding, whose spread is not kept: sharper than storage_kappa_max(), but no single
+/// direction, which every encoding keeps. None for kFloat.
+struct SharpLobes {
+  std::uint64_t count = 0;
+  double amplitude = 0.0;  // their sum: texels' worth of normals
+};
+SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
 /// Rounds every value to what `mipmap.encoding` stores. The rule (docs/FORMAT.md, "Rounding"): amplitudes sum to 1
 /// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1.

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <random>
 #include <regex>
 
 #include "host/asset/movmf_mipmap.h"
@@ -69,6 +70,45 @@ TEST_F(BakeCommandTest, InfoCountsBytesOnTheGpu) {
       << info.out;
 }
 
+// Two maps of the same noise: one is an ordinary rough surface, of the other only a glossy material shows the slopes.
+TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
+  const auto bake = [&](double slope, const std::string& storage) {
+    TestImage noise{.width = 64, .height = 64};
+    noise.type = OIIO::TypeDesc::FLOAT;
+    std::mt19937 random(3);
+    const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24 * 2.0 - 1.0; };
+    for (int i = 0; i < 64 * 64; ++i) {
+      const double x = slope * uniform(), y = slope * uniform();
+      const glm::dvec3 n = glm::normalize(glm::dvec3(x, y, 1.0));
+      for (int c = 0; c < 3; ++c) noise.values.push_back(static_cast<float>(n[c]));
+    }
+    write_test_image(path("noise.exr"), noise);
+    const ProgramResult result =
+        multum({"bake", path("noise.exr"), "-o", path("noise.ndf.exr"), "--bumpformat", "normal", "--signed", "--green",
+                "up", "--no-measure", "-d", storage, "--report", path("report.json")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
+    const std::uint64_t count = report["counts"]["beyond_storage"];
+    const double share = report["beyond_storage_share"];
+    EXPECT_EQ(count > 0, share > 0.0);
+    EXPECT_LE(share, 1.0);
+    EXPECT_TRUE(contains(result.out, fmt::format("{} sharper than the storage keeps", count))) << result.out;
+    const bool warned = contains(result.err, "warning: ") && contains(result.err, "lose their spread");
+    EXPECT_EQ(warned, share > 1.0 / 3.0) << share << "\n" << result.err;
+    if (warned) {
+      EXPECT_TRUE(contains(result.err, fmt::format("noise.exr: {} lobes", count))) << result.err;
+      const char* advice = storage == "half" ? "--data-format snorm16 keeps" : "--data-format float keeps";
+      EXPECT_TRUE(contains(result.err, advice)) << result.err;
+    }
+    return warned;
+  };
+  EXPECT_FALSE(bake(0.5, "snorm16"));
+  EXPECT_TRUE(bake(0.01, "snorm16"));
+  EXPECT_FALSE(bake(0.01, "float"));
+  EXPECT_FALSE(bake(0.5, "half"));
+  EXPECT_TRUE(bake(0.06, "half"));
+}
+
 TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   make_map("map", 64);
   const ProgramResult bake =
@@ -97,7 +137,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   EXPECT_EQ(launches_of_fit + 1, launches_of_kernels) << "but for one to measure all, the start's and the levels'";
   EXPECT_EQ(report["counts"]["lobes"], 4 * (4096 + 1024 + 256 + 64 + 16 + 4 + 1));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
-  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes"})
+  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes", "beyond_storage"})
     EXPECT_TRUE(report["counts"][count].is_number_unsigned()) << count;
   for (const char* count : {"unused_texels", "nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
     EXPECT_EQ(report["input"][count], 0) << count;
