@@ -5,8 +5,8 @@ namespace multum {
 
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap) {
   std::uint64_t texels = 0;
-  for (const MovmfLevel& level : mipmap.levels)
-    texels += static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height);
+  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l)
+    texels += static_cast<std::uint64_t>(mipmap.levels[l].width) * static_cast<std::uint64_t>(mipmap.levels[l].height);
   const unsigned value_bytes = mipmap.encoding == StorageEncoding::kFloat ? 4 : 2;
   const unsigned texture_count = static_cast<unsigned>(mipmap.lobe_count()) * (mipmap.has_colours() ? 2 : 1);
   return texels * texture_count * 4 * value_bytes;

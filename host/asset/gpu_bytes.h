@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// All levels of all lobes, 4 channels a texel of 2 bytes each (RGBA16_SNORM, RGBA16F) or 4 (RGBA32F), and as much
+/// Stored levels of all lobes, 4 channels a texel of 2 bytes each (RGBA16_SNORM, RGBA16F) or 4 (RGBA32F), and as much
 /// again for colours, whose fourth channel is padding (RGBA16F or RGBA32F). Needs sizes alone, no texels.
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap);
 

@@ -170,7 +170,8 @@ SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, 
 
 void quantize_movmf(MovmfMipmap& mipmap, int threads) {
   if (mipmap.encoding == StorageEncoding::kFloat) return;
-  for (MovmfLevel& level : mipmap.levels) {
+  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
+    MovmfLevel& level = mipmap.levels[l];
     const auto width = static_cast<std::size_t>(level.width);
     for_each_item(level.height, threads, [&](int row) {
       const std::size_t first = static_cast<std::size_t>(row) * width;

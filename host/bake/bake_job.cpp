@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -59,7 +60,7 @@ constexpr double kBeyondStorageNoted = 1.0 / 3.0;
 void count_beyond_storage(const BakeJob& job, const MovmfMipmap& mipmap, BakeReport& report) {
   double amplitude = 0.0, texels = 0.0;
   // Level 0 has single directions alone.
-  for (std::size_t l = 1; l < mipmap.levels.size(); ++l) {
+  for (std::size_t l = static_cast<std::size_t>(std::max(1, mipmap.first_level)); l < mipmap.levels.size(); ++l) {
     const MovmfLevel& level = mipmap.levels[l];
     const SharpLobes sharp = count_sharp_lobes(level, mipmap.encoding, job.threads);
     report.beyond_storage += sharp.count;
@@ -106,10 +107,11 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   for (const std::string& warning : map.report.warnings) log_warning(job.input + ": " + warning);
   clock.finish("read");
 
+  validate(job.fitting, map.width, map.height);
   // Measuring and writing count as about a level's work each.
   const std::uint64_t level_units =
       movmf_bake_units(map.width, map.height) / static_cast<std::uint64_t>(mip_level_count(map.width, map.height));
-  progress_start(progress, movmf_bake_units(map.width, map.height) + 2 * level_units);
+  progress_start(progress, movmf_bake_units(map.width, map.height, job.fitting.first_level) + 2 * level_units);
   MovmfMipmap mipmap = bake_movmf(device, map, albedo ? &*albedo : nullptr, fitting_settings(job), report, progress);
   mipmap.encoding = job.encoding;
   mipmap.wrap_s = job.reading.wrap_s;

@@ -84,6 +84,9 @@ std::string BakeReport::to_text() const {
       "{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction, {} sharper than "
       "the storage keeps\n",
       lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes, beyond_storage);
+  if (!levels.empty() && levels.front().level > 0)
+    text += fmt::format("levels finer than {} are not stored: renderers take them from the normal map{}\n",
+                        levels.front().level, accuracy.empty() ? "" : ", as this table does");
   return text + accuracy_table(accuracy);
 }
 

@@ -60,6 +60,66 @@ TEST_F(BakeCommandTest, VerifyAcceptsEveryStorage) {
   }
 }
 
+TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
+  make_map("map", 64);
+  const auto bake = [&](const std::string& first_level, const std::string& name) {
+    const ProgramResult result =
+        multum({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o", path(name + ".ndf.exr"),
+                "--first-level", first_level, "--report", path(name + ".json")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result;
+  };
+  bake("0", "whole");
+  const MovmfMipmap whole = read_movmf_mipmap(path("whole.ndf.exr"));
+  for (const int first_level : {1, 2, 6}) {
+    SCOPED_TRACE(first_level);
+    const ProgramResult result = bake(std::to_string(first_level), "map");
+    const std::string line = fmt::format(
+        "levels finer than {} are not stored: renderers take them from the normal map, as this table does\n",
+        first_level);
+    EXPECT_TRUE(contains(result.out, line)) << result.out;
+    const MovmfMipmap mipmap = read_movmf_mipmap(path("map.ndf.exr"));
+    EXPECT_EQ(mipmap.first_level, first_level);
+    ASSERT_EQ(mipmap.levels.size(), whole.levels.size());
+    for (std::size_t l = 0; l < whole.levels.size(); ++l)
+      for (std::size_t j = 0; j < 4; ++j) {
+        const bool stored = l >= static_cast<std::size_t>(first_level);
+        EXPECT_TRUE(stored ? mipmap.levels[l].lobes[j] == whole.levels[l].lobes[j] : mipmap.levels[l].lobes[j].empty());
+        EXPECT_TRUE(stored ? mipmap.levels[l].colours[j] == whole.levels[l].colours[j]
+                           : mipmap.levels[l].colours[j].empty());
+      }
+    EXPECT_LT(std::filesystem::file_size(path("map.ndf.exr")), std::filesystem::file_size(path("whole.ndf.exr")));
+
+    const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
+    EXPECT_EQ(report["levels"].size(), 7u - static_cast<std::size_t>(first_level));
+    EXPECT_EQ(report["levels"][0]["level"], first_level) << "finer ones are not even fitted";
+    const auto measured = [&](const std::string& name) {
+      return nlohmann::json::parse(read_bytes(path(name)))["measured_error"];
+    };
+    EXPECT_EQ(measured("map.json").size(), measured("whole.json").size()) << "every level is measured";
+
+    const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
+    EXPECT_EQ(verify.exit_code, 0) << verify.out;
+    const std::string levels = first_level == 6 ? "64 x 64, level 6 of 0 to 6, "
+                                                : fmt::format("64 x 64, levels {} to 6 of 0 to 6, ", first_level);
+    EXPECT_TRUE(contains(verify.out, levels)) << verify.out;
+    const ProgramResult info = multum({"info", path("map.ndf.exr")});
+    EXPECT_TRUE(contains(info.out, levels)) << info.out;
+    EXPECT_TRUE(contains(info.out, "beside the normal map itself, ")) << info.out;
+    EXPECT_TRUE(contains(info.out, fmt::format("\"first_level\":{}", first_level))) << info.out;
+    const std::string table = result.out.substr(result.out.find("measured error"));
+    EXPECT_TRUE(contains(info.out, table)) << "the bake printed\n" << table << "info prints\n" << info.out;
+  }
+}
+
+TEST_F(BakeCommandTest, EightLobesAndTheNormalMapAreMeasuredTogether) {
+  make_map("map", 16);
+  const ProgramResult bake = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--lobes", "8",
+                                     "--iterations", "1", "--first-level", "1"});
+  ASSERT_EQ(bake.exit_code, 0) << bake.err;
+  EXPECT_TRUE(contains(bake.out, "\n      0        0.00 | ")) << "each normal is its own at level 0\n" << bake.out;
+}
+
 TEST_F(BakeCommandTest, InfoCountsBytesOnTheGpu) {
   make_map("map", 64);
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure"}).exit_code, 0);
@@ -300,9 +360,10 @@ TEST_F(BakeCommandTest, AFileKeepsTheHighlightOfGlossyTiltedFlats) {
 TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
   const ProgramResult help = multum({"bake", "--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
-                           "{none,black,box3}=box3", "{black,clamp,periodic,mirror}", "--lobes INT=4",
-                           "--compression TEXT=zip", "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
+  for (const char* part :
+       {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
+        "{none,black,box3}=box3", "{black,clamp,periodic,mirror}", "--lobes INT=4", "--compression TEXT=zip",
+        "--first-level INT=0", "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;
   for (const char* part : {"->", "ENUM"}) EXPECT_FALSE(contains(help.out, part)) << part;
 }

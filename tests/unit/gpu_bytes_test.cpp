@@ -17,6 +17,8 @@ TEST(GpuBytes, OfABakedFile) {
   EXPECT_EQ(movmf_gpu_bytes(mipmap), 43u * 3 * 8);
   mipmap.encoding = StorageEncoding::kFloat;
   EXPECT_EQ(movmf_gpu_bytes(mipmap), 43u * 3 * 16);
+  drop_finer_levels(mipmap, 1);
+  EXPECT_EQ(movmf_gpu_bytes(mipmap), 11u * 3 * 16);
   MovmfMipmap coloured = testing::random_mipmap(8, 4, 3, true, StorageEncoding::kSnorm16, 1);
   EXPECT_EQ(movmf_gpu_bytes(coloured), 43u * 3 * 16) << "colours have four channels there";
 }

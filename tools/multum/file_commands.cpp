@@ -44,7 +44,8 @@ std::string size_text(std::uint64_t bytes) {
 // Beside what renderers usually keep of the same map.
 std::string on_the_gpu(const MovmfMipmap& file) {
   const std::uint64_t bytes = movmf_gpu_bytes(file), usual = usual_gpu_bytes(file.width(), file.height());
-  return fmt::format("on the GPU      {}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n", size_text(bytes),
+  return fmt::format("on the GPU      {}{}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n",
+                     size_text(bytes), file.first_level > 0 ? " beside the normal map itself" : "",
                      static_cast<double>(bytes) / static_cast<double>(usual), size_text(usual));
 }
 
@@ -55,8 +56,8 @@ int run_info(const std::string& path) {
   text += fmt::format("file            {}\n", path);
   text += fmt::format("representation  movmf: {} von Mises-Fisher lobes a texel{}\n", file.lobe_count(),
                       file.has_colours() ? ", with a colour a lobe" : "");
-  text += fmt::format("size            {} x {}, {} levels, wrap {}, {}\n", file.width(), file.height(),
-                      file.levels.size(), wrap_mode_name(file.wrap_s), wrap_mode_name(file.wrap_t));
+  text += fmt::format("size            {} x {}, {}, wrap {}, {}\n", file.width(), file.height(), levels_text(file),
+                      wrap_mode_name(file.wrap_s), wrap_mode_name(file.wrap_t));
   text += fmt::format("encoding        {}; kappa up to {:.0f} survives it\n", storage_encoding_name(file.encoding),
                       static_cast<double>(storage_kappa_max(file.encoding)));
   text += fmt::format("on disk         {}\n", size_text(std::filesystem::file_size(path)));
