@@ -29,7 +29,10 @@
 namespace multum {
 namespace {
 
-constexpr int kFormatVersion = 1;
+// Files are written in the least version that describes them, so that older readers refuse only what they would take
+// for something else.
+constexpr int kVersionWhole = 1;   // every level is stored
+constexpr int kVersionCoarse = 2;  // levels finer than multum:firstLevel are not: the parts begin there
 constexpr char kRepresentation[] = "movmf";
 constexpr int kSideMax = 1 << 20;
 
@@ -106,7 +109,8 @@ void set_text(Imf::Header& header, const char* name, const std::string& text) {
 Imf::Header make_header(const MovmfMipmap& mipmap, const PartLayout& part, const MovmfWriteOptions& options,
                         const std::string& content_hash) {
   const CompressionChoice choice = parse_compression(options.compression);
-  Imf::Header header(mipmap.width(), mipmap.height());
+  const MovmfLevel& finest = mipmap.levels[static_cast<std::size_t>(mipmap.first_level)];
+  Imf::Header header(finest.width, finest.height);
   header.setName(part.name);
   header.setType(Imf::TILEDIMAGE);
   header.compression() = choice.compression;
@@ -121,7 +125,10 @@ Imf::Header make_header(const MovmfMipmap& mipmap, const PartLayout& part, const
   set_text(header, "software", from.software);
   set_text(header, "colorInteropID", "data");
   set_text(header, "multum:representation", kRepresentation);
-  header.insert("multum:formatVersion", Imf::IntAttribute(kFormatVersion));
+  header.insert("multum:formatVersion", Imf::IntAttribute(mipmap.first_level > 0 ? kVersionCoarse : kVersionWhole));
+  header.insert("multum:mapWidth", Imf::IntAttribute(mipmap.width()));
+  header.insert("multum:mapHeight", Imf::IntAttribute(mipmap.height()));
+  header.insert("multum:firstLevel", Imf::IntAttribute(mipmap.first_level));
   header.insert("multum:lobeCount", Imf::IntAttribute(mipmap.lobe_count()));
   header.insert("multum:hasColours", Imf::IntAttribute(mipmap.has_colours() ? 1 : 0));
   set_text(header, "multum:encoding", storage_encoding_name(mipmap.encoding));
@@ -159,7 +166,7 @@ void write_part(Imf::MultiPartOutputFile& file, int part_index, const PartLayout
   const Imf::PixelType type = pixel_type(mipmap.encoding, part.colour);
   std::vector<half> halfs;
   for (int l = 0; l < out.numLevels(); ++l) {
-    const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
+    const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(mipmap.first_level + l)];
     const float* values = part.values(level);
     if (type == Imf::HALF) {
       halfs.resize(value_count(level, part));
@@ -205,26 +212,55 @@ WrapMode parse_wrap(const std::string& name, const std::string& path) {
   return *mode;
 }
 
-// Everything but pixels, from the first part's header.
-MovmfMipmap parse_header(const Imf::MultiPartInputFile& file, const std::string& path) {
-  const Imf::Header& header = file.header(0);
-  const std::string representation = text_attribute(header, "multum:representation", path);
-  if (representation != kRepresentation) refuse(path, "representation '" + representation + "'", "'movmf'");
-  const int version = int_attribute(header, "multum:formatVersion", path);
-  if (version != kFormatVersion)
-    refuse(path, fmt::format("format version {}", version), fmt::format("version {}", kFormatVersion));
-  const int lobe_count = int_attribute(header, "multum:lobeCount", path);
-  if (lobe_count < 1 || lobe_count > kLobeCountMax)
-    refuse(path, fmt::format("{} lobes", lobe_count), fmt::format("1 to {}", kLobeCountMax));
-  const bool has_colours = int_attribute(header, "multum:hasColours", path) != 0;
+struct StoredLevels {
+  int map_width, map_height;
+  int first_level;  // its size is the data window's
+};
+
+StoredLevels parse_stored_levels(const Imf::Header& header, int version, const std::string& path) {
   const Imath::Box2i window = header.dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
   if (window.min.x != 0 || window.min.y != 0 || width < 1 || height < 1 || width > kSideMax || height > kSideMax)
     refuse(path, fmt::format("a data window of {} x {} at ({}, {})", width, height, window.min.x, window.min.y),
            fmt::format("a map of 1 to {} texels a side at (0, 0)", kSideMax));
+  if (version == kVersionWhole) return {static_cast<int>(width), static_cast<int>(height), 0};
+  const StoredLevels stored = {int_attribute(header, "multum:mapWidth", path),
+                               int_attribute(header, "multum:mapHeight", path),
+                               int_attribute(header, "multum:firstLevel", path)};
+  const auto is_side = [](int side) { return side >= 1 && side <= kSideMax; };
+  if (!is_side(stored.map_width) || !is_side(stored.map_height))
+    refuse(path, fmt::format("a map of {} x {}", stored.map_width, stored.map_height),
+           fmt::format("1 to {} texels a side", kSideMax));
+  const int level_max = mip_level_count(stored.map_width, stored.map_height) - 1;
+  if (stored.first_level < 0 || stored.first_level > level_max)
+    refuse(path, fmt::format("first level {}", stored.first_level), fmt::format("0 to {}", level_max));
+  const int level_width = mip_level_size(stored.map_width, stored.first_level);
+  const int level_height = mip_level_size(stored.map_height, stored.first_level);
+  if (width != level_width || height != level_height)
+    refuse(path, fmt::format("a data window of {} x {}", width, height),
+           fmt::format("{} x {}, level {} of a map of {} x {}", level_width, level_height, stored.first_level,
+                       stored.map_width, stored.map_height));
+  return stored;
+}
+
+// Everything but pixels, from the first part's header.
+MovmfMipmap parse_header(const Imf::MultiPartInputFile& file, const std::string& path) {
+  const Imf::Header& header = file.header(0);
+  const std::string representation = text_attribute(header, "multum:representation", path);
+  if (representation != kRepresentation) refuse(path, "representation '" + representation + "'", "'movmf'");
+  const int version = int_attribute(header, "multum:formatVersion", path);
+  if (version != kVersionWhole && version != kVersionCoarse)
+    refuse(path, fmt::format("format version {}", version),
+           fmt::format("version {} or {}", kVersionWhole, kVersionCoarse));
+  const int lobe_count = int_attribute(header, "multum:lobeCount", path);
+  if (lobe_count < 1 || lobe_count > kLobeCountMax)
+    refuse(path, fmt::format("{} lobes", lobe_count), fmt::format("1 to {}", kLobeCountMax));
+  const bool has_colours = int_attribute(header, "multum:hasColours", path) != 0;
+  const StoredLevels stored = parse_stored_levels(header, version, path);
 
   MovmfMipmap mipmap;
+  mipmap.first_level = stored.first_level;
   mipmap.encoding = parse_encoding(text_attribute(header, "multum:encoding", path), path);
   const std::string wraps = Imf::hasWrapmodes(header) ? Imf::wrapmodes(header) : "periodic";
   const std::size_t comma = wraps.find(',');
@@ -237,11 +273,10 @@ MovmfMipmap parse_header(const Imf::MultiPartInputFile& file, const std::string&
                        text_attribute(header, "multum:settingsHash", path),
                        text_attribute(header, "multum:measuredError", path),
                        text_attribute(header, "multum:contentHash", path)};
-  const int levels = mip_level_count(static_cast<int>(width), static_cast<int>(height));
-  for (int l = 0; l < levels; ++l) {
+  for (int l = 0; l < mip_level_count(stored.map_width, stored.map_height); ++l) {
     MovmfLevel level;
-    level.width = mip_level_size(static_cast<int>(width), l);
-    level.height = mip_level_size(static_cast<int>(height), l);
+    level.width = mip_level_size(stored.map_width, l);
+    level.height = mip_level_size(stored.map_height, l);
     level.lobes.resize(static_cast<std::size_t>(lobe_count));
     if (has_colours) level.colours.resize(static_cast<std::size_t>(lobe_count));
     mipmap.levels.push_back(std::move(level));
@@ -274,7 +309,7 @@ void check_part(const Imf::MultiPartInputFile& file, int index, const PartLayout
 void read_part(Imf::MultiPartInputFile& file, int part_index, const PartLayout& part, MovmfMipmap& mipmap) {
   Imf::TiledInputPart in(file, part_index);
   for (int l = 0; l < in.numLevels(); ++l) {
-    MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
+    MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(mipmap.first_level + l)];
     const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
     const auto lobe = static_cast<std::size_t>(part.lobe);
     if (part.colour) level.colours[lobe].resize(texels);
@@ -322,13 +357,33 @@ int mip_level_count(int width, int height) {
   return count;
 }
 
+std::string levels_text(const MovmfMipmap& mipmap) {
+  const std::size_t count = mipmap.levels.size();
+  if (mipmap.first_level == 0) return fmt::format("{} levels", count);
+  const int coarsest = static_cast<int>(count) - 1;
+  if (mipmap.first_level == coarsest) return fmt::format("level {} of 0 to {}", coarsest, coarsest);
+  return fmt::format("levels {} to {} of 0 to {}", mipmap.first_level, coarsest, coarsest);
+}
+
+void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
+  MULTUM_CHECK(first_level >= mipmap.first_level && first_level < static_cast<int>(mipmap.levels.size()));
+  for (int l = 0; l < first_level; ++l) {
+    MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
+    for (auto& lobe : level.lobes) lobe = std::vector<glm::vec4>();  // = {} would keep the memory
+    for (auto& colour : level.colours) colour = std::vector<glm::vec3>();
+  }
+  mipmap.first_level = first_level;
+}
+
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
   const std::vector<PartLayout> parts = part_layouts(mipmap.lobe_count(), mipmap.has_colours());
-  std::vector<std::string> digests(parts.size() * mipmap.levels.size());
+  const auto first_level = static_cast<std::size_t>(mipmap.first_level);
+  const std::size_t level_count = mipmap.levels.size() - first_level;
+  std::vector<std::string> digests(parts.size() * level_count);
   for_each_item(static_cast<int>(digests.size()), threads, [&](int item) {
     const auto i = static_cast<std::size_t>(item);
-    const PartLayout& part = parts[i / mipmap.levels.size()];
-    const MovmfLevel& level = mipmap.levels[i % mipmap.levels.size()];
+    const PartLayout& part = parts[i / level_count];
+    const MovmfLevel& level = mipmap.levels[first_level + i % level_count];
     ContentHash hash;
     hash.update(part.values(level), value_count(level, part) * sizeof(float));
     digests[i] = hash.finish();
@@ -343,7 +398,9 @@ void validate(const MovmfWriteOptions& options) { parse_compression(options.comp
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options,
                         Progress* progress) {
   MULTUM_CHECK(mipmap.lobe_count() >= 1 && mipmap.lobe_count() <= kLobeCountMax);
-  MULTUM_CHECK(static_cast<int>(mipmap.levels.size()) == mip_level_count(mipmap.width(), mipmap.height()));
+  const int level_count = static_cast<int>(mipmap.levels.size());
+  MULTUM_CHECK(level_count == mip_level_count(mipmap.width(), mipmap.height()));
+  MULTUM_CHECK(mipmap.first_level >= 0 && mipmap.first_level < level_count);
   const std::vector<PartLayout> parts = part_layouts(mipmap.lobe_count(), mipmap.has_colours());
   const std::string content_hash = movmf_content_hash(mipmap, options.threads);
   std::vector<Imf::Header> headers;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -50,18 +51,28 @@ struct MovmfProvenance {
   std::string content_hash;    // of every channel value in the file; filled by write and read, see movmf_content_hash()
 };
 
+/// Levels are numbered as those of the map, whatever is stored: levels[l] is level l. Those finer than `first_level`
+/// have their size and no texels: renderers take them from the normal map itself.
 struct MovmfMipmap {
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   MovmfProvenance provenance;
+  int first_level = 0;             // the finest level that is stored, 0..levels - 1
   std::vector<MovmfLevel> levels;  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
 
+  // Of the map, that is, of level 0.
   int width() const { return levels.empty() ? 0 : levels.front().width; }
   int height() const { return levels.empty() ? 0 : levels.front().height; }
   int lobe_count() const { return levels.empty() ? 0 : static_cast<int>(levels.front().lobes.size()); }
   bool has_colours() const { return !levels.empty() && !levels.front().colours.empty(); }
 };
+
+/// "7 levels" where all are stored, else "levels 1 to 6 of 0 to 6", "level 6 of 0 to 6".
+std::string levels_text(const MovmfMipmap& mipmap);
+
+/// Takes the texels of levels finer than `first_level` away; what is left is as it was.
+void drop_finer_levels(MovmfMipmap& mipmap, int first_level);
 
 /// Number of ROUND_DOWN levels of a width x height map: 1 + floor(log2(max(width, height))).
 int mip_level_count(int width, int height);
@@ -76,8 +87,8 @@ struct MovmfWriteOptions {
 /// Throws Error(kUsage) for an unknown compression: before a bake, not after it.
 void validate(const MovmfWriteOptions& options);
 
-/// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's levels, lobes before colours, part by part,
-/// finest level first; a level's digest covers its rows as little-endian 32-bit floats in channel order
+/// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's stored levels, lobes before colours, part by
+/// part, finest level first; a level's digest covers its rows as little-endian 32-bit floats in channel order
 /// (docs/FORMAT.md).
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 
@@ -96,6 +107,14 @@ MovmfMipmap read_movmf_header(const std::string& path);
 /// Largest kappa whose spread (1/kappa) a lobe of amplitude 1 keeps to within about a quarter; sharper lobes are stored
 /// sharper, up to a single direction.
 float storage_kappa_max(StorageEncoding encoding);
+
+/// Lobes of a level, before rounding, whose spread is not kept: sharper than storage_kappa_max(), but no single
+/// direction, which every encoding keeps. None for kFloat.
+struct SharpLobes {
+  std::uint64_t count = 0;
+  double amplitude = 0.0;  // their sum: texels' worth of normals
+};
+SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
 /// Rounds every value to what `mipmap.encoding` stores. The rule (docs/FORMAT.md, "Rounding"): amplitudes sum to 1
 /// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1.

@@ -140,9 +140,38 @@ float storage_kappa_max(StorageEncoding encoding) {
   return 0.0f;
 }
 
+SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads) {
+  if (encoding == StorageEncoding::kFloat) return {};  // rounds nothing
+  // Of less than the least amplitude that snorm16 stores nobody sees the spread.
+  constexpr float kAmplitudeMin = 1.0f / kSnormSteps;
+  const double spread_min = 1.0 / static_cast<double>(storage_kappa_max(encoding));
+  std::vector<SharpLobes> rows(static_cast<std::size_t>(level.height));
+  const auto width = static_cast<std::size_t>(level.width);
+  for_each_item(level.height, threads, [&](int y) {
+    const std::size_t first = static_cast<std::size_t>(y) * width;
+    for (const std::vector<glm::vec4>& lobes : level.lobes)
+      for (std::size_t i = first; i < first + width; ++i) {
+        const glm::dvec4 lobe(lobes[i]);
+        if (lobes[i].w < kAmplitudeMin) continue;
+        const double spread = 1.0 - glm::length(glm::dvec3(lobe)) / lobe.w;
+        if (spread <= kSpreadZero || spread >= spread_min) continue;
+        SharpLobes& row = rows[static_cast<std::size_t>(y)];
+        ++row.count;
+        row.amplitude += lobe.w;
+      }
+  });
+  SharpLobes all;
+  for (const SharpLobes& row : rows) {
+    all.count += row.count;
+    all.amplitude += row.amplitude;
+  }
+  return all;
+}
+
 void quantize_movmf(MovmfMipmap& mipmap, int threads) {
   if (mipmap.encoding == StorageEncoding::kFloat) return;
-  for (MovmfLevel& level : mipmap.levels) {
+  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
+    MovmfLevel& level = mipmap.levels[l];
     const auto width = static_cast<std::size_t>(level.width);
     for_each_item(level.height, threads, [&](int row) {
       const std::size_t first = static_cast<std::size_t>(row) * width;

@@ -68,18 +68,17 @@ std::string at(const MovmfMipmap& mipmap, const Worst& worst) {
 std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads) {
   const MovmfMipmap mipmap = read_movmf_mipmap(path);
   std::vector<VerifyFinding> findings;
-  findings.push_back(
-      {"structure", true,
-       fmt::format("{} x {}, {} levels, {} lobes{}, encoding {}", mipmap.width(), mipmap.height(), mipmap.levels.size(),
-                   mipmap.lobe_count(), mipmap.has_colours() ? " with colours" : "",
-                   storage_encoding_name(mipmap.encoding))});
+  findings.push_back({"structure", true,
+                      fmt::format("{} x {}, {}, {} lobes{}, encoding {}", mipmap.width(), mipmap.height(),
+                                  levels_text(mipmap), mipmap.lobe_count(), mipmap.has_colours() ? " with colours" : "",
+                                  storage_encoding_name(mipmap.encoding))});
   const std::string hash = movmf_content_hash(mipmap, threads);
   findings.push_back({"checksum", hash == mipmap.provenance.content_hash,
                       hash == mipmap.provenance.content_hash
                           ? hash
                           : "found " + hash + ", expected " + mipmap.provenance.content_hash + " as the header says"});
   Scan scan;
-  for (int l = 0; l < static_cast<int>(mipmap.levels.size()); ++l) scan_level(mipmap, l, scan);
+  for (int l = mipmap.first_level; l < static_cast<int>(mipmap.levels.size()); ++l) scan_level(mipmap, l, scan);
   findings.push_back({"finite", scan.nonfinite == 0, fmt::format("{} non-finite values, expected 0", scan.nonfinite)});
   const double sum_limit = static_cast<double>(amplitude_tolerance(mipmap.encoding));
   findings.push_back({"sum of a", scan.sum_error.value <= sum_limit,

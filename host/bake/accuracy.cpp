@@ -92,34 +92,61 @@ std::vector<SamplePoint> make_points(const MovmfMipmap& mipmap, const AccuracySe
   return points;
 }
 
-// T(a y) of a lobe in one colour channel.
-double filtered_colour(const MovmfMipmap& mipmap, const SamplePoint& point, std::size_t lobe, int channel) {
-  double sum = 0.0;
-  for (int t = 0; t < point.tap_count; ++t) {
-    const Tap& tap = point.taps[static_cast<std::size_t>(t)];
-    const auto& colours = mipmap.levels[static_cast<std::size_t>(tap.level)].colours[lobe];
-    sum += tap.weight * static_cast<double>(colours[static_cast<std::size_t>(tap.texel)][channel]);
+// What a renderer reads at a tap: a stored lobe of its texel, or, of levels that are not stored, the average of the
+// normal map (and of the colour map) over the texel as one more lobe behind those, of amplitude 1.
+class TapReader {
+ public:
+  TapReader(const MovmfMipmap& mipmap, const NormalMap& map, const ColourMap* albedo)
+      : mipmap_(mipmap), map_(map), albedo_(albedo) {}
+
+  std::size_t lobe_count() const {
+    return static_cast<std::size_t>(mipmap_.lobe_count()) + (mipmap_.first_level > 0 ? 1 : 0);
   }
-  return sum;
-}
+  glm::dvec4 lobe(const Tap& tap, std::size_t lobe) const {
+    if (!has_lobe(tap, lobe)) return glm::dvec4(0.0);
+    if (tap.level < mipmap_.first_level) return {average(tap, {&map_.x, &map_.y, &map_.z}), 1.0};
+    return glm::dvec4(stored(tap).lobes[lobe][static_cast<std::size_t>(tap.texel)]);
+  }
+  /// a y in one channel.
+  double colour(const Tap& tap, std::size_t lobe, int channel) const {
+    if (!has_lobe(tap, lobe)) return 0.0;
+    if (tap.level < mipmap_.first_level) return average(tap, {&albedo_->r, &albedo_->g, &albedo_->b})[channel];
+    return static_cast<double>(stored(tap).colours[lobe][static_cast<std::size_t>(tap.texel)][channel]);
+  }
+
+ private:
+  bool has_lobe(const Tap& tap, std::size_t lobe) const {
+    const bool is_map = lobe == static_cast<std::size_t>(mipmap_.lobe_count());
+    return is_map == (tap.level < mipmap_.first_level);
+  }
+  const MovmfLevel& stored(const Tap& tap) const { return mipmap_.levels[static_cast<std::size_t>(tap.level)]; }
+  glm::dvec3 average(const Tap& tap, const std::array<const std::vector<float>*, 3>& planes) const {
+    const MovmfLevel& level = mipmap_.levels[static_cast<std::size_t>(tap.level)];
+    return average_over_texel(planes, {map_.width, map_.height}, {level.width, level.height}, tap.texel);
+  }
+
+  const MovmfMipmap& mipmap_;
+  const NormalMap& map_;
+  const ColourMap* albedo_;
+};
 
 // The lobes at each point as hardware filtering gives them; multiplied by their colours in `channel` unless null:
 // shading is linear in (a r, a), so T(a y) / T(a) times the lobe shades to T(a y) times its shape.
-std::vector<glm::vec4> filtered_lobes(const MovmfMipmap& mipmap, const std::vector<SamplePoint>& points,
+std::vector<glm::vec4> filtered_lobes(const TapReader& reader, const std::vector<SamplePoint>& points,
                                       std::size_t first, std::size_t count, const int* channel) {
-  const auto lobe_count = static_cast<std::size_t>(mipmap.lobe_count());
+  const std::size_t lobe_count = reader.lobe_count();
   std::vector<glm::vec4> lobes(count * lobe_count);
   for (std::size_t i = 0; i < count; ++i) {
     const SamplePoint& point = points[first + i];
     for (std::size_t j = 0; j < lobe_count; ++j) {
       glm::dvec4 sum(0.0);
+      double colour = 0.0;
       for (int t = 0; t < point.tap_count; ++t) {
         const Tap& tap = point.taps[static_cast<std::size_t>(t)];
-        sum += tap.weight *
-               glm::dvec4(
-                   mipmap.levels[static_cast<std::size_t>(tap.level)].lobes[j][static_cast<std::size_t>(tap.texel)]);
+        sum += tap.weight * reader.lobe(tap, j);
+        if (channel != nullptr) colour += tap.weight * reader.colour(tap, j, *channel);
       }
-      if (channel != nullptr && sum.w > 0.0) sum *= filtered_colour(mipmap, point, j, *channel) / sum.w;
+      if (channel != nullptr && sum.w > 0.0) sum *= colour / sum.w;
       lobes[i * lobe_count + j] = glm::vec4(sum);
     }
   }
@@ -145,6 +172,7 @@ class AccuracyMeter {
         mipmap_(mipmap),
         map_(map),
         settings_(settings),
+        reader_(mipmap, map, settings.albedo),
         points_(make_points(mipmap, settings)),
         brdf_count_((settings.exponents.size() + 1) * (settings.albedo != nullptr ? 2 : 1)),
         difference_(points_.size() * brdf_count_, 0.0),
@@ -191,14 +219,14 @@ class AccuracyMeter {
     const DeviceBuffer light_buffer = device_.wrap_buffer(lights.data(), lights.size() * sizeof(glm::vec4), "lights");
     const DeviceBuffer exponent_buffer =
         device_.wrap_buffer(exponents.data(), exponents.size() * sizeof(float), "exponents");
-    Kernel kernel = device_.kernel("movmf_shade", "movmf_shade", {mipmap_.lobe_count(), 1, false});
+    Kernel kernel = device_.kernel("movmf_shade", "movmf_shade", {static_cast<int>(reader_.lobe_count()), 1, false});
     model_.resize(points_.size() * value_count_);
     constexpr std::size_t kBatch = 1 << 16;
     DeviceBuffer values =
         device_.make_buffer(std::min(kBatch, points_.size()) * value_count_ * sizeof(float), "shaded values");
     for (std::size_t first = 0; first < points_.size(); first += kBatch) {
       const std::size_t count = std::min(kBatch, points_.size() - first);
-      const std::vector<glm::vec4> lobes = filtered_lobes(mipmap_, points_, first, count, channel);
+      const std::vector<glm::vec4> lobes = filtered_lobes(reader_, points_, first, count, channel);
       const DeviceBuffer lobe_buffer =
           device_.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "filtered lobes");
       kernel.launch({count}, lobe_buffer, half_buffer, light_buffer, exponent_buffer, values, static_cast<int>(count),
@@ -307,6 +335,7 @@ class AccuracyMeter {
   const MovmfMipmap& mipmap_;
   const NormalMap& map_;
   const AccuracySettings settings_;
+  const TapReader reader_;
   const std::vector<SamplePoint> points_;
   const std::size_t brdf_count_;  // exponents, then Lambert
   std::size_t value_count_ = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers, in double.
 // Model: the stored, rounded lobes, filtered linearly and shaded by the runtime's formula (kernels/movmf_shade.cl).
+// Levels finer than the first that is stored: the normal map's own mips, in float, each texel one lobe with the mean
+// vector of the normals that it covers; between them and the stored levels both are shaded and mixed, as renderers do.
 // Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set of lights and views, of the
 // BRDF's convolution alone, f without n . l (docs/ALGORITHMS.md).
 #pragma once

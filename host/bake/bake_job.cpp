@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -51,6 +52,33 @@ std::string all_settings_json(const BakeJob& job) {
   return json.dump();
 }
 
+// Lobes sharper than the storage keeps: counted, and warned of where they stand for more of the map than this. Every
+// map has some at level 1, around two or three normals that are nearly alike. Measured on the test folder, snorm16: 2
+// to 28 % of ordinary maps, 36 to 57 % of surfaces with slopes of 0.01 rms, which only a glossy material shows.
+constexpr double kBeyondStorageNoted = 1.0 / 3.0;
+
+void count_beyond_storage(const BakeJob& job, const MovmfMipmap& mipmap, BakeReport& report) {
+  double amplitude = 0.0, texels = 0.0;
+  // Level 0 has single directions alone.
+  for (std::size_t l = static_cast<std::size_t>(std::max(1, mipmap.first_level)); l < mipmap.levels.size(); ++l) {
+    const MovmfLevel& level = mipmap.levels[l];
+    const SharpLobes sharp = count_sharp_lobes(level, mipmap.encoding, job.threads);
+    report.beyond_storage += sharp.count;
+    amplitude += sharp.amplitude;
+    texels += static_cast<double>(level.width) * level.height;
+  }
+  if (texels > 0.0) report.beyond_storage_share = amplitude / texels;
+  if (report.beyond_storage_share <= kBeyondStorageNoted) return;
+  const auto kappa_max = static_cast<double>(storage_kappa_max(mipmap.encoding));
+  log_warning(fmt::format(
+      "{}: {} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
+      "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp; {}",
+      job.input, report.beyond_storage, 100.0 * report.beyond_storage_share, kappa_max,
+      storage_encoding_name(mipmap.encoding), kappa_max,
+      mipmap.encoding == StorageEncoding::kHalf ? "--data-format snorm16 keeps kappa up to 20000, float more"
+                                                : "--data-format float keeps them"));
+}
+
 // Programs choose a reader by the extension: a baked file named .png would be taken for a broken picture.
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
@@ -79,15 +107,17 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   for (const std::string& warning : map.report.warnings) log_warning(job.input + ": " + warning);
   clock.finish("read");
 
+  validate(job.fitting, map.width, map.height);
   // Measuring and writing count as about a level's work each.
   const std::uint64_t level_units =
       movmf_bake_units(map.width, map.height) / static_cast<std::uint64_t>(mip_level_count(map.width, map.height));
-  progress_start(progress, movmf_bake_units(map.width, map.height) + 2 * level_units);
+  progress_start(progress, movmf_bake_units(map.width, map.height, job.fitting.first_level) + 2 * level_units);
   MovmfMipmap mipmap = bake_movmf(device, map, albedo ? &*albedo : nullptr, fitting_settings(job), report, progress);
   mipmap.encoding = job.encoding;
   mipmap.wrap_s = job.reading.wrap_s;
   mipmap.wrap_t = job.reading.wrap_t;
   clock.finish("fit");
+  count_beyond_storage(job, mipmap, report);
   quantize_movmf(mipmap, job.threads);
   clock.finish("round");
   if (job.measure) {

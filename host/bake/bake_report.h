@@ -40,6 +40,10 @@ struct BakeReport {
   std::uint64_t kappa_clamped = 0;  // sharper than MovmfSettings::kappa_cap: EM may have fitted them as if less sharp
   std::uint64_t dead_lobes = 0;     // amplitude below 1e-6; below 1e-7 (DEAD_SHARE) EM keeps its last direction
   std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
+  // Lobes of levels coarser than 0 whose spread the storage does not keep, and the share of those levels' normals that
+  // they stand for (host/asset/movmf_mipmap.h, SharpLobes).
+  std::uint64_t beyond_storage = 0;
+  double beyond_storage_share = 0.0;
   std::vector<AccuracyRow> accuracy;
 
   std::string to_json() const;

@@ -10,6 +10,8 @@
 namespace multum {
 namespace {
 
+constexpr int kLevelMax = 15;  // of a map of 32768 texels a side
+
 template <typename Value>
 void check_range(const char* name, Value value, Value low, Value high) {
   if (!(value >= low && value <= high))
@@ -27,6 +29,7 @@ void validate(const MovmfSettings& s) {
   check_range("the iteration count of further sweeps", s.iteration_count_again, 1, 1000);
   check_range("the change at which texels are settled", s.settled_change, 0.0f, 0.1f);
   check_range("--align", s.alignment, 0.0f, 10.0f);
+  check_range("--first-level", s.first_level, 0, kLevelMax);
   check_range("--kappa-cap", s.kappa_cap, 1.0f, 1.0e5f);
   check_range("the slope of the kappa cap", s.kappa_cap_slope, 0.0f, 1000.0f);
   check_range("the kappa factor of starts", s.start_kappa_factor, 0.01f, 1.0f);
@@ -49,6 +52,7 @@ std::string settings_json(const MovmfSettings& s) {
   json["rehearse_start"] = s.rehearse_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json["aligned_start"] = s.aligned_start;
+  json["first_level"] = s.first_level;
   json["kappa_cap"] = s.kappa_cap;
   json["kappa_cap_slope"] = s.kappa_cap_slope;
   json["start_kappa_factor"] = s.start_kappa_factor;

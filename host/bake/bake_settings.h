@@ -33,6 +33,9 @@ struct MovmfSettings {
   // The map repeats: texels are held to those beyond the border as well. bake_file() sets them by its wrap modes.
   bool periodic_x = false;
   bool periodic_y = false;
+  // The finest level that is fitted, 0..levels - 1; no level depends on a finer one. The result has those finer than
+  // this without texels.
+  int first_level = 0;
   bool aligned_start = true;  // false: every texel starts by itself (for comparison: filtering then mixes lobes up)
   // Cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals (what a lobe stores is its
   // normals' own spread, whatever the cap).

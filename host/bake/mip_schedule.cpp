@@ -102,7 +102,7 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
   MipSchedule schedule;
   schedule.weighted = weighted || !covers_whole_texels(map_width) || !covers_whole_texels(map_height);
   const int level_count = mip_level_count(map_width, map_height);
-  for (int l = level_count - 1; l >= 1; --l) {
+  for (int l = level_count - 1; l >= std::max(1, settings.first_level); --l) {
     LevelSchedule level{};
     level.level = l;
     MultumMovmfFit& fit = level.fit;

@@ -47,13 +47,15 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const NormalMap& map, co
   std::size_t best = 0;
   // Levels that do not grow from the coarsest cannot tell starts apart.
   if (settings.rehearse_start && settings.aligned_start && candidates.size() > 1) {
+    MovmfSettings whole = settings;
+    whole.first_level = 0;  // of the likeness, which has fewer levels than the map
     const NormalMap likeness = sample_likeness(map, kLikenessSide, search.seed);
     MovmfFitPlan plan;
     plan.weighted = make_mip_schedule(map.width, map.height, settings).weighted;  // no second set of programs
     double least = HUGE_VAL;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       plan.top_start = candidates[c];
-      const double error = rehearse(device, likeness, settings, plan);
+      const double error = rehearse(device, likeness, whole, plan);
       ++report.starts_rehearsed;
       if (error >= least) continue;
       least = error;
@@ -67,12 +69,20 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const NormalMap& map, co
 
 }  // namespace
 
+void validate(const MovmfSettings& settings, int map_width, int map_height) {
+  validate(settings);
+  if (map_width > 32768 || map_height > 32768)
+    throw Error(ErrorCode::kInput,
+                fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map_width, map_height));
+  const int level_max = mip_level_count(map_width, map_height) - 1;
+  if (settings.first_level > level_max)
+    throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
+                                               settings.first_level, level_max, map_width, map_height));
+}
+
 MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
                        BakeReport& report, Progress* progress) {
-  validate(settings);
-  if (map.width > 32768 || map.height > 32768)
-    throw Error(ErrorCode::kInput,
-                fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map.width, map.height));
+  validate(settings, map.width, map.height);
   MULTUM_CHECK(albedo == nullptr || (albedo->width == map.width && albedo->height == map.height));
   progress_stage(progress, "choose a start");
   const MovmfFitPlan plan{choose_start(device, map, settings, report), false};
@@ -83,8 +93,8 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
   return mipmap;
 }
 
-std::uint64_t movmf_bake_units(int width, int height) {
-  return static_cast<std::uint64_t>(mip_level_count(width, height)) * static_cast<std::uint64_t>(width) *
+std::uint64_t movmf_bake_units(int width, int height, int first_level) {
+  return static_cast<std::uint64_t>(mip_level_count(width, height) - first_level) * static_cast<std::uint64_t>(width) *
          static_cast<std::uint64_t>(height);
 }
 

@@ -14,13 +14,16 @@
 
 namespace multum {
 
+/// validate() and what the map's size sets limits to. Throws Error(kInput) for a map that is too large, Error(kUsage).
+void validate(const MovmfSettings& settings, int map_width, int map_height);
+
 /// `albedo` may be null. Counts and times go to `report`. The result's values are exact to float, not yet rounded to
 /// what the file stores (quantize_movmf). Throws Error(kUsage) for settings out of range, Error(kEnvironment) when the
-/// device cannot hold the map, Cancelled.
+/// device cannot hold the map, Cancelled. Of levels finer than settings.first_level there are sizes alone.
 MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
                        BakeReport& report, Progress* progress);
 
 /// Units of progress that bake_movmf() advances by.
-std::uint64_t movmf_bake_units(int width, int height);
+std::uint64_t movmf_bake_units(int width, int height, int first_level = 0);
 
 }  // namespace multum

@@ -54,11 +54,13 @@ class MovmfFitter {
       level.lobes.resize(lobe_count());
       if (albedo_ != nullptr) level.colours.resize(lobe_count());
     }
+    result_.first_level = settings.first_level;
   }
 
   MovmfMipmap run() {
     for (const LevelSchedule& level : schedule_.levels) fit_level(level);
-    fit_level_zero();
+    if (settings_.first_level == 0) fit_level_zero();
+    report_.levels.erase(report_.levels.begin(), report_.levels.begin() + settings_.first_level);
     return std::move(result_);
   }
 

@@ -2,6 +2,8 @@
 #include "runtime_gl/materials/movmf_material.h"
 
 #include "host/base/error.h"
+#include "runtime_gl/materials/mip_texture.h"
+#include "runtime_gl/materials/normal_material.h"
 
 namespace multum::gl {
 namespace {
@@ -11,7 +13,10 @@ void check_mipmap(const MovmfMipmap& mipmap) {
   if (lobe_count < 1 || lobe_count > kLobeCountMax)
     throw Error(ErrorCode::kInput, "a baked map with " + std::to_string(lobe_count) + " lobes; 1 to " +
                                        std::to_string(kLobeCountMax) + " can be drawn");
-  for (std::size_t l = 0; l < mipmap.levels.size(); ++l) {
+  if (mipmap.first_level < 0 || static_cast<std::size_t>(mipmap.first_level) >= mipmap.levels.size())
+    throw Error(ErrorCode::kInput, "a baked map of " + std::to_string(mipmap.levels.size()) +
+                                       " levels whose first is level " + std::to_string(mipmap.first_level));
+  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
     const MovmfLevel& level = mipmap.levels[l];
     const int width = mip_level_size(mipmap.width(), static_cast<int>(l));
     const int height = mip_level_size(mipmap.height(), static_cast<int>(l));
@@ -27,12 +32,15 @@ void check_mipmap(const MovmfMipmap& mipmap) {
   }
 }
 
+// A texture's level 0 is the first level that is stored.
 void upload_colours(Texture& texture, const MovmfMipmap& mipmap, std::size_t lobe) {
-  for (std::size_t l = 0; l < mipmap.levels.size(); ++l) {
+  for (int l = 0; l < texture.shape().level_count; ++l) {
+    const std::vector<glm::vec3>& colours =
+        mipmap.levels[static_cast<std::size_t>(mipmap.first_level + l)].colours[lobe];
     std::vector<glm::vec4> rgba;
-    rgba.reserve(mipmap.levels[l].colours[lobe].size());
-    for (const glm::vec3& colour : mipmap.levels[l].colours[lobe]) rgba.emplace_back(colour, 1.0f);
-    texture.upload_level(static_cast<int>(l), &rgba[0].x);
+    rgba.reserve(colours.size());
+    for (const glm::vec3& colour : colours) rgba.emplace_back(colour, 1.0f);
+    texture.upload_level(l, &rgba[0].x);
   }
 }
 
@@ -47,17 +55,29 @@ TexelFormat texel_format(StorageEncoding encoding) {
   return TexelFormat::kRgba32f;
 }
 
-MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy) {
+MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
+                             const NormalImage* source) {
   check_mipmap(mipmap);
   const auto lobe_count = static_cast<std::size_t>(mipmap.lobe_count());
-  const int level_count = static_cast<int>(mipmap.levels.size());
+  const int level_count = static_cast<int>(mipmap.levels.size()) - mipmap.first_level;
+  const MovmfLevel& finest = mipmap.levels[static_cast<std::size_t>(mipmap.first_level)];
   const SamplerSettings sampler{mipmap.wrap_s, mipmap.wrap_t, true, anisotropy};
-  const TextureShape shape{mipmap.width(), mipmap.height(), level_count, texel_format(mipmap.encoding)};
+  const TextureShape shape{finest.width, finest.height, level_count, texel_format(mipmap.encoding)};
   lobes_.reserve(lobe_count);
   for (std::size_t j = 0; j < lobe_count; ++j) {
     lobes_.emplace_back(gl, "lobe " + std::to_string(j), shape, sampler);
     for (int l = 0; l < level_count; ++l)
-      lobes_[j].upload_level(l, &mipmap.levels[static_cast<std::size_t>(l)].lobes[j][0].x);
+      lobes_[j].upload_level(l, &mipmap.levels[static_cast<std::size_t>(mipmap.first_level + l)].lobes[j][0].x);
+  }
+  if (mipmap.first_level > 0) {
+    if (source == nullptr || source->width != mipmap.width() || source->height != mipmap.height())
+      throw Error(ErrorCode::kInput, "the finest levels of the baked map are not stored: found " +
+                                         (source == nullptr ? std::string("no normal map")
+                                                            : "a normal map of " + std::to_string(source->width) +
+                                                                  " x " + std::to_string(source->height)) +
+                                         ", expected the one of " + std::to_string(mipmap.width()) + " x " +
+                                         std::to_string(mipmap.height()) + " texels that was baked");
+    add_finest_levels(gl, mipmap, *source, sampler);
   }
   if (!mipmap.has_colours()) return;
   TextureShape colour_shape = shape;
@@ -69,10 +89,25 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
   }
 }
 
+void MovmfMaterial::add_finest_levels(const GlFunctions& gl, const MovmfMipmap& mipmap, const NormalImage& source,
+                                      const SamplerSettings& sampler) {
+  TexelPlane normals{source.width, source.height, {}};
+  normals.texels.reserve(source.normals.size());
+  for (const glm::vec3& n : source.normals) normals.texels.emplace_back(n, 1.0f);
+  normal_map_.emplace(upload_mips(gl, "the normal map", std::move(normals), mipmap.first_level, sampler));
+  if (!mipmap.has_colours() || source.albedo.empty()) return;
+  TexelPlane albedo{source.width, source.height, {}};
+  albedo.texels.reserve(source.albedo.size());
+  for (const glm::vec3& colour : source.albedo) albedo.texels.emplace_back(colour, 1.0f);
+  albedo_map_.emplace(upload_mips(gl, "the albedo map", std::move(albedo), mipmap.first_level, sampler));
+}
+
 void MovmfMaterial::bind() const {
   int unit = 0;
   for (const Texture& lobe : lobes_) lobe.bind(unit++);
   for (const Texture& colour : colours_) colour.bind(unit++);
+  if (normal_map_.has_value()) normal_map_->bind(unit++);
+  if (albedo_map_.has_value()) albedo_map_->bind(unit++);
 }
 
 }  // namespace multum::gl

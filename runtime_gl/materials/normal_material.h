@@ -23,7 +23,8 @@ struct NormalImage {
   WrapMode wrap_t = WrapMode::kPeriodic;
 };
 
-/// Level 0 of a baked file as normals: the sum of its lobes, normalised, and the sum of its colours.
+/// Level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised, and the sum of its
+/// colours.
 NormalImage finest_normals(const MovmfMipmap& mipmap);
 
 class NormalMaterial {

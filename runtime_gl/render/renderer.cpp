@@ -99,9 +99,15 @@ Picture Renderer::draw_timed(const ShaderProgram& shader, const Mesh& mesh, cons
 Picture Renderer::draw_movmf(const Mesh& mesh, const MovmfMaterial& material, const Scene& scene, LobeFormula formula) {
   std::vector<std::string> flags = {"MULTUM_MOVMF", "MULTUM_LOBE_COUNT " + std::to_string(material.lobe_count())};
   if (formula == LobeFormula::kPaper) flags.push_back("MULTUM_PAPER");
+  if (material.has_normal_map()) flags.push_back("MULTUM_NORMAL_MAP");
+  if (material.has_albedo_map()) flags.push_back("MULTUM_ALBEDO_MAP");
   const ShaderProgram& shader = program("movmf", with_brdf(flags, scene, material.has_colours()));
-  shader.set_units("u_lobes", 0, material.lobe_count());
-  if (material.has_colours()) shader.set_units("u_colours", material.lobe_count(), material.lobe_count());
+  const int lobe_count = material.lobe_count();
+  shader.set_units("u_lobes", 0, lobe_count);
+  if (material.has_colours()) shader.set_units("u_colours", lobe_count, lobe_count);
+  const int unit = material.has_colours() ? 2 * lobe_count : lobe_count;
+  shader.set("u_normal_map", unit);
+  shader.set("u_albedo_map", unit + 1);
   material.bind();
   return draw_timed(shader, mesh, scene);
 }

@@ -4,7 +4,9 @@
 //   MULTUM_MIP      averaged normal, normalised             MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_LEAN     slope moments (Olano and Baker 2010), normalised: density of slopes / cos^3
 // and MULTUM_LOBE_COUNT, MULTUM_COLOURS (lobes or texels carry colour), MULTUM_PAPER (Han's eq. 20),
-// MULTUM_TORRANCE_SPARROW. All vectors are taken to tangent space, where the map's normals live.
+// MULTUM_TORRANCE_SPARROW, MULTUM_NORMAL_MAP (levels finer than those of the lobes come from the normal map),
+// MULTUM_ALBEDO_MAP (their colours from the albedo map). All vectors are taken to tangent space, where the map's
+// normals live.
 //
 // Outgoing radiance: sum over lights E ( albedo k_d / pi max(n.l, 0) + k_s f(n.h) max(n.l, 0) ), averaged over n. TRUTH
 // averages it over samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
@@ -27,6 +29,12 @@ uniform float u_sigma;
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours[MULTUM_LOBE_COUNT];
+#endif
+#ifdef MULTUM_NORMAL_MAP
+uniform sampler2D u_normal_map;  // mean normals of the levels finer than those of the lobes; w = 1
+#endif
+#ifdef MULTUM_ALBEDO_MAP
+uniform sampler2D u_albedo_map;
 #endif
 #else
 uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_x b_y] for LEAN
@@ -52,32 +60,55 @@ float facet_distribution(vec3 n, vec3 h) {
 
 #ifdef MULTUM_MOVMF
 
-vec3 shade(vec3 l, vec3 h) {
-  vec3 radiance = vec3(0.0);
-  for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
-    vec4 lobe = texture(u_lobes[j], v_st);
+vec3 shade_lobe(vec4 lobe, vec3 albedo, vec3 l, vec3 h) {
 #if defined(MULTUM_TORRANCE_SPARROW)
-    float facets = multum_movmf_torrance_sparrow(lobe, h, u_sigma);
+  float facets = multum_movmf_torrance_sparrow(lobe, h, u_sigma);
 #elif defined(MULTUM_PAPER)
-    float facets = multum_movmf_blinn_phong_paper(lobe, h, u_exponent);
+  float facets = multum_movmf_blinn_phong_paper(lobe, h, u_exponent);
 #else
-    float facets = multum_movmf_blinn_phong(lobe, h, u_exponent);
+  float facets = multum_movmf_blinn_phong(lobe, h, u_exponent);
 #endif
 #ifdef MULTUM_PAPER
-    // Algorithm 2 of the paper: max(mu . l, 0) for diffuse and specular alike.
-    float cosine = max(dot(multum_movmf_mean_direction(lobe), l), 0.0);
-    float diffuse = lobe.w * cosine;
+  // Algorithm 2 of the paper: max(mu . l, 0) for diffuse and specular alike.
+  float cosine = max(dot(multum_movmf_mean_direction(lobe), l), 0.0);
+  float diffuse = lobe.w * cosine;
 #else
-    float diffuse = multum_movmf_lambert(lobe, l);
-    float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+  float diffuse = multum_movmf_lambert(lobe, l);
+  float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
+  return u_diffuse / MULTUM_PI * albedo * diffuse + u_specular * (facets * cosine);
+}
+
+vec3 shade(vec3 l, vec3 h) {
+  vec3 radiance = vec3(0.0);
+  float share = 1.0;  // of the stored lobes
+  vec3 mean_colour = vec3(0.0);
+#ifdef MULTUM_NORMAL_MAP
+  vec4 normal = texture(u_normal_map, v_st);
+  vec4 finest = multum_movmf_normal_map(normal.xyz, textureQueryLod(u_lobes[0], v_st).y);
+  share -= finest.w;
+  finest.w *= normal.w;  // beyond a black border there is no material
+#endif
+  for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
+    vec4 lobe = texture(u_lobes[j], v_st);
     vec3 albedo = vec3(1.0);
 #ifdef MULTUM_COLOURS
     // Colours are premultiplied: T(a c) / T(a) is the lobe's colour.
-    albedo = texture(u_colours[j], v_st).rgb / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+    vec3 colour = texture(u_colours[j], v_st).rgb;
+    albedo = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+    mean_colour += colour;
 #endif
-    radiance += u_diffuse / MULTUM_PI * albedo * diffuse + u_specular * (facets * cosine);
+    radiance += shade_lobe(share * lobe, albedo, l, h);
   }
+#ifdef MULTUM_NORMAL_MAP
+  vec3 albedo = vec3(1.0);
+#if defined(MULTUM_ALBEDO_MAP)
+  albedo = texture(u_albedo_map, v_st).rgb;
+#elif defined(MULTUM_COLOURS)
+  albedo = mean_colour;  // of the first stored level, the finest that is known
+#endif
+  radiance += shade_lobe(finest, albedo, l, h);
+#endif
   return radiance;
 }
 

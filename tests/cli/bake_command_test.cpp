@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <random>
 #include <regex>
 
 #include "host/asset/movmf_mipmap.h"
@@ -59,6 +60,115 @@ TEST_F(BakeCommandTest, VerifyAcceptsEveryStorage) {
   }
 }
 
+TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
+  make_map("map", 64);
+  const auto bake = [&](const std::string& first_level, const std::string& name) {
+    const ProgramResult result =
+        multum({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o", path(name + ".ndf.exr"),
+                "--first-level", first_level, "--report", path(name + ".json")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result;
+  };
+  bake("0", "whole");
+  const MovmfMipmap whole = read_movmf_mipmap(path("whole.ndf.exr"));
+  for (const int first_level : {1, 2, 6}) {
+    SCOPED_TRACE(first_level);
+    const ProgramResult result = bake(std::to_string(first_level), "map");
+    const std::string line = fmt::format(
+        "levels finer than {} are not stored: renderers take them from the normal map, as this table does\n",
+        first_level);
+    EXPECT_TRUE(contains(result.out, line)) << result.out;
+    const MovmfMipmap mipmap = read_movmf_mipmap(path("map.ndf.exr"));
+    EXPECT_EQ(mipmap.first_level, first_level);
+    ASSERT_EQ(mipmap.levels.size(), whole.levels.size());
+    for (std::size_t l = 0; l < whole.levels.size(); ++l)
+      for (std::size_t j = 0; j < 4; ++j) {
+        const bool stored = l >= static_cast<std::size_t>(first_level);
+        EXPECT_TRUE(stored ? mipmap.levels[l].lobes[j] == whole.levels[l].lobes[j] : mipmap.levels[l].lobes[j].empty());
+        EXPECT_TRUE(stored ? mipmap.levels[l].colours[j] == whole.levels[l].colours[j]
+                           : mipmap.levels[l].colours[j].empty());
+      }
+    EXPECT_LT(std::filesystem::file_size(path("map.ndf.exr")), std::filesystem::file_size(path("whole.ndf.exr")));
+
+    const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
+    EXPECT_EQ(report["levels"].size(), 7u - static_cast<std::size_t>(first_level));
+    EXPECT_EQ(report["levels"][0]["level"], first_level) << "finer ones are not even fitted";
+    const auto measured = [&](const std::string& name) {
+      return nlohmann::json::parse(read_bytes(path(name)))["measured_error"];
+    };
+    EXPECT_EQ(measured("map.json").size(), measured("whole.json").size()) << "every level is measured";
+
+    const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
+    EXPECT_EQ(verify.exit_code, 0) << verify.out;
+    const std::string levels = first_level == 6 ? "64 x 64, level 6 of 0 to 6, "
+                                                : fmt::format("64 x 64, levels {} to 6 of 0 to 6, ", first_level);
+    EXPECT_TRUE(contains(verify.out, levels)) << verify.out;
+    const ProgramResult info = multum({"info", path("map.ndf.exr")});
+    EXPECT_TRUE(contains(info.out, levels)) << info.out;
+    EXPECT_TRUE(contains(info.out, "beside the normal map itself, ")) << info.out;
+    EXPECT_TRUE(contains(info.out, fmt::format("\"first_level\":{}", first_level))) << info.out;
+    const std::string table = result.out.substr(result.out.find("measured error"));
+    EXPECT_TRUE(contains(info.out, table)) << "the bake printed\n" << table << "info prints\n" << info.out;
+  }
+}
+
+TEST_F(BakeCommandTest, EightLobesAndTheNormalMapAreMeasuredTogether) {
+  make_map("map", 16);
+  const ProgramResult bake = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--lobes", "8",
+                                     "--iterations", "1", "--first-level", "1"});
+  ASSERT_EQ(bake.exit_code, 0) << bake.err;
+  EXPECT_TRUE(contains(bake.out, "\n      0        0.00 | ")) << "each normal is its own at level 0\n" << bake.out;
+}
+
+TEST_F(BakeCommandTest, InfoCountsBytesOnTheGpu) {
+  make_map("map", 64);
+  ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure"}).exit_code, 0);
+  const ProgramResult info = multum({"info", path("map.ndf.exr")});
+  // 5461 texels of 4 lobes, 8 bytes each; 343 blocks of 16 + 8 bytes.
+  EXPECT_TRUE(
+      contains(info.out, "on the GPU      170.7 KiB, 21.2 times the 8.0 KiB of a BC5 normal and a BC4 roughness\n"))
+      << info.out;
+}
+
+// Two maps of the same noise: one is an ordinary rough surface, of the other only a glossy material shows the slopes.
+TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
+  const auto bake = [&](double slope, const std::string& storage) {
+    TestImage noise{.width = 64, .height = 64};
+    noise.type = OIIO::TypeDesc::FLOAT;
+    std::mt19937 random(3);
+    const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24 * 2.0 - 1.0; };
+    for (int i = 0; i < 64 * 64; ++i) {
+      const double x = slope * uniform(), y = slope * uniform();
+      const glm::dvec3 n = glm::normalize(glm::dvec3(x, y, 1.0));
+      for (int c = 0; c < 3; ++c) noise.values.push_back(static_cast<float>(n[c]));
+    }
+    write_test_image(path("noise.exr"), noise);
+    const ProgramResult result =
+        multum({"bake", path("noise.exr"), "-o", path("noise.ndf.exr"), "--bumpformat", "normal", "--signed", "--green",
+                "up", "--no-measure", "-d", storage, "--report", path("report.json")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
+    const std::uint64_t count = report["counts"]["beyond_storage"];
+    const double share = report["beyond_storage_share"];
+    EXPECT_EQ(count > 0, share > 0.0);
+    EXPECT_LE(share, 1.0);
+    EXPECT_TRUE(contains(result.out, fmt::format("{} sharper than the storage keeps", count))) << result.out;
+    const bool warned = contains(result.err, "warning: ") && contains(result.err, "lose their spread");
+    EXPECT_EQ(warned, share > 1.0 / 3.0) << share << "\n" << result.err;
+    if (warned) {
+      EXPECT_TRUE(contains(result.err, fmt::format("noise.exr: {} lobes", count))) << result.err;
+      const char* advice = storage == "half" ? "--data-format snorm16 keeps" : "--data-format float keeps";
+      EXPECT_TRUE(contains(result.err, advice)) << result.err;
+    }
+    return warned;
+  };
+  EXPECT_FALSE(bake(0.5, "snorm16"));
+  EXPECT_TRUE(bake(0.01, "snorm16"));
+  EXPECT_FALSE(bake(0.01, "float"));
+  EXPECT_FALSE(bake(0.5, "half"));
+  EXPECT_TRUE(bake(0.06, "half"));
+}
+
 TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   make_map("map", 64);
   const ProgramResult bake =
@@ -87,7 +197,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   EXPECT_EQ(launches_of_fit + 1, launches_of_kernels) << "but for one to measure all, the start's and the levels'";
   EXPECT_EQ(report["counts"]["lobes"], 4 * (4096 + 1024 + 256 + 64 + 16 + 4 + 1));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
-  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes"})
+  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes", "beyond_storage"})
     EXPECT_TRUE(report["counts"][count].is_number_unsigned()) << count;
   for (const char* count : {"unused_texels", "nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
     EXPECT_EQ(report["input"][count], 0) << count;
@@ -250,9 +360,10 @@ TEST_F(BakeCommandTest, AFileKeepsTheHighlightOfGlossyTiltedFlats) {
 TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
   const ProgramResult help = multum({"bake", "--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
-                           "{none,black,box3}=box3", "{black,clamp,periodic,mirror}", "--lobes INT=4",
-                           "--compression TEXT=zip", "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
+  for (const char* part :
+       {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
+        "{none,black,box3}=box3", "{black,clamp,periodic,mirror}", "--lobes INT=4", "--compression TEXT=zip",
+        "--first-level INT=0", "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;
   for (const char* part : {"->", "ENUM"}) EXPECT_FALSE(contains(help.out, part)) << part;
 }

@@ -51,8 +51,10 @@ TEST_F(OtherReadersTest, OiiotoolFindsEveryPartChannelAndAttribute) {
   for (const std::string& attribute :
        {std::string("multum:representation: \"movmf\""), std::string("multum:formatVersion: 1\n"),
         std::string("multum:lobeCount: 3\n"), std::string("multum:hasColours: 1\n"),
-        std::string("multum:encoding: \"snorm16\""), std::string("multum:channels: \"R,G,B"),
-        std::string("multum:kappaMax: 20000\n"), std::string("multum:sourceName: \"map_normal.png\""),
+        std::string("multum:mapWidth: 64\n"), std::string("multum:mapHeight: 64\n"),
+        std::string("multum:firstLevel: 0\n"), std::string("multum:encoding: \"snorm16\""),
+        std::string("multum:channels: \"R,G,B"), std::string("multum:kappaMax: 20000\n"),
+        std::string("multum:sourceName: \"map_normal.png\""),
         "multum:sourceHash: \"" + hash_file(path("map_normal.png")) + "\"",
         "multum:settings: \"" + from.settings + "\"", "multum:settingsHash: \"" + hash_text(from.settings) + "\"",
         "multum:measuredError: \"" + from.measured_error + "\"", "multum:contentHash: \"" + from.content_hash + "\"",
@@ -62,6 +64,17 @@ TEST_F(OtherReadersTest, OiiotoolFindsEveryPartChannelAndAttribute) {
     for (std::size_t i = info.out.find(attribute); i != std::string::npos; i = info.out.find(attribute, i + 1)) ++count;
     EXPECT_EQ(count, 6u) << attribute << " is not in each part of\n" << info.out;
   }
+}
+
+TEST_F(OtherReadersTest, OiiotoolFindsPartsThatBeginAtTheFirstLevel) {
+  if (!program_works("oiiotool", "--help")) GTEST_SKIP() << "no oiiotool (Debian package openimageio-tools)";
+  bake({"--lobes", "2", "--first-level", "2", "--no-measure"});
+  const ProgramResult info = run_program({"oiiotool", "--info", "-v", "-a", path("map.ndf.exr")});
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  for (const char* line : {"4 subimages: 16x16 [f,f,f,f], 16x16 [f,f,f,f], 16x16 [h,h,h], 16x16 [h,h,h]",
+                           "MIP-map levels: 16x16 8x8 4x4 2x2 1x1", "multum:formatVersion: 2\n",
+                           "multum:firstLevel: 2\n", "multum:mapWidth: 64\n", "multum:mapHeight: 64\n"})
+    EXPECT_NE(info.out.find(line), std::string::npos) << line << " is not in\n" << info.out;
 }
 
 // The ```python blocks of docs/FORMAT.md, one after another.
@@ -80,9 +93,9 @@ std::string python_of_format_page() {
 // Runs them; writes amplitudes, mean vectors and colours of every level to a file as 32-bit floats.
 constexpr char kDriver[] = R"(
 import sys
-path, output, levels = sys.argv[1], sys.argv[2], int(sys.argv[3])
+path, output, first_level, levels = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
 with open(output, "wb") as out:
-    for level in range(levels):
+    for level in range(first_level, levels):
         for values in read_lobes(path, level):
             out.write(np.ascontiguousarray(values, dtype="<f4").tobytes())
 print(content_hash(path))
@@ -144,20 +157,26 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
   ASSERT_NE(code.find("def read_lobes("), std::string::npos);
   ASSERT_NE(code.find("def content_hash("), std::string::npos);
   write_bytes(path("read.py"), code + kDriver);
-  for (const char* encoding : {"snorm16", "half", "float"}) {
-    SCOPED_TRACE(encoding);
-    bake({"--data-format", encoding, "--no-measure"});
+  using Case = std::pair<const char*, const char*>;
+  for (const auto& [encoding, first_level] :
+       {Case{"snorm16", "0"}, Case{"half", "0"}, Case{"float", "0"}, Case{"snorm16", "2"}, Case{"half", "6"}}) {
+    SCOPED_TRACE(std::string(encoding) + ", from level " + first_level);
+    bake({"--data-format", encoding, "--first-level", first_level, "--no-measure"});
     const MovmfMipmap mipmap = read_movmf_mipmap(path("map.ndf.exr"));
-    const ProgramResult read = run_program(
-        {python, path("read.py"), path("map.ndf.exr"), path("values"), std::to_string(mipmap.levels.size())});
+    const ProgramResult read = run_program({python, path("read.py"), path("map.ndf.exr"), path("values"), first_level,
+                                            std::to_string(mipmap.levels.size())});
     ASSERT_EQ(read.exit_code, 0) << read.err;
     const std::string hash = mipmap.provenance.content_hash;
     EXPECT_EQ(hash.size(), 64u);
     EXPECT_EQ(read.out, hash + "\n" + hash + "\n");
     FloatStream values(read_bytes(path("values")));
-    for (const MovmfLevel& level : mipmap.levels)
-      ASSERT_NO_FATAL_FAILURE(expect_level(level, mipmap.encoding == StorageEncoding::kHalf, values));
+    for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l)
+      ASSERT_NO_FATAL_FAILURE(expect_level(mipmap.levels[l], mipmap.encoding == StorageEncoding::kHalf, values));
     EXPECT_EQ(values.left(), 0u);
+    const ProgramResult finer = run_program(
+        {python, path("read.py"), path("map.ndf.exr"), path("values"), std::to_string(mipmap.first_level - 1), "7"});
+    EXPECT_NE(finer.exit_code, 0);
+    EXPECT_NE(finer.err.find("the file leaves this level to the normal map"), std::string::npos) << finer.err;
   }
 }
 

@@ -126,6 +126,9 @@ TEST_F(RefusalTest, SettingsOutsideTheirRanges) {
   expect_refused(map, {"--lobes", "0"}, kUsage, {"--lobes is 0", "expected 1 to 8"});
   expect_refused(map, {"--lobes", "9"}, kUsage, {"--lobes is 9", "expected 1 to 8"});
   expect_refused(map, {"--iterations", "0"}, kUsage, {"--iterations is 0", "expected 1 to 1000"});
+  expect_refused(map, {"--first-level", "-1"}, kUsage, {"--first-level is -1", "expected 0 to 15"});
+  expect_refused(map, {"--first-level", "7"}, kUsage,
+                 {"--first-level is 7, expected 0 to 6, the levels of a map of 64 x 64"});
   expect_refused(map, {"--height-scale", "0"}, kUsage, {"--height-scale is 0", "expected a finite number"});
   expect_refused(map, {"--lobes", "four"}, kUsage, {"--lobes", "four"});
   expect_refused(map, {"--compression", "dwaa"}, kUsage, {"'dwaa'", "expected none, rle, zips, zip or piz"});

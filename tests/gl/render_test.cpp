@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/base/error.h"
+#include "host/base/split_mix.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
@@ -50,8 +51,13 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
     EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
   }
   FloatImage movmf(const TestMap& map, const Scene& scene, LobeFormula formula = LobeFormula::kProduct) {
-    const MovmfMaterial material(context_->functions(), map.mipmap, 1.0f);
+    const MovmfMaterial material(context_->functions(), map.mipmap, 1.0f, &map.image);
     return renderer_->draw_movmf(*mesh_, material, scene, formula).image;
+  }
+  /// The same from a file that begins at `first_level`.
+  FloatImage movmf_from(int first_level, TestMap map, const Scene& scene, LobeFormula formula = LobeFormula::kProduct) {
+    drop_finer_levels(map.mipmap, first_level);
+    return movmf(map, scene, formula);
   }
   FloatImage truth(const TestMap& map, const Scene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
@@ -162,9 +168,84 @@ TEST_P(RenderTest, WrapModesEqualTruth) {
     EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must be told apart";
 }
 
-TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
+/// The plain from near to far, every level of detail from magnified on; slopes of up to 0.8 are nowhere in the shade.
+Scene plain_scene() {
+  Scene scene;
+  scene.uv_scale = 60.0f;
+  scene.lights = {{{0.8f, 0.2f, 1.0f}, glm::vec3(3.0f)}};
+  scene.brdf.specular = glm::vec3(0.0f);
+  return scene;
+}
+
+// Diffuse light on mild slopes is linear in the mean normal, so it cannot tell a lobe that the hardware mixed of two
+// levels from two shaded lobes that were mixed: only wrong weights, or a wrong level, would show.
+TEST_P(RenderTest, TheNormalMapsLevelsMixWithTheLobesAsTrilinearFilteringMixes) {
+  const TestMap map = make_noise_map(64, 0.4f, WrapMode::kPeriodic);
+  const Scene scene = plain_scene();
+  const FloatImage whole = movmf(map, scene);
+  // The picture must have something to tell: levels that are too coarse by one, as a control.
+  TestMap blurred = map;
+  for (glm::vec4& lobe : blurred.mipmap.levels[0].lobes[0]) lobe = glm::vec4(0.0f, 0.0f, 0.95f, 1.0f);
+  EXPECT_GT(picture_error(movmf(blurred, scene), whole).relative_l1, 0.02);
+  for (const int first_level : {1, 2, 3, 6})
+    EXPECT_LT(picture_error(movmf_from(first_level, map, scene), whole).relative_l1, 1e-5) << first_level;
+}
+
+TEST_P(RenderTest, TheFinestLevelsTakeTheirColoursFromTheAlbedoMap) {
+  TestMap map = make_flat_map(32);
+  SplitMix64 random(5);
+  for (std::size_t i = 0; i < map.image.normals.size(); ++i)
+    map.image.albedo.emplace_back(random.uniform(), random.uniform(), random.uniform());
+  std::vector<glm::vec3> colours = map.image.albedo;
+  for (std::size_t l = 0, columns = 32;; ++l, columns /= 2) {
+    map.mipmap.levels[l].colours = {colours};
+    if (columns == 1) break;
+    std::vector<glm::vec3> coarse;
+    for (std::size_t y = 0; y < columns; y += 2)
+      for (std::size_t x = 0; x < columns; x += 2) {
+        const glm::vec3* const upper = &colours[y * columns + x];
+        coarse.push_back(0.25f * (upper[0] + upper[1] + upper[columns] + upper[columns + 1]));
+      }
+    colours = std::move(coarse);
+  }
+  map.mipmap.encoding = StorageEncoding::kFloat;
+  const Scene scene = plain_scene();
+  const FloatImage whole = movmf(map, scene);
+  for (const int first_level : {1, 3})
+    EXPECT_LT(picture_error(movmf_from(first_level, map, scene), whole).relative_l1, 1e-5) << first_level;
+  map.image.albedo.clear();
+  // Without the albedo map: level 3's, magnified.
+  const FloatImage without = movmf_from(3, map, scene);
+  EXPECT_GT(picture_error(without, whole).relative_l1, 0.02);
+  EXPECT_LT(picture_error(without, whole).relative_l1, 0.3);
+}
+
+TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
+  const TestMap map = make_noise_map(16, 0.4f, WrapMode::kBlack);
+  Scene scene = plain_scene();
+  scene.camera.eye = {-10.0f, 40.0f, 30.0f};
+  scene.camera.target = {-10.0f, 40.0f, 0.0f};
+  scene.camera.up = {0.0f, 1.0f, 0.0f};
+  scene.uv_scale = 3.0f;
+  const FloatImage whole = movmf(map, scene), coarse = movmf_from(1, map, scene);
+  EXPECT_EQ(coarse.rgba[4 * (kHeight / 4 * kWidth + kWidth * 3 / 4)], 0.0f);
+  EXPECT_LT(picture_error(coarse, whole).relative_l1, 1e-5);
+}
+
+// From where level 1 is seen alone, the picture is the same but for rounding.
+TEST_P(RenderTest, FromTheFirstLevelOnNothingChanges) {
+  const Scene far = distant_scene();
   for (const bool coloured : {false, true}) {
-    const TestMap map = make_two_tilt_map(8, 20.0, StorageEncoding::kFloat, coloured);
+    const TestMap map = make_two_tilt_map(64, 25.0, StorageEncoding::kSnorm16, coloured);
+    EXPECT_LT(picture_error(movmf_from(1, map, far), movmf(map, far)).relative_l1, 1e-5);
+  }
+}
+
+TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
+  for (const int variant : {0, 1, 2, 3}) {
+    const bool coloured = variant % 2 == 1;
+    TestMap map = make_two_tilt_map(8, 20.0, StorageEncoding::kFloat, coloured);
+    if (variant >= 2) drop_finer_levels(map.mipmap, 2);
     for (const BrdfKind kind : {BrdfKind::kBlinnPhong, BrdfKind::kTorranceSparrow}) {
       Scene scene = distant_scene();
       scene.brdf.kind = kind;
@@ -190,8 +271,11 @@ TEST_P(RenderTest, EveryLobeCountDraws) {
       const glm::vec3 white(1.0f / static_cast<float>(lobes));
       level.colours.assign(lobes, std::vector<glm::vec3>(level.lobes[0].size(), white));
     }
+    map.image.albedo.assign(16, glm::vec3(1.0f));
     const Scene scene = distant_scene();
-    EXPECT_LT(picture_error(movmf(map, scene), movmf(make_flat_map(4), scene)).relative_l1, 1e-3) << lobes;
+    const FloatImage plain = movmf(make_flat_map(4), scene);
+    EXPECT_LT(picture_error(movmf(map, scene), plain).relative_l1, 1e-3) << lobes;
+    EXPECT_LT(picture_error(movmf_from(1, map, scene), plain).relative_l1, 1e-3) << lobes << ", and two maps";
   }
 }
 
@@ -266,6 +350,25 @@ TEST(Material, RefusesLevelsThatDoNotFit) {
     EXPECT_STREQ(error.what(), "level 1 of the baked map is not 4 x 4 texels of 1 lobes");
   }
   EXPECT_THROW(MovmfMaterial(context->functions(), MovmfMipmap{}, 1.0f), Error);
+}
+
+TEST(Material, RefusesFinestLevelsWithoutTheirNormalMap) {
+  const auto context = make_headless_context(ContextBackend::kOsmesa);
+  TestMap map = make_flat_map(8);
+  drop_finer_levels(map.mipmap, 1);
+  const NormalImage other = make_flat_map(4).image;
+  const auto refusal = [&](const NormalImage* source) -> std::string {
+    try {
+      const MovmfMaterial material(context->functions(), map.mipmap, 1.0f, source);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInput);
+      return error.what();
+    }
+    return "taken";
+  };
+  EXPECT_NE(refusal(nullptr).find("found no normal map, expected the one of 8 x 8 texels"), std::string::npos);
+  EXPECT_NE(refusal(&other).find("found a normal map of 4 x 4, expected"), std::string::npos);
+  EXPECT_EQ(refusal(&map.image), "taken");
 }
 
 TEST(PictureError, CountsRgbOnly) {

@@ -186,6 +186,34 @@ TEST_F(ShadingTest, HardCases) {
   }
 }
 
+// What is a lobe of the normal map, by how much, and that it and the stored lobes share what there is.
+TEST_F(ShadingTest, TheNormalMapIsALobeOfItsShare) {
+  ShaderHarnessInput input{"multum_movmf_normal_map(a.xyz, b.x)", {}, {}, nullptr};
+  const float lods[] = {-8.0f, -1.5f, -1.0f, -0.75f, -0.25f, 0.0f, 0.25f, 9.0f};
+  const float shares[] = {1.0f, 1.0f, 1.0f, 0.75f, 0.25f, 0.0f, 0.0f, 0.0f};
+  for (const float lod : lods) {
+    input.a.emplace_back(0.3f, -0.4f, 0.5f, 7.0f);
+    input.b.emplace_back(lod, 0.0f, 0.0f, 0.0f);
+  }
+  const std::vector<glm::vec4> values = evaluate_shader(context_->functions(), input);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_FLOAT_EQ(values[i].w, shares[i]) << lods[i];
+    EXPECT_FLOAT_EQ(values[i].x, shares[i] * 0.3f);
+    EXPECT_FLOAT_EQ(values[i].y, shares[i] * -0.4f);
+    EXPECT_FLOAT_EQ(values[i].z, shares[i] * 0.5f);
+  }
+  // Half the lobe shades to half the light: shares can be mixed.
+  ShaderHarnessInput halves{
+      "vec4(multum_movmf_blinn_phong(a, b.xyz, 50.0), 2.0 * multum_movmf_blinn_phong(0.5 * a, b.xyz, 50.0),"
+      " multum_movmf_lambert(a, b.xyz), 2.0 * multum_movmf_lambert(0.5 * a, b.xyz))",
+      {{0.1f, -0.2f, 0.7f, 0.8f}},
+      {{0.36f, -0.48f, 0.8f, 0.0f}},
+      nullptr};
+  const glm::vec4 value = evaluate_shader(context_->functions(), halves)[0];
+  EXPECT_NEAR(value.y, value.x, 1e-5f * value.x);
+  EXPECT_NEAR(value.w, value.z, 1e-5f * value.z);
+}
+
 TEST_F(ShadingTest, EquatorialLobesLightUp) {
   // A lobe whose mean lies in the plane of the surface still answers light along it.
   ShaderHarnessInput input{"vec4(multum_movmf_lambert(a, b.xyz), multum_movmf_blinn_phong(a, b.xyz, 50.0), 0.0, 0.0)",

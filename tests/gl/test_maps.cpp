@@ -7,6 +7,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/base/split_mix.h"
+
 namespace multum::gl {
 namespace {
 
@@ -40,6 +42,17 @@ TestMap make_wave_map(int size, WrapMode wrap) {
       const glm::dvec3 n(0.7 * std::sin(step * (x + 0.5)), 0.5 * std::sin(step * (y + 0.5)), 1.0);
       image.normals.emplace_back(glm::normalize(n));
     }
+  return make_one_lobe_map(std::move(image));
+}
+
+TestMap make_noise_map(int size, float slope, WrapMode wrap) {
+  NormalImage image{size, size, {}, {}, wrap, wrap};
+  SplitMix64 random(17);
+  const auto uniform = [&] { return slope * static_cast<float>(2.0 * random.uniform() - 1.0); };
+  for (std::size_t i = 0; i < texel_count(size); ++i) {
+    const float x = uniform(), y = uniform();
+    image.normals.push_back(glm::normalize(glm::vec3(x, y, 1.0f)));
+  }
   return make_one_lobe_map(std::move(image));
 }
 

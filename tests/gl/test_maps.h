@@ -17,6 +17,9 @@ TestMap make_flat_map(int size);
 /// One lobe a texel of unit normals, box-filtered. The sides are powers of two and equal.
 TestMap make_one_lobe_map(NormalImage image);
 
+/// Normals at random, at most `slope` steep along each axis. One lobe. `size` is a power of two.
+TestMap make_noise_map(int size, float slope, WrapMode wrap);
+
 /// One wave along each axis, 0 at the borders: smooth under every wrap mode, but mirrored it is another map. One lobe.
 /// `size` is a power of two.
 TestMap make_wave_map(int size, WrapMode wrap);

@@ -214,6 +214,97 @@ TEST_F(ViewTest, WarnsOfASourceThatIsNotRead) {
   EXPECT_NE(result.output.find("none.png: is not read without --compare"), std::string::npos) << result.output;
 }
 
+// A file that begins at level 1 or 2, and the normal map that has the rest.
+class FirstLevelViewTest : public ViewTest {
+ protected:
+  static constexpr int kSize = 32;
+  void SetUp() override {
+    ViewTest::SetUp();
+    map_ = gl::make_noise_map(kSize, 0.4f, WrapMode::kPeriodic);
+    std::vector<std::uint16_t> codes;
+    for (const glm::vec3& n : map_.image.normals)
+      for (int c = 0; c < 3; ++c)
+        codes.push_back(static_cast<std::uint16_t>(std::lround((n[c] * 0.5f + 0.5f) * 65535.0f)));
+    write_png16(path("n.png"), kSize, kSize, codes, "Linear");
+    nlohmann::json settings;
+    NormalMapSettings reading;
+    reading.bump_format = BumpFormat::kNormal;
+    reading.green = GreenAxis::kUp;
+    add_reading_settings(reading, settings);
+    map_.mipmap.provenance.settings = settings.dump();
+    map_.mipmap.provenance.source_name = "n.png";
+    map_.mipmap.provenance.source_hash = hash_file(path("n.png"));
+  }
+  void write_from(int first_level) {
+    drop_finer_levels(map_.mipmap, first_level);
+    write_movmf_mipmap(path("map.ndf.exr"), map_.mipmap, {});
+  }
+  // How far what is drawn is from the truth, which is drawn of the same source.
+  double error(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"-o",     path("out.png"),  "--source", path("n.png"),  "--compare",
+                                          "truth",  "--size",         "64x48",    "--samples",    "16",
+                                          "--brdf", "blinn-phong:20", "--report", path("r.json"), "--context",
+                                          "osmesa"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_EQ(result.output.find("warning"), std::string::npos) << result.output;
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file)["pictures"][1]["relative_l1"].get<double>();
+  }
+  gl::TestMap map_;
+};
+
+TEST_F(FirstLevelViewTest, PicturesAreNearThoseOfAFileThatHoldsEveryLevel) {
+  write_from(0);
+  const double whole = error();
+  EXPECT_GT(whole, 0.01) << "a map that averages are wrong for, or there is nothing to compare";
+  for (const int first_level : {1, 2}) {
+    write_from(first_level);
+    EXPECT_NEAR(error(), whole, 0.1 * whole) << first_level;
+  }
+  // The picture by itself needs the source as well, and no --compare.
+  const ChildResult alone =
+      view({"-o", path("alone.png"), "--source", path("n.png"), "--size", "16x12", "--context", "osmesa"});
+  EXPECT_EQ(alone.exit_code, 0) << alone.output;
+  EXPECT_EQ(alone.output.find("is not read"), std::string::npos) << alone.output;
+}
+
+TEST_F(FirstLevelViewTest, TheNormalMapIsAskedForByName) {
+  write_from(1);
+  const std::string out = path("out.png");
+  expect_refusal({"-o", out}, 2, "map.ndf.exr: holds levels 1 to 5 of 0 to 5 of a map of 32 x 32; found no --source");
+  expect_refusal({"-o", out}, 2, "(n.png, SHA-256 " + map_.mipmap.provenance.source_hash + ")");
+  expect_refusal({"-o", out, "--source", path("none.png")}, 3, "none.png");
+  std::vector<std::uint16_t> flat;
+  for (int i = 0; i < 16 * 16; ++i) flat.insert(flat.end(), {32768, 32768, 65535});
+  write_png16(path("small.png"), 16, 16, flat, "Linear");
+  expect_refusal({"-o", out, "--source", path("small.png")}, 3, "small.png: is 16 x 16 texels; ");
+  expect_refusal({"-o", out, "--source", path("small.png")}, 3, "was baked from 32 x 32");
+  flat.clear();
+  for (int i = 0; i < kSize * kSize; ++i) flat.insert(flat.end(), {32768, 32768, 65535});
+  write_png16(path("other.png"), kSize, kSize, flat, "Linear");
+  const ChildResult other = view({"-o", out, "--source", path("other.png"), "--size", "8x8", "--context", "osmesa"});
+  EXPECT_EQ(other.exit_code, 0) << other.output;
+  EXPECT_NE(other.output.find("other.png: is not the file that"), std::string::npos) << other.output;
+  EXPECT_NE(other.output.find("the finest levels, the truth and the baselines may show"), std::string::npos);
+}
+
+TEST_F(FirstLevelViewTest, ColoursWithoutTheirMapAreWarnedOf) {
+  for (MovmfLevel& level : map_.mipmap.levels)
+    level.colours = {std::vector<glm::vec3>(level.lobes[0].size(), glm::vec3(0.2f, 0.5f, 0.8f))};
+  write_from(2);
+  std::vector<std::string> arguments = {"-o",     path("out.png"), "--source",  path("n.png"),
+                                        "--size", "8x8",           "--context", "osmesa"};
+  const std::string warning = "has colours from level 2 on; without --albedo";
+  EXPECT_NE(view(arguments).output.find(warning), std::string::npos);
+  write_png16(path("a.png"), kSize, kSize, std::vector<std::uint16_t>(3 * kSize * kSize, 30000), "sRGB");
+  arguments.insert(arguments.end(), {"--albedo", path("a.png")});
+  const ChildResult result = view(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(result.output.find(warning), std::string::npos) << result.output;
+}
+
 TEST_F(ViewTest, MeshesStandUprightUnderAnyCamera) {
   write_text_file(path("quad.obj"),
                   "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n"

@@ -103,6 +103,14 @@ def check_accuracy(text):
     midway = {name: float(value) for name, value in re.findall(r"^\| ([^|]+) \| [^|]+ \| ([0-9.]+) /", text,
                                                                re.MULTILINE)}
     assert midway["4 lobes"] < 0.5 * midway["4 lobes, every texel by itself"], midway
+    rows = re.findall(r"^\| ([012]) \| (20|100|500) \|(.*)\|$", text, re.MULTILINE)
+    assert [row[:2] for row in rows] == [(level, s) for level in "012" for s in ("20", "100", "500")], rows
+    stored = {row[:2]: [float(cell) for cell in row[2].split("|")] for row in rows}
+    for s in ("20", "100", "500"):
+        # Level 2 is stored whatever L is, level 1 up to L = 1; files get smaller.
+        assert stored["0", s][6] == stored["1", s][6] == stored["2", s][6], rows
+        assert stored["0", s][3:6] == stored["1", s][3:6], rows
+        assert stored["0", s][7:] > stored["1", s][7:] > stored["2", s][7:], rows
     assert "nan" not in text and "inf" not in text
 
 

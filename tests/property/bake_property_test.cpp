@@ -74,6 +74,27 @@ TEST_P(BakePropertyTest, IdenticalRunsGiveIdenticalBytes) {
   EXPECT_TRUE(same_pixels(bake(map, {}), bake(map, {})));
 }
 
+// No level depends on a finer one.
+TEST_P(BakePropertyTest, LevelsFromTheFirstOnAreTheSameBytes) {
+  const auto [width, height] = GetParam();
+  const NormalMap map = random_map(width, height, 15);
+  ColourMap albedo;
+  albedo.width = width;
+  albedo.height = height;
+  albedo.r = albedo.g = albedo.b = map.z;
+  const MovmfMipmap whole = bake(map, {}, &albedo);
+  for (int first_level = 1; first_level < mip_level_count(width, height); ++first_level) {
+    MovmfSettings settings;
+    settings.first_level = first_level;
+    const MovmfMipmap coarse = bake(map, settings, &albedo);
+    MovmfMipmap dropped = whole;
+    drop_finer_levels(dropped, first_level);
+    EXPECT_EQ(coarse.first_level, first_level);
+    EXPECT_EQ(movmf_content_hash(coarse, 1), movmf_content_hash(dropped, 1)) << first_level;
+    EXPECT_TRUE(coarse.levels[0].lobes[0].empty());
+  }
+}
+
 TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 13);

@@ -45,6 +45,8 @@ TEST(BakeSettingsTest, RefusalsNameTheSettingItsValueAndItsRange) {
   expect_refused({"--kappa-cap is inf"}, [](auto& s) { s.kappa_cap = HUGE_VALF; });
   expect_refused({"slope", "1001"}, [](auto& s) { s.kappa_cap_slope = 1001.0f; });
   expect_refused({"kappa factor", "expected 0.01 to 1"}, [](auto& s) { s.start_kappa_factor = 0.0f; });
+  expect_refused({"--first-level is -1, expected 0 to 15"}, [](auto& s) { s.first_level = -1; });
+  expect_refused({"--first-level is 16"}, [](auto& s) { s.first_level = 16; });
   expect_refused({"least amplitude", "expected 0 to 0.125"}, [](auto& s) { s.start_amplitude_min = 0.2f; });
 }
 
@@ -66,6 +68,7 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
                                        [](auto& s) { s.rehearse_start = false; },
                                        [](auto& s) { s.periodic_x = true; },
                                        [](auto& s) { s.periodic_y = true; },
+                                       [](auto& s) { s.first_level = 1; },
                                        [](auto& s) { s.kappa_cap = 501.0f; },
                                        [](auto& s) { s.kappa_cap_slope = 11.0f; },
                                        [](auto& s) { s.start_kappa_factor = 1.0f; },

@@ -133,6 +133,22 @@ TEST(MipScheduleMethodTest, AllNormalsAreSummedInChunksOnRequest) {
   }
 }
 
+TEST(MipScheduleFirstLevelTest, FinerLevelsAreNotScheduledAndTheOthersAreAsTheyWere) {
+  MovmfSettings settings;
+  const MipSchedule whole = make_mip_schedule(37, 20, settings);
+  ASSERT_EQ(whole.levels.back().level, 1);
+  for (const int first_level : {1, 2, 5}) {
+    settings.first_level = first_level;
+    const MipSchedule coarse = make_mip_schedule(37, 20, settings);
+    EXPECT_EQ(coarse.weighted, whole.weighted);
+    ASSERT_EQ(coarse.levels.size(), whole.levels.size() + 1 - static_cast<std::size_t>(first_level));
+    for (std::size_t i = 0; i < coarse.levels.size(); ++i) {
+      EXPECT_EQ(coarse.levels[i].level, whole.levels[i].level);
+      EXPECT_EQ(coarse.levels[i].texel_list, whole.levels[i].texel_list);
+    }
+  }
+}
+
 TEST(MipScheduleWeightTest, OnlySidesThatHalveWithoutRestAreUnweighted) {
   const MovmfSettings settings;
   EXPECT_FALSE(make_mip_schedule(64, 64, settings).weighted);

@@ -117,6 +117,50 @@ TEST(MovmfMipmapTest, HeaderAloneHasSizesAndNoPixels) {
   EXPECT_TRUE(header.levels[0].lobes[0].empty());
 }
 
+class FirstLevelTest : public ::testing::TestWithParam<RoundTrip> {};
+INSTANTIATE_TEST_SUITE_P(Sizes, FirstLevelTest,
+                         ::testing::Values(RoundTrip{128, 128, 4, false}, RoundTrip{100, 37, 3, true},
+                                           RoundTrip{1, 97, 2, true}, RoundTrip{70, 1, 1, false}));
+
+TEST_P(FirstLevelTest, WhatIsStoredIsReadBitForBitFromWhateverLevelOn) {
+  const RoundTrip c = GetParam();
+  const TemporaryFolder folder;
+  MovmfMipmap mipmap = random_mipmap(c.width, c.height, c.lobes, c.colours, StorageEncoding::kSnorm16, 9);
+  quantize_movmf(mipmap, 1);
+  const int level_count = static_cast<int>(mipmap.levels.size());
+  std::string hash = movmf_content_hash(mipmap, 1);
+  for (int first_level = 1; first_level < level_count; ++first_level) {
+    SCOPED_TRACE(first_level);
+    MovmfMipmap dropped = mipmap;
+    drop_finer_levels(dropped, first_level);
+    quantize_movmf(dropped, 1);  // levels without texels are passed over, the others on their grid already
+    write_movmf_mipmap(folder / "a.exr", dropped, {});
+    const MovmfMipmap found = read_movmf_mipmap(folder / "a.exr");
+    EXPECT_EQ(found.first_level, first_level);
+    EXPECT_EQ(found.width(), c.width);
+    EXPECT_EQ(found.height(), c.height);
+    EXPECT_EQ(found.lobe_count(), c.lobes);
+    EXPECT_EQ(found.has_colours(), c.colours);
+    expect_same_bits(found, dropped);
+    for (int l = 0; l < level_count; ++l)
+      EXPECT_EQ(found.levels[static_cast<std::size_t>(l)].lobes[0].empty(), l < first_level) << l;
+    EXPECT_EQ(found.provenance.content_hash, movmf_content_hash(dropped, 2));
+    EXPECT_NE(found.provenance.content_hash, hash) << "a level less, another checksum";
+    hash = found.provenance.content_hash;
+    const MovmfMipmap header = read_movmf_header(folder / "a.exr");
+    EXPECT_EQ(header.first_level, first_level);
+    EXPECT_EQ(header.width(), c.width);
+    const std::string last = std::to_string(level_count - 1), first = std::to_string(first_level);
+    EXPECT_EQ(levels_text(header), (first == last ? "level " : "levels " + first + " to ") + last + " of 0 to " + last);
+    // For strangers: the parts begin with that level.
+    Imf::MultiPartInputFile file((folder / "a.exr").c_str());
+    const Imath::Box2i window = file.header(0).dataWindow();
+    EXPECT_EQ(window.max.x + 1, mip_level_size(c.width, first_level));
+    EXPECT_EQ(window.max.y + 1, mip_level_size(c.height, first_level));
+    EXPECT_EQ(Imf::TiledInputPart(file, 0).numLevels(), level_count - first_level);
+  }
+}
+
 TEST(MovmfMipmapTest, LevelsAreRoundDown) {
   EXPECT_EQ(mip_level_count(1, 1), 1);
   EXPECT_EQ(mip_level_count(1, 97), 7);
@@ -215,7 +259,7 @@ TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
   const auto set_int = [&](const char* name, int value) {
     return rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
   };
-  expect_refusal(set_int("multum:formatVersion", 2), {"found format version 2", "expected version 1"});
+  expect_refusal(set_int("multum:formatVersion", 3), {"found format version 3", "expected version 1 or 2"});
   expect_refusal(set_int("multum:lobeCount", 0), {"found 0 lobes", "expected 1 to 8"});
   expect_refusal(set_int("multum:lobeCount", 9), {"found 9 lobes", "expected 1 to 8"});
   expect_refusal(set_int("multum:lobeCount", 5), {"found 8 parts", "expected 10"});
@@ -226,6 +270,40 @@ TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
                            h.insert("multum:encoding", Imf::IntAttribute(1));
                          }),
                  {"no attribute multum:encoding"});
+}
+
+// 40 x 24: six levels. Version 2 says which of them is the first.
+TEST_F(MovmfRefusalTest, FirstLevelsThatDoNotFit) {
+  const auto version_2 = [&](const std::function<void(Imf::Header&)>& change) {
+    return rebuilt(all_, [&](Imf::Header& h) {
+      h.insert("multum:formatVersion", Imf::IntAttribute(2));
+      change(h);
+    });
+  };
+  const auto set_int = [&](const char* name, int value) {
+    return version_2([=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
+  };
+  EXPECT_NO_THROW(read_movmf_mipmap(version_2([](Imf::Header&) {})));
+  for (const char* name : {"multum:firstLevel", "multum:mapWidth", "multum:mapHeight"})
+    expect_refusal(version_2([=](Imf::Header& h) { h.erase(name); }), {std::string("found no attribute ") + name});
+  expect_refusal(set_int("multum:firstLevel", -1), {"found first level -1", "expected 0 to 5"});
+  expect_refusal(set_int("multum:firstLevel", 6), {"found first level 6", "expected 0 to 5"});
+  expect_refusal(set_int("multum:firstLevel", 1),
+                 {"found a data window of 40 x 24", "expected 20 x 12, level 1 of a map of 40 x 24"});
+  expect_refusal(set_int("multum:mapWidth", 41), {"found a data window of 40 x 24", "expected 41 x 24"});
+  expect_refusal(set_int("multum:mapHeight", 0), {"found a map of 40 x 0", "expected 1 to 1048576 texels a side"});
+  expect_refusal(set_int("multum:mapHeight", 2000000000), {"found a map of 40 x 2000000000"});
+}
+
+// As they were written before there were first levels.
+TEST_F(MovmfRefusalTest, FilesOfVersion1NeedNotNameTheFirstLevel) {
+  const std::string path = rebuilt(all_, [](Imf::Header& h) {
+    for (const char* name : {"multum:firstLevel", "multum:mapWidth", "multum:mapHeight"}) h.erase(name);
+  });
+  const MovmfMipmap mipmap = read_movmf_mipmap(path);
+  EXPECT_EQ(mipmap.first_level, 0);
+  EXPECT_EQ(mipmap.width(), 40);
+  EXPECT_EQ(levels_text(mipmap), "6 levels");
 }
 
 TEST_F(MovmfRefusalTest, PartsMissingOrInAnotherOrder) {

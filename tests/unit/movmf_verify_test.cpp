@@ -49,6 +49,22 @@ TEST_P(MovmfVerifyTest, AGoodFilePassesEveryCheck) {
   for (const VerifyFinding& finding : findings) EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.detail;
 }
 
+TEST_P(MovmfVerifyTest, LevelsThatAreNotStoredAreNotMissed) {
+  MovmfMipmap mipmap = make();
+  drop_finer_levels(mipmap, 2);
+  const std::vector<VerifyFinding> findings = verify_movmf(write(mipmap), 2);
+  EXPECT_EQ(findings.size(), 6u);
+  for (const VerifyFinding& finding : findings) EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.detail;
+  EXPECT_NE(findings[0].detail.find("40 x 24, levels 2 to 5 of 0 to 5, 4 lobes"), std::string::npos);
+  // What is wrong is named by the map's own level: 10 x 6 texels.
+  for (auto& lobe : mipmap.levels[2].lobes) lobe[10 * 4 + 7] *= 0.5f;
+  for (const VerifyFinding& finding : verify_movmf(write(mipmap), 1))
+    if (finding.check == "sum of a") {
+      EXPECT_FALSE(finding.passed);
+      EXPECT_NE(finding.detail.find("level 2, texel (7, 4)"), std::string::npos) << finding.detail;
+    }
+}
+
 TEST_P(MovmfVerifyTest, AFlippedBitInAnyTileFailsTheChecksum) {
   const std::string path = write(make()), whole = testing::read_bytes(path);
   const unsigned seed = 6;

@@ -223,6 +223,26 @@ TEST_P(QuantizeTest, AGlossyHighlightOnATiltedFlatKeepsItsPeakAtTexelsAndBetween
   EXPECT_LE(worst[1], 0.02);
 }
 
+// Sharper than the storage keeps, but no single direction; in float nothing is lost.
+TEST_P(QuantizeTest, SharpLobesAreCounted) {
+  const auto limit = static_cast<double>(storage_kappa_max(GetParam()));
+  MovmfLevel level;
+  level.width = 7;
+  level.height = 1;
+  const glm::dvec3 mu = random_direction(random_, 60 * kDegree);
+  const auto of_kappa = [&](double a, double kappa) { return stored_lobe(a, (1.0 - 1.0 / kappa) * mu); };
+  level.lobes = {{of_kappa(1.0, 2.0 * limit), of_kappa(0.25, 1.1 * limit), of_kappa(1.0, 0.9 * limit),
+                  of_kappa(1.0, 5.0), stored_lobe(1.0, mu), of_kappa(1e-5, 2.0 * limit), stored_lobe(0.0, mu)},
+                 {stored_lobe(0.0, mu), of_kappa(0.75, 1.2 * limit), stored_lobe(0.0, mu), stored_lobe(0.0, mu),
+                  stored_lobe(0.0, mu), of_kappa(1.0, 9.0), of_kappa(1.0, 9.0)}};
+  for (const int threads : {1, 3}) {
+    const SharpLobes sharp = count_sharp_lobes(level, GetParam(), threads);
+    EXPECT_EQ(sharp.count, 3u) << "two of the first lobes, one of the second";
+    EXPECT_DOUBLE_EQ(sharp.amplitude, 2.0);
+  }
+  EXPECT_EQ(count_sharp_lobes(level, StorageEncoding::kFloat, 1).count, 0u);
+}
+
 TEST(QuantizeFloatTest, FloatIsLeftAsItIs) {
   std::mt19937 random(1);
   std::vector<std::vector<glm::vec4>> texels = {

@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "host/asset/gpu_bytes.h"
 #include "host/bake/accuracy_baselines.h"
 #include "host/bake/movmf_bake.h"
 #include "host/base/atomic_file.h"
@@ -25,7 +26,7 @@ constexpr AccuracyPoint kPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMid
 // What a bake reached and took: errors in %, looked up by level, point and BRDF.
 class Errors {
  public:
-  Errors(const std::vector<AccuracyRow>& rows, double fit_seconds) : fit_seconds_(fit_seconds) {
+  explicit Errors(const std::vector<AccuracyRow>& rows, double fit_seconds = 0.0) : fit_seconds_(fit_seconds) {
     for (const AccuracyRow& row : rows) values_[{row.level, static_cast<int>(row.point), row.brdf}] = row.error * 100.0;
   }
   std::optional<double> at(int level, AccuracyPoint point, const std::string& brdf) const {
@@ -37,6 +38,11 @@ class Errors {
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
   double fit_seconds() const { return fit_seconds_; }
+  // The worse of x and y.
+  std::string midway(int level, const std::string& brdf) const {
+    const auto x = at(level, AccuracyPoint::kMidX, brdf), y = at(level, AccuracyPoint::kMidY, brdf);
+    return text(level, x.value_or(0.0) >= y.value_or(0.0) ? AccuracyPoint::kMidX : AccuracyPoint::kMidY, brdf);
+  }
   // "10.3 / 6.8 / 6.6" at levels 3, 5, 7.
   std::string three_levels(AccuracyPoint point, const std::string& brdf) const {
     std::string text;
@@ -58,18 +64,28 @@ struct Variant {
   StorageEncoding encoding = StorageEncoding::kSnorm16;
 };
 
-Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, const Variant& variant, int threads) {
-  BakeReport report;
+MovmfMipmap bake_stored(Device& device, const NormalMap& map, const ColourMap* albedo, const Variant& variant,
+                        int threads, BakeReport& report) {
   MovmfMipmap mipmap = bake_movmf(device, map, albedo, variant.settings, report, nullptr);
   mipmap.encoding = variant.encoding;
   quantize_movmf(mipmap, threads);
+  return mipmap;
+}
+
+AccuracySettings every_texel(const ColourMap* albedo, int threads) {
   AccuracySettings accuracy;
   accuracy.samples_per_level = 0;
   accuracy.threads = threads;
   accuracy.albedo = albedo;
+  return accuracy;
+}
+
+Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, const Variant& variant, int threads) {
+  BakeReport report;
+  const MovmfMipmap mipmap = bake_stored(device, map, albedo, variant, threads, report);
   double fit_seconds = report.start_seconds;
   for (const LevelReport& level : report.levels) fit_seconds += level.seconds;
-  return Errors(measure_accuracy(device, mipmap, map, accuracy, nullptr), fit_seconds);
+  return Errors(measure_accuracy(device, mipmap, map, every_texel(albedo, threads), nullptr), fit_seconds);
 }
 
 MovmfSettings with_lobes(int lobes) {
@@ -181,6 +197,55 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
          colours + tables;
 }
 
+// Bytes of the file, which is written beside the document for as long as it takes.
+std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptions& options) {
+  const std::string path = options.output + ".first_level.ndf.exr";
+  MovmfWriteOptions writing;
+  writing.threads = options.threads;
+  write_movmf_mipmap(path, mipmap, writing);
+  const std::uintmax_t bytes = std::filesystem::file_size(path);
+  std::filesystem::remove(path);
+  return bytes;
+}
+
+// What it costs to leave the finest levels to the normal map, and what it saves. Levels from the first that is stored
+// on are those of the other rows.
+std::string first_level_section(Device& device, const AccuracyDocumentOptions& options) {
+  const FourQuarterMap map = make_four_quarter_map(options.size, 7);
+  BakeReport report;
+  MovmfMipmap mipmap = bake_stored(device, map.normals, nullptr, {"", with_lobes(4)}, options.threads, report);
+  const auto usual = static_cast<double>(usual_gpu_bytes(options.size, options.size));
+  std::string rows;
+  for (const int first_level : {0, 1, 2}) {
+    std::printf("four-quarter map, stored from level %d on\n", first_level);
+    drop_finer_levels(mipmap, first_level);
+    const Errors errors(measure_accuracy(device, mipmap, map.normals, every_texel(nullptr, options.threads), nullptr));
+    const auto gpu = static_cast<double>(movmf_gpu_bytes(mipmap));
+    const std::string sizes =
+        fmt::format(" {:.1f} | {:.1f} | {:.1f} |\n", static_cast<double>(file_bytes(mipmap, options)) / 1e6, gpu / 1e6,
+                    gpu / usual);
+    for (const char* s : {"20", "100", "500"}) {
+      const std::string brdf = std::string("blinn-phong:") + s;
+      rows += fmt::format("| {} | {} |", first_level, s);
+      for (const int level : {0, 1}) {
+        rows += " " + errors.text(level, AccuracyPoint::kCentre, brdf) + " | " + errors.midway(level, brdf) + " | " +
+                errors.text(level, AccuracyPoint::kBetween, brdf) + " |";
+      }
+      rows += " " + errors.text(2, AccuracyPoint::kCentre, brdf) + " |" + sizes;
+    }
+  }
+  return fmt::format(
+             "\n### Levels left to the normal map\n\nWith 4 lobes, stored from level L on (`multum bake --first-level "
+             "L`). Finer levels are one lobe a texel with the mean vector of the normal map's own levels; between L - "
+             "1 "
+             "and L both are shaded and mixed. Midway: the worse of x and y. Sizes in MB, of the file and on the GPU; "
+             "a BC5 normal and a BC4 roughness of this map take {:.1f} MB there.\n\n",
+             usual / 1e6) +
+         "| L | s | 0, centres | 0, midway | between 0 and 1 | 1, centres | 1, midway | between 1 and 2 | 2, centres | "
+         "file | GPU | times BC5 + BC4 |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
+         rows;
+}
+
 // "ours / best baseline" of every level; bold where ours is worse by more than 0.05 points.
 struct MapTable {
   std::string rows;
@@ -267,7 +332,7 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
       "the runtime "
       "shades.\n\n",
       options.commit, processor_name(), system_name(), device.info().name);
-  text += quarters_section(device, options);
+  text += quarters_section(device, options) + first_level_section(device, options);
   if (!options.maps.empty()) text += maps_section(device, options);
   write_text_file(options.output, text);
   std::printf("%s: written\n", options.output.c_str());

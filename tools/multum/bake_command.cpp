@@ -65,6 +65,9 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
 
 void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("-o,--output", o.job.output, "file to write, *.ndf.exr")->required();
+  bake.add_option("--first-level", o.job.fitting.first_level,
+                  "finest level to store; renderers take finer ones from the normal map (docs/FORMAT.md)")
+      ->capture_default_str();
   add_choice(bake, "-d,--data-format", o.job.encoding, kEncodings,
              "what lobes are rounded to; half loses kappa above 1000 (docs/FORMAT.md)");
   bake.add_option("--compression", o.job.writing.compression, "none, rle, zips, zip or piz, zip:1..9")

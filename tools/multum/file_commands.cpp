@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "host/asset/gpu_bytes.h"
 #include "host/asset/movmf_mipmap.h"
 #include "host/asset/movmf_verify.h"
 #include "host/bake/accuracy_table.h"
@@ -34,26 +35,33 @@ std::string measured_error(const std::string& text) {
   return rows ? accuracy_table(*rows) : fmt::format("measured error  {}\n", text);
 }
 
+std::string size_text(std::uint64_t bytes) {
+  if (bytes < 1024) return fmt::format("{} bytes", bytes);
+  const auto kib = static_cast<double>(bytes) / 1024.0;
+  return kib < 1024.0 ? fmt::format("{:.1f} KiB", kib) : fmt::format("{:.1f} MiB", kib / 1024.0);
+}
+
+// Beside what renderers usually keep of the same map.
+std::string on_the_gpu(const MovmfMipmap& file) {
+  const std::uint64_t bytes = movmf_gpu_bytes(file), usual = usual_gpu_bytes(file.width(), file.height());
+  return fmt::format("on the GPU      {}{}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n",
+                     size_text(bytes), file.first_level > 0 ? " beside the normal map itself" : "",
+                     static_cast<double>(bytes) / static_cast<double>(usual), size_text(usual));
+}
+
 int run_info(const std::string& path) {
   const MovmfMipmap file = read_movmf_header(path);
   const MovmfProvenance& from = file.provenance;
-  std::uint64_t texels = 0;
-  for (const MovmfLevel& level : file.levels)
-    texels += static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height);
-  const unsigned value_bytes = file.encoding == StorageEncoding::kFloat ? 4 : 2;
-  const unsigned lobe_bytes = 4 * value_bytes + (file.has_colours() ? 4 * value_bytes : 0);
-  const double mib = static_cast<double>(texels * lobe_bytes * static_cast<unsigned>(file.lobe_count())) / (1 << 20);
   std::string text;
   text += fmt::format("file            {}\n", path);
   text += fmt::format("representation  movmf: {} von Mises-Fisher lobes a texel{}\n", file.lobe_count(),
                       file.has_colours() ? ", with a colour a lobe" : "");
-  text += fmt::format("size            {} x {}, {} levels, wrap {}, {}\n", file.width(), file.height(),
-                      file.levels.size(), wrap_mode_name(file.wrap_s), wrap_mode_name(file.wrap_t));
+  text += fmt::format("size            {} x {}, {}, wrap {}, {}\n", file.width(), file.height(), levels_text(file),
+                      wrap_mode_name(file.wrap_s), wrap_mode_name(file.wrap_t));
   text += fmt::format("encoding        {}; kappa up to {:.0f} survives it\n", storage_encoding_name(file.encoding),
                       static_cast<double>(storage_kappa_max(file.encoding)));
-  text +=
-      fmt::format("on disk         {:.1f} MiB\n", static_cast<double>(std::filesystem::file_size(path)) / (1 << 20));
-  text += fmt::format("on the GPU      {:.1f} MiB\n", mib);
+  text += fmt::format("on disk         {}\n", size_text(std::filesystem::file_size(path)));
+  text += on_the_gpu(file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);

@@ -68,16 +68,22 @@ NormalMapSettings source_settings(const ViewOptions& options, const MovmfMipmap&
   if (hash_file(options.source) == mipmap.provenance.source_hash) {
     settings.repair_share_max = 1.0f;  // the bake took these very texels
   } else if (!mipmap.provenance.source_hash.empty()) {
-    log_warning(
-        fmt::format("{}: is not the file that {} was baked from ({}, SHA-256 {}): the truth and the baselines "
-                    "may show another map",
-                    options.source, options.input, mipmap.provenance.source_name, mipmap.provenance.source_hash));
+    log_warning(fmt::format(
+        "{}: is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map", options.source,
+        options.input, mipmap.provenance.source_name, mipmap.provenance.source_hash,
+        mipmap.first_level > 0 ? "the finest levels, the truth and the baselines" : "the truth and the baselines"));
   }
   apply(options.reading, settings);
   return settings;
 }
 
 gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipmap) {
+  if (options.source.empty() && mipmap.first_level > 0)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
+                            "baked from, which has the finer ones ({}, SHA-256 {})",
+                            options.input, levels_text(mipmap), mipmap.width(), mipmap.height(),
+                            mipmap.provenance.source_name, mipmap.provenance.source_hash));
   if (options.source.empty()) return gl::finest_normals(mipmap);
   const NormalMap map = read_normal_map(options.source, source_settings(options, mipmap), 1, nullptr);
   log_info(options.source + ": " + map.report.encoding);
@@ -98,7 +104,7 @@ std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunct
   using gl::NormalMaterial;
   gl::Renderer renderer(gl, options.width, options.height);
   std::vector<NamedPicture> pictures;
-  const gl::MovmfMaterial baked(gl, mipmap, options.anisotropy);
+  const gl::MovmfMaterial baked(gl, mipmap, options.anisotropy, &source);
   pictures.push_back({"multum", renderer.draw_movmf(mesh, baked, options.scene, options.formula)});
   if (options.compare.empty()) return pictures;
   const NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
@@ -185,9 +191,19 @@ void warn_of_wrong_anisotropy(const ViewOptions& options, const MovmfMipmap& mip
                   options.input, mipmap.width(), mipmap.height()));
 }
 
-void warn_of_unused_source(const ViewOptions& options) {
-  if (options.compare.empty() && !options.source.empty())
+/// A file that holds every level draws itself; others take the finest from the source.
+bool needs_source(const ViewOptions& options, const MovmfMipmap& mipmap) {
+  return !options.compare.empty() || mipmap.first_level > 0;
+}
+
+void warn_of_sources(const ViewOptions& options, const MovmfMipmap& mipmap) {
+  if (!needs_source(options, mipmap) && !options.source.empty())
     log_warning(options.source + ": is not read without --compare: the baked map's picture does not need it");
+  if (mipmap.first_level > 0 && mipmap.has_colours() && options.albedo.empty())
+    log_warning(
+        fmt::format("{}: has colours from level {} on; without --albedo the finer levels have those of level "
+                    "{}, blurred",
+                    options.input, mipmap.first_level, mipmap.first_level));
 }
 
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures, bool has_truth) {
@@ -232,10 +248,10 @@ int run(int argc, char** argv) {
   std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
   if (!options.has_value()) return exit_code;
   check_outputs(*options);
-  warn_of_unused_source(*options);
   const MovmfMipmap mipmap = read_movmf_mipmap(options->input);
+  warn_of_sources(*options, mipmap);
   const gl::MeshData mesh_data = make_mesh(*options);
-  const gl::NormalImage source = options->compare.empty() ? gl::NormalImage{} : read_source(*options, mipmap);
+  const gl::NormalImage source = needs_source(*options, mipmap) ? read_source(*options, mipmap) : gl::NormalImage{};
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
   log_info(context->description());
   warn_of_wrong_anisotropy(*options, mipmap, context->description());

@@ -184,8 +184,8 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--compare", raw.compare,
                  "also draw these beside it, of truth,mip,toksvig,lean; with truth: errors too");
   app.add_option("--source", o.source,
-                 "normal map that the file was baked from, for the truth and the baselines "
-                 "(default: level 0 of the file)");
+                 "normal map that the file was baked from, for the truth and the baselines (default: level 0 of the "
+                 "file) and, in files baked with --first-level, for the finest levels");
   app.add_option("--albedo", o.albedo, "the source's colours");
   app.add_option("--mesh", o.mesh,
                  "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "

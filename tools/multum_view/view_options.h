@@ -17,7 +17,7 @@ struct ViewOptions {
   std::string output;      // *.png, *.exr
   std::string pictures;    // PREFIX of a file for each picture; empty: none
   std::string source;      // normal map that the file was baked from; empty: level 0 of the file
-  std::string albedo;      // its colours; used by the truth and the baselines
+  std::string albedo;      // its colours; used where `source` is
   ReadingOptions reading;  // how to read `source`, where it is not read as the bake read it
   std::string mesh;        // empty: the plane
   std::string report;      // JSON; empty: none

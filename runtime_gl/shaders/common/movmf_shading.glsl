@@ -9,6 +9,9 @@
 //     float facets = multum_movmf_blinn_phong(lobe, h, s);
 //     radiance += albedo / pi * diffuse + k_s * facets * diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 //
+// A file that leaves the finest levels to the normal map (multum:firstLevel > 0) has one more lobe: see
+// multum_movmf_normal_map() at the end.
+//
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
 // with the lobe, amplitude included; a lobe of amplitude 0 (no material, or a lobe that does not occur here) returns 0.
 // The highlight's own cosine max(n . l, 0) depends on n too: per lobe its mean is taken, diffuse / a. Measured on
@@ -126,4 +129,22 @@ float multum_movmf_lambert(vec4 lobe, vec3 l) {
   float x = min(m * m / max(v, 1e-20), 200.0);
   float g = x * (0.4117 + r * (0.2857 - r * 0.3658) + 0.0080 * x);
   return lobe.w * 0.5 * (m + sqrt(m * m + v * exp(-g)));
+}
+
+// The normal map as one more lobe, for files whose finest stored level L = multum:firstLevel is not 0. The lobe maps
+// begin at L; the levels finer than L are the normal map's own, whose mips must be averages of unit vectors that keep
+// their length (a float or snorm texture with x, y and z, or an unsigned one decoded after filtering): that length is
+// the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
+//
+//     float lod = textureQueryLod(lobe_map[0], uv).y;               // ES 300: EXT_texture_query_lod or derivatives
+//     vec4 lobe = multum_movmf_normal_map(texture(normal_map, uv).xyz, lod);        // shade it, and for every J:
+//     vec4 lobe_J = texture(lobe_map[J], uv) * (1.0 - lobe.w);                      // shade it
+//
+// `lod` is the level of detail that the lobe maps ask for before it is clamped: 0 at L, -1 at L - 1. From L on the
+// share of the normal map is 0, up to L - 1 it is 1, and between them it mixes linearly, as trilinear filtering would.
+// Everything above is linear in (a r, a), so a share of a lobe shades to that share. The normal map's own level of
+// detail must stop at L - 1 (GL_TEXTURE_MAX_LEVEL, or textureLod): its coarser levels are what the lobes replace. This
+// lobe's colour is the albedo map's.
+vec4 multum_movmf_normal_map(vec3 mean_normal, float lod) {
+  return clamp(-lod, 0.0, 1.0) * vec4(mean_normal, 1.0);
 }

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a baked file takes as textures on a GPU, and what renderers usually keep for the same map.
+#pragma once
+
+#include <cstdint>
+
+#include "host/asset/movmf_mipmap.h"
+
+namespace multum {
+
+/// Stored levels of all lobes, 4 channels a texel of 2 bytes each (RGBA16_SNORM, RGBA16F) or 4 (RGBA32F), and as much
+/// again for colours, whose fourth channel is padding (RGBA16F or RGBA32F). Needs sizes alone, no texels.
+std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap);
+
+/// All levels of a width x height map as a BC5 normal, 16 bytes a block of 4 x 4 texels, and a BC4 roughness, 8 bytes.
+/// Blocks are whole: a level of 1 x 1 takes one as well.
+std::uint64_t usual_gpu_bytes(int width, int height);
+
+}  // namespace multum
