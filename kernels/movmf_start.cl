@@ -33,72 +33,117 @@ static int neighbour(int i, int size, int periodic) {
   return periodic && size > 2 ? (i < 0 ? size - 1 : 0) : -1;
 }
 
-// a_k mu_k of one done neighbour. Its r is never zero: a lobe without a direction keeps its last one.
-static float3 directed_amplitude(MultumVmfLobe lobe) {
-  const float3 r = (float3)(lobe.mean_x, lobe.mean_y, lobe.mean_z);
-  const float squared = fma(r.x, r.x, fma(r.y, r.y, r.z * r.z));
-  return squared > 1e-24f ? r * (lobe.amplitude / sqrt(squared)) : (float3)(0.0f);
+// Lobes of MULTUM_VECTOR_WIDTH texels side by side.
+typedef struct LobeLanes {
+  real_v x, y, z, amplitude;
+} LobeLanes;
+
+// Lobes at `texels`; zeros where there is none (-1).
+static LobeLanes gather(__global const MultumVmfLobe* lobes, const int* texels) {
+  float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    const bool there = texels[lane] >= 0;
+    __global const MultumVmfLobe* lobe = lobes + max(texels[lane], 0);
+    x[lane] = there ? lobe->mean_x : 0.0f;
+    y[lane] = there ? lobe->mean_y : 0.0f;
+    z[lane] = there ? lobe->mean_z : 0.0f;
+    a[lane] = there ? lobe->amplitude : 0.0f;
+  }
+  LobeLanes gathered;
+  gathered.x = LOAD_V(x);
+  gathered.y = LOAD_V(y);
+  gathered.z = LOAD_V(z);
+  gathered.amplitude = LOAD_V(a);
+  return gathered;
 }
 
-// movmf_start: one work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
+static real_v squared_length(LobeLanes lobe) { return fma(lobe.x, lobe.x, fma(lobe.y, lobe.y, lobe.z * lobe.z)); }
+
+// Adds a_k mu_k of a done neighbour. Its r is never zero: a lobe without a direction keeps its last one.
+static void add_directed_amplitude(LobeLanes lobe, real_v* x, real_v* y, real_v* z) {
+  const real_v squared = squared_length(lobe);
+  const real_v scale = squared > 1e-24f ? lobe.amplitude / sqrt(MAX_V(squared, (real_v)(1e-24f))) : (real_v)(0.0f);
+  *x += lobe.x * scale;
+  *y += lobe.y * scale;
+  *z += lobe.z * scale;
+}
+
+// Where texels, their parents and their done neighbours lie in their levels; -1: nowhere, or not done.
+typedef struct Places {
+  int own[MULTUM_VECTOR_WIDTH];
+  int parent[MULTUM_VECTOR_WIDTH];
+  int beside[8][MULTUM_VECTOR_WIDTH];
+} Places;
+
+static void find_places(__global const int* texels, const MultumMovmfFit* fit, Places* places) {
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    const int texel = max(texels[lane], 0), x = texel % fit->width, y = texel / fit->width;
+    places->own[lane] = texel;
+    if (fit->parent_width == 0) continue;
+    places->parent[lane] = min(y >> 1, fit->parent_height - 1) * fit->parent_width + min(x >> 1, fit->parent_width - 1);
+    int count = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        if (dx == 0 && dy == 0) continue;
+        const int nx = neighbour(x + dx, fit->width, fit->periodic_x);
+        const int ny = neighbour(y + dy, fit->height, fit->periodic_y);
+        const bool done = nx >= 0 && ny >= 0 && fitted_before(nx, ny, x, y, fit->order);
+        places->beside[count++][lane] = done ? ny * fit->width + nx : -1;
+      }
+  }
+}
+
+// movmf_start: one work-item = MULTUM_VECTOR_WIDTH slots, every lobe; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   parent  [lobe][parent_height * parent_width]   not read when parent_width == 0
 //   level   [lobe][height * width]                 done neighbours; the texel's own lobes when there is no parent
 //   texel_list [list_offset + slot]                y * width + x, or -1
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
-// Bound by memory latency: ten scattered reads an item.
+// Bound by ten scattered reads a lobe.
 __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const MultumVmfLobe* level,
                           __global const int* texel_list, __global float* start, MultumMovmfFit fit,
                           float start_kappa_factor, float start_amplitude_min) {
-  const int item = (int)get_global_id(0);
-  const int slot = item / MULTUM_LOBES;
-  const int lobe = item % MULTUM_LOBES;
+  const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
-  const int texel = texel_list[fit.list_offset + slot];
-  const int x = max(texel, 0) % fit.width, y = max(texel, 0) / fit.width;
   const size_t level_size = (size_t)fit.width * fit.height;
+  const size_t parent_size = (size_t)fit.parent_width * fit.parent_height;
   const bool has_parent = fit.parent_width > 0;
+  const bool from_parent = has_parent && fit.order != MULTUM_ORDER_AGAIN;
+  Places places;
+  find_places(texel_list + fit.list_offset + slot, &fit, &places);
+  __global float* out =
+      start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + slot % MULTUM_GROUP;
+  for (int j = 0; j < MULTUM_LOBES; ++j, out += MULTUM_START_PLANES * MULTUM_GROUP) {
+    __global const MultumVmfLobe* lobes = level + j * level_size;
+    LobeLanes from;
+    real_v prior_x = (real_v)(0.0f), prior_y = (real_v)(0.0f), prior_z = (real_v)(0.0f);
+    if (has_parent) {
+      from = gather(parent + j * parent_size, places.parent);
+      add_directed_amplitude(from, &prior_x, &prior_y, &prior_z);
+      for (int n = 0; n < 8; ++n) add_directed_amplitude(gather(lobes, places.beside[n]), &prior_x, &prior_y, &prior_z);
+    }
+    if (!from_parent) from = gather(lobes, places.own);
 
-  MultumVmfLobe from;
-  float3 prior = (float3)(0.0f);
-  __global const MultumVmfLobe* own = level + lobe * level_size;
-  if (has_parent) {
-    const int parent_x = min(x >> 1, fit.parent_width - 1), parent_y = min(y >> 1, fit.parent_height - 1);
-    from = parent[(size_t)lobe * fit.parent_width * fit.parent_height + (size_t)parent_y * fit.parent_width + parent_x];
-    prior = directed_amplitude(from);
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        const int nx = neighbour(x + dx, fit.width, fit.periodic_x), ny = neighbour(y + dy, fit.height, fit.periodic_y);
-        if ((dx == 0 && dy == 0) || nx < 0 || ny < 0) continue;
-        if (fitted_before(nx, ny, x, y, fit.order)) prior += directed_amplitude(own[(size_t)ny * fit.width + nx]);
-      }
-    prior *= fit.alignment;
-    if (fit.order == MULTUM_ORDER_AGAIN) from = own[(size_t)y * fit.width + x];
-  } else {
-    from = own[(size_t)y * fit.width + x];
+    const real_v squared = squared_length(from);
+    const int_v directed = squared > 1e-24f;
+    const real_v full_length = sqrt(MAX_V(squared, (real_v)(1e-24f)));
+    const real_v length = directed ? MIN_V(full_length, (real_v)(1.0f)) : (real_v)(0.0f);
+    const real_v inverse = directed ? 1.0f / full_length : (real_v)(0.0f);
+    real_v kappa = kappa_of_mean_length(length, MAX_V(1.0f - length, (real_v)(1e-6f)));
+    real_v amplitude = from.amplitude;
+    if (from_parent) {
+      kappa *= start_kappa_factor;
+      amplitude = MAX_V(amplitude, (real_v)(start_amplitude_min));
+    }
+    kappa = MIN_V(MAX_V(kappa, (real_v)(0.05f)), (real_v)(1e6f));
+    STORE_V(from.x * inverse, out + (MULTUM_START_MU + 0) * MULTUM_GROUP);
+    STORE_V(from.y * inverse, out + (MULTUM_START_MU + 1) * MULTUM_GROUP);
+    STORE_V(directed ? from.z * inverse : (real_v)(1.0f), out + (MULTUM_START_MU + 2) * MULTUM_GROUP);
+    STORE_V(kappa * MULTUM_LOG2E, out + MULTUM_START_SHARPNESS * MULTUM_GROUP);
+    STORE_V(log_peak(MAX_V(amplitude, (real_v)(1e-6f)), kappa), out + MULTUM_START_LOG * MULTUM_GROUP);
+    STORE_V(prior_x * fit.alignment, out + (MULTUM_START_PRIOR + 0) * MULTUM_GROUP);
+    STORE_V(prior_y * fit.alignment, out + (MULTUM_START_PRIOR + 1) * MULTUM_GROUP);
+    STORE_V(prior_z * fit.alignment, out + (MULTUM_START_PRIOR + 2) * MULTUM_GROUP);
   }
-
-  const float squared = fma(from.mean_x, from.mean_x, fma(from.mean_y, from.mean_y, from.mean_z * from.mean_z));
-  const bool directed = squared > 1e-24f;
-  const float length = min(sqrt(squared), 1.0f);
-  const float inverse = directed ? 1.0f / sqrt(squared) : 0.0f;
-  float kappa = kappa_of_mean_length(length, max(1.0f - length, 1e-6f));
-  float amplitude = from.amplitude;
-  if (has_parent && fit.order != MULTUM_ORDER_AGAIN) {
-    kappa *= start_kappa_factor;
-    amplitude = max(amplitude, start_amplitude_min);
-  }
-  kappa = clamp(kappa, 0.05f, 1e6f);
-  __global float* out = start +
-                        (((size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES + lobe) * MULTUM_START_PLANES) * MULTUM_GROUP +
-                        slot % MULTUM_GROUP;
-  out[(MULTUM_START_MU + 0) * MULTUM_GROUP] = from.mean_x * inverse;
-  out[(MULTUM_START_MU + 1) * MULTUM_GROUP] = from.mean_y * inverse;
-  out[(MULTUM_START_MU + 2) * MULTUM_GROUP] = directed ? from.mean_z * inverse : 1.0f;
-  out[MULTUM_START_SHARPNESS * MULTUM_GROUP] = kappa * MULTUM_LOG2E;
-  out[MULTUM_START_LOG * MULTUM_GROUP] = log_peak(max(amplitude, 1e-6f), kappa);
-  out[(MULTUM_START_PRIOR + 0) * MULTUM_GROUP] = prior.x;
-  out[(MULTUM_START_PRIOR + 1) * MULTUM_GROUP] = prior.y;
-  out[(MULTUM_START_PRIOR + 2) * MULTUM_GROUP] = prior.z;
 }
 
 // movmf_pack: the normals of 16 texels side by side, so that EM streams them once an iteration.

@@ -46,7 +46,7 @@ void MovmfEmStep::make_kernels() {
   KernelVariant scalar{settings_.lobe_count, 1, schedule_.weighted};
   KernelVariant fast = scalar;
   fast.vector_width = vector_width_ = settings_.force_scalar ? 1 : device_.vector_width();
-  start_kernel_ = device_.kernel("movmf_start", "movmf_start", scalar);
+  start_kernel_ = device_.kernel("movmf_start", "movmf_start", fast);
   const auto uses = [&](FitMethod method) {
     return std::any_of(schedule_.levels.begin(), schedule_.levels.end(),
                        [&](const LevelSchedule& level) { return level.method == method; });
@@ -118,9 +118,9 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, const FitStep& step,
   const std::size_t groups = group_count(step), slots = groups * MULTUM_GROUP;
   fit.list_offset = step.list_offset;
   fit.slot_count = static_cast<int>(slots);
-  start_kernel_.launch({slots * lobe_count()}, parent, lobes, list_buffer_, start_buffer_, fit,
-                       settings_.start_kappa_factor, settings_.start_amplitude_min);
   const Kernel::WorkSize em_size{slots / static_cast<std::size_t>(vector_width_)};
+  start_kernel_.launch(em_size, parent, lobes, list_buffer_, start_buffer_, fit, settings_.start_kappa_factor,
+                       settings_.start_amplitude_min);
   switch (method) {
     case FitMethod::kTexels:
       pack_kernel_.launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals_.buffer[0], normals_.buffer[1],

@@ -65,7 +65,7 @@ class LevelBench {
     start_.resize(slots_ * lobes_ * MULTUM_START_PLANES);
     start_buffer_ = device.make_buffer(start_.size() * sizeof(float), "start");
     device.kernel("movmf_start", "movmf_start", scalar)
-        .launch({slots_ * lobes_}, parent_buffer, result_buffer_, list_buffer_, start_buffer_, fit_, 0.5f, 0.02f);
+        .launch({slots_}, parent_buffer, result_buffer_, list_buffer_, start_buffer_, fit_, 0.5f, 0.02f);
     device.read(start_buffer_, start_.data(), start_.size() * sizeof(float));
     if (level.method == FitMethod::kChunks) {
       partial_buffer_ =
