@@ -45,7 +45,7 @@ struct MovmfProvenance {
   std::string software;        // "multum 0.1.0"
   std::string source_name;     // file name of the normal map, without folder
   std::string source_hash;     // SHA-256 of the normal map's file, 64 hexadecimal digits
-  std::string settings;        // JSON: every setting that changes pixels
+  std::string settings;        // JSON: every setting that changes the file
   std::string settings_hash;   // SHA-256 of `settings`
   std::string measured_error;  // JSON: relative L1 error of file against source (docs/ACCURACY.md); may be empty
   std::string content_hash;    // of every channel value in the file; filled by write and read, see movmf_content_hash()

@@ -17,6 +17,7 @@
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
 #include "host/image/reading_settings.h"
+#include "kernels/kernel_sources.h"
 
 namespace multum {
 namespace {
@@ -43,13 +44,33 @@ MovmfSettings fitting_settings(const BakeJob& job) {
   return settings;
 }
 
-// Every setting that changes pixels, the reading's too: what an unchanged bake is recognised by.
+// Every setting that changes the file, the reading's too, and the kernels: what an unchanged bake is recognised by.
 std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(settings_json(fitting_settings(job)));
   add_reading_settings(job.reading, json);
   json["encoding"] = storage_encoding_name(job.encoding);
+  json["compression"] = job.writing.compression;
   json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
+  std::string kernels;
+  for (const auto& [name, source] : kernel_sources()) kernels += source;
+  json["kernels"] = hash_text(kernels).substr(0, 16);
   return json.dump();
+}
+
+const std::string kSoftware = std::string("multum ") + MULTUM_VERSION;
+
+// Is the output there already, as this bake would make it? Anything else of that name is baked over, as ever.
+bool is_baked(const BakeJob& job, const std::string& settings) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(job.output, none)) return false;
+  try {
+    const MovmfProvenance there = read_movmf_header(job.output).provenance;
+    const auto measured = parse_measured_error(there.measured_error);
+    return there.software == kSoftware && there.settings == settings &&
+           (!job.measure || (measured && !measured->empty())) && there.source_hash == hash_file(job.input);
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 // Lobes sharper than the storage keeps: counted, and warned of where they stand for more of the map than this. Every
@@ -96,9 +117,15 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
   BakeReport report;
+  report.source = std::filesystem::path(job.input).filename().string();
+  const std::string settings = all_settings_json(job);
+  if (!job.force && is_baked(job, settings)) {
+    report.unchanged = true;
+    if (!job.report.empty()) write_text_file(job.report, report.to_json());
+    return report;
+  }
   StageClock clock(report);
   const NormalMap map = read_normal_map(job.input, job.reading, job.threads, progress);
-  report.source = std::filesystem::path(job.input).filename().string();
   report.input = map.report;
   std::optional<ColourMap> albedo;
   if (!job.albedo.empty()) albedo = read_albedo_map(job.albedo, map.width, map.height, job.threads);
@@ -130,10 +157,10 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   }
   progress_advance(progress, level_units);
   progress_stage(progress, "write");
-  mipmap.provenance.software = std::string("multum ") + MULTUM_VERSION;
+  mipmap.provenance.software = kSoftware;
   mipmap.provenance.source_name = report.source;
   mipmap.provenance.source_hash = hash_file(job.input);
-  mipmap.provenance.settings = all_settings_json(job);
+  mipmap.provenance.settings = settings;
   mipmap.provenance.settings_hash = hash_text(mipmap.provenance.settings);
   mipmap.provenance.measured_error = measured_error_json(report.accuracy);
   write_movmf_mipmap(job.output, mipmap, job.writing, progress);

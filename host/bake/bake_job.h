@@ -23,10 +23,12 @@ struct BakeJob {
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   MovmfWriteOptions writing;
   bool measure = true;  // measure the error of what is written
+  bool force = false;   // bake even if the output is from the same file and settings
   int threads = 2;      // of the host's own loops
 };
 
-/// Appears as JOB.output when all is done, or not at all. Throws Error, Cancelled.
+/// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
+/// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

@@ -39,6 +39,8 @@ std::string repairs_text(const NormalMapReport& input) {
 std::string BakeReport::to_json() const {
   Json json;
   json["source"] = source;
+  json["unchanged"] = unchanged;
+  if (unchanged) return json.dump(2) + "\n";
   json["device"] = device;
   json["input"] = {{"format", input.format},
                    {"encoding", input.encoding},

@@ -25,6 +25,7 @@ struct LevelReport {
 
 struct BakeReport {
   std::string source;
+  bool unchanged = false;  // the output was there already: nothing was done, and nothing else here says anything
   std::string device;
   NormalMapReport input;
   std::vector<StageTime> stages;

@@ -292,6 +292,42 @@ TEST_F(BakeCommandTest, RunstatsPrintLevelsAndLaunches) {
     EXPECT_TRUE(contains(bake.out, part)) << part << " is not in\n" << bake.out;
 }
 
+TEST_F(BakeCommandTest, WhatIsBakedAlreadyIsNotBakedAgain) {
+  make_map("map", 32);
+  const std::string output = path("map.ndf.exr"), report = path("report.json");
+  // Was it baked, that is, was the file replaced?
+  const auto bakes = [&](std::vector<std::string> options) {
+    const auto before = std::filesystem::exists(output) ? std::filesystem::last_write_time(output)
+                                                        : std::filesystem::file_time_type::min();
+    options.insert(options.begin(), {"bake", path("map_normal.png"), "-o", output, "--report", report});
+    const ProgramResult result = multum(options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const bool baked = std::filesystem::last_write_time(output) != before;
+    EXPECT_EQ(contains(result.out, "map.ndf.exr: unchanged"), !baked) << result.out;
+    EXPECT_EQ(nlohmann::json::parse(read_bytes(report))["unchanged"], !baked);
+    return baked;
+  };
+  EXPECT_TRUE(bakes({"--no-measure"}));
+  EXPECT_FALSE(bakes({"--no-measure"}));
+  EXPECT_FALSE(bakes({"--no-measure", "--threads", "1"})) << "threads do not change the file";
+  EXPECT_TRUE(bakes({"--no-measure", "--force"}));
+  EXPECT_TRUE(bakes({})) << "the file had no measured error";
+  EXPECT_FALSE(bakes({}));
+  EXPECT_FALSE(bakes({"--no-measure"})) << "the file has more than was asked for";
+  for (const auto& [option, value] : {std::pair("--lobes", "2"), std::pair("--compression", "rle"),
+                                      std::pair("--wrap", "clamp"), std::pair("-d", "half")}) {
+    EXPECT_TRUE(bakes({option, value})) << option;
+    EXPECT_FALSE(bakes({option, value})) << option;
+  }
+  EXPECT_TRUE(bakes({}));
+  const std::string map = read_bytes(path("map_normal.png"));
+  make_map("map", 64);
+  EXPECT_TRUE(bakes({})) << "the map has changed";
+  write_bytes(path("map_normal.png"), map);
+  write_bytes(output, "no baked file");
+  EXPECT_TRUE(bakes({}));
+}
+
 TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   make_map("map", 128);
   const auto bake = [&](const std::string& name, std::vector<std::string> options) {

@@ -76,6 +76,7 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--device", o.device, "OpenCL device: a number of `multum devices` or part of a name");
   bake.add_flag("--scalar", o.job.fitting.force_scalar,
                 "run the kernels' scalar variant, as GPUs do: same bytes, slower on CPUs");
+  bake.add_flag("--force", o.job.force, "bake even if the output is from the same file with the same settings");
   bake.add_flag("--no-measure", o.no_measure, "skip measuring the error of what is written");
   bake.add_flag("--runstats", o.run_stats, "print times, launches and numerical events");
 }
@@ -97,6 +98,11 @@ int run_bake(BakeOptions& o) {
   Device device = Device::open(o.device);
   const BakeReport report = bake_file(job, device, progress.get());
   if (o.common.quiet) return 0;
+  if (report.unchanged) {
+    std::printf("%s: unchanged, from the same file with the same settings; --force bakes it again\n",
+                job.output.c_str());
+    return 0;
+  }
   std::printf("%s: written\n%s", job.output.c_str(), report.to_text().c_str());
   if (o.run_stats || o.common.verbose) {
     for (const LevelReport& level : report.levels)
