@@ -107,6 +107,18 @@ void check_output_name(const std::string& path) {
                 path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
 }
 
+// What has been launched since `before`, by kernel.
+std::map<std::string, std::uint64_t> launches_since(const std::map<std::string, std::uint64_t>& before,
+                                                    const Device& device) {
+  std::map<std::string, std::uint64_t> launches;
+  for (const auto& [kernel, count] : device.launch_counts()) {
+    const auto earlier = before.find(kernel);
+    const std::uint64_t more = count - (earlier == before.end() ? 0 : earlier->second);
+    if (more > 0) launches[kernel] = more;
+  }
+  return launches;
+}
+
 }  // namespace
 
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
@@ -125,6 +137,8 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
     return report;
   }
   StageClock clock(report);
+  const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
+  const int programs_before = device.program_count();
   const NormalMap map = read_normal_map(job.input, job.reading, job.threads, progress);
   report.input = map.report;
   std::optional<ColourMap> albedo;
@@ -165,8 +179,8 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   mipmap.provenance.measured_error = measured_error_json(report.accuracy);
   write_movmf_mipmap(job.output, mipmap, job.writing, progress);
   clock.finish("write");
-  report.launches = device.launch_counts();
-  report.programs_built = device.program_count();
+  report.launches = launches_since(launches_before, device);
+  report.programs_built = device.program_count() - programs_before;
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);
   return report;

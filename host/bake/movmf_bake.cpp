@@ -88,8 +88,6 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
   const MovmfFitPlan plan{choose_start(device, map, settings, report), false};
   MovmfMipmap mipmap = fit_movmf(device, map, albedo, settings, plan, report, progress);
   report.device = device.info().name;
-  report.launches = device.launch_counts();
-  report.programs_built = device.program_count();
   return mipmap;
 }
 

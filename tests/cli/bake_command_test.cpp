@@ -263,7 +263,7 @@ TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
   make_map("map", 256);  // the bar is drawn anew 12 times a second
-  const std::vector<std::string> arguments = {"bake", path("map_normal.png"), "-o", path("map.ndf.exr")};
+  const std::vector<std::string> arguments = {"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--force"};
   const ProgramResult piped = multum(arguments);
   ASSERT_EQ(piped.exit_code, 0) << piped.err;
   for (const std::string& text : {piped.out, piped.err}) {
@@ -326,6 +326,34 @@ TEST_F(BakeCommandTest, WhatIsBakedAlreadyIsNotBakedAgain) {
   write_bytes(path("map_normal.png"), map);
   write_bytes(output, "no baked file");
   EXPECT_TRUE(bakes({}));
+}
+
+TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
+  make_map("map", 32);
+  std::filesystem::copy(path("map_normal.png"), path("rock_1001.png"));
+  write_bytes(path("rock_1002.png"), "no picture");
+  std::filesystem::copy(path("map_normal.png"), path("rock_1012.png"));
+  const ProgramResult result = multum({"bake", path("rock_<UDIM>.png"), "-o", path("rock_<UDIM>.ndf.exr"), "--report",
+                                       path("rock_<UDIM>.json"), "--no-measure"});
+  EXPECT_EQ(result.exit_code, 3) << "the broken tile's";
+  EXPECT_TRUE(contains(result.err, "rock_1002.png")) << result.err;
+  EXPECT_TRUE(contains(result.err, "3 maps: 2 baked, 0 unchanged, 1 failed")) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(path("rock_1002.ndf.exr")));
+  ASSERT_EQ(
+      multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure", "--report", path("map.json")})
+          .exit_code,
+      0);
+  for (const char* tile : {"rock_1001", "rock_1012"}) {
+    EXPECT_EQ(multum({"verify", path(tile + std::string(".ndf.exr"))}).exit_code, 0);
+    EXPECT_EQ(read_movmf_mipmap(path(tile + std::string(".ndf.exr"))).provenance.content_hash,
+              read_movmf_mipmap(path("map.ndf.exr")).provenance.content_hash)
+        << "as if baked alone";
+    EXPECT_EQ(nlohmann::json::parse(read_bytes(path(tile + std::string(".json"))))["launches"],
+              nlohmann::json::parse(read_bytes(path("map.json")))["launches"])
+        << "each report counts its own";
+  }
+  const ProgramResult again = multum({"bake", path("rock_1001.png"), path("rock_1012.png"), "-o", path(""), "-q"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
 TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {

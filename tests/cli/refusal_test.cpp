@@ -118,7 +118,8 @@ TEST_F(RefusalTest, AlbedoOfAnotherSize) {
   make_map("small", 16);
   expect_refused(path("map_normal.png"), {"--albedo", path("small_albedo.png")}, kInput,
                  {"small_albedo.png", "found an albedo of 16 x 16", "expected the normal map's 64 x 64"});
-  expect_refused(path("map_normal.png"), {"--albedo", path("no_albedo.png")}, kInput, {"no_albedo.png", "no such"});
+  expect_refused(path("map_normal.png"), {"--albedo", path("no_albedo.png")}, kInput,
+                 {"no_albedo.png", "No such file"});
 }
 
 TEST_F(RefusalTest, SettingsOutsideTheirRanges) {

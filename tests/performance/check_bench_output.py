@@ -50,8 +50,8 @@ def check_bake(text):
     assert (result["size"], result["lobes"], result["repetitions"]) == (32, 2, 2)
     ours, theirs = result["programs"]
     assert ours["name"] == "multum bake" and theirs["name"] == "maketx" and theirs["version"]
-    assert ours["command"] == ("multum bake map_normal.png -o map.ndf.exr --green up --lobes 2 --quiet --no-measure "
-                               "--iterations 2"), ours["command"]
+    assert ours["command"] == ("multum bake map_normal.png -o map.ndf.exr --green up --lobes 2 --quiet --force "
+                               "--no-measure --iterations 2"), ours["command"]
     assert theirs["command"].startswith("maketx --bumpslopes "), theirs["command"]
     for program in result["programs"]:
         check_costs(program, result["cores"])

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "host/bake/bake_batch.h"
 #include "host/bake/bake_job.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -19,6 +20,7 @@ struct BakeOptions {
   std::string device;
   std::string wrap, wrap_s, wrap_t;
   ReadingOptions reading;
+  std::vector<std::string> inputs;
   bool no_measure = false;
   bool run_stats = false;
 };
@@ -64,7 +66,9 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
 }
 
 void add_output_options(CLI::App& bake, BakeOptions& o) {
-  bake.add_option("-o,--output", o.job.output, "file to write, *.ndf.exr")->required();
+  bake.add_option("-o,--output", o.job.output,
+                  "file to write, *.ndf.exr; of several maps: a folder, or a name with <UDIM>")
+      ->required();
   bake.add_option("--first-level", o.job.fitting.first_level,
                   "finest level to store; renderers take finer ones from the normal map (docs/FORMAT.md)")
       ->capture_default_str();
@@ -72,7 +76,7 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
              "what lobes are rounded to; half loses kappa above 1000 (docs/FORMAT.md)");
   bake.add_option("--compression", o.job.writing.compression, "none, rle, zips, zip or piz, zip:1..9")
       ->capture_default_str();
-  bake.add_option("--report", o.job.report, "write times, counts and errors as JSON");
+  bake.add_option("--report", o.job.report, "write times, counts and errors as JSON; of several maps: as --output");
   bake.add_option("--device", o.device, "OpenCL device: a number of `multum devices` or part of a name");
   bake.add_flag("--scalar", o.job.fitting.force_scalar,
                 "run the kernels' scalar variant, as GPUs do: same bytes, slower on CPUs");
@@ -85,6 +89,48 @@ WrapMode wrap_or(const std::string& name, WrapMode fallback) {
   return name.empty() ? fallback : *parse_wrap_mode(name);
 }
 
+BakeReport bake_with_progress(const BakeJob& job, const BakeOptions& o, Device& device) {
+  const auto progress = make_terminal_progress(!o.common.quiet);
+  return bake_file(job, device, progress.get());
+}
+
+void print_report(const BakeJob& job, const BakeOptions& o, const BakeReport& report) {
+  if (o.common.quiet) return;
+  if (report.unchanged) {
+    std::printf("%s: unchanged, from the same file with the same settings; --force bakes it again\n",
+                job.output.c_str());
+    return;
+  }
+  std::printf("%s: written\n%s", job.output.c_str(), report.to_text().c_str());
+  if (!o.run_stats && !o.common.verbose) return;
+  for (const LevelReport& level : report.levels)
+    std::printf("level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
+                level.seconds, static_cast<unsigned long long>(level.launches));
+  for (const auto& [kernel, count] : report.launches)
+    std::printf("%-24s %6llu launches\n", kernel.c_str(), static_cast<unsigned long long>(count));
+}
+
+// Each map for itself: one that fails does not keep the others from their bake. The exit code is the first failure's.
+int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
+  int code = 0;
+  std::size_t unchanged = 0, failed = 0;
+  for (const BakeJob& job : jobs) {
+    try {
+      const BakeReport report = bake_with_progress(job, o, device);
+      print_report(job, o, report);
+      unchanged += report.unchanged ? 1 : 0;
+    } catch (const Error& error) {
+      std::fprintf(stderr, "multum: %s\n", error.what());
+      if (code == 0) code = exit_code(error.code());
+      ++failed;
+    }
+  }
+  if (!o.common.quiet || failed > 0)
+    std::fprintf(failed > 0 ? stderr : stdout, "%zu maps: %zu baked, %zu unchanged, %zu failed\n", jobs.size(),
+                 jobs.size() - unchanged - failed, unchanged, failed);
+  return code;
+}
+
 int run_bake(BakeOptions& o) {
   const int threads = apply(o.common);
   BakeJob& job = o.job;
@@ -94,23 +140,10 @@ int run_bake(BakeOptions& o) {
   apply(o.reading, job.reading);
   job.threads = job.writing.threads = threads;
   job.measure = !o.no_measure;
-  const auto progress = make_terminal_progress(!o.common.quiet);
   Device device = Device::open(o.device);
-  const BakeReport report = bake_file(job, device, progress.get());
-  if (o.common.quiet) return 0;
-  if (report.unchanged) {
-    std::printf("%s: unchanged, from the same file with the same settings; --force bakes it again\n",
-                job.output.c_str());
-    return 0;
-  }
-  std::printf("%s: written\n%s", job.output.c_str(), report.to_text().c_str());
-  if (o.run_stats || o.common.verbose) {
-    for (const LevelReport& level : report.levels)
-      std::printf("level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
-                  level.seconds, static_cast<unsigned long long>(level.launches));
-    for (const auto& [kernel, count] : report.launches)
-      std::printf("%-24s %6llu launches\n", kernel.c_str(), static_cast<unsigned long long>(count));
-  }
+  const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
+  if (jobs.size() > 1) return bake_several(jobs, o, device);
+  print_report(jobs[0], o, bake_with_progress(jobs[0], o, device));
   return 0;
 }
 
@@ -120,7 +153,9 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
   CLI::App* bake =
       app.add_subcommand("bake", "bake a normal map or height field into an aligned mixture-of-vMF mipmap");
-  bake->add_option("input", options->job.input, "PNG, TIFF, EXR, JPEG or WebP, sides to 32768")->required();
+  bake->add_option("input", options->inputs,
+                   "PNG, TIFF, EXR, JPEG or WebP, sides to 32768; several maps, or sets as rock_<UDIM>.png")
+      ->required();
   add_output_options(*bake, *options);
   add_fit_options(*bake, *options);
   add_input_options(*bake, *options);

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/bake_batch.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kUdim[] = "<UDIM>";
+constexpr std::size_t kTileDigits = 4;
+
+bool has_udim(const std::string& path) { return path.find(kUdim) != std::string::npos; }
+
+std::string with_tile(std::string path, const std::string& tile) {
+  for (std::size_t at = path.find(kUdim); at != std::string::npos; at = path.find(kUdim, at))
+    path.replace(at, sizeof(kUdim) - 1, tile);
+  return path;
+}
+
+bool is_tile(const std::string& text) {
+  return text.size() == kTileDigits &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }) && text > "1000";
+}
+
+// The tiles of a set that there are files for.
+std::vector<std::string> tiles_of(const std::string& set) {
+  const fs::path path(set);
+  const std::string name = path.filename().string();
+  const std::size_t at = name.find(kUdim);
+  if (at == std::string::npos)
+    throw Error(ErrorCode::kUsage, set + ": found <UDIM> in a folder's name, expected it in the file's");
+  const std::string before = name.substr(0, at);
+  std::vector<std::string> tiles;
+  std::error_code none;
+  for (const fs::directory_entry& entry :
+       fs::directory_iterator(path.has_parent_path() ? path.parent_path() : fs::path("."), none)) {
+    const std::string found = entry.path().filename().string();
+    if (found.size() < at + kTileDigits) continue;
+    const std::string tile = found.substr(at, kTileDigits);
+    if (is_tile(tile) && found == with_tile(name, tile)) tiles.push_back(tile);
+  }
+  if (tiles.empty())
+    throw Error(ErrorCode::kInput,
+                set + ": found no file of this set, expected " + with_tile(set, "1001") + " or others");
+  std::sort(tiles.begin(), tiles.end());
+  return tiles;
+}
+
+// Where a file of one map goes: `pattern` is a folder, or holds <UDIM>.
+std::string place(const std::string& pattern, const std::string& input, const std::string& tile,
+                  const std::string& suffix) {
+  if (pattern.empty()) return "";
+  if (has_udim(pattern)) {
+    if (tile.empty())
+      throw Error(ErrorCode::kUsage, pattern + ": holds <UDIM>, but " + input + " is no set: expected a folder");
+    return with_tile(pattern, tile);
+  }
+  if (!fs::is_directory(pattern))
+    throw Error(ErrorCode::kUsage,
+                pattern + ": one name for several maps, expected a folder that exists, or <UDIM> in the name");
+  return (fs::path(pattern) / (fs::path(input).stem().string() + suffix)).string();
+}
+
+}  // namespace
+
+std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<std::string>& inputs) {
+  MULTUM_CHECK(!inputs.empty());
+  std::vector<BakeJob> jobs;
+  if (inputs.size() == 1 && !has_udim(inputs[0])) {
+    jobs.push_back(pattern);
+    jobs[0].input = inputs[0];
+    return jobs;
+  }
+  std::map<std::string, std::string> taken;  // output -> input
+  const auto add = [&](const std::string& input, const std::string& tile) {
+    BakeJob job = pattern;
+    job.input = input;
+    job.albedo = tile.empty() ? pattern.albedo : with_tile(pattern.albedo, tile);
+    job.output = place(pattern.output, input, tile, ".ndf.exr");
+    job.report = place(pattern.report, input, tile, ".json");
+    const auto [other, is_new] = taken.emplace(job.output, input);
+    if (!is_new)
+      throw Error(ErrorCode::kUsage, job.output + ": both " + other->second + " and " + input + " would go there");
+    jobs.push_back(std::move(job));
+  };
+  for (const std::string& input : inputs) {
+    if (!has_udim(input)) {
+      add(input, "");
+    } else {
+      for (const std::string& tile : tiles_of(input)) add(with_tile(input, tile), tile);
+    }
+  }
+  return jobs;
+}
+
+}  // namespace multum

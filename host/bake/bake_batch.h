@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Several maps in one run: names given one by one, and UDIM sets, whose tiles are named by `<UDIM>` in a path, as in
+// rock_<UDIM>.png for rock_1001.png, rock_1002.png ... (four digits, 1001 to 9999).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/bake/bake_job.h"
+
+namespace multum {
+
+/// One job a map, in the order given, tiles in the order of their numbers; each is `pattern` with its own paths.
+/// Where there is one map and no `<UDIM>`, that is `pattern` with its input. Else pattern.output, and pattern.report if
+/// there is one, is a folder that exists (files are named after the maps) or holds `<UDIM>` (then every input does);
+/// `<UDIM>` in pattern.albedo is the map's tile. Throws Error(kUsage) for names that do not fit together or that two
+/// maps would share, Error(kInput) when a set has no tile.
+std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<std::string>& inputs);
+
+}  // namespace multum
