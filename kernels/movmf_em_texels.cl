@@ -107,7 +107,7 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
       sharpness[j] = moving ? next_sharpness : sharpness[j];
       log_weight[j] = moving ? next_log : log_weight[j];
     }
-    moving = moving & (change > fit.settled_change_squared);
+    if (fit.settled_change_squared > 0.0f) moving = moving & (change > fit.settled_change_squared);
   }
   // The last E-step's own moments are stored, without the prior: it steers which lobe is which and never biases them.
   for (int j = 0; j < MULTUM_LOBES; ++j) {

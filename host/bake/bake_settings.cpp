@@ -20,6 +20,12 @@ void check_range(const char* name, Value value, Value low, Value high) {
 
 }  // namespace
 
+void make_fast(MovmfSettings& settings) {
+  settings.coarse_normals = CoarseNormals::kCondensed;
+  settings.settled_change = 0.01f;
+  settings.iteration_count = 20;
+}
+
 void validate(const MovmfSettings& s) {
   check_range("--lobes", s.lobe_count, 1, 8);
   check_range("--iterations", s.iteration_count, 1, 1000);

@@ -81,7 +81,7 @@ void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& l
   fit.iteration_count = top                                  ? settings.iteration_count_top
                         : level.method == FitMethod::kTexels ? settings.iteration_count
                                                              : settings.iteration_count_coarse;
-  if (level.method != FitMethod::kTexels) return;
+  if (level.method != FitMethod::kTexels || settings.settled_change == 0.0f) return;
   if (1.0f / fit.total_weight_inverse < kFewNormals + 0.5f) {
     fit.iteration_count = std::min(fit.iteration_count, kIterationsFewNormals);
     level.iteration_count_again = std::min(level.iteration_count_again, kIterationsFewNormals);

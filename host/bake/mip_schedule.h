@@ -40,9 +40,8 @@ struct MipSchedule {
 /// chunks. By the sample count alone, so that summation order never depends on tiles or devices. 1024: the packed
 /// normals of a group still fit a core's cache, and rounding of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;
-/// A texel of at most so many normals (level 1) runs kIterationsFewNormals iterations at most and never stops as
-/// settled: lobes find them at once and then creep, and stopping where they have all but stopped costs up to a fifth
-/// more error.
+/// Where settled texels stop, one of at most so many normals (level 1) runs kIterationsFewNormals iterations instead:
+/// lobes find them at once and then creep, and stopping where they have all but stopped costs up to a fifth more error.
 constexpr int kFewNormals = 4;
 constexpr int kIterationsFewNormals = 8;
 /// Samples a chunk sums, about: in EM, and where cells are filled.

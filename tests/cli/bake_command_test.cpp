@@ -371,7 +371,11 @@ TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   EXPECT_TRUE(once == bake("d.ndf.exr", {"--threads", "5"})) << "five threads differ from two";
   // Its header says nothing of the variant, so the whole file is the same.
   EXPECT_TRUE(once == bake("e.ndf.exr", {"--scalar"})) << "the scalar kernels differ from the vector kernels";
-  EXPECT_FALSE(once == bake("f.ndf.exr", {"--iterations", "19"})) << "a setting is without effect";
+  const std::string fast = bake("fast.ndf.exr", {"--fast"});
+  EXPECT_FALSE(once == fast);
+  EXPECT_TRUE(fast == bake("g.ndf.exr", {"--fast", "--threads", "1"})) << "--fast: one thread differs from two";
+  EXPECT_TRUE(fast == bake("h.ndf.exr", {"--fast", "--scalar"})) << "--fast: the scalar kernels differ";
+  EXPECT_FALSE(once == bake("f.ndf.exr", {"--iterations", "29"})) << "a setting is without effect";
 }
 
 // The highlight of Blinn-Phong s = 2 / alpha^2 - 2 on stored lobes, as docs/FORMAT.md shades them, at its peak: all

@@ -20,11 +20,14 @@ struct Baked {
   BakeReport report;
 };
 
-Baked bake(const NormalMap& map, int lobes, bool scalar) {
+enum class Variant { kVector, kScalar, kFast };
+
+Baked bake(const NormalMap& map, int lobes, Variant variant) {
   static Device device = Device::open("");
   MovmfSettings settings;
   settings.lobe_count = lobes;
-  settings.force_scalar = scalar;
+  settings.force_scalar = variant == Variant::kScalar;
+  if (variant == Variant::kFast) make_fast(settings);
   Baked baked;
   baked.mipmap = bake_movmf(device, map, nullptr, settings, baked.report, nullptr);
   EXPECT_EQ(baked.report.nonfinite, 0u);
@@ -56,10 +59,12 @@ glm::dvec3 tilted(double degrees, double azimuth = 0.3) {
   return {std::sin(t) * std::cos(azimuth), std::sin(t) * std::sin(azimuth), std::cos(t)};
 }
 
-class HardCaseTest : public ::testing::TestWithParam<bool> {};  // both variants of the kernels
-INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest, ::testing::Values(false, true),
-                         [](const ::testing::TestParamInfo<bool>& variant) {
-                           return variant.param ? "Scalar" : "Vector";
+class HardCaseTest : public ::testing::TestWithParam<Variant> {};  // both variants of the kernels
+INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest, ::testing::Values(Variant::kVector, Variant::kScalar, Variant::kFast),
+                         [](const ::testing::TestParamInfo<Variant>& variant) {
+                           return variant.param == Variant::kScalar ? "Scalar"
+                                  : variant.param == Variant::kFast ? "Fast"
+                                                                    : "Vector";
                          });
 
 // kappa -> infinity; J > number of distinct normals; identical starting lobes.

@@ -115,21 +115,28 @@ TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
     EXPECT_GE(fit.chunk_rows * fit.chunk_count, fit.sample_rows);
     EXPECT_LT(fit.chunk_rows * (fit.chunk_count - 1), fit.sample_rows) << "no empty chunk";
     const bool coarse = fit.sample_columns * fit.sample_rows > kSamplesUnchunkedMax;
-    EXPECT_EQ(level.method, coarse ? FitMethod::kCondensed : FitMethod::kTexels);
-    EXPECT_EQ(fit.sample_capacity, coarse ? MULTUM_CELL_COUNT : fit.sample_columns * fit.sample_rows);
+    EXPECT_EQ(level.method, coarse ? FitMethod::kChunks : FitMethod::kTexels);
+    EXPECT_EQ(fit.sample_capacity, coarse ? 0 : fit.sample_columns * fit.sample_rows);
     const double texels = static_cast<double>(fit.map_width) * fit.map_height / fit.width / fit.height;
-    EXPECT_EQ(fit.settled_change_squared > 0.0f, !coarse && texels > kFewNormals + 0.5);
+    EXPECT_EQ(fit.settled_change_squared, 0.0f);
+    EXPECT_TRUE(!coarse || fit.chunk_rows * fit.sample_columns <= kSamplesPerChunk || fit.chunk_rows == 1);
     EXPECT_NEAR(static_cast<double>(fit.total_weight_inverse) * texels, 1.0, 1e-6);
   }
 }
 
-TEST(MipScheduleMethodTest, AllNormalsAreSummedInChunksOnRequest) {
+TEST(MipScheduleMethodTest, FastCondensesCoarseTexelsAndStopsSettledOnes) {
   MovmfSettings settings;
-  settings.coarse_normals = CoarseNormals::kAll;
+  make_fast(settings);
   for (const LevelSchedule& level : make_mip_schedule(256, 128, settings).levels) {
+    SCOPED_TRACE(level.level);
     const bool coarse = level.level > 5;
-    EXPECT_EQ(level.method, coarse ? FitMethod::kChunks : FitMethod::kTexels);
-    EXPECT_TRUE(!coarse || level.fit.chunk_rows * level.fit.sample_columns <= kSamplesPerChunk);
+    EXPECT_EQ(level.method, coarse ? FitMethod::kCondensed : FitMethod::kTexels);
+    EXPECT_EQ(level.fit.sample_capacity, coarse ? MULTUM_CELL_COUNT : 1 << (2 * level.level));
+    EXPECT_EQ(level.fit.settled_change_squared > 0.0f, !coarse && level.level > 1);
+    if (level.level == 1) {
+      EXPECT_EQ(level.fit.iteration_count, kIterationsFewNormals);
+      EXPECT_EQ(level.iteration_count_again, kIterationsFewNormals);
+    }
   }
 }
 

@@ -191,7 +191,6 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   const NormalMap map = make_four_quarter_map(options.size, 7).normals;
   MovmfSettings settings;
   settings.lobe_count = options.lobes;
-  settings.coarse_normals = CoarseNormals::kAll;  // the yardstick knows no other way
   const MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
   std::vector<MultumVmfLobe> parent(static_cast<std::size_t>(options.lobes));
   for (int j = 0; j < options.lobes; ++j) {

@@ -50,12 +50,18 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
   MovmfSettings& f = o.job.fitting;
   bake.add_option("--lobes", f.lobe_count, "lobes a texel, 1..8: more are more accurate, larger and slower")
       ->capture_default_str();
-  bake.add_option("--iterations", f.iteration_count, "EM iterations a texel, at most")->capture_default_str();
+  bake.add_flag_callback(
+      "--fast", [&f] { make_fast(f); },
+      "fewer evaluations at nearly the same error: --coarse-normals condensed, 20 iterations at most");
+  bake.add_option_function<int>(
+          "--iterations", [&f](int count) { f.iteration_count = f.iteration_count_coarse = count; },
+          "EM iterations a texel, at most")
+      ->default_str(std::to_string(f.iteration_count));
   bake.add_option("--sweeps", f.sweep_count, "times that a level is fitted; more than one aligns it better")
       ->capture_default_str();
   add_choice(bake, "--order", f.order, kOrders, "colour (parallel) or scanline (the paper's)");
   add_choice(bake, "--coarse-normals", f.coarse_normals, kCoarseNormals,
-             "what EM sees of coarse texels: condensed (cells of like normals) or all (slow, hardly better)");
+             "what EM sees of coarse texels: all, or condensed (cells of like normals: faster)");
   bake.add_flag_callback(
       "--no-rehearsal", [&f] { f.rehearse_start = false; },
       "start from the candidate of least error, without trying them all: saves half a second");
