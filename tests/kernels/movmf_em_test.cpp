@@ -128,11 +128,16 @@ double difference(const MultumVmfLobe& lobe, const reference::Moments& expected)
   return std::max(std::abs(a - expected.amplitude), glm::length(a * r - expected.amplitude * expected.r));
 }
 
+LevelFit condensed_fit(int level) {
+  LevelFit how;
+  how.level = level;
+  how.method = FitMethod::kCondensed;
+  return how;
+}
+
 struct CondensedCase {
   int width, height, level, lobes;
 };
-
-class CondensedTest : public ::testing::TestWithParam<CondensedCase> {};
 
 // Facets with steep outliers: axes must not be stretched by them.
 NormalMap facets_with_outliers(int width, int height) {
@@ -145,20 +150,22 @@ NormalMap facets_with_outliers(int width, int height) {
   return map;
 }
 
+class CondensedTest : public ::testing::TestWithParam<CondensedCase> {
+ protected:
+  const int lobes_ = GetParam().lobes;
+  const NormalMap map_ = facets_with_outliers(GetParam().width, GetParam().height);
+  const std::vector<MultumVmfLobe> parent_ = random_parent(map_, GetParam().level, lobes_, 92);
+  LevelFit how_ = condensed_fit(GetParam().level);
+};
+
 // Condensed texels lose where a normal lies in its cell, and nothing else: 4 iterations end close to the reference on
-// every normal. Cells are a 1/32 of the extent or less, lobes about a quarter: the blur is some 1/100 of a lobe's
+// every normal. Cells are a 1/31 of the extent in the mean, lobes about a quarter: the blur is some 1/100 of a lobe's
 // spread, and moves what two lobes share by less than that. Each texel's mean normal is exact.
 TEST_P(CondensedTest, EqualsReferenceClosely) {
-  const CondensedCase c = GetParam();
-  const NormalMap map = facets_with_outliers(c.width, c.height);
-  const auto parent = random_parent(map, c.level, c.lobes, 92);
-  LevelFit how;
-  how.level = c.level;
-  how.iterations = 4;
-  how.method = FitMethod::kCondensed;
-  const auto expected = fit_with_reference(map, parent, c.lobes, how);
-  const auto found = fit_with_kernels(map, parent, c.lobes, how);
-  const std::size_t texels = found.size() / static_cast<std::size_t>(c.lobes);
+  how_.iterations = 4;
+  const auto expected = fit_with_reference(map_, parent_, lobes_, how_);
+  const auto found = fit_with_kernels(map_, parent_, lobes_, how_);
+  const std::size_t texels = found.size() / static_cast<std::size_t>(lobes_);
   double sum = 0.0;
   for (std::size_t i = 0; i < found.size(); ++i) {
     EXPECT_LT(difference(found[i], expected[i]), 3e-2) << "lobe slot " << i;
@@ -177,29 +184,17 @@ TEST_P(CondensedTest, EqualsReferenceClosely) {
 }
 
 TEST_P(CondensedTest, ScalarEqualsVectorBitForBit) {
-  const CondensedCase c = GetParam();
-  const NormalMap map = facets_with_outliers(c.width, c.height);
-  const auto parent = random_parent(map, c.level, c.lobes, 93);
-  LevelFit how;
-  how.level = c.level;
-  how.method = FitMethod::kCondensed;
-  const auto vector = fit_with_kernels(map, parent, c.lobes, how);
-  how.scalar = true;
-  const auto scalar = fit_with_kernels(map, parent, c.lobes, how);
+  const auto vector = fit_with_kernels(map_, parent_, lobes_, how_);
+  how_.scalar = true;
+  const auto scalar = fit_with_kernels(map_, parent_, lobes_, how_);
   EXPECT_EQ(0, std::memcmp(vector.data(), scalar.data(), vector.size() * sizeof(MultumVmfLobe)));
 }
 
 // Cells of a texel are filled by several work-items where it covers many normals.
 TEST_P(CondensedTest, ChunksAddUp) {
-  const CondensedCase c = GetParam();
-  const NormalMap map = facets_with_outliers(c.width, c.height);
-  const auto parent = random_parent(map, c.level, c.lobes, 94);
-  LevelFit how;
-  how.level = c.level;
-  how.method = FitMethod::kCondensed;
-  const auto whole = fit_with_kernels(map, parent, c.lobes, how);
-  how.samples_per_condensed_chunk = 500;
-  const auto chunked = fit_with_kernels(map, parent, c.lobes, how);
+  const auto whole = fit_with_kernels(map_, parent_, lobes_, how_);
+  how_.samples_per_condensed_chunk = 500;
+  const auto chunked = fit_with_kernels(map_, parent_, lobes_, how_);
   for (std::size_t i = 0; i < whole.size(); ++i) {
     EXPECT_NEAR(chunked[i].amplitude, whole[i].amplitude, 1e-4);
     EXPECT_NEAR(chunked[i].mean_x * chunked[i].amplitude, whole[i].mean_x * whole[i].amplitude, 1e-4);
@@ -218,10 +213,7 @@ INSTANTIATE_TEST_SUITE_P(Maps, CondensedTest,
 // One normal over and over has no extent at all.
 TEST(CondensedFlatTest, OneNormalStaysWhole) {
   const NormalMap map = make_map(64, 64, [](int, int) { return glm::normalize(glm::dvec3(0.3, -0.2, 0.9)); });
-  LevelFit how;
-  how.level = 5;
-  how.method = FitMethod::kCondensed;
-  const auto found = fit_with_kernels(map, random_parent(map, 5, 2, 8), 2, how);
+  const auto found = fit_with_kernels(map, random_parent(map, 5, 2, 8), 2, condensed_fit(5));
   for (std::size_t t = 0; t < 4; ++t) {
     const double a = static_cast<double>(found[t].amplitude), b = static_cast<double>(found[t + 4].amplitude);
     EXPECT_NEAR(a + b, 1.0, 1e-6);
