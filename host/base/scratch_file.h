@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// A file for what does not fit in memory. It has no name, so that it is gone when the object is, or the process.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace multum {
+
+class ScratchFile {
+ public:
+  /// Throws Error(kEnvironment) when the folder does not exist or cannot be written.
+  explicit ScratchFile(std::string folder);
+  ~ScratchFile();
+  ScratchFile(ScratchFile&& other) noexcept;
+  ScratchFile& operator=(ScratchFile&& other) noexcept;
+
+  /// Anywhere, also beyond the end. Throws Error(kEnvironment) when the disk refuses (it is full).
+  void write(std::uint64_t offset, const void* data, std::size_t byte_count);
+  /// What was written there. Any number of threads may read at once.
+  void read(std::uint64_t offset, void* data, std::size_t byte_count) const;
+
+ private:
+  std::string folder_;
+  int descriptor_ = -1;
+};
+
+}  // namespace multum

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Three planes of floats by bands of rows, in memory or in a scratch file: normals (x, y, z) or linear RGB of maps that
+// may be larger than memory. Row 0 on top.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/scratch_file.h"
+
+namespace multum {
+
+class PlaneStore {
+ public:
+  /// In memory.
+  PlaneStore(int width, int height);
+  /// In a scratch file in `folder`.
+  PlaneStore(int width, int height, const std::string& folder);
+  /// Looks at planes that are in memory already and must outlive it; nothing can be written.
+  PlaneStore(int width, int height, const std::array<const float*, 3>& planes);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// Rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) when the disk refuses.
+  void write_rows(int first_row, int row_count, const std::array<const float*, 3>& planes);
+  /// Any number of threads may read at once.
+  void read_rows(int first_row, int row_count, const std::array<float*, 3>& planes) const;
+
+ private:
+  std::size_t offset(int row) const { return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_); }
+  void check_rows(int first_row, int row_count) const;
+
+  int width_;
+  int height_;
+  std::array<std::vector<float>, 3> owned_;
+  std::array<const float*, 3> planes_{};  // null: in the file
+  std::optional<ScratchFile> file_;
+};
+
+}  // namespace multum
