@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Planes that are kept in memory or in a scratch file come back row by row as they were.
 #include "host/image/plane_store.h"
 
 #include <gtest/gtest.h>
