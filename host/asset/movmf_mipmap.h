@@ -74,32 +74,41 @@ std::string levels_text(const MovmfMipmap& mipmap);
 /// Takes the texels of levels finer than `first_level` away; what is left is as it was.
 void drop_finer_levels(MovmfMipmap& mipmap, int first_level);
 
+/// Some rows of a level, as a level of their own.
+MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count);
+
 /// Number of ROUND_DOWN levels of a width x height map: 1 + floor(log2(max(width, height))).
 int mip_level_count(int width, int height);
 inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? size >> level : 1; }
 
 struct MovmfWriteOptions {
-  std::string compression = "zip";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
-  int tile_size = 64;
+  // docs/FORMAT.md, "Size and speed", has the measurements behind these two.
+  std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
+  int tile_size = 128;
   int threads = 2;
+  // Room in the header for provenance.measured_error, which is known when all rows are written (MovmfWriter::commit()).
+  // That of 16 levels, the most that a bake makes, with colours, takes 25 KiB.
+  int measured_error_bytes = 32 * 1024;
 };
 
 /// Throws Error(kUsage) for an unknown compression: before a bake, not after it.
 void validate(const MovmfWriteOptions& options);
 
-/// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's stored levels, lobes before colours, part by
-/// part, finest level first; a level's digest covers its rows as little-endian 32-bit floats in channel order
+/// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's levels, the part of level 0 first, then lobes,
+/// then colours, finest level first; a level's digest covers its rows as little-endian 32-bit floats in channel order
 /// (docs/FORMAT.md).
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 
-/// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Throws Error(kEnvironment) when
-/// the disk refuses, Error(kUsage) for an unknown compression. Progress: counts no units; cancels at rows of
-/// tiles until the file gets its name.
+/// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Level 0 is compacted: each of its
+/// texels must be one single direction whole in one lobe, and of that x and y are stored. Throws Error(kEnvironment)
+/// when the disk refuses, Error(kUsage) for an unknown compression. Progress: counts no units; cancels at rows of
+/// tiles until the file gets its name. MovmfWriter (host/asset/movmf_writer.h) takes rows instead.
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options,
                         Progress* progress = nullptr);
 
-/// Reads a file of write_movmf_mipmap(). Throws Error(kInput) naming the file, what was found and what was expected.
-MovmfMipmap read_movmf_mipmap(const std::string& path);
+/// Reads a baked file. Throws Error(kInput) naming the file, what was found and what was expected. `threads`
+/// decompress; 0: as many as the machine has.
+MovmfMipmap read_movmf_mipmap(const std::string& path, int threads = 0);
 
 /// The same without pixels: levels have sizes and empty lobes. Cheap for files of any size.
 MovmfMipmap read_movmf_header(const std::string& path);
@@ -117,7 +126,11 @@ struct SharpLobes {
 SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
 /// Rounds every value to what `mipmap.encoding` stores. The rule (docs/FORMAT.md, "Rounding"): amplitudes sum to 1
-/// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1.
+/// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1. Level 0
+/// is what its x and y make of it (host/asset/movmf_finest.h).
 void quantize_movmf(MovmfMipmap& mipmap, int threads);
+
+/// The same for a level >= 1, or for some of its rows.
+void quantize_movmf(MovmfLevel& rows, StorageEncoding encoding, int threads);
 
 }  // namespace multum

@@ -18,6 +18,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/movmf_finest.h"
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
@@ -35,12 +36,19 @@ struct Bracket {
   float outer;
 };
 
+// Times this is the same float as a division gives, for every step (QuantizeStepsTest): k/32767 repeats its 15 bits for
+// ever, so that no quotient lies near the middle of two floats.
+constexpr double kStep = 1.0 / static_cast<double>(kSnormSteps);
+
+float step_value(int step) { return static_cast<float>(step * kStep); }
+
 Bracket bracket_snorm(double value) {
   const double steps = value * static_cast<double>(kSnormSteps);
-  const double inner = std::trunc(steps);
-  const double outer = steps == inner ? inner : inner + (steps > 0 ? 1.0 : -1.0);
-  return {static_cast<float>(inner / static_cast<double>(kSnormSteps)),
-          static_cast<float>(outer / static_cast<double>(kSnormSteps))};
+  // Lobes are at most 1 long. What is not even a number stays it.
+  if (!(std::abs(steps) < 1e6)) return {static_cast<float>(value), static_cast<float>(value)};
+  const int inner = static_cast<int>(steps);
+  const int outer = inner + static_cast<int>(steps > inner) - static_cast<int>(steps < inner);
+  return {step_value(inner), step_value(outer)};
 }
 
 Bracket bracket_half(double value) {
@@ -56,74 +64,245 @@ Bracket bracket_half(double value) {
   return {static_cast<float>(other), static_cast<float>(nearest)};
 }
 
-// Steps 2 and 3 for one lobe whose amplitude has been rounded to `a`.
+// The ways to round: bit 0 of a corner says whether x is rounded up, bit 1 y, bit 2 z.
+struct Corners {
+  Bracket x, y, z;
+  glm::vec3 at(unsigned corner) const {
+    return {(corner & 1u) != 0 ? x.outer : x.inner, (corner & 2u) != 0 ? y.outer : y.inner,
+            (corner & 4u) != 0 ? z.outer : z.inner};
+  }
+};
+
+// Their projections on a direction.
+std::array<double, 8> projections(const Corners& corners, const glm::dvec3& direction) {
+  const double x[2] = {static_cast<double>(corners.x.inner) * direction.x,
+                       static_cast<double>(corners.x.outer) * direction.x};
+  const double y[2] = {static_cast<double>(corners.y.inner) * direction.y,
+                       static_cast<double>(corners.y.outer) * direction.y};
+  const double z[2] = {static_cast<double>(corners.z.inner) * direction.z,
+                       static_cast<double>(corners.z.outer) * direction.z};
+  const double xy[4] = {x[0] + y[0], x[1] + y[0], x[0] + y[1], x[1] + y[1]};
+  return {xy[0] + z[0], xy[1] + z[0], xy[2] + z[0], xy[3] + z[0],
+          xy[0] + z[1], xy[1] + z[1], xy[2] + z[1], xy[3] + z[1]};
+}
+
+// The nearest projection; the turn is at most a step either way. Of equals the first.
+unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) {
+  unsigned best = 7;
+  double best_cost = HUGE_VAL;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const double cost = std::abs(projection[corner] - wanted);
+    best = cost < best_cost ? corner : best;
+    best_cost = std::min(cost, best_cost);
+  }
+  return best;
+}
+
+// For single directions: the least turned of those that are not shorter. Rounded outwards in x, y and z, none is.
+unsigned least_turned_corner(const Corners& corners, const std::array<double, 8>& projection, double wanted,
+                             const glm::dvec3& target) {
+  unsigned best = 7;
+  double best_cost = HUGE_VAL;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    if (projection[corner] < wanted) continue;
+    const double cost = glm::length(glm::dvec3(corners.at(corner)) - target);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = corner;
+    }
+  }
+  return best;
+}
+
+// Steps 2 and 3 for one lobe, stored as a (r, 1), whose amplitude has been rounded to `a`.
 template <typename BracketOf>
-glm::vec4 round_lobe(const glm::dvec3& r, float a, const BracketOf& bracket_of) {
+glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_of) {
   if (a <= 0.0f) return glm::vec4(0.0f);
+  const glm::dvec4 lobe(stored);
+  const glm::dvec3 r = lobe.w > 0.0 ? glm::dvec3(lobe) / lobe.w : glm::dvec3(0.0);
   const double length = glm::length(r);
   const bool single_direction = length >= 1.0 - kSpreadZero;
   const auto amplitude = static_cast<double>(a);
-  const glm::dvec3 target = r * (amplitude / (single_direction ? length : 1.0));
-  const Bracket x = bracket_of(target.x), y = bracket_of(target.y), z = bracket_of(target.z);
+  const glm::dvec3 target = r * (single_direction ? amplitude / length : amplitude);
+  const Corners corners{bracket_of(target.x), bracket_of(target.y), bracket_of(target.z)};
   const double wanted = single_direction ? amplitude : amplitude * length;
   const glm::dvec3 direction = length > 0.0 ? r / length : glm::dvec3(0.0);
-  glm::vec3 best(x.outer, y.outer, z.outer);  // never shorter than the target
-  double best_cost = HUGE_VAL;
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    const glm::vec3 candidate((corner & 1u) != 0 ? x.outer : x.inner, (corner & 2u) != 0 ? y.outer : y.inner,
-                              (corner & 4u) != 0 ? z.outer : z.inner);
-    const double projection = glm::dot(glm::dvec3(candidate), direction);
-    if (single_direction && projection < wanted) continue;
-    // Single directions: the least turn. Others: the nearest projection; the turn is at most a step either way.
-    const double cost = single_direction ? glm::length(glm::dvec3(candidate) - target) : std::abs(projection - wanted);
-    if (cost < best_cost) {
-      best_cost = cost;
-      best = candidate;
-    }
-  }
-  return glm::vec4(best, a);
+  const std::array<double, 8> projection = projections(corners, direction);
+  return glm::vec4(corners.at(single_direction ? least_turned_corner(corners, projection, wanted, target)
+                                               : nearest_corner(projection, wanted)),
+                   a);
 }
 
-// Step 1, snorm16: whole steps that sum to 32767, the largest remainders rounded up (ties: the lower lobe).
-void round_amplitudes_snorm(std::array<float, kLobeCountMax>& a, int count) {
-  double total = 0.0;
-  for (int j = 0; j < count; ++j) total += static_cast<double>(a[static_cast<std::size_t>(j)]);
-  if (!(total > 0.0)) return;
-  std::array<double, kLobeCountMax> remainder{};
-  std::array<int, kLobeCountMax> steps{};
-  int missing = static_cast<int>(kSnormSteps);
-  for (std::size_t j = 0; j < static_cast<std::size_t>(count); ++j) {
-    const double exact = static_cast<double>(a[j]) / total * static_cast<double>(kSnormSteps);
-    steps[j] = static_cast<int>(std::floor(exact));
-    remainder[j] = exact - steps[j];
-    missing -= steps[j];
+// Texels side by side, so that the compiler makes vector instructions of the loops; no operation differs from
+// round_lobe()'s. At level 1 of a map with four lobes most lobes are single directions or nothing: each kind is
+// gathered and rounded for itself.
+constexpr std::size_t kBlock = 256;
+using Block = std::array<double, kBlock>;
+
+// Lobes of one kind: mean vectors r, their lengths, rounded amplitudes, and where in the block they came from.
+struct Gathered {
+  Block x, y, z, length, amplitude;
+  std::array<std::size_t, kBlock> index;
+  std::size_t count = 0;
+
+  void add(const Gathered& from, std::size_t i) {
+    x[count] = from.x[i];
+    y[count] = from.y[i];
+    z[count] = from.z[i];
+    length[count] = from.length[i];
+    amplitude[count] = from.amplitude[i];
+    index[count++] = from.index[i];
   }
-  for (; missing > 0; --missing) {
-    const auto largest = std::max_element(remainder.begin(), remainder.begin() + count);
-    ++steps[static_cast<std::size_t>(largest - remainder.begin())];
-    *largest = -1.0;
-  }
-  for (std::size_t j = 0; j < static_cast<std::size_t>(count); ++j) a[j] = static_cast<float>(steps[j]) / kSnormSteps;
+};
+
+// The two neighbours of `value` on the snorm16 grid, for magnitudes of at most 1.
+inline void bracket_steps(double value, double& inner, double& outer) {
+  const double steps = value * static_cast<double>(kSnormSteps);
+  const double down = static_cast<double>(static_cast<int>(steps));
+  const double up = down + (steps > down ? 1.0 : 0.0) - (steps < down ? 1.0 : 0.0);
+  inner = static_cast<double>(static_cast<float>(down * kStep));
+  outer = static_cast<double>(static_cast<float>(up * kStep));
 }
 
-void quantize_texel(MovmfLevel& level, std::size_t texel, StorageEncoding encoding) {
-  const std::size_t count = level.lobes.size();
-  std::array<float, kLobeCountMax> amplitudes{};
-  for (std::size_t j = 0; j < count; ++j) amplitudes[j] = level.lobes[j][texel].w;
-  if (encoding == StorageEncoding::kSnorm16) round_amplitudes_snorm(amplitudes, static_cast<int>(count));
-  for (std::size_t j = 0; j < count; ++j) {
-    const glm::dvec4 lobe(level.lobes[j][texel]);
-    const glm::dvec3 r = lobe.w > 0.0 ? glm::dvec3(lobe) / lobe.w : glm::dvec3(0.0);
-    if (encoding == StorageEncoding::kSnorm16) {
-      level.lobes[j][texel] = round_lobe(r, amplitudes[j], bracket_snorm);
-    } else {
-      level.lobes[j][texel] = round_lobe(r, static_cast<float>(half(amplitudes[j])), bracket_half);
+// Steps 2 and 3: r becomes what is stored.
+template <bool kSingleDirection>
+void round_gathered(Gathered& lobes) {
+  const std::size_t count = lobes.count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double a = lobes.amplitude[i], length = lobes.length[i];
+    const double wanted = kSingleDirection ? a : a * length, scale = kSingleDirection ? a / length : a;
+    const double tx = lobes.x[i] * scale, ty = lobes.y[i] * scale, tz = lobes.z[i] * scale;
+    double x0, x1, y0, y1, z0, z1;
+    bracket_steps(tx, x0, x1);
+    bracket_steps(ty, y0, y1);
+    bracket_steps(tz, z0, z1);
+    const double divisor = length > 0.0 ? length : 1.0;
+    const double dx = lobes.x[i] / divisor, dy = lobes.y[i] / divisor, dz = lobes.z[i] / divisor;
+    const double px0 = x0 * dx, px1 = x1 * dx, py0 = y0 * dy, py1 = y1 * dy, pz0 = z0 * dz, pz1 = z1 * dz;
+    double best = 7.0, best_cost = HUGE_VAL;
+    const auto offer = [&](double corner, double projection, double cx, double cy, double cz) {
+      double cost = std::abs(projection - wanted);
+      if constexpr (kSingleDirection) {
+        const double turn = std::sqrt((cx - tx) * (cx - tx) + (cy - ty) * (cy - ty) + (cz - tz) * (cz - tz));
+        cost = projection < wanted ? HUGE_VAL : turn;
+      }
+      best = cost < best_cost ? corner : best;
+      best_cost = cost < best_cost ? cost : best_cost;
+    };
+    offer(0.0, px0 + py0 + pz0, x0, y0, z0);
+    offer(1.0, px1 + py0 + pz0, x1, y0, z0);
+    offer(2.0, px0 + py1 + pz0, x0, y1, z0);
+    offer(3.0, px1 + py1 + pz0, x1, y1, z0);
+    offer(4.0, px0 + py0 + pz1, x0, y0, z1);
+    offer(5.0, px1 + py0 + pz1, x1, y0, z1);
+    offer(6.0, px0 + py1 + pz1, x0, y1, z1);
+    offer(7.0, px1 + py1 + pz1, x1, y1, z1);
+    // The bits of `best`, from doubles.
+    const double low = best >= 4.0 ? best - 4.0 : best, lowest = low >= 2.0 ? low - 2.0 : low;
+    lobes.z[i] = best >= 4.0 ? z1 : z0;
+    lobes.y[i] = low >= 2.0 ? y1 : y0;
+    lobes.x[i] = lowest >= 1.0 ? x1 : x0;
+  }
+}
+
+void scatter(const Gathered& rounded, glm::vec4* lobes) {
+  for (std::size_t i = 0; i < rounded.count; ++i)
+    lobes[rounded.index[i]] = {static_cast<float>(rounded.x[i]), static_cast<float>(rounded.y[i]),
+                               static_cast<float>(rounded.z[i]), static_cast<float>(rounded.amplitude[i])};
+}
+
+// Steps 2 and 3 for a block of one lobe.
+void round_block_snorm(glm::vec4* lobes, const Block& amplitudes, std::size_t count) {
+  Gathered all, single, spread;
+  Block divisor;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec4& lobe = lobes[i];
+    if (!(amplitudes[i] > 0.0 && lobe.w > 0.0f)) {
+      lobes[i] = round_lobe(lobe, static_cast<float>(amplitudes[i]), bracket_snorm);
+      continue;
     }
+    all.x[all.count] = static_cast<double>(lobe.x);
+    all.y[all.count] = static_cast<double>(lobe.y);
+    all.z[all.count] = static_cast<double>(lobe.z);
+    all.amplitude[all.count] = amplitudes[i];
+    divisor[all.count] = static_cast<double>(lobe.w);
+    all.index[all.count++] = i;
   }
-  for (std::vector<glm::vec3>& colours : level.colours) {
-    glm::vec3& c = colours[texel];
-    c = glm::vec3(static_cast<float>(half(c.x)), static_cast<float>(half(c.y)), static_cast<float>(half(c.z)));
+  const std::size_t gathered = all.count;
+  for (std::size_t i = 0; i < gathered; ++i) {
+    all.x[i] /= divisor[i];
+    all.y[i] /= divisor[i];
+    all.z[i] /= divisor[i];
+    all.length[i] = std::sqrt(all.x[i] * all.x[i] + all.y[i] * all.y[i] + all.z[i] * all.z[i]);
   }
+  for (std::size_t i = 0; i < all.count; ++i) {
+    glm::vec4& lobe = lobes[all.index[i]];
+    if (all.length[i] < 1.0 - kSpreadZero) spread.add(all, i);
+    else if (all.length[i] < 2.0) single.add(all, i);
+    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // no number, or no mean
+  }
+  round_gathered<true>(single);
+  round_gathered<false>(spread);
+  scatter(single, lobes);
+  scatter(spread, lobes);
+}
+
+// Step 1, snorm16: whole steps that sum to 32767, the largest remainders rounded up (ties: the lower lobe). Amplitudes
+// that are no shares stay as they are, for verify_movmf() to tell.
+void round_amplitudes_snorm(const MovmfLevel& level, std::size_t first, std::size_t count,
+                            std::array<Block, kLobeCountMax>& amplitudes) {
+  const std::size_t lobe_count = level.lobes.size();
+  std::array<Block, kLobeCountMax> remainders;
+  Block total{}, missing;
+  for (std::size_t j = 0; j < lobe_count; ++j)
+    for (std::size_t i = 0; i < count; ++i) {
+      amplitudes[j][i] = static_cast<double>(level.lobes[j][first + i].w);
+      total[i] += amplitudes[j][i] >= 0.0 ? amplitudes[j][i] : HUGE_VAL;
+    }
+  for (std::size_t i = 0; i < count; ++i) {
+    total[i] = total[i] < HUGE_VAL ? total[i] : 0.0;
+    missing[i] = total[i] > 0.0 ? static_cast<double>(kSnormSteps) : 0.0;
+  }
+  for (std::size_t j = 0; j < lobe_count; ++j)
+    for (std::size_t i = 0; i < count; ++i) {
+      const double divisor = total[i] > 0.0 ? total[i] : HUGE_VAL;
+      const double exact = amplitudes[j][i] / divisor * static_cast<double>(kSnormSteps);
+      const double steps = static_cast<double>(static_cast<int>(exact));
+      remainders[j][i] = exact - steps;
+      amplitudes[j][i] = total[i] > 0.0 ? steps : amplitudes[j][i];
+      missing[i] -= steps;
+    }
+  for (std::size_t i = 0; i < count; ++i)
+    for (double left = missing[i]; left > 0.0; left -= 1.0) {
+      std::size_t largest = 0;
+      for (std::size_t j = 1; j < lobe_count; ++j) largest = remainders[j][i] > remainders[largest][i] ? j : largest;
+      amplitudes[largest][i] += 1.0;
+      remainders[largest][i] = -1.0;
+    }
+  for (std::size_t j = 0; j < lobe_count; ++j)
+    for (std::size_t i = 0; i < count; ++i) {
+      const double rounded = static_cast<double>(static_cast<float>(amplitudes[j][i] * kStep));
+      amplitudes[j][i] = total[i] > 0.0 ? rounded : amplitudes[j][i];
+    }
+}
+
+void quantize_snorm(MovmfLevel& level, std::size_t first, std::size_t count) {
+  std::array<Block, kLobeCountMax> amplitudes;
+  round_amplitudes_snorm(level, first, count, amplitudes);
+  for (std::size_t j = 0; j < level.lobes.size(); ++j)
+    round_block_snorm(level.lobes[j].data() + first, amplitudes[j], count);
+}
+
+void quantize_half(MovmfLevel& level, std::size_t first, std::size_t count) {
+  for (std::vector<glm::vec4>& lobes : level.lobes)
+    for (std::size_t i = first; i < first + count; ++i)
+      lobes[i] = round_lobe(lobes[i], static_cast<float>(half(lobes[i].w)), bracket_half);
+}
+
+void quantize_colours(MovmfLevel& level, std::size_t first, std::size_t count) {
+  for (std::vector<glm::vec3>& colours : level.colours)
+    for (std::size_t i = first; i < first + count; ++i)
+      for (int c = 0; c < 3; ++c) colours[i][c] = static_cast<float>(half(colours[i][c]));
 }
 
 }  // namespace
@@ -168,14 +347,32 @@ SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, 
   return all;
 }
 
+void quantize_movmf(MovmfLevel& rows, StorageEncoding encoding, int threads) {
+  MULTUM_CHECK(rows.lobes.size() <= kLobeCountMax);
+  if (encoding == StorageEncoding::kFloat) return;
+  const auto width = static_cast<std::size_t>(rows.width);
+  for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
+    const std::size_t end = static_cast<std::size_t>(row_end) * width;
+    for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < end; i += kBlock) {
+      const std::size_t count = std::min(kBlock, end - i);
+      if (encoding == StorageEncoding::kSnorm16) quantize_snorm(rows, i, count);
+      else quantize_half(rows, i, count);
+      quantize_colours(rows, i, count);
+    }
+  });
+}
+
 void quantize_movmf(MovmfMipmap& mipmap, int threads) {
-  if (mipmap.encoding == StorageEncoding::kFloat) return;
   for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
     MovmfLevel& level = mipmap.levels[l];
-    const auto width = static_cast<std::size_t>(level.width);
-    for_each_item(level.height, threads, [&](int row) {
-      const std::size_t first = static_cast<std::size_t>(row) * width;
-      for (std::size_t i = first; i < first + width; ++i) quantize_texel(level, i, mipmap.encoding);
+    if (l > 0) {
+      quantize_movmf(level, mipmap.encoding, threads);
+      continue;
+    }
+    for_each_row_band(level.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
+      MovmfFinest rows = finest_of(level, row_begin, row_end - row_begin);
+      quantize_movmf(rows, mipmap.encoding, 1);
+      expand_into(rows, level, row_begin, 1);
     });
   }
 }

@@ -12,7 +12,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
 #include "host/base/content_hash.h"
-#include "host/image/image_io.h"
+#include "host/image/png_writer.h"
 #include "host/image/reading_settings.h"
 #include "tests/gl/test_maps.h"
 

@@ -29,7 +29,7 @@ TEST(MovmfStartTest, ACandidateHasEveryFacetOfAPatternInStepWithPowersOfTwo) {
   for (int period : {4, 8, 16, 32}) {
     SCOPED_TRACE(period);
     const NormalMap map = knurled_plate(256, 256, period);
-    const auto candidates = start_candidates(map, {4, 500.0f, 1, 2});
+    const auto candidates = start_candidates(planes_of(map), {4, 500.0f, 1, 2});
     ASSERT_FALSE(candidates.empty());
     double sum = 0.0;
     std::set<int> found;
@@ -48,7 +48,8 @@ TEST(MovmfStartTest, CandidatesDifferAndAreFewAndFiniteAndTheSameForAnyThreads) 
   const NormalMap map = knurled_plate(100, 37, 9);
   for (int lobes = 1; lobes <= 8; ++lobes) {
     SCOPED_TRACE(lobes);
-    const auto one = start_candidates(map, {lobes, 500.0f, 1, 1}), three = start_candidates(map, {lobes, 500.0f, 1, 3});
+    const auto one = start_candidates(planes_of(map), {lobes, 500.0f, 1, 1}),
+               three = start_candidates(planes_of(map), {lobes, 500.0f, 1, 3});
     ASSERT_GE(one.size(), 1u);
     ASSERT_LE(one.size(), 24u);
     ASSERT_EQ(one.size(), three.size());
@@ -72,7 +73,7 @@ TEST(MovmfStartTest, ALikenessTakesEachNormalFromWhereItLies) {
     SCOPED_TRACE(test.width);
     // Each normal says where it stands.
     const NormalMap map = make_map(test.width, test.height, [](int x, int y) { return glm::dvec3(x, y, 0.0); });
-    const NormalMap likeness = sample_likeness(map, 64, 1);
+    const NormalMap likeness = sample_likeness(planes_of(map), 64, 1);
     ASSERT_EQ(likeness.width, test.likeness_width);
     ASSERT_EQ(likeness.height, test.likeness_height);
     const double cell_x = static_cast<double>(test.width) / likeness.width;

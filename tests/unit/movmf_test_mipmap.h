@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <random>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include <glm/geometric.hpp>
 
+#include "host/asset/movmf_finest.h"
 #include "host/asset/movmf_mipmap.h"
 
 namespace multum::testing {
@@ -43,7 +47,18 @@ inline glm::vec4 stored_lobe(double amplitude, const glm::dvec3& r) {
   return {a * glm::vec3(r), a};
 }
 
-/// Random lobes of every sharpness, a fifth of them single directions.
+/// Level 0 as bakes leave it: a single direction a texel, whole in one lobe.
+inline MovmfFinest random_finest(std::mt19937& random, int width, int height, int lobe_count, bool colours) {
+  MovmfFinest rows{width, height, {}, {}, {}};
+  for (int i = 0; i < width * height; ++i) {
+    rows.normals.emplace_back(random_direction(random, std::numbers::pi / 2.0));
+    rows.lobe.push_back(static_cast<std::uint8_t>(random() % static_cast<unsigned>(lobe_count)));
+    if (colours) rows.colours.emplace_back(uniform(random), uniform(random), uniform(random));
+  }
+  return rows;
+}
+
+/// Random lobes of every sharpness, a fifth of them single directions; level 0 is random_finest().
 inline MovmfMipmap random_mipmap(int width, int height, int lobe_count, bool colours, StorageEncoding encoding,
                                  unsigned seed) {
   std::mt19937 random(seed);
@@ -54,6 +69,10 @@ inline MovmfMipmap random_mipmap(int width, int height, int lobe_count, bool col
   mipmap.provenance = {"multum test", "map.png", std::string(64, 'a'), "{\"lobes\":4}", std::string(64, 'b'), "[]", ""};
   const auto count = static_cast<std::size_t>(lobe_count);
   for (int l = 0; l < mip_level_count(width, height); ++l) {
+    if (l == 0) {
+      mipmap.levels.push_back(expand(random_finest(random, width, height, lobe_count, colours), lobe_count));
+      continue;
+    }
     MovmfLevel level;
     level.width = mip_level_size(width, l);
     level.height = mip_level_size(height, l);
@@ -72,6 +91,27 @@ inline MovmfMipmap random_mipmap(int width, int height, int lobe_count, bool col
     mipmap.levels.push_back(std::move(level));
   }
   return mipmap;
+}
+
+inline void expect_same_bits(const MovmfMipmap& found, const MovmfMipmap& expected) {
+  ASSERT_EQ(found.levels.size(), expected.levels.size());
+  for (std::size_t l = 0; l < expected.levels.size(); ++l) {
+    const MovmfLevel &a = found.levels[l], &b = expected.levels[l];
+    ASSERT_EQ(a.width, b.width);
+    ASSERT_EQ(a.height, b.height);
+    ASSERT_EQ(a.lobes.size(), b.lobes.size());
+    ASSERT_EQ(a.colours.size(), b.colours.size());
+    for (std::size_t j = 0; j < b.lobes.size(); ++j) {
+      ASSERT_EQ(a.lobes[j].size(), b.lobes[j].size());
+      EXPECT_EQ(std::memcmp(a.lobes[j].data(), b.lobes[j].data(), b.lobes[j].size() * sizeof(glm::vec4)), 0)
+          << "level " << l << ", lobe " << j;
+    }
+    for (std::size_t j = 0; j < b.colours.size(); ++j) {
+      ASSERT_EQ(a.colours[j].size(), b.colours[j].size());
+      EXPECT_EQ(std::memcmp(a.colours[j].data(), b.colours[j].data(), b.colours[j].size() * sizeof(glm::vec3)), 0)
+          << "level " << l << ", colour " << j;
+    }
+  }
 }
 
 }  // namespace multum::testing

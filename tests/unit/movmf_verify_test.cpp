@@ -116,14 +116,18 @@ TEST_P(MovmfVerifyTest, NonFiniteValuesOfLobesAndColours) {
     mipmap.levels[2].lobes[1][5].x = value;
     EXPECT_TRUE(failed(write(mipmap)).contains("finite"));
     mipmap = make();
-    mipmap.levels[0].colours[3][7].z = value;
+    mipmap.levels[1].colours[3][7].z = value;
+    EXPECT_EQ(failed(write(mipmap)), Names{"finite"});
+    mipmap = make();
+    for (std::size_t j = 0; j < 4; ++j)
+      if (mipmap.levels[0].lobes[j][7].w == 1.0f) mipmap.levels[0].colours[j][7].y = value;
     EXPECT_EQ(failed(write(mipmap)), Names{"finite"});
   }
 }
 
 TEST_P(MovmfVerifyTest, NegativeAmplitudes) {
   MovmfMipmap mipmap = make();
-  MovmfLevel& level = mipmap.levels[0];
+  MovmfLevel& level = mipmap.levels[1];
   level.lobes[0][3] = glm::vec4(0.0f, 0.0f, 0.0f, -0.25f);
   level.lobes[1][3] = level.lobes[2][3] = glm::vec4(0.0f);
   level.lobes[3][3] = glm::vec4(0.0f, 0.0f, 0.5f, 1.25f);
@@ -133,9 +137,9 @@ TEST_P(MovmfVerifyTest, NegativeAmplitudes) {
 
 TEST_P(MovmfVerifyTest, MeansLongerThanRoundingAllows) {
   MovmfMipmap mipmap = make();
-  for (std::size_t j = 0; j < 4; ++j) mipmap.levels[0].lobes[j][9] = glm::vec4(0.0f, 0.0f, 0.25f, 0.25f);
+  for (std::size_t j = 0; j < 4; ++j) mipmap.levels[1].lobes[j][9] = glm::vec4(0.0f, 0.0f, 0.25f, 0.25f);
   EXPECT_EQ(failed(write(mipmap)), Names{});
-  mipmap.levels[0].lobes[2][9].x = 0.03125f;  // |a r| = 0.2519
+  mipmap.levels[1].lobes[2][9].x = 0.03125f;  // |a r| = 0.2519
   EXPECT_EQ(failed(write(mipmap)), Names{"|r| <= 1"});
 }
 

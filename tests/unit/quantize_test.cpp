@@ -7,6 +7,7 @@
 #include <array>
 
 #include "host/asset/movmf_mipmap.h"
+#include "tests/reference/movmf_rounding.h"
 #include "tests/unit/movmf_test_mipmap.h"
 
 namespace multum {
@@ -19,20 +20,17 @@ using testing::uniform;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// Rounds texels of some lobes each, as one level. texels[i][j] = lobe j of texel i.
+// Rounds texels of some lobes each, as one level that is not the finest. texels[i][j] = lobe j of texel i.
 void quantize(std::vector<std::vector<glm::vec4>>& texels, StorageEncoding encoding) {
-  MovmfMipmap mipmap;
-  mipmap.encoding = encoding;
   MovmfLevel level;
   level.width = static_cast<int>(texels.size());
   level.height = 1;
   level.lobes.assign(texels[0].size(), std::vector<glm::vec4>(texels.size()));
   for (std::size_t i = 0; i < texels.size(); ++i)
     for (std::size_t j = 0; j < texels[i].size(); ++j) level.lobes[j][i] = texels[i][j];
-  mipmap.levels.push_back(level);
-  quantize_movmf(mipmap, 1);
+  quantize_movmf(level, encoding, 1);
   for (std::size_t i = 0; i < texels.size(); ++i)
-    for (std::size_t j = 0; j < texels[i].size(); ++j) texels[i][j] = mipmap.levels[0].lobes[j][i];
+    for (std::size_t j = 0; j < texels[i].size(); ++j) texels[i][j] = level.lobes[j][i];
 }
 
 class QuantizeTest : public ::testing::TestWithParam<StorageEncoding> {
@@ -62,6 +60,50 @@ TEST_P(QuantizeTest, ValuesAreOnTheGrid) {
           ASSERT_EQ(static_cast<float>(steps) / 32767.0f, lobe[c]);
         }
       }
+}
+
+// Lobes of every kind: singles, wide ones, flat ones, on the grid already, of next to nothing.
+std::vector<std::vector<glm::vec4>> lobes_of_every_kind(std::mt19937& random, int count, int texel_count) {
+  std::vector<std::vector<glm::vec4>> texels;
+  for (int i = 0; i < texel_count; ++i) {
+    texels.emplace_back();
+    for (double share : random_shares(random, count)) {
+      glm::dvec3 r = random_direction(random, 90 * kDegree);
+      switch (random() % 8) {
+        case 0: r = glm::dvec3(glm::vec3(r)); break;    // single, as floats are
+        case 1: r = glm::dvec3(0.0, 0.0, 1.0); break;   // flat
+        case 2: r = glm::dvec3(r.x, -r.y, 0.0); break;  // in a plane
+        case 3: r = glm::dvec3(0.0); break;             // no direction
+        case 4:
+          share = std::round(share * 32767.0) / 32767.0;
+          r *= 0.5;
+          break;                                                     // ties
+        case 5: r = glm::round(r * 16384.0) / 32767.0; break;        // on the grid when whole
+        default: r *= 1.0 - std::pow(10.0, -7.0 * uniform(random));  // every sharpness
+      }
+      texels.back().push_back(stored_lobe(share, r));
+    }
+  }
+  return texels;
+}
+
+TEST_P(QuantizeTest, RoundsAsTheReferenceDoes) {
+  std::size_t different = 0;
+  for (int count = 1; count <= 8; ++count) {
+    std::vector<std::vector<glm::vec4>> texels = lobes_of_every_kind(random_, count, 200000 / count);
+    std::vector<std::vector<glm::vec4>> expected;
+    for (const auto& lobes : texels) expected.push_back(reference::round_texel(lobes, GetParam()));
+    quantize(texels, GetParam());
+    for (std::size_t i = 0; i < texels.size(); ++i)
+      if (texels[i] != expected[i] && ++different <= 5) ADD_FAILURE() << count << " lobes, texel " << i;
+  }
+  EXPECT_EQ(different, 0u);
+}
+
+TEST(QuantizeStepsTest, StepsAreTheirQuotients) {
+  // What movmf_quantize.cpp multiplies by is the reciprocal, as here.
+  for (int k = -32768; k <= 32768; ++k)
+    ASSERT_EQ(static_cast<float>(k * (1.0 / 32767.0)), static_cast<float>(k / 32767.0)) << k;
 }
 
 TEST_P(QuantizeTest, AmplitudesSumToOne) {

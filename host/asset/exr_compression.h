@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names of compressions as settings have them: "zip", "zip:4", "rle".
+#pragma once
+
+#include <ImfCompression.h>
+
+#include <string>
+
+namespace multum {
+
+struct ExrCompression {
+  Imf::Compression compression;
+  int zip_level;  // -1: the library's
+};
+
+/// Throws Error(kUsage) for an unknown name.
+ExrCompression parse_compression(const std::string& text);
+
+}  // namespace multum

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Level 0 of a baked map, compactly: every texel is one single direction, given whole (a = 1, |r| = 1) to one lobe, so
+// that its normal, the number of that lobe and a colour say it all. The file holds x and y alone and the reader derives
+// z (docs/FORMAT.md, "The finest level"); what is here is always whole.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/asset/movmf_mipmap.h"
+
+namespace multum {
+
+/// Rows of level 0, from the top, texels from the left.
+struct MovmfFinest {
+  int width = 0;
+  int height = 0;                  // rows that are here
+  std::vector<glm::vec3> normals;  // unit, z >= 0
+  std::vector<std::uint8_t> lobe;  // the lobe that the texel is given to
+  std::vector<glm::vec3> colours;  // linear RGB of the texel; empty: the map has no colours
+};
+
+/// z of a normal whose x and y have been rounded: sqrt(1 - x^2 - y^2), rounded UP to the encoding's grid (32-bit floats
+/// for kFloat), so that |(x, y, z)| >= 1: rounding never adds spread. Readers do the same.
+float finest_z(float x, float y, StorageEncoding encoding);
+
+/// Rounds x and y to the nearest value of the grid and derives z; colours to halfs, but for kFloat. What is left is
+/// what readers of the file get.
+void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads);
+
+/// Rows of level 0 as full lobes hold them. Every texel must be a single direction whole in one lobe, all other lobes
+/// zero (MULTUM_CHECK).
+MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count);
+
+/// The other way round: (x, y, z, 1) and the colour for the lobe that has the texel, zeros for the others.
+MovmfLevel expand(const MovmfFinest& rows, int lobe_count);
+/// The same into rows of a level that has room for them.
+void expand_into(const MovmfFinest& rows, MovmfLevel& level, int first_row, int threads);
+
+}  // namespace multum

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/asset/movmf_parts.h"
+
+#include <ImfThreading.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/base/content_hash.h"
+#include "host/base/parallel.h"
+
+namespace multum {
+namespace {
+
+// Half values go to HALF channels exactly (they were rounded before); everything else to FLOAT.
+Imf::PixelType vector_type(StorageEncoding encoding) {
+  return encoding == StorageEncoding::kHalf ? Imf::HALF : Imf::FLOAT;
+}
+Imf::PixelType colour_type(StorageEncoding encoding) {
+  return encoding == StorageEncoding::kFloat ? Imf::FLOAT : Imf::HALF;
+}
+
+// In the order in which OpenImageIO lists layers and their channels, as with the other parts.
+MovmfPart finest_part(const MovmfMipmap& header) {
+  MovmfPart part{MovmfPartKind::kFinest, 0, "finest", {}, 0, 1};
+  if (header.has_colours())
+    for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
+      part.channels.push_back({name, colour_type(header.encoding)});
+  part.channels.push_back({"finest.lobe.X", Imf::HALF});
+  for (const char* name : {"finest.normalX.X", "finest.normalY.X"})
+    part.channels.push_back({name, vector_type(header.encoding)});
+  return part;
+}
+
+}  // namespace
+
+const float* MovmfPart::values(const MovmfLevel& rows) const {
+  const auto index = static_cast<std::size_t>(lobe);
+  return kind == MovmfPartKind::kColour ? &rows.colours[index][0].x : &rows.lobes[index][0].x;
+}
+
+float* MovmfPart::values(MovmfLevel& rows) const {
+  return const_cast<float*>(values(static_cast<const MovmfLevel&>(rows)));
+}
+
+std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header) {
+  std::vector<MovmfPart> parts;
+  if (header.first_level == 0) parts.push_back(finest_part(header));
+  const int first_level = std::max(1, header.first_level);
+  const int level_count = static_cast<int>(header.levels.size()) - first_level;
+  if (level_count <= 0) return parts;
+  for (int j = 0; j < header.lobe_count(); ++j) {
+    MovmfPart part{MovmfPartKind::kLobe, j, fmt::format("lobe.{}", j), {}, first_level, level_count};
+    for (const char* channel : {"R", "G", "B", "A"})
+      part.channels.push_back({fmt::format("lobe{}.vMF.{}", j, channel), vector_type(header.encoding)});
+    parts.push_back(std::move(part));
+  }
+  for (int j = 0; header.has_colours() && j < header.lobe_count(); ++j) {
+    MovmfPart part{MovmfPartKind::kColour, j, fmt::format("colour.{}", j), {}, first_level, level_count};
+    for (const char* channel : {"R", "G", "B"})
+      part.channels.push_back({fmt::format("colour{}.albedo.{}", j, channel), colour_type(header.encoding)});
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+void interleave(const MovmfFinest& rows, std::size_t first_texel, std::size_t count, float* values) {
+  for (std::size_t i = first_texel; i < first_texel + count; ++i) {
+    if (!rows.colours.empty())
+      for (int c = 0; c < 3; ++c) *values++ = rows.colours[i][c];
+    *values++ = static_cast<float>(rows.lobe[i]);
+    *values++ = rows.normals[i].x;
+    *values++ = rows.normals[i].y;
+  }
+}
+
+void use_exr_threads(int threads) {
+  // With one, calls do their work themselves.
+  if (threads > 1 && Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
+}
+
+Imf::Slice row_slice(Imf::PixelType type, const void* first, std::size_t texel_stride, int width, int first_row,
+                     int row_count) {
+  return Imf::Slice::Make(type, first, Imath::V2i(0, first_row), width, row_count, texel_stride,
+                          texel_stride * static_cast<std::size_t>(width));
+}
+
+std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
+  const std::vector<MovmfPart> parts = movmf_parts(mipmap);
+  struct PartLevel {
+    const MovmfPart* part;
+    int level;
+  };
+  std::vector<PartLevel> items;
+  for (const MovmfPart& part : parts)
+    for (int l = 0; l < part.level_count; ++l) items.push_back({&part, part.first_level + l});
+  std::vector<std::string> digests(items.size());
+  for_each_item(static_cast<int>(items.size()), threads, [&](int item) {
+    const auto [part, l] = items[static_cast<std::size_t>(item)];
+    const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
+    const std::size_t channels = part->channels.size();
+    ContentHash hash;
+    if (part->kind == MovmfPartKind::kFinest) {
+      std::vector<float> values;
+      for (int row = 0; row < level.height; row += kRowsPerBand) {
+        const MovmfFinest rows = finest_of(level, row, std::min(kRowsPerBand, level.height - row));
+        values.resize(rows.normals.size() * channels);
+        interleave(rows, 0, rows.normals.size(), values.data());
+        hash.update(values.data(), values.size() * sizeof(float));
+      }
+    } else {
+      hash.update(part->values(level), texel_count(level.width, level.height) * channels * sizeof(float));
+    }
+    digests[static_cast<std::size_t>(item)] = hash.finish();
+  });
+  ContentHash all;
+  for (const std::string& digest : digests) all.update(digest);
+  return all.finish();
+}
+
+}  // namespace multum
