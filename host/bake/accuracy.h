@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers, in double.
-// Model: the stored, rounded lobes, filtered linearly and shaded by the runtime's formula (kernels/movmf_shade.cl).
-// Levels finer than the first that is stored: the normal map's own mips, in float, each texel one lobe with the mean
-// vector of the normals that it covers; between them and the stored levels both are shaded and mixed, as renderers do.
-// Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set of lights and views, of the
-// BRDF's convolution alone, f without n . l (docs/ALGORITHMS.md).
+// How far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers, in double
+// (accuracy_truth.h). Model: the stored, rounded lobes, filtered linearly and shaded by the runtime's formula
+// (accuracy_model.h). Levels finer than the first that is stored: the normal map's own mips, in float, each texel one
+// lobe with the mean vector of the normals that it covers; between them and the stored levels both are shaded and
+// mixed, as renderers do. Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set of
+// lights and views, of the BRDF's convolution alone, f without n . l (docs/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,14 @@
 #include <glm/vec3.hpp>
 
 #include "host/asset/movmf_mipmap.h"
+#include "host/bake/accuracy_model.h"
+#include "host/bake/accuracy_points.h"
 #include "host/base/progress.h"
 #include "host/image/normal_map.h"
+#include "host/image/plane_store.h"
 #include "host/opencl/device.h"
 
 namespace multum {
-
-/// Where in the pyramid the model is evaluated.
-enum class AccuracyPoint {
-  kCentre,   // texel centres: no filtering
-  kMidX,     // midway between a texel and its right neighbour
-  kMidY,     // midway between a texel and the one below
-  kBetween,  // a texel's centre, half-way to the next coarser level (bilinear there)
-};
-const char* accuracy_point_name(AccuracyPoint point);
 
 struct AccuracyRow {
   int level;
@@ -49,14 +43,42 @@ struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
   std::int64_t samples_per_level = 4096;                 // texels, spread evenly at random; 0: every texel
   std::uint64_t seed = 1;
-  const ColourMap* albedo = nullptr;  // set: colours are compared too, per channel (the mipmap must have them)
-  int first_level = 0;                // finer ones are not measured
+  int first_level = 0;  // finer ones are not measured
   AccuracyDirections directions = accuracy_directions();
   int threads = 2;
 };
 
-/// `mipmap` must be of `map`'s size. The truth pass reads every normal once a half vector, whatever the samples.
+/// Told what a bake stores, row by row, keeps the lobes of the texels that it looks at, and measures at the end. With
+/// 4096 samples a level that takes some 100 MB for maps of any size.
+class AccuracyMeter {
+ public:
+  /// Of `header`: sizes of levels, lobe count, first level; no texels.
+  AccuracyMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings);
+  AccuracyMeter(const AccuracyMeter&) = delete;
+  AccuracyMeter& operator=(const AccuracyMeter&) = delete;
+
+  /// Is any texel of these rows looked at? If not, they need not be added.
+  bool needs_rows(int level, int first_row, int row_count) const;
+  /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.
+  void add_rows(int level, int first_row, const MovmfLevel& rows) { model_.add_rows(level, first_row, rows); }
+
+  /// After all rows that it needs, once. With `albedo`, which needs a mipmap with colours, those are compared too, per
+  /// channel. Reads every normal once, more often where it looks at millions of texels. Progress: counts no units.
+  std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
+
+ private:
+  const AccuracySettings settings_;
+  const AccuracyPoints points_;
+  AccuracyModel model_;
+};
+
+/// The same of a whole mipmap and a map in memory, which must be of one size. `albedo`: null, or of that size.
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
-                                          const AccuracySettings& settings, Progress* progress);
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress);
+inline std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
+                                                 const AccuracySettings& settings, Progress* progress) {
+  return measure_accuracy(device, mipmap, map, nullptr, settings, progress);
+}
 
 }  // namespace multum

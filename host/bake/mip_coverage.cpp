@@ -15,23 +15,17 @@ struct Tap {
   double weight;
 };
 
-// Calls body(i, share) for each of the `from` finest texels of an axis that texel x of `to` overlaps; shares sum to 1.
-template <typename Body>
-void for_each_overlap(std::int64_t from, std::int64_t to, std::int64_t x, const Body& body) {
-  const std::int64_t begin = x * from, end = (x + 1) * from;  // in units of 1/to of a finest texel
-  for (std::int64_t i = begin / to; i * to < end; ++i) {
-    const std::int64_t overlap = std::min((i + 1) * to, end) - std::max(i * to, begin);
-    body(static_cast<std::size_t>(i), static_cast<double>(overlap) / static_cast<double>(from));
-  }
-}
-
-// For each texel of an axis: what it overlaps.
-std::vector<std::vector<Tap>> axis_taps(int from, int to) {
+// For each texel of an axis: what of the `from` finest texels it overlaps, in shares that sum to 1.
+std::vector<std::vector<Tap>> axis_taps(std::int64_t from, std::int64_t to) {
   std::vector<std::vector<Tap>> taps(static_cast<std::size_t>(to));
-  for (int x = 0; x < to; ++x)
-    for_each_overlap(from, to, x, [&](std::size_t i, double share) {
-      taps[static_cast<std::size_t>(x)].push_back({static_cast<int>(i), share});
-    });
+  for (std::int64_t x = 0; x < to; ++x) {
+    const std::int64_t begin = x * from, end = (x + 1) * from;  // in units of 1/to of a finest texel
+    for (std::int64_t i = begin / to; i * to < end; ++i) {
+      const std::int64_t overlap = std::min((i + 1) * to, end) - std::max(i * to, begin);
+      taps[static_cast<std::size_t>(x)].push_back(
+          {static_cast<int>(i), static_cast<double>(overlap) / static_cast<double>(from)});
+    }
+  }
   return taps;
 }
 
@@ -57,20 +51,6 @@ std::vector<double> average_over_texels(const std::vector<double>& plane, PlaneS
     }
   });
   return result;
-}
-
-glm::dvec3 average_over_texel(const std::array<const std::vector<float>*, 3>& planes, PlaneSize from, PlaneSize to,
-                              int texel) {
-  MULTUM_CHECK(texel >= 0 && texel / to.width < to.height);
-  glm::dvec3 sum(0.0);
-  for_each_overlap(from.height, to.height, texel / to.width, [&](std::size_t y, double row_share) {
-    for_each_overlap(from.width, to.width, texel % to.width, [&](std::size_t x, double column_share) {
-      const std::size_t i = y * static_cast<std::size_t>(from.width) + x;
-      const glm::vec3 value((*planes[0])[i], (*planes[1])[i], (*planes[2])[i]);
-      sum += row_share * column_share * glm::dvec3(value);
-    });
-  });
-  return sum;
 }
 
 }  // namespace multum

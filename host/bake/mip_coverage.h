@@ -3,10 +3,7 @@
 // texel x of a level w wide covers [x W/w, (x + 1) W/w), fractions included. For powers of two these are whole blocks.
 #pragma once
 
-#include <array>
 #include <vector>
-
-#include <glm/vec3.hpp>
 
 namespace multum {
 
@@ -17,9 +14,5 @@ struct PlaneSize {
 
 /// Averages of `plane` (row-major, `from`) over the texels of a level of size `to`, to <= from on each axis, in double.
 std::vector<double> average_over_texels(const std::vector<double>& plane, PlaneSize from, PlaneSize to, int threads);
-
-/// Of three planes at once, over texel number `texel` of a level of size `to` alone.
-glm::dvec3 average_over_texel(const std::array<const std::vector<float>*, 3>& planes, PlaneSize from, PlaneSize to,
-                              int texel);
 
 }  // namespace multum

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured errors of files that leave their finest levels to the normal map, on maps whose errors are known.
+// Measured errors on maps whose errors are known, of files that leave their finest levels to the normal map too; and
+// that it cannot be seen how a meter was told.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -7,6 +8,7 @@
 
 #include "host/bake/accuracy.h"
 #include "host/bake/mip_coverage.h"
+#include "host/base/error.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
@@ -41,25 +43,30 @@ MovmfMipmap average_lobes(const NormalMap& map, const ColourMap& albedo) {
   mipmap.encoding = StorageEncoding::kFloat;
   for (int l = 0; l < mip_level_count(kWidth, kHeight); ++l) {
     MovmfLevel level{mip_level_size(kWidth, l), mip_level_size(kHeight, l), {{}}, {{}}};
-    for (int i = 0; i < level.width * level.height; ++i) {
-      const auto average = [&](const std::array<const std::vector<float>*, 3>& planes) {
-        return glm::vec3(average_over_texel(planes, {kWidth, kHeight}, {level.width, level.height}, i));
-      };
-      level.lobes[0].emplace_back(average({&map.x, &map.y, &map.z}), 1.0f);
-      level.colours[0].push_back(average({&albedo.r, &albedo.g, &albedo.b}));
+    const auto average = [&](const std::vector<float>& plane) {
+      return average_over_texels({plane.begin(), plane.end()}, {kWidth, kHeight}, {level.width, level.height}, 1);
+    };
+    const std::vector<double> x = average(map.x), y = average(map.y), z = average(map.z);
+    const std::vector<double> r = average(albedo.r), g = average(albedo.g), b = average(albedo.b);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      level.lobes[0].emplace_back(glm::dvec4(x[i], y[i], z[i], 1.0));
+      level.colours[0].emplace_back(glm::dvec3(r[i], g[i], b[i]));
     }
     mipmap.levels.push_back(std::move(level));
   }
   return mipmap;
 }
 
-std::vector<AccuracyRow> measure(MovmfMipmap mipmap, int first_level, const NormalMap& map, const ColourMap& albedo) {
+Device& test_device() {
   static Device device = Device::open("");
+  return device;
+}
+
+std::vector<AccuracyRow> measure(MovmfMipmap mipmap, int first_level, const NormalMap& map, const ColourMap& albedo) {
   drop_finer_levels(mipmap, first_level);
   AccuracySettings settings;
   settings.samples_per_level = 0;
-  settings.albedo = &albedo;
-  return measure_accuracy(device, mipmap, map, settings, nullptr);
+  return measure_accuracy(test_device(), mipmap, map, &albedo, settings, nullptr);
 }
 
 TEST(FirstLevelAccuracy, IsThatOfTheNormalMapsOwnLevels) {
@@ -102,6 +109,99 @@ TEST(FirstLevelAccuracy, LinearShadingIsExactAcrossTheTransition) {
       EXPECT_LT(row.error, 3e-6) << first_level << ": level " << row.level << " " << accuracy_point_name(row.point)
                                  << " " << row.brdf;
   }
+}
+
+// Where each texel is a single direction, what is shaded is the BRDF itself.
+TEST(AccuracyTest, IsTheRatioOfSums) {
+  const NormalMap map = random_map(6, 0.5);
+  MovmfMipmap mipmap = average_lobes(map, random_colours(7, 0.0));
+  for (MovmfLevel& level : mipmap.levels) {
+    level.colours.clear();
+    for (glm::vec4& lobe : level.lobes[0]) lobe = glm::vec4(glm::normalize(glm::vec3(lobe)), 1.0f);
+  }
+  AccuracySettings settings;
+  settings.samples_per_level = 0;
+  settings.exponents = {4.0, 33.0};
+  for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, settings, nullptr)) {
+    if (row.point != AccuracyPoint::kCentre || row.brdf == "lambert") continue;
+    const double s = row.brdf == "blinn-phong:4" ? 4.0 : 33.0;
+    const auto f = [&](double t) { return t > 0.0 ? (s + 1.0) / (2.0 * M_PI) * std::pow(t, s) : 0.0; };
+    const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(row.level)];
+    double difference = 0.0, sum = 0.0;
+    for (const glm::dvec3& h : accuracy_directions().half_vectors) {
+      std::vector<double> finest;
+      for (std::size_t i = 0; i < map.x.size(); ++i)
+        finest.push_back(f(glm::dot(h, glm::dvec3(map.x[i], map.y[i], map.z[i]))));
+      const std::vector<double> truth = average_over_texels(finest, {kWidth, kHeight}, {level.width, level.height}, 1);
+      for (std::size_t i = 0; i < truth.size(); ++i) {
+        difference += std::abs(f(glm::dot(h, glm::dvec3(level.lobes[0][i]))) - truth[i]);
+        sum += truth[i];
+      }
+    }
+    EXPECT_NEAR(row.error, difference / sum, 2e-5) << "level " << row.level << " " << row.brdf;
+    EXPECT_EQ(row.sample_count, level.width * level.height);
+    EXPECT_EQ(row.confidence, 0.0);
+  }
+}
+
+void expect_same_rows(const std::vector<AccuracyRow>& found, const std::vector<AccuracyRow>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].level, expected[i].level);
+    EXPECT_EQ(found[i].point, expected[i].point);
+    EXPECT_EQ(found[i].brdf, expected[i].brdf);
+    EXPECT_EQ(found[i].error, expected[i].error);
+    EXPECT_EQ(found[i].confidence, expected[i].confidence);
+    EXPECT_EQ(found[i].sample_count, expected[i].sample_count);
+  }
+}
+
+MovmfLevel some_rows(const MovmfLevel& level, int first_row, int row_count) {
+  MovmfLevel rows{level.width, row_count, {}, {}};
+  const std::ptrdiff_t begin = std::ptrdiff_t{first_row} * level.width, end = begin + row_count * level.width;
+  for (const auto& lobe : level.lobes) rows.lobes.emplace_back(lobe.begin() + begin, lobe.begin() + end);
+  for (const auto& colour : level.colours) rows.colours.emplace_back(colour.begin() + begin, colour.begin() + end);
+  return rows;
+}
+
+// From the last row to the first, some at a time, only rows that it asks for, and with other numbers of threads.
+TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
+  const NormalMap map = random_map(8, 0.6);
+  const ColourMap albedo = random_colours(9, 1.0);
+  const PlaneStore normals(kWidth, kHeight, {map.x.data(), map.y.data(), map.z.data()});
+  const PlaneStore colours(kWidth, kHeight, {albedo.r.data(), albedo.g.data(), albedo.b.data()});
+  for (const int first_level : {0, 2}) {
+    MovmfMipmap mipmap = average_lobes(map, albedo);
+    drop_finer_levels(mipmap, first_level);
+    MovmfMipmap header = mipmap;
+    for (MovmfLevel& level : header.levels) level.lobes = {{}};
+    AccuracySettings settings;
+    settings.samples_per_level = 6;
+    settings.threads = 1;
+    const std::vector<AccuracyRow> expected = measure_accuracy(test_device(), mipmap, map, &albedo, settings, nullptr);
+    int unneeded_count = 0;
+    for (const int threads : {2, 5}) {
+      settings.threads = threads;
+      AccuracyMeter meter(header, true, settings);
+      for (int l = first_level; l < static_cast<int>(mipmap.levels.size()); ++l) {
+        const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
+        for (int end = level.height; end > 0; end -= threads) {
+          const int first = std::max(0, end - threads);
+          if (meter.needs_rows(l, first, end - first)) meter.add_rows(l, first, some_rows(level, first, end - first));
+          else ++unneeded_count;
+        }
+      }
+      expect_same_rows(meter.run(test_device(), normals, &colours, nullptr), expected);
+    }
+    EXPECT_TRUE(first_level > 0 || unneeded_count > 0);
+  }
+}
+
+TEST(AccuracyTest, Cancels) {
+  const NormalMap map = random_map(10, 0.3);
+  Progress progress([](const ProgressEvent&) { return false; });
+  EXPECT_THROW(measure_accuracy(test_device(), average_lobes(map, random_colours(11, 0.5)), map, {}, &progress),
+               Cancelled);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/asset/movmf_mipmap.h"
+
 namespace multum {
 namespace {
 
@@ -40,6 +42,19 @@ TEST(AccuracyTable, TheAttributeGivesBackTheTable) {
   ASSERT_TRUE(parsed.has_value());
   EXPECT_EQ(accuracy_table(*parsed), accuracy_table(some_rows()));
   EXPECT_EQ(parse_measured_error("[]")->size(), 0u);
+}
+
+// A writer of rows leaves room for it before anything is measured.
+TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
+  std::vector<AccuracyRow> rows;
+  for (int level = 0; level < 16; ++level)
+    for (const AccuracyPoint point :
+         {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
+      for (const char* brdf :
+           {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert", "blinn-phong:20 coloured",
+            "blinn-phong:100 coloured", "blinn-phong:500 coloured", "lambert coloured"})
+        rows.push_back({level, point, brdf, 0.123456, 0.0, 1});
+  EXPECT_LE(measured_error_json(rows).size(), static_cast<std::size_t>(MovmfWriteOptions().measured_error_bytes));
 }
 
 // Rounding to six digits, then to four, is not rounding to four.

@@ -60,22 +60,6 @@ TEST(MipCoverageTest, WeightsSumToOneAndLoseNoTexel) {
     }
 }
 
-TEST(MipCoverageTest, OneTexelIsAsAllTexelsHaveIt) {
-  const PlaneSize from = {37, 20}, to = {9, 5};
-  std::array<std::vector<float>, 3> planes;
-  std::array<std::vector<double>, 3> averages;
-  for (std::size_t p = 0; p < 3; ++p) {
-    for (int i = 0; i < from.width * from.height; ++i) planes[p].push_back(static_cast<float>((i + 7) * (i + 3) % 101));
-    planes[p][p] = -55.0f;
-    averages[p] = average_over_texels(std::vector<double>(planes[p].begin(), planes[p].end()), from, to, 1);
-  }
-  for (int texel = 0; texel < to.width * to.height; ++texel) {
-    const glm::dvec3 one = average_over_texel({&planes[0], &planes[1], &planes[2]}, from, to, texel);
-    for (int p = 0; p < 3; ++p)
-      EXPECT_NEAR(one[p], averages[static_cast<std::size_t>(p)][static_cast<std::size_t>(texel)], 1e-12);
-  }
-}
-
 TEST(MipCoverageTest, DoesNotDependOnThreads) {
   std::vector<double> plane(37 * 20);
   for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = 1.0 / static_cast<double>(i + 3);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loops that are compiled once for every width of vector registers; the program takes the widest that the machine has.
+// All give the same bits: such a loop computes each element by itself, and no multiplication is contracted with an
+// addition (-ffp-contract=off, for every target), so that width cannot be seen in a result.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+// Which clone runs is chosen while the program is loaded, before sanitizers are set up: they get the plain loop.
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define MULTUM_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define MULTUM_VECTOR_CLONES
+#endif
+
+namespace multum {
+
+/// Doubles whose first begins a cache line: the widest registers are one, and are slow across two.
+class AlignedRow {
+ public:
+  explicit AlignedRow(std::size_t count = 0) : lines_((count + 7) / 8) {}
+  double* data() { return reinterpret_cast<double*>(lines_.data()); }
+  bool empty() const { return lines_.empty(); }
+
+ private:
+  struct alignas(64) Line {
+    double values[8];
+  };
+  std::vector<Line> lines_;
+};
+
+}  // namespace multum
