@@ -38,4 +38,18 @@ void for_each_row_band(int row_count, int rows_per_band, int threads,
   if (failure) std::rethrow_exception(failure);
 }
 
+void for_each_row_band(int row_count, int rows_per_band, int threads, Progress* progress,
+                       const std::function<void(int band, int row_begin, int row_end)>& body) {
+  constexpr int kBandsBetween = 64;  // enough that threads seldom wait for each other's last band
+  const int band_count = row_band_count(row_count, rows_per_band);
+  for (int first = 0; first < band_count; first += kBandsBetween) {
+    const int row_first = first * rows_per_band;
+    const int rows = std::min(row_count - row_first, kBandsBetween * rows_per_band);
+    for_each_row_band(rows, rows_per_band, threads, [&](int band, int row_begin, int row_end) {
+      body(first + band, row_first + row_begin, row_first + row_end);
+    });
+    progress_advance(progress, 0);
+  }
+}
+
 }  // namespace multum

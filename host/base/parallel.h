@@ -5,12 +5,18 @@
 
 #include <functional>
 
+#include "host/base/progress.h"
+
 namespace multum {
 
 /// Calls `body(band, row_begin, row_end)` once for each band of `rows_per_band` rows (the last may be shorter), from at
 /// most `threads` threads (<= 0: as many as the machine has). The first exception is thrown again after all threads
 /// ended.
 void for_each_row_band(int row_count, int rows_per_band, int threads,
+                       const std::function<void(int band, int row_begin, int row_end)>& body);
+
+/// The same, and `progress` may cancel after every few bands.
+void for_each_row_band(int row_count, int rows_per_band, int threads, Progress* progress,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 
 /// Calls `body(item)` once for each item from 0 to `item_count` - 1, as for_each_row_band() does for bands.

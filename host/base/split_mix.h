@@ -17,16 +17,18 @@ inline std::uint64_t split_mix(std::uint64_t counter) {
 
 class SplitMix64 {
  public:
-  explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
+  /// The sequence of `seed` without its first `skipped_count` numbers.
+  explicit SplitMix64(std::uint64_t seed, std::uint64_t skipped_count = 0) : state_(seed + skipped_count * kStep) {}
   std::uint64_t next() {
     const std::uint64_t number = split_mix(state_);
-    state_ += 0x9e3779b97f4a7c15u;
+    state_ += kStep;
     return number;
   }
   /// In (0, 1]: the logarithm of it is finite.
   double uniform() { return (static_cast<double>(next() >> 11) + 1.0) * 0x1.0p-53; }
 
  private:
+  static constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;
   std::uint64_t state_;
 };
 

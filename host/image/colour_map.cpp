@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The numbers' meaning: integers follow the file's colour space ("Linear", "GammaX", else sRGB, which is what an
 // untagged texture is); floats are linear whatever the file says, as OpenEXR's are. NaN, infinities and negative values
-// hold no reflectance: they are read as 0 and counted.
+// hold no reflectance: they are read as 0 and counted. Texels do not depend on one another, so that every band that is
+// read becomes colours at once.
 #include "host/image/colour_map.h"
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
 #include "host/base/parallel.h"
-#include "host/image/image_io.h"
+#include "host/image/image_reader.h"
 
 namespace multum {
 namespace {
@@ -23,7 +27,7 @@ struct TransferFunction {
   std::function<double(double)> linear_from_encoded;
 };
 
-TransferFunction transfer_function(const RawImage& image) {
+TransferFunction transfer_function(const RawImageInfo& image) {
   const bool is_linear = image.colour_space == "linear" || image.colour_space == "Linear";  // readers spell both
   if (is_float_type(image.sample_type) || is_linear) return {"linear", [](double v) { return v; }};
   if (image.colour_space.starts_with("Gamma")) {
@@ -33,6 +37,79 @@ TransferFunction transfer_function(const RawImage& image) {
       return {fmt::format("gamma {:g}", gamma), [gamma](double v) { return std::pow(v, gamma); }};
   }
   return {"sRGB", linear_from_srgb};
+}
+
+struct AlbedoRows {
+  PlaneStore colours;
+  std::string format;
+  std::int64_t clamped_count = 0;
+};
+
+void check_albedo(const std::string& path, const RawImageInfo& info, int width, int height) {
+  if (info.width != width || info.height != height)
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found an albedo of {} x {} texels, expected the normal map's {} x {}", path,
+                            info.width, info.height, width, height));
+  if (info.channel_count == 2)
+    throw Error(ErrorCode::kInput, path + ": found 2 colour channels, expected an albedo of 1 or 3");
+}
+
+// From samples to linear colours; NaN where a sample holds no reflectance.
+SampleConverter linear_converter(int base_type, const TransferFunction& transfer) {
+  return SampleConverter(base_type, [linear = transfer.linear_from_encoded](float v) {
+    return std::isfinite(v) && v >= 0.0f ? static_cast<float>(linear(static_cast<double>(v)))
+                                         : std::numeric_limits<float>::quiet_NaN();
+  });
+}
+
+// One row of interleaved colours to planes, what holds no reflectance to 0. Returns how many texels held any such.
+std::int64_t separate_row(const std::vector<float>& values, const std::array<float*, 3>& row,
+                          std::size_t channel_count) {
+  std::int64_t clamped_count = 0;
+  for (std::size_t i = 0; i * channel_count < values.size(); ++i) {
+    bool is_clamped = false;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const float v = values[i * channel_count + (channel_count == 3 ? c : 0)];
+      is_clamped |= std::isnan(v);
+      row[c][i] = std::isnan(v) ? 0.0f : v;
+    }
+    clamped_count += is_clamped ? 1 : 0;
+  }
+  return clamped_count;
+}
+
+AlbedoRows read_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
+  ImageReadSettings settings;
+  settings.threads = threads;
+  settings.band_rows = place.band_rows;
+  ImageReader reader(path, settings);
+  const RawImageInfo info = reader.info();
+  check_albedo(path, info, width, height);
+  const TransferFunction transfer = transfer_function(info);
+  const SampleConverter converter = linear_converter(info.base_type, transfer);
+  AlbedoRows albedo{make_plane_store(width, height, place), info.format + ", " + transfer.name};
+  std::atomic<std::int64_t> clamped_count{0};
+  const auto add_rows = [&](const RawBand& band, int row_begin, int row_end) {
+    const auto columns = static_cast<std::size_t>(width);
+    std::vector<float> values(info.row_values());
+    std::array<std::vector<float>, 3> planes;
+    for (std::vector<float>& plane : planes) plane.resize(static_cast<std::size_t>(row_end - row_begin) * columns);
+    for (int row = row_begin; row < row_end; ++row) {
+      converter.convert(band.samples + static_cast<std::size_t>(row) * info.row_bytes, values.size(), values.data());
+      const std::size_t first = static_cast<std::size_t>(row - row_begin) * columns;
+      clamped_count += separate_row(values, {&planes[0][first], &planes[1][first], &planes[2][first]},
+                                    static_cast<std::size_t>(info.channel_count));
+    }
+    albedo.colours.write_rows(band.first_row + row_begin, row_end - row_begin,
+                              {planes[0].data(), planes[1].data(), planes[2].data()});
+  };
+  const auto add_band = [&](const RawBand& band) {
+    for_each_row_band(band.row_count, kRowsPerBand, threads,
+                      [&](int, int row_begin, int row_end) { add_rows(band, row_begin, row_end); });
+  };
+  reader.read(add_band, nullptr);
+  albedo.clamped_count = clamped_count;
+  return albedo;
 }
 
 }  // namespace
@@ -45,41 +122,21 @@ double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
+PlaneStore read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
+  return read_rows(path, width, height, place, threads).colours;
+}
+
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads) {
-  ImageReadSettings read_settings;
-  read_settings.threads = threads;
-  RawImage image = read_raw_image(path, read_settings, nullptr);
-  if (image.width != width || image.height != height)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: found an albedo of {} x {} texels, expected the normal map's {} x {}", path,
-                            image.width, image.height, width, height));
-  if (image.planes.size() == 2)
-    throw Error(ErrorCode::kInput, path + ": found 2 colour channels, expected an albedo of 1 or 3");
-  const TransferFunction transfer = transfer_function(image);
-  std::atomic<std::int64_t> clamped_count{0};
-  for_each_row_band(height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
-    std::int64_t clamped = 0;
-    const auto begin = static_cast<std::size_t>(row_begin) * static_cast<std::size_t>(width);
-    const auto end = static_cast<std::size_t>(row_end) * static_cast<std::size_t>(width);
-    for (std::size_t i = begin; i < end; ++i) {
-      bool is_clamped = false;
-      for (std::vector<float>& plane : image.planes) {
-        const bool is_valid = std::isfinite(plane[i]) && plane[i] >= 0.0f;
-        is_clamped |= !is_valid;
-        plane[i] = is_valid ? static_cast<float>(transfer.linear_from_encoded(static_cast<double>(plane[i]))) : 0.0f;
-      }
-      clamped += is_clamped ? 1 : 0;
-    }
-    clamped_count += clamped;
-  });
+  AlbedoRows rows = read_rows(path, width, height, {}, threads);
+  std::array<std::vector<float>, 3> planes = rows.colours.take_planes();
   ColourMap map;
   map.width = width;
   map.height = height;
-  map.format = image.format + ", " + transfer.name;
-  map.clamped_count = clamped_count;
-  map.r = std::move(image.planes[0]);
-  map.g = image.planes.size() == 3 ? std::move(image.planes[1]) : map.r;
-  map.b = image.planes.size() == 3 ? std::move(image.planes[2]) : map.r;
+  map.format = std::move(rows.format);
+  map.clamped_count = rows.clamped_count;
+  map.r = std::move(planes[0]);
+  map.g = std::move(planes[1]);
+  map.b = std::move(planes[2]);
   return map;
 }
 

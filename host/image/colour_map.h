@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "host/image/plane_store.h"
+#include "host/image/reading_place.h"
+
 namespace multum {
 
 /// Linear RGB, planes of width * height floats.
@@ -20,6 +23,10 @@ struct ColourMap {
 /// Reads an albedo: 8- and 16-bit integers are sRGB unless the file says otherwise, floats are linear; grey becomes
 /// RGB; alpha is ignored. Throws Error(kInput); also when its size is not `width` x `height`.
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
+
+/// The same numbers, kept as `place` says; of the file a few bands of rows are in memory. Throws Error(kEnvironment)
+/// when scratch files cannot be written.
+PlaneStore read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads);
 
 // The sRGB transfer functions (IEC 61966-2-1), on 0..1.
 double linear_from_srgb(double encoded);

@@ -12,14 +12,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/base/parallel.h"
 #include "host/image/vector_statistics.h"
 
 namespace multum {
@@ -30,78 +28,48 @@ struct Reading {
   VectorStatistics statistics;
 };
 
-// Rms distance of the channels from their mean, over the finite texels. For floats relative to the rms of the values (a
-// height in metres and a dim photograph both have their own scale), for integers in units of the whole range.
-double chroma_rms(const RawImage& image, int threads) {
-  struct Sums {
-    double chroma = 0, values = 0, count = 0;
-  };
-  std::vector<Sums> bands(static_cast<std::size_t>(row_band_count(image.height, kRowsPerBand)));
-  for_each_row_band(image.height, kRowsPerBand, threads, [&](int band, int row_begin, int row_end) {
-    Sums& sums = bands[static_cast<std::size_t>(band)];
-    const auto width = static_cast<std::size_t>(image.width);
-    for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < static_cast<std::size_t>(row_end) * width;
-         ++i) {
-      const glm::dvec3 v(image.planes[0][i], image.planes[1][i], image.planes[2][i]);
-      if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) continue;
-      const glm::dvec3 chroma = v - (v.x + v.y + v.z) / 3.0;
-      sums.chroma += chroma.x * chroma.x + chroma.y * chroma.y + chroma.z * chroma.z;
-      sums.values += v.x * v.x + v.y * v.y + v.z * v.z;
-      sums.count += 3.0;
-    }
-  });
-  Sums total;
-  for (const Sums& band : bands) {
-    total.chroma += band.chroma;
-    total.values += band.values;
-    total.count += band.count;
+// Where the numbers about the numbers come from: the survey, or the image again for what the survey could not foresee.
+struct Evidence {
+  const RawImage& image;
+  const ImageSurvey& survey;
+  int threads;
+
+  const RawImageInfo& info() const { return image.info(); }
+  VectorStatistics statistics(const VectorEncoding& encoding) const {
+    const std::optional<VectorStatistics> surveyed = survey.statistics(encoding);
+    return surveyed ? *surveyed : vector_statistics(image, encoding, threads);
   }
-  if (total.count == 0.0) return 1.0;
-  if (!is_float_type(image.sample_type)) return std::sqrt(total.chroma / total.count);
-  return total.values > 0.0 ? std::sqrt(total.chroma / total.values) : 0.0;
+};
+
+bool is_grey(const Evidence& evidence) {
+  constexpr double kChromaMax = 1.0 / 255.0;
+  return evidence.info().channel_count == 3 && evidence.survey.chroma_rms() <= kChromaMax;
 }
 
-bool is_grey(const RawImage& image, int threads) {
-  constexpr double kChromaMax = 1.0 / 255.0;
-  return image.planes.size() == 3 && chroma_rms(image, threads) <= kChromaMax;
+// Whether a finite value of the first channel is further than `margin` from both ends of its range. Of most images the
+// first rows say so.
+bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, double margin) {
+  const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
+  RawRows rows;
+  for (int row = 0; row < image.info().height; ++row) {
+    image.read_rows(row, 1, rows);
+    for (std::size_t i = 0; i < rows.values.size(); i += channel_count) {
+      const auto v = static_cast<double>(rows.values[i]);
+      if (v - static_cast<double>(range.low) > margin && static_cast<double>(range.high) - v > margin) return true;
+    }
+  }
+  return false;
 }
 
 // Why a grey image is no height field, nullopt when it may be one: all its finite values are the same, or are one of
 // two, up to a fiftieth of what lies between them (8 bits of a compressed mask).
-std::optional<std::string> grey_refusal(const RawImage& image, int threads) {
-  const std::vector<float>& values = image.planes[0];
-  struct Range {
-    float low = std::numeric_limits<float>::infinity();
-    float high = -std::numeric_limits<float>::infinity();
-    bool between = false;
-  };
-  std::vector<Range> bands(static_cast<std::size_t>(row_band_count(image.height, kRowsPerBand)));
-  const auto for_each_value = [&](const auto& visit) {
-    for_each_row_band(image.height, kRowsPerBand, threads, [&](int band, int row_begin, int row_end) {
-      const auto width = static_cast<std::size_t>(image.width);
-      for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < static_cast<std::size_t>(row_end) * width;
-           ++i)
-        if (std::isfinite(values[i])) visit(bands[static_cast<std::size_t>(band)], values[i]);
-    });
-  };
-  for_each_value([](Range& band, float value) {
-    band.low = std::min(band.low, value);
-    band.high = std::max(band.high, value);
-  });
-  Range all;
-  for (const Range& band : bands) {
-    all.low = std::min(all.low, band.low);
-    all.high = std::max(all.high, band.high);
-  }
-  if (all.high < all.low) return "no value is finite";
-  if (all.high == all.low) return fmt::format("every texel is {:.4g}, which tells nothing", all.low);
-  const double margin = 0.02 * (static_cast<double>(all.high) - static_cast<double>(all.low));
-  for_each_value([&all, margin](Range& band, float value) {
-    const double v = static_cast<double>(value);
-    if (v - static_cast<double>(all.low) > margin && static_cast<double>(all.high) - v > margin) band.between = true;
-  });
-  if (std::any_of(bands.begin(), bands.end(), [](const Range& band) { return band.between; })) return std::nullopt;
-  return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", all.low, all.high);
+std::optional<std::string> grey_refusal(const Evidence& evidence) {
+  const ImageSurvey::Range& range = evidence.survey.range(0);
+  if (range.high < range.low) return "no value is finite";
+  if (range.high == range.low) return fmt::format("every texel is {:.4g}, which tells nothing", range.low);
+  const double margin = 0.02 * (static_cast<double>(range.high) - static_cast<double>(range.low));
+  if (has_value_between(evidence.image, range, margin)) return std::nullopt;
+  return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
 }
 
 // How well a reading explains the numbers: unit vectors, or for a rebuilt z: possible ones, not all leaning to one
@@ -113,29 +81,45 @@ double plausibility(const Reading& reading) {
   return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
 }
 
-// Unsigned or signed for a given use of blue: the more plausible one, unsigned when they tie.
-Reading best_signedness(const RawImage& image, VectorEncoding encoding, const NormalMapSettings& settings,
-                        int threads) {
+// The encodings that compete for a given use of blue, the one that wins a tie first.
+std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, VectorEncoding encoding,
+                                                  const NormalMapSettings& settings) {
   encoding.is_signed = settings.is_signed.value_or(false);
-  Reading best{encoding, vector_statistics(image, encoding, threads)};
-  const bool may_be_signed = is_float_type(image.sample_type) || image.sample_type == SampleType::kOtherInteger;
-  if (settings.is_signed.has_value() || !may_be_signed) return best;
+  std::vector<VectorEncoding> candidates = {encoding};
+  const bool may_be_signed = is_float_type(sample_type) || sample_type == SampleType::kOtherInteger;
+  if (settings.is_signed.has_value() || !may_be_signed) return candidates;
   encoding.is_signed = true;
-  const Reading other{encoding, vector_statistics(image, encoding, threads)};
-  return plausibility(other) > plausibility(best) ? other : best;
+  candidates.push_back(encoding);
+  return candidates;
 }
 
-Reading best_reading(const RawImage& image, const NormalMapSettings& settings, int threads) {
+// Unsigned or signed for a given use of blue: the more plausible one, unsigned when they tie.
+Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding, const NormalMapSettings& settings) {
+  std::optional<Reading> best;
+  for (const VectorEncoding& candidate : signedness_candidates(evidence.info().sample_type, encoding, settings)) {
+    const Reading reading{candidate, evidence.statistics(candidate)};
+    if (!best || plausibility(reading) > plausibility(*best)) best = reading;
+  }
+  return *best;
+}
+
+// What is tried first: blue as it is, unless there is none.
+VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings& settings) {
   VectorEncoding encoding;
-  encoding.flat_pair = image.sample_type == SampleType::kUint8;
-  encoding.rebuild_z = settings.two_channel.value_or(image.planes.size() == 2);
-  const Reading first = best_signedness(image, encoding, settings, threads);
-  if (settings.two_channel.has_value() || image.planes.size() == 2) return first;
+  encoding.flat_pair = info.sample_type == SampleType::kUint8;
+  encoding.rebuild_z = settings.two_channel.value_or(info.channel_count == 2);
+  return encoding;
+}
+
+Reading best_reading(const Evidence& evidence, const NormalMapSettings& settings) {
+  VectorEncoding encoding = first_encoding(evidence.info(), settings);
+  const Reading first = best_signedness(evidence, encoding, settings);
+  if (settings.two_channel.has_value() || evidence.info().channel_count == 2) return first;
   // A constant blue, up to compression noise: it may be filler, or be what nearly flat normals have.
   const bool blue_is_constant = first.statistics.blue_max - first.statistics.blue_min <= 2.5 / 255.0;
   if (!blue_is_constant || first.statistics.unit_share_10 >= 0.8) return first;
   encoding.rebuild_z = true;
-  const Reading rebuilt = best_signedness(image, encoding, settings, threads);
+  const Reading rebuilt = best_signedness(evidence, encoding, settings);
   // Where x^2 + y^2 > 1 the vectors are (x, y, 1) of no unit length, and blue is meant.
   return rebuilt.statistics.beyond_share <= 0.005 ? rebuilt : first;
 }
@@ -191,19 +175,19 @@ std::optional<std::string> refusal(const Reading& reading) {
 }
 
 // A constant red beside an alpha: compressed maps of one good channel and a better alpha keep x there (DXT5nm).
-bool has_x_in_alpha(const RawImage& image) {
-  if (!image.has_alpha || image.planes.size() < 3) return false;
-  const auto spread = [](const std::vector<float>& plane) {
-    const auto [low, high] = std::minmax_element(plane.begin(), plane.end());
-    return static_cast<double>(*high) - static_cast<double>(*low);
+bool has_x_in_alpha(const Evidence& evidence) {
+  if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
+  const auto spread = [&evidence](int channel) {
+    const ImageSurvey::Range& range = evidence.survey.range(channel);
+    return static_cast<double>(range.high) - static_cast<double>(range.low);
   };
   constexpr double kNoise = 2.5 / 255.0;
-  return spread(image.planes[0]) <= kNoise && spread(image.planes[1]) > kNoise;
+  return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
 // --bumpformat cannot help a map with its x in alpha, which is not read: the message does not offer it.
-[[noreturn]] void refuse_vectors(const std::string& path, const RawImage& image, const std::string& why) {
-  if (has_x_in_alpha(image))
+[[noreturn]] void refuse_vectors(const std::string& path, const Evidence& evidence, const std::string& why) {
+  if (has_x_in_alpha(evidence))
     throw Error(ErrorCode::kInput,
                 path +
                     ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
@@ -236,9 +220,9 @@ DetectedEncoding height_field(const std::string& reason, const NormalMapSettings
   return result;
 }
 
-DetectedEncoding grey_image(const std::string& path, const RawImage& image, const std::string& reason,
-                            const NormalMapSettings& settings, int threads) {
-  if (const std::optional<std::string> why = grey_refusal(image, threads))
+DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, const std::string& reason,
+                            const NormalMapSettings& settings) {
+  if (const std::optional<std::string> why = grey_refusal(evidence))
     throw Error(ErrorCode::kInput, fmt::format("{}: found a grey image that is no height field: {}; expected heights "
                                                "of more than two values. If it is one all the same, say so "
                                                "(--bumpformat height)",
@@ -263,27 +247,34 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
 
 }  // namespace
 
-DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const NormalMapSettings& settings,
-                                 int threads) {
+std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings) {
+  if (settings.bump_format == BumpFormat::kHeight || info.channel_count == 1) return {};
+  return signedness_candidates(info.sample_type, first_encoding(info, settings), settings);
+}
+
+DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
+                                 const NormalMapSettings& settings, int threads) {
+  const Evidence evidence{image, survey, threads};
+  const int channel_count = image.info().channel_count;
   if (settings.bump_format == BumpFormat::kHeight)
-    return height_field(image.planes.size() == 1 ? "as asked for" : "as asked for; the mean of the colour channels",
+    return height_field(channel_count == 1 ? "as asked for" : "as asked for; the mean of the colour channels",
                         settings);
-  if (image.planes.size() == 1 && settings.two_channel.value_or(false))
+  if (channel_count == 1 && settings.two_channel.value_or(false))
     throw Error(ErrorCode::kInput, fmt::format("{}: found {}: 1 colour channel, expected red and green, where a "
                                                "two-channel map has x and y",
-                                               path, image.format));
-  if (image.planes.size() == 1) {
+                                               path, image.info().format));
+  if (channel_count == 1) {
     if (settings.bump_format == BumpFormat::kNormal)
       throw Error(ErrorCode::kInput, path + ": found 1 colour channel, expected a normal map of 2 or 3 as asked for");
-    return grey_image(path, image, "1 channel", settings, threads);
+    return grey_image(path, evidence, "1 channel", settings);
   }
-  if (settings.bump_format == BumpFormat::kAuto && is_grey(image, threads))
-    return grey_image(path, image, "red, green and blue are equal", settings, threads);
+  if (settings.bump_format == BumpFormat::kAuto && is_grey(evidence))
+    return grey_image(path, evidence, "red, green and blue are equal", settings);
 
-  const Reading reading = best_reading(image, settings, threads);
+  const Reading reading = best_reading(evidence, settings);
   if (settings.bump_format == BumpFormat::kAuto) {
     if (const std::optional<std::string> why = refusal(reading))
-      refuse_vectors(path, image, fmt::format("{} ({})", *why, summary(reading)));
+      refuse_vectors(path, evidence, fmt::format("{} ({})", *why, summary(reading)));
   }
   DetectedEncoding result;
   result.vectors = reading.encoding;

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "host/image/image_io.h"
+#include "host/image/image_survey.h"
 #include "host/image/normal_decode.h"
 #include "host/image/normal_map.h"
+#include "host/image/raw_image.h"
 
 namespace multum {
 
@@ -20,9 +21,13 @@ struct DetectedEncoding {
   std::vector<std::string> warnings;  // NormalMapReport::warnings
 };
 
+/// The readings whose statistics detect_encoding() will ask for as far as can be told before the rows: what the survey
+/// of the image should take.
+std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings);
+
 /// Follows the overrides in `settings`. Throws Error(kInput) with the reason when the file is neither a normal map nor
 /// a height field, unless settings.bump_format says which.
-DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const NormalMapSettings& settings,
-                                 int threads);
+DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
+                                 const NormalMapSettings& settings, int threads);
 
 }  // namespace multum

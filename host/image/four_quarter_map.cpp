@@ -5,10 +5,8 @@
 //   armour   unit hemispheres clipped at r^2 = 0.9025 (slope 3.04), rows shifted by half a period
 //   rings    slope 1.2 sin(2 pi phase / 0.55) for phase < 0.55 of a wavelength of 16, along the radius
 //   grooves  slope -1, +1, 0 for 40, 40, 20 % of a period of 12, along (cos 30, sin 30)
-//   noise    white noise filtered by a Gaussian of 0.8 texels; slopes of central differences (the quarter is periodic),
-//            scaled to rms 0.45, then by 0.4 .. 1.6 from left to right
-// Here slope means n_xy / n_z. The noise is SplitMix64 and Box-Muller, written out, so that a seed means the same map
-// under every standard library (up to the last bits of log, sin and cos, which rounding to 16 bits hides but for ties).
+//   noise    host/image/noise_quarter
+// Here slope means n_xy / n_z.
 #include "host/image/four_quarter_map.h"
 
 #include <algorithm>
@@ -18,8 +16,9 @@
 #include <vector>
 
 #include "host/base/error.h"
-#include "host/base/split_mix.h"
-#include "host/image/image_io.h"
+#include "host/base/parallel.h"
+#include "host/image/noise_quarter.h"
+#include "host/image/png_writer.h"
 
 namespace multum {
 namespace {
@@ -71,79 +70,11 @@ Texel groove_texel(double x, double y) {
   return {0.0, 0.0, {0.6, 0.6, 0.6}};
 }
 
-// Box and Muller 1958; both numbers of a pair are used, in row order.
-std::vector<double> white_noise(std::size_t count, std::uint64_t seed) {
-  SplitMix64 generator(seed);
-  std::vector<double> values(count);
-  for (std::size_t i = 0; i < count; i += 2) {
-    const double radius = std::sqrt(-2.0 * std::log(generator.uniform()));
-    const double angle = 2.0 * std::numbers::pi * generator.uniform();
-    values[i] = radius * std::cos(angle);
-    if (i + 1 < count) values[i + 1] = radius * std::sin(angle);
-  }
-  return values;
+Texel noise_texel(const NoiseSlopes& slopes, int column) {
+  const double slope_x = slopes.x[static_cast<std::size_t>(column)];
+  const double slope_y = slopes.y[static_cast<std::size_t>(column)];
+  return {slope_x, slope_y, mix({0.8, 0.8, 0.7}, {0.2, 0.3, 0.25}, std::clamp(0.5 + slope_x, 0.0, 1.0))};
 }
-
-// A square field that repeats.
-struct PeriodicField {
-  int size;
-  std::vector<double> values;
-  double at(int column, int row) const {
-    const int x = ((column % size) + size) % size;
-    const int y = ((row % size) + size) % size;
-    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x)];
-  }
-};
-
-// Separable Gaussian of standard deviation 0.8 texels, cut at 6 texels, where it is 1e-12 of its middle.
-PeriodicField gaussian_filtered(const PeriodicField& field) {
-  constexpr int kRadius = 6;
-  constexpr double kSigma = 0.8;
-  std::array<double, 2 * kRadius + 1> weights;
-  double sum = 0.0;
-  for (int i = -kRadius; i <= kRadius; ++i)
-    sum += weights[static_cast<std::size_t>(i + kRadius)] = std::exp(-0.5 * i * i / (kSigma * kSigma));
-  for (double& weight : weights) weight /= sum;
-  PeriodicField source = field;
-  for (const bool horizontal : {true, false}) {
-    PeriodicField target{field.size, std::vector<double>(field.values.size())};
-    for (int row = 0; row < field.size; ++row) {
-      for (int column = 0; column < field.size; ++column) {
-        double value = 0.0;
-        for (int i = -kRadius; i <= kRadius; ++i)
-          value += weights[static_cast<std::size_t>(i + kRadius)] *
-                   (horizontal ? source.at(column + i, row) : source.at(column, row + i));
-        target.values[static_cast<std::size_t>(row) * static_cast<std::size_t>(field.size) +
-                      static_cast<std::size_t>(column)] = value;
-      }
-    }
-    source = std::move(target);
-  }
-  return source;
-}
-
-class NoiseQuarter {
- public:
-  NoiseQuarter(int size, std::uint64_t seed)
-      : field_(gaussian_filtered(
-            {size, white_noise(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), seed)})) {
-    double square_sum = 0.0;
-    for (int row = 0; row < size; ++row)
-      for (int column = 0; column < size; ++column) square_sum += difference_x(column, row) * difference_x(column, row);
-    scale_ = 0.45 / std::sqrt(square_sum / (static_cast<double>(size) * size));
-  }
-  Texel texel(int column, int row) const {
-    const double gain = scale_ * (0.4 + 1.2 * (column + 0.5) / field_.size);
-    const double slope_x = gain * difference_x(column, row);
-    const double slope_y = gain * (field_.at(column, row + 1) - field_.at(column, row - 1));
-    return {slope_x, slope_y, mix({0.8, 0.8, 0.7}, {0.2, 0.3, 0.25}, std::clamp(0.5 + slope_x, 0.0, 1.0))};
-  }
-
- private:
-  double difference_x(int column, int row) const { return field_.at(column + 1, row) - field_.at(column - 1, row); }
-  PeriodicField field_;
-  double scale_ = 1.0;
-};
 
 std::uint16_t rounded_16_bit(double value) {
   return static_cast<std::uint16_t>(std::clamp(std::nearbyint(value * 65535.0), 0.0, 65535.0));
@@ -164,37 +95,81 @@ std::array<float, 3> unit_normal(const std::array<std::uint16_t, 3>& code) {
   return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
 }
 
+// Rows of the map: the PNG's codes of the normals and linear colours, three of each a texel.
+struct FourQuarterRows {
+  std::vector<std::uint16_t> normal_codes;
+  std::vector<float> colours;
+};
+
+class FourQuarterGenerator {
+ public:
+  FourQuarterGenerator(int size, std::uint64_t seed) : size_(size), half_(size / 2), noise_(size / 2, seed) {
+    MULTUM_CHECK(size >= 16 && size % 2 == 0);
+  }
+
+  // The next rows; the noise quarter is made from the top.
+  FourQuarterRows rows(int row_begin, int row_end) {
+    std::vector<NoiseSlopes> noise;
+    for (int row = std::max(row_begin, half_); row < row_end; ++row) noise.push_back(noise_.row(row - half_));
+    const std::size_t row_values = 3 * static_cast<std::size_t>(size_);
+    FourQuarterRows rows;
+    rows.normal_codes.resize(row_values * static_cast<std::size_t>(row_end - row_begin));
+    rows.colours.resize(rows.normal_codes.size());
+    for_each_item(row_end - row_begin, 0, [&](int i) {
+      const int row = row_begin + i;
+      const NoiseSlopes* slopes =
+          row < half_ ? nullptr : &noise[static_cast<std::size_t>(row - std::max(row_begin, half_))];
+      const std::size_t first = static_cast<std::size_t>(i) * row_values;
+      for (int column = 0; column < size_; ++column) {
+        const Texel made = texel(column, row, slopes);
+        const std::array<std::uint16_t, 3> code = normal_code(made);
+        for (std::size_t c = 0; c < 3; ++c) {
+          rows.normal_codes[first + 3 * static_cast<std::size_t>(column) + c] = code[c];
+          rows.colours[first + 3 * static_cast<std::size_t>(column) + c] = static_cast<float>(made.colour[c]);
+        }
+      }
+    });
+    return rows;
+  }
+
+ private:
+  Texel texel(int column, int row, const NoiseSlopes* noise) const {
+    const double x = column % half_ + 0.5;
+    const double y = row % half_ + 0.5;
+    const bool right = column >= half_;
+    if (row < half_) return right ? ring_texel(x, y, half_) : armour_texel(x, y);
+    return right ? noise_texel(*noise, column - half_) : groove_texel(x, y);
+  }
+
+  int size_;
+  int half_;
+  NoiseQuarter noise_;
+};
+
+constexpr int kBandRows = 16;  // 5 MB of a row of 16384 texels
+
 }  // namespace
 
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed) {
-  MULTUM_CHECK(size >= 16 && size % 2 == 0);
-  const int half = size / 2;
-  const NoiseQuarter noise(half, seed);
+  FourQuarterGenerator generator(size, seed);
   FourQuarterMap map;
   map.normals.width = map.normals.height = map.albedo.width = map.albedo.height = size;
   const std::size_t count = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  for (std::vector<float>* plane :
-       {&map.normals.x, &map.normals.y, &map.normals.z, &map.albedo.r, &map.albedo.g, &map.albedo.b})
-    plane->resize(count);
-  map.normal_codes.reserve(3 * count);
-  for (int row = 0; row < size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      const double x = column % half + 0.5;
-      const double y = row % half + 0.5;
-      const bool right = column >= half;
-      const Texel texel = row < half ? (right ? ring_texel(x, y, half) : armour_texel(x, y))
-                                     : (right ? noise.texel(column - half, row - half) : groove_texel(x, y));
-      const std::array<std::uint16_t, 3> code = normal_code(texel);
-      map.normal_codes.insert(map.normal_codes.end(), code.begin(), code.end());
-      const std::array<float, 3> n = unit_normal(code);
-      const std::size_t i =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(column);
-      map.normals.x[i] = n[0];
-      map.normals.y[i] = n[1];
-      map.normals.z[i] = n[2];
-      map.albedo.r[i] = static_cast<float>(texel.colour[0]);
-      map.albedo.g[i] = static_cast<float>(texel.colour[1]);
-      map.albedo.b[i] = static_cast<float>(texel.colour[2]);
+  const std::array<std::vector<float>*, 3> normals = {&map.normals.x, &map.normals.y, &map.normals.z};
+  const std::array<std::vector<float>*, 3> colours = {&map.albedo.r, &map.albedo.g, &map.albedo.b};
+  for (std::size_t c = 0; c < 3; ++c) {
+    normals[c]->reserve(count);
+    colours[c]->reserve(count);
+  }
+  for (int row = 0; row < size; row += kBandRows) {
+    const FourQuarterRows rows = generator.rows(row, std::min(size, row + kBandRows));
+    for (std::size_t i = 0; i < rows.colours.size(); i += 3) {
+      const std::array<float, 3> n =
+          unit_normal({rows.normal_codes[i], rows.normal_codes[i + 1], rows.normal_codes[i + 2]});
+      for (std::size_t c = 0; c < 3; ++c) {
+        normals[c]->push_back(n[c]);
+        colours[c]->push_back(rows.colours[i + c]);
+      }
     }
   }
   map.normals.report.format = "generated, rounded to 16 bits";
@@ -203,16 +178,25 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed) {
   return map;
 }
 
-void write_four_quarter_map(const FourQuarterMap& map, const std::string& prefix) {
-  const std::size_t count = map.albedo.r.size();
-  std::vector<std::uint16_t> albedo(3 * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::array<float, 3> colour = {map.albedo.r[i], map.albedo.g[i], map.albedo.b[i]};
-    for (std::size_t c = 0; c < 3; ++c)
-      albedo[3 * i + c] = rounded_16_bit(srgb_from_linear(static_cast<double>(colour[c])));
+void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix) {
+  FourQuarterGenerator generator(size, seed);
+  Png16Writer normals(prefix + "_normal.png", size, size, "Linear");
+  Png16Writer albedo(prefix + "_albedo.png", size, size, "sRGB");
+  for (int row = 0; row < size; row += kBandRows) {
+    const int row_count = std::min(size - row, kBandRows);
+    const FourQuarterRows rows = generator.rows(row, row + row_count);
+    const auto write_normals = [&] { normals.write_rows(row_count, rows.normal_codes.data()); };
+    const auto write_albedo = [&] {
+      std::vector<std::uint16_t> codes(rows.colours.size());
+      for (std::size_t i = 0; i < codes.size(); ++i)
+        codes[i] = rounded_16_bit(srgb_from_linear(static_cast<double>(rows.colours[i])));
+      albedo.write_rows(row_count, codes.data());
+    };
+    for_each_item(2, 2,
+                  [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // compressing is what takes time
   }
-  write_png16(prefix + "_normal.png", map.normals.width, map.normals.height, map.normal_codes, "Linear");
-  write_png16(prefix + "_albedo.png", map.albedo.width, map.albedo.height, albedo, "sRGB");
+  normals.finish();
+  albedo.finish();
 }
 
 }  // namespace multum

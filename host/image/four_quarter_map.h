@@ -5,16 +5,14 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "host/image/normal_map.h"
 
 namespace multum {
 
 struct FourQuarterMap {
-  NormalMap normals;                        // rounded to 16 bits as the PNG stores them, then normalised
-  ColourMap albedo;                         // colours correlated with slope
-  std::vector<std::uint16_t> normal_codes;  // what the PNG stores of the normals, three a texel
+  NormalMap normals;  // rounded to 16 bits as the PNG stores them, then normalised
+  ColourMap albedo;   // colours correlated with slope
 };
 
 /// `size` >= 16, even. Top left: armour of overlapping hemispherical scales (period 24 texels); top right: carved rings
@@ -22,8 +20,9 @@ struct FourQuarterMap {
 /// and blue facets; bottom right: fine noise whose slope grows to the right (rms 0.45 on average).
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed);
 
-/// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB), atomically. To read back the
-/// same normals, say green up: its statistics say green down (see four_quarter_map.cpp).
-void write_four_quarter_map(const FourQuarterMap& map, const std::string& prefix);
+/// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB) of the same map, atomically
+/// and by rows: it need not fit into memory. To read back the same normals, say green up: its statistics say green down
+/// (see four_quarter_map.cpp). Throws Error(kEnvironment).
+void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix);
 
 }  // namespace multum

@@ -7,8 +7,9 @@
 #include "host/image/height_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -32,23 +33,40 @@ int wrapped_index(int index, int count, WrapMode mode) {
   return -1;
 }
 
-struct HeightPlane {
+// Rows [row_begin, row_end) of heights.
+struct HeightRows {
   int width;
-  int height;
-  const std::vector<float>& values;
+  int row_begin;
+  int row_end;
+  std::vector<float> values;
 
-  double at(int column, int row) const {
-    if (column < 0 || row < 0) return 0.0;
-    return static_cast<double>(
-        values[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)]);
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row - row_begin) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(column);
   }
+  double at(int column, int row) const { return static_cast<double>(values[index(column, row)]); }
 };
 
-double finite_neighbours_mean(const HeightPlane& heights, int column, int row) {
+// The mean of the channels. Any non-finite channel makes the texel non-finite.
+HeightRows merged_rows(const RawImage& image, int row_begin, int row_end) {
+  RawRows raw;
+  image.read_rows(row_begin, row_end - row_begin, raw);
+  const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
+  if (channel_count == 1) return {image.info().width, row_begin, row_end, std::move(raw.values)};
+  HeightRows rows{image.info().width, row_begin, row_end, std::vector<float>(raw.values.size() / channel_count)};
+  for (std::size_t i = 0; i < rows.values.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < channel_count; ++c) sum += static_cast<double>(raw.values[i * channel_count + c]);
+    rows.values[i] = static_cast<float>(sum / static_cast<double>(channel_count));
+  }
+  return rows;
+}
+
+double finite_neighbours_mean(const HeightRows& heights, int column, int row) {
   double sum = 0.0;
   int count = 0;
-  for (int y = std::max(0, row - 1); y <= std::min(heights.height - 1, row + 1); ++y) {
-    for (int x = std::max(0, column - 1); x <= std::min(heights.width - 1, column + 1); ++x) {
+  for (int y = std::max(heights.row_begin, row - 1); y < std::min(heights.row_end, row + 2); ++y) {
+    for (int x = std::max(0, column - 1); x < std::min(heights.width, column + 2); ++x) {
       if (!std::isfinite(heights.at(x, y))) continue;
       sum += heights.at(x, y);
       ++count;
@@ -57,29 +75,49 @@ double finite_neighbours_mean(const HeightPlane& heights, int column, int row) {
   return count > 0 ? sum / count : 0.0;
 }
 
-// Fills non-finite heights from the unrepaired plane.
-void repair_heights(std::vector<float>& values, int width, int height, FixNan fix_nan) {
-  std::vector<std::pair<std::size_t, float>> repairs;
-  const HeightPlane plane{width, height, values};
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isfinite(values[i])) continue;
-    const auto column = static_cast<int>(i % static_cast<std::size_t>(width));
-    const auto row = static_cast<int>(i / static_cast<std::size_t>(width));
-    repairs.emplace_back(
-        i, fix_nan == FixNan::kBox3 ? static_cast<float>(finite_neighbours_mean(plane, column, row)) : 0.0f);
+// What is the same for every band.
+struct Heights {
+  const RawImage& image;
+  bool is_finite;
+  const NormalMapSettings& settings;
+
+  HeightRows repaired_rows(int row_begin, int row_end) const;
+  HeightRows rows_and_neighbours(int row_begin, int row_end) const;
+};
+
+// Non-finite heights are filled from rows that are not repaired, one more on either side.
+HeightRows Heights::repaired_rows(int row_begin, int row_end) const {
+  if (is_finite) return merged_rows(image, row_begin, row_end);
+  const HeightRows found = merged_rows(image, std::max(0, row_begin - 1), std::min(image.info().height, row_end + 1));
+  HeightRows repaired{found.width, row_begin, row_end, {}};
+  repaired.values.assign(found.values.begin() + static_cast<std::ptrdiff_t>(found.index(0, row_begin)),
+                         found.values.begin() + static_cast<std::ptrdiff_t>(found.index(0, row_end)));
+  for (int row = row_begin; row < row_end; ++row) {
+    for (int column = 0; column < found.width; ++column) {
+      if (std::isfinite(found.at(column, row))) continue;
+      repaired.values[repaired.index(column, row)] =
+          settings.fix_nan == FixNan::kBox3 ? static_cast<float>(finite_neighbours_mean(found, column, row)) : 0.0f;
+    }
   }
-  for (const auto& [i, value] : repairs) values[i] = value;
+  return repaired;
 }
 
-// Averages the channels into the first plane. Any non-finite channel makes the texel non-finite.
-void merge_channels(RawImage& image) {
-  if (image.planes.size() == 1) return;
-  for (std::size_t i = 0; i < image.planes[0].size(); ++i) {
-    double sum = 0.0;
-    for (const std::vector<float>& plane : image.planes) sum += static_cast<double>(plane[i]);
-    image.planes[0][i] = static_cast<float>(sum / static_cast<double>(image.planes.size()));
-  }
-  image.planes.resize(1);
+// Rows [row_begin - 1, row_end + 1), where a row beyond the image is the one that the wrap mode puts there.
+HeightRows Heights::rows_and_neighbours(int row_begin, int row_end) const {
+  const int height = image.info().height;
+  HeightRows rows{image.info().width, row_begin - 1, row_end + 1, {}};
+  const auto append = [&rows](const HeightRows& next) {
+    rows.values.insert(rows.values.end(), next.values.begin(), next.values.end());
+  };
+  const auto append_beyond = [&](int row) {
+    const int wrapped = wrapped_index(row, height, settings.wrap_t);
+    if (wrapped >= 0) append(repaired_rows(wrapped, wrapped + 1));
+    else rows.values.resize(rows.values.size() + static_cast<std::size_t>(rows.width), 0.0f);
+  };
+  if (row_begin == 0) append_beyond(-1);
+  append(repaired_rows(std::max(0, row_begin - 1), std::min(height, row_end + 1)));
+  if (row_end == height) append_beyond(height);
+  return rows;
 }
 
 // A height's scale is not in the file, and a grey image may be none: both show in the slopes.
@@ -98,48 +136,66 @@ void warn_of_doubts(NormalMapReport& report, double slope_rms, const NormalMapSe
   if (!text.empty()) report.warnings.push_back(text);
 }
 
+// What one row gives, row by row: sums do not depend on how rows were put into bands.
+struct RowSums {
+  std::int64_t lifted = 0;
+  double slopes = 0.0;  // squares
+};
+
+// The normals of one row, whose neighbours `heights` holds.
+RowSums row_normals(const HeightRows& heights, int row, const NormalMapSettings& settings,
+                    const std::array<float*, 3>& normals) {
+  const double half_scale = 0.5 * static_cast<double>(settings.height_scale);
+  const auto side_height = [&](int column) {
+    const int wrapped = wrapped_index(column, heights.width, settings.wrap_s);
+    return wrapped >= 0 ? heights.at(wrapped, row) : 0.0;
+  };
+  RowSums sums;
+  for (int column = 0; column < heights.width; ++column) {
+    glm::dvec3 n(-half_scale * (side_height(column + 1) - side_height(column - 1)),
+                 -half_scale * (heights.at(column, row - 1) - heights.at(column, row + 1)), 1.0);
+    sums.slopes += n.x * n.x + n.y * n.y;
+    if (!normalise_above_horizon(n)) ++sums.lifted;
+    normals[0][column] = static_cast<float>(n.x);
+    normals[1][column] = static_cast<float>(n.y);
+    normals[2][column] = static_cast<float>(n.z);
+  }
+  return sums;
+}
+
 }  // namespace
 
-NormalMap normals_from_heights(const std::string& path, RawImage image, const NormalMapSettings& settings, int threads,
-                               Progress* progress) {
+NormalMapRows normals_from_heights(const std::string& path, const RawImage& image, std::int64_t nonfinite_count,
+                                   const NormalMapSettings& settings, const ReadingPlace& place, int threads,
+                                   Progress* progress) {
   progress_stage(progress, "heights to normals");
-  NormalMap map;
-  map.width = image.width;
-  map.height = image.height;
-  map.report.nonfinite_repaired = check_finite(path, image, settings, threads);
-  merge_channels(image);
-  if (map.report.nonfinite_repaired > 0) repair_heights(image.planes[0], image.width, image.height, settings.fix_nan);
-  const HeightPlane heights{image.width, image.height, image.planes[0]};
-  for (std::vector<float>* plane : {&map.x, &map.y, &map.z}) plane->resize(image.planes[0].size());
-  const double half_scale = 0.5 * static_cast<double>(settings.height_scale);
-  const auto band_count = static_cast<std::size_t>(row_band_count(image.height, kRowsPerBand));
-  std::vector<std::int64_t> lifted(band_count, 0);
-  std::vector<double> square_sums(band_count, 0.0);
-  for_each_row_band(map.height, kRowsPerBand, threads, [&](int band, int row_begin, int row_end) {
+  const int width = image.info().width;
+  const int height = image.info().height;
+  const Heights heights{image, nonfinite_count == 0, settings};
+  NormalMapRows map{make_plane_store(width, height, place), {}};
+  std::vector<RowSums> sums(static_cast<std::size_t>(height));
+  for_each_row_band(height, decoding_rows(width, place), threads, progress, [&](int, int row_begin, int row_end) {
+    const HeightRows rows = heights.rows_and_neighbours(row_begin, row_end);
+    std::array<std::vector<float>, 3> normals;
+    for (std::vector<float>& plane : normals) plane.resize(rows.index(0, row_end) - rows.index(0, row_begin));
     for (int row = row_begin; row < row_end; ++row) {
-      const int above = wrapped_index(row - 1, map.height, settings.wrap_t);
-      const int below = wrapped_index(row + 1, map.height, settings.wrap_t);
-      for (int column = 0; column < map.width; ++column) {
-        const int left = wrapped_index(column - 1, map.width, settings.wrap_s);
-        const int right = wrapped_index(column + 1, map.width, settings.wrap_s);
-        glm::dvec3 n(-half_scale * (heights.at(right, row) - heights.at(left, row)),
-                     -half_scale * (heights.at(column, above) - heights.at(column, below)), 1.0);
-        square_sums[static_cast<std::size_t>(band)] += n.x * n.x + n.y * n.y;
-        if (!normalise_above_horizon(n)) ++lifted[static_cast<std::size_t>(band)];
-        const std::size_t i =
-            static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(column);
-        map.x[i] = static_cast<float>(n.x);
-        map.y[i] = static_cast<float>(n.y);
-        map.z[i] = static_cast<float>(n.z);
-      }
+      const std::size_t first = rows.index(0, row) - rows.index(0, row_begin);
+      sums[static_cast<std::size_t>(row)] =
+          row_normals(rows, row, settings, {&normals[0][first], &normals[1][first], &normals[2][first]});
     }
+    map.normals.write_rows(row_begin, row_end - row_begin, {normals[0].data(), normals[1].data(), normals[2].data()});
   });
-  const double texel_count = static_cast<double>(map.width) * map.height;
-  const double slope_rms = std::sqrt(std::accumulate(square_sums.begin(), square_sums.end(), 0.0) / texel_count);
+  RowSums total;
+  for (const RowSums& row : sums) {
+    total.lifted += row.lifted;
+    total.slopes += row.slopes;
+  }
+  const double slope_rms = std::sqrt(total.slopes / (static_cast<double>(width) * height));
   map.report.encoding =
       fmt::format("height field, scale {:g} texels, rms slope {:.3g}", settings.height_scale, slope_rms);
   warn_of_doubts(map.report, slope_rms, settings);
-  for (const std::int64_t count : lifted) map.report.below_horizon_repaired += count;
+  map.report.nonfinite_repaired = nonfinite_count;
+  map.report.below_horizon_repaired = total.lifted;
   check_repair_share(path, map, settings);
   return map;
 }

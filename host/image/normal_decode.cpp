@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two passes, so that a repair never reads a repaired texel and no order of threads can be seen: the first decodes
-// every texel and marks those that hold no direction; the second fills the marked ones from unmarked neighbours.
+// Two steps, so that a repair never reads a repaired texel and no order of threads and no border of bands can be seen:
+// the first decodes every texel and marks those that hold no direction; the second fills the marked ones from unmarked
+// neighbours.
 #include "host/image/normal_decode.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -34,49 +36,78 @@ double zero_length_of(SampleType type) {
   }
 }
 
-struct DecodePass {
-  const VectorEncoding& encoding;
+// What is the same for every band.
+struct Decoding {
+  const RawImage& image;
+  VectorEncoding encoding;
   double zero_length;
-  int width;
-  RawImage& image;
-  std::vector<TexelState>& states;
 
-  // Decodes one texel in place. A third plane is there always: two-channel files get one of zeros.
-  void decode(std::size_t i, TexelCounts& counts) const {
-    float& r = image.planes[0][i];
-    float& g = image.planes[1][i];
-    float& b = image.planes[2][i];
-    glm::dvec3 n(0.0, 0.0, 1.0);
+  // The normal of one texel, flat where there is none.
+  TexelState decode(float r, float g, float b, glm::dvec3& n, TexelCounts& counts) const {
+    n = glm::dvec3(0.0, 0.0, 1.0);
     if (!std::isfinite(r) || !std::isfinite(g) || !std::isfinite(b)) {
-      states[i] = TexelState::kNonfinite;
       ++counts.nonfinite;
-    } else if (is_unused(encoding, r, g, b)) {
-      states[i] = TexelState::kUnused;
-      ++counts.unused;
-    } else {
-      n = decode_vector(encoding, r, g, b);
-      if (std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z) < zero_length) {
-        states[i] = TexelState::kZeroLength;
-        ++counts.zero_length;
-        n = glm::dvec3(0.0, 0.0, 1.0);
-      } else if (!normalise_above_horizon(n)) {
-        ++counts.below_horizon;
-      }
+      return TexelState::kNonfinite;
     }
-    r = static_cast<float>(n.x);
-    g = static_cast<float>(n.y);
-    b = static_cast<float>(n.z);
+    if (is_unused(encoding, r, g, b)) {
+      ++counts.unused;
+      return TexelState::kUnused;
+    }
+    const glm::dvec3 v = decode_vector(encoding, r, g, b);
+    if (std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z) < zero_length) {
+      ++counts.zero_length;
+      return TexelState::kZeroLength;
+    }
+    n = v;
+    if (!normalise_above_horizon(n)) ++counts.below_horizon;
+    return TexelState::kGood;
   }
 };
 
+// Rows [row_begin, row_end) of the map, texel by texel.
+struct DecodedRows {
+  int width;
+  int row_begin;
+  int row_end;
+  std::array<std::vector<float>, 3> planes;
+  std::vector<TexelState> states;
+
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row - row_begin) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(column);
+  }
+  void set(std::size_t i, const glm::dvec3& n) {
+    planes[0][i] = static_cast<float>(n.x);
+    planes[1][i] = static_cast<float>(n.y);
+    planes[2][i] = static_cast<float>(n.z);
+  }
+};
+
+DecodedRows decode_rows(const Decoding& decoding, int row_begin, int row_end, TexelCounts& counts) {
+  const int width = decoding.image.info().width;
+  const auto channel_count = static_cast<std::size_t>(decoding.image.info().channel_count);
+  RawRows raw;
+  decoding.image.read_rows(row_begin, row_end - row_begin, raw);
+  DecodedRows rows{width, row_begin, row_end, {}, {}};
+  rows.states.resize(raw.values.size() / channel_count);
+  for (std::vector<float>& plane : rows.planes) plane.resize(rows.states.size());
+  for (std::size_t i = 0; i < rows.states.size(); ++i) {
+    const float* texel = &raw.values[i * channel_count];
+    glm::dvec3 n;
+    rows.states[i] = decoding.decode(texel[0], texel[1], channel_count > 2 ? texel[2] : 0.0f, n, counts);
+    rows.set(i, n);
+  }
+  return rows;
+}
+
 // Mean of the good texels among the 8 neighbours inside the image; flat when there is none or they cancel.
-glm::dvec3 neighbours_mean(const NormalMap& map, const std::vector<TexelState>& states, int column, int row) {
+glm::dvec3 neighbours_mean(const DecodedRows& rows, int column, int row) {
   glm::dvec3 sum(0.0);
-  for (int y = std::max(0, row - 1); y <= std::min(map.height - 1, row + 1); ++y) {
-    for (int x = std::max(0, column - 1); x <= std::min(map.width - 1, column + 1); ++x) {
-      const std::size_t i =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(x);
-      if (states[i] == TexelState::kGood) sum += glm::dvec3(map.x[i], map.y[i], map.z[i]);
+  for (int y = std::max(rows.row_begin, row - 1); y < std::min(rows.row_end, row + 2); ++y) {
+    for (int x = std::max(0, column - 1); x < std::min(rows.width, column + 2); ++x) {
+      const std::size_t i = rows.index(x, y);
+      if (rows.states[i] == TexelState::kGood)
+        sum += glm::dvec3(rows.planes[0][i], rows.planes[1][i], rows.planes[2][i]);
     }
   }
   if (sum.x * sum.x + sum.y * sum.y + sum.z * sum.z < 1e-12) return glm::dvec3(0.0, 0.0, 1.0);
@@ -84,71 +115,31 @@ glm::dvec3 neighbours_mean(const NormalMap& map, const std::vector<TexelState>& 
   return sum;
 }
 
-void repair_texels(NormalMap& map, const std::vector<TexelState>& states, FixNan fix_nan, int threads) {
-  for_each_row_band(map.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
-    for (int row = row_begin; row < row_end; ++row) {
-      for (int column = 0; column < map.width; ++column) {
-        const std::size_t i =
-            static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(column);
-        const bool from_neighbours =
-            states[i] == TexelState::kZeroLength || (states[i] == TexelState::kNonfinite && fix_nan == FixNan::kBox3);
-        if (!from_neighbours) continue;
-        const glm::dvec3 n = neighbours_mean(map, states, column, row);
-        map.x[i] = static_cast<float>(n.x);
-        map.y[i] = static_cast<float>(n.y);
-        map.z[i] = static_cast<float>(n.z);
-      }
-    }
-  });
+bool is_repaired(TexelState state, FixNan fix_nan) {
+  return state == TexelState::kZeroLength || (state == TexelState::kNonfinite && fix_nan == FixNan::kBox3);
 }
 
-}  // namespace
-
-std::int64_t check_finite(const std::string& path, const RawImage& image, const NormalMapSettings& settings,
-                          int threads) {
-  const int band_count = row_band_count(image.height, kRowsPerBand);
-  std::vector<std::int64_t> first(static_cast<std::size_t>(band_count), -1);
-  std::vector<std::int64_t> count(static_cast<std::size_t>(band_count), 0);
-  for_each_row_band(image.height, kRowsPerBand, threads, [&](int band, int row_begin, int row_end) {
-    const auto slot = static_cast<std::size_t>(band);
-    for (std::int64_t i = std::int64_t{row_begin} * image.width; i < std::int64_t{row_end} * image.width; ++i) {
-      const bool is_finite = std::all_of(
-          image.planes.begin(), image.planes.end(),
-          [i](const std::vector<float>& plane) { return std::isfinite(plane[static_cast<std::size_t>(i)]); });
-      if (is_finite) continue;
-      ++count[slot];
-      if (first[slot] < 0) first[slot] = i;
-    }
-  });
-  std::int64_t total = 0;
-  for (const std::int64_t value : count) total += value;
-  if (total > 0 && (settings.check_nan || settings.fix_nan == FixNan::kNone)) {
-    const std::int64_t i = *std::find_if(first.begin(), first.end(), [](std::int64_t value) { return value >= 0; });
-    throw Error(
-        ErrorCode::kInput,
-        fmt::format("{}: found NaN or Inf at column {}, row {} (the first of {} texels), expected finite values", path,
-                    i % image.width, i / image.width, total));
-  }
-  return total;
+// Rows [row_begin, row_end) without holes. Where there are any, the rows are decoded once more with those above and
+// below, which is seldom.
+DecodedRows repaired_rows(const Decoding& decoding, int row_begin, int row_end, FixNan fix_nan, TexelCounts& counts) {
+  DecodedRows rows = decode_rows(decoding, row_begin, row_end, counts);
+  const bool has_holes = std::any_of(rows.states.begin(), rows.states.end(),
+                                     [fix_nan](TexelState state) { return is_repaired(state, fix_nan); });
+  if (!has_holes) return rows;
+  TexelCounts counted_by_others;
+  const int halo_end = std::min(decoding.image.info().height, row_end + 1);
+  rows = decode_rows(decoding, std::max(0, row_begin - 1), halo_end, counted_by_others);
+  for (int row = row_begin; row < row_end; ++row)
+    for (int column = 0; column < rows.width; ++column)
+      if (const std::size_t i = rows.index(column, row); is_repaired(rows.states[i], fix_nan))
+        rows.set(i, neighbours_mean(rows, column, row));
+  return rows;
 }
 
-void check_repair_share(const std::string& path, const NormalMap& map, const NormalMapSettings& settings) {
-  const NormalMapReport& report = map.report;
-  const std::int64_t repaired = report.nonfinite_repaired + report.zero_length_repaired + report.below_horizon_repaired;
-  const auto texel_count = static_cast<double>(map.width) * map.height;
-  const double share = static_cast<double>(repaired) / texel_count;
-  if (share <= static_cast<double>(settings.repair_share_max)) return;
-  throw Error(
-      ErrorCode::kInput,
-      fmt::format(
-          "{}: {} of {:.0f} texels ({:.2f} %) hold no usable normal: {} not finite, {} of zero length, {} below "
-          "the horizon; expected at most {:.2f} % (raise --repair-max to repair them all the same)",
-          path, repaired, texel_count, 100.0 * share, report.nonfinite_repaired, report.zero_length_repaired,
-          report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max)));
-}
-
-void check_unused_share(const std::string& path, NormalMap& map, const NormalMapSettings& settings) {
-  const auto texel_count = static_cast<double>(map.width) * map.height;
+// Adds a warning to the report when more than kUnusedShareNoted of the texels are black; throws Error(kInput) for more
+// than kUnusedShareMax unless the settings say that it is a normal map.
+void check_unused_share(const std::string& path, NormalMapRows& map, const NormalMapSettings& settings) {
+  const auto texel_count = static_cast<double>(map.normals.width()) * map.normals.height();
   const double share = static_cast<double>(map.report.unused_texels) / texel_count;
   if (share <= kUnusedShareNoted) return;
   const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are black, which is no normal",
@@ -161,27 +152,40 @@ void check_unused_share(const std::string& path, NormalMap& map, const NormalMap
   map.report.warnings.push_back(found + "; they are taken as never written, and as flat");
 }
 
-NormalMap decode_normals(const std::string& path, RawImage image, const VectorEncoding& encoding,
-                         const NormalMapSettings& settings, int threads, Progress* progress) {
-  MULTUM_CHECK(image.planes.size() == 2 || image.planes.size() == 3);
+}  // namespace
+
+void check_repair_share(const std::string& path, const NormalMapRows& map, const NormalMapSettings& settings) {
+  const NormalMapReport& report = map.report;
+  const std::int64_t repaired = report.nonfinite_repaired + report.zero_length_repaired + report.below_horizon_repaired;
+  const auto texel_count = static_cast<double>(map.normals.width()) * map.normals.height();
+  const double share = static_cast<double>(repaired) / texel_count;
+  if (share <= static_cast<double>(settings.repair_share_max)) return;
+  throw Error(
+      ErrorCode::kInput,
+      fmt::format(
+          "{}: {} of {:.0f} texels ({:.2f} %) hold no usable normal: {} not finite, {} of zero length, {} below "
+          "the horizon; expected at most {:.2f} % (raise --repair-max to repair them all the same)",
+          path, repaired, texel_count, 100.0 * share, report.nonfinite_repaired, report.zero_length_repaired,
+          report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max)));
+}
+
+NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,
+                             const NormalMapSettings& settings, const ReadingPlace& place, int threads,
+                             Progress* progress) {
+  const RawImageInfo& info = image.info();
+  MULTUM_CHECK(info.channel_count == 2 || info.channel_count == 3);
   progress_stage(progress, "decode normals");
-  image.planes.resize(3, std::vector<float>(image.planes[0].size(), 0.0f));
-  std::vector<TexelState> states(image.planes[0].size(), TexelState::kGood);
-  const DecodePass pass{encoding, zero_length_of(image.sample_type), image.width, image, states};
-  std::vector<TexelCounts> counts(static_cast<std::size_t>(row_band_count(image.height, kRowsPerBand)));
-  for_each_row_band(image.height, kRowsPerBand, threads, [&](int band, int row_begin, int row_end) {
-    const auto width = static_cast<std::size_t>(image.width);
-    TexelCounts& band_counts = counts[static_cast<std::size_t>(band)];
-    for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < static_cast<std::size_t>(row_end) * width;
-         ++i)
-      pass.decode(i, band_counts);
+  const Decoding decoding{image, encoding, zero_length_of(info.sample_type)};
+  NormalMapRows map{make_plane_store(info.width, info.height, place), {}};
+  const int band_rows = decoding_rows(info.width, place);
+  std::vector<TexelCounts> counts(static_cast<std::size_t>(row_band_count(info.height, band_rows)));
+  for_each_row_band(info.height, band_rows, threads, progress, [&](int band, int row_begin, int row_end) {
+    const DecodedRows rows =
+        repaired_rows(decoding, row_begin, row_end, settings.fix_nan, counts[static_cast<std::size_t>(band)]);
+    const std::size_t first = rows.index(0, row_begin);
+    map.normals.write_rows(row_begin, row_end - row_begin,
+                           {&rows.planes[0][first], &rows.planes[1][first], &rows.planes[2][first]});
   });
-  NormalMap map;
-  map.width = image.width;
-  map.height = image.height;
-  map.x = std::move(image.planes[0]);
-  map.y = std::move(image.planes[1]);
-  map.z = std::move(image.planes[2]);
   for (const TexelCounts& band : counts) {
     map.report.unused_texels += band.unused;
     map.report.nonfinite_repaired += band.nonfinite;
@@ -190,7 +194,6 @@ NormalMap decode_normals(const std::string& path, RawImage image, const VectorEn
   }
   check_unused_share(path, map, settings);
   check_repair_share(path, map, settings);
-  repair_texels(map, states, settings.fix_nan, threads);
   return map;
 }
 

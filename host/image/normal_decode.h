@@ -8,8 +8,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/image/image_io.h"
 #include "host/image/normal_map.h"
+#include "host/image/raw_image.h"
 
 namespace multum {
 
@@ -18,6 +18,8 @@ struct VectorEncoding {
   bool rebuild_z = false;  // z = sqrt(1 - x^2 - y^2), whatever blue holds
   bool flat_pair = false;  // 8 bits: a texel whose red and green are both 127 or 128 has x = y = 0
   GreenAxis green = GreenAxis::kUp;
+
+  bool operator==(const VectorEncoding&) const = default;
 };
 
 /// The least z of a unit normal, 1/512. Below it the slope x/z means nothing: an 8-bit file's least positive z is
@@ -47,23 +49,15 @@ inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b)
          b >= 0.0f;
 }
 
-/// Consumes `image` (2 or 3 planes). Fills the map's counts, not its encoding. Throws Error(kInput) for a non-finite
-/// value when the settings refuse them, when more than repair_share_max of the texels needed repair, and when too many
-/// are black.
-NormalMap decode_normals(const std::string& path, RawImage image, const VectorEncoding& encoding,
-                         const NormalMapSettings& settings, int threads, Progress* progress);
-
-/// Throws Error(kInput) naming the first non-finite value when check_nan is set or fix_nan is kNone. Returns how many
-/// texels hold one.
-std::int64_t check_finite(const std::string& path, const RawImage& image, const NormalMapSettings& settings,
-                          int threads);
+/// An image of 2 or 3 channels, by bands, of which at most a few a thread are in memory. Fills the report's counts, not
+/// its encoding. Throws Error(kInput) when more than repair_share_max of the texels needed repair, and when too many
+/// are black; Error(kEnvironment) when scratch files cannot be written. Cancels between bands.
+NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,
+                             const NormalMapSettings& settings, const ReadingPlace& place, int threads,
+                             Progress* progress);
 
 /// Throws Error(kInput) with the counts when they exceed settings.repair_share_max of all texels.
-void check_repair_share(const std::string& path, const NormalMap& map, const NormalMapSettings& settings);
-
-/// Adds a warning to the report when more than kUnusedShareNoted of the texels are black; throws Error(kInput) for more
-/// than kUnusedShareMax unless the settings say that it is a normal map.
-void check_unused_share(const std::string& path, NormalMap& map, const NormalMapSettings& settings);
+void check_repair_share(const std::string& path, const NormalMapRows& map, const NormalMapSettings& settings);
 
 /// A normal of any length to a unit normal with z >= kHorizonZ. Returns false where z was lifted.
 inline bool normalise_above_horizon(glm::dvec3& n) {

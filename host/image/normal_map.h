@@ -12,6 +12,8 @@
 #include "host/base/progress.h"
 #include "host/base/wrap_mode.h"
 #include "host/image/colour_map.h"
+#include "host/image/plane_store.h"
+#include "host/image/reading_place.h"
 
 namespace multum {
 
@@ -59,9 +61,26 @@ struct NormalMap {
   NormalMapReport report;
 };
 
+/// The map's planes, to be read by rows; the map must outlive it.
+inline PlaneStore planes_of(const NormalMap& map) {
+  return {map.width, map.height, {map.x.data(), map.y.data(), map.z.data()}};
+}
+
+/// The same by rows: a map that may be larger than memory.
+struct NormalMapRows {
+  PlaneStore normals;
+  NormalMapReport report;
+};
+
 /// Reads PNG, JPEG, WebP, TIFF or OpenEXR. Throws Error(kInput) naming the file, what was found and what was expected;
 /// Error(kUsage) for settings outside their ranges. Progress: names its stage and cancels at bands of rows, counts no
 /// units. The result does not depend on `threads` (<= 0: as many as the machine has).
 NormalMap read_normal_map(const std::string& path, const NormalMapSettings& settings, int threads, Progress* progress);
+
+/// The same numbers, kept as `place` says. Of the file and of the map a few bands of rows are in memory, but for
+/// formats that OpenImageIO decodes whole (docs/READING.md). Throws Error(kEnvironment) when scratch files cannot be
+/// written.
+NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings,
+                                   const ReadingPlace& place, int threads, Progress* progress);
 
 }  // namespace multum

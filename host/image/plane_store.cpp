@@ -2,6 +2,7 @@
 #include "host/image/plane_store.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "host/base/error.h"
 
@@ -19,6 +20,12 @@ PlaneStore::PlaneStore(int width, int height, const std::string& folder)
 
 PlaneStore::PlaneStore(int width, int height, const std::array<const float*, 3>& planes)
     : width_(width), height_(height), planes_(planes) {}
+
+std::array<std::vector<float>, 3> PlaneStore::take_planes() {
+  MULTUM_CHECK(!file_ && planes_[0] == owned_[0].data());
+  height_ = 0;
+  return std::move(owned_);
+}
 
 void PlaneStore::check_rows(int first_row, int row_count) const {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && row_count <= height_ - first_row);
@@ -38,12 +45,26 @@ void PlaneStore::write_rows(int first_row, int row_count, const std::array<const
 }
 
 void PlaneStore::read_rows(int first_row, int row_count, const std::array<float*, 3>& planes) const {
+  for (int p = 0; p < 3; ++p) read_rows(p, first_row, row_count, planes[static_cast<std::size_t>(p)]);
+}
+
+void PlaneStore::read_rows(int plane, int first_row, int row_count, float* rows) const {
   check_rows(first_row, row_count);
+  const auto p = static_cast<std::size_t>(plane);
   const std::size_t count = offset(row_count);
+  if (file_) file_->read((p * offset(height_) + offset(first_row)) * sizeof(float), rows, count * sizeof(float));
+  else std::copy_n(planes_[p] + offset(first_row), count, rows);
+}
+
+std::array<float, 3> PlaneStore::texel(int column, int row) const {
+  check_rows(row, 1);
+  const std::size_t at = offset(row) + static_cast<std::size_t>(column);
+  std::array<float, 3> values{};
   for (std::size_t p = 0; p < 3; ++p) {
-    if (file_) file_->read((p * offset(height_) + offset(first_row)) * sizeof(float), planes[p], count * sizeof(float));
-    else std::copy_n(planes_[p] + offset(first_row), count, planes[p]);
+    if (file_) file_->read((p * offset(height_) + at) * sizeof(float), &values[p], sizeof(float));
+    else values[p] = planes_[p][at];
   }
+  return values;
 }
 
 }  // namespace multum

@@ -23,11 +23,16 @@ class PlaneStore {
 
   int width() const { return width_; }
   int height() const { return height_; }
+  /// The planes themselves; the store must be in memory, and is empty after.
+  std::array<std::vector<float>, 3> take_planes();
 
-  /// Rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) when the disk refuses.
+  /// Rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) when the disk refuses. Threads may
+  /// write different rows at once.
   void write_rows(int first_row, int row_count, const std::array<const float*, 3>& planes);
-  /// Any number of threads may read at once.
+  /// All planes, one of them, or all at one texel. Any number of threads may read at once.
   void read_rows(int first_row, int row_count, const std::array<float*, 3>& planes) const;
+  void read_rows(int plane, int first_row, int row_count, float* rows) const;
+  std::array<float, 3> texel(int column, int row) const;
 
  private:
   std::size_t offset(int row) const { return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_); }

@@ -6,19 +6,20 @@
 // facets, hard edges, lossy or hand-painted) within 0.15; 19 colour images lie within 0.14, all but one within 0.09.
 // (Frankot & Chellappa 1988, "A method for enforcing integrability", states the condition.)
 #include "host/image/vector_statistics.h"
-#include "host/base/parallel.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "host/base/parallel.h"
+
 namespace multum {
 namespace {
 
 // A band is 64 rows: 16 rows at 4 texels, of which the inner 14 have derivatives.
 constexpr int kStatisticsRows = 64;
-constexpr int kStatisticsColumns = 1 << 18;  // of a very wide image, so that a band stays below 400 MB
+constexpr int kStatisticsColumns = 1 << 18;  // of a very wide image, so that a row stays below 7 MB
 constexpr int kScaleCount = 3;
 // Slopes beyond 3 (72 degrees) are mostly compression noise of a small z, and would outweigh all others in a
 // correlation.
@@ -71,87 +72,82 @@ struct BandSums {
   }
 };
 
-struct VectorBand {
-  int width;
-  int height;
-  std::vector<glm::dvec3> vectors;
-  const glm::dvec3& at(int column, int row) const {
-    return vectors[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
-  }
-};
+using VectorRow = std::vector<glm::dvec3>;
 
-// Decodes the rows and sums what concerns single texels. Texels without a vector are flat for the gradients.
-VectorBand decode_band(const RawImage& image, const VectorEncoding& encoding, int row_begin, int row_end,
-                       BandSums& sums) {
-  VectorBand band{std::min(image.width, kStatisticsColumns), row_end - row_begin, {}};
-  band.vectors.reserve(static_cast<std::size_t>(band.height) * static_cast<std::size_t>(band.width));
-  for (int row = row_begin; row < row_end; ++row) {
-    for (int column = 0; column < band.width; ++column) {
-      const std::size_t i =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(column);
-      const float r = image.planes[0][i];
-      const float g = image.planes[1][i];
-      const float b = image.planes.size() > 2 ? image.planes[2][i] : 0.0f;
-      glm::dvec3 v(0.0, 0.0, 1.0);
-      if (std::isfinite(r) && std::isfinite(g) && std::isfinite(b) && !is_unused(encoding, r, g, b)) {
-        v = decode_vector(encoding, r, g, b);
-        sums.add_vector(v);
-        sums.blue_min = std::min(sums.blue_min, static_cast<double>(b));
-        sums.blue_max = std::max(sums.blue_max, static_cast<double>(b));
-      }
-      band.vectors.push_back(v);
-    }
-  }
-  return band;
-}
-
-VectorBand halved(const VectorBand& band) {
-  VectorBand half{band.width / 2, band.height / 2, {}};
-  half.vectors.reserve(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
-  for (int row = 0; row < half.height; ++row)
-    for (int column = 0; column < half.width; ++column)
-      half.vectors.push_back(0.25 * (band.at(2 * column, 2 * row) + band.at(2 * column + 1, 2 * row) +
-                                     band.at(2 * column, 2 * row + 1) + band.at(2 * column + 1, 2 * row + 1)));
+VectorRow halved(const VectorRow& upper, const VectorRow& lower) {
+  VectorRow half(upper.size() / 2);
+  for (std::size_t i = 0; i < half.size(); ++i)
+    half[i] = 0.25 * (upper[2 * i] + upper[2 * i + 1] + lower[2 * i] + lower[2 * i + 1]);
   return half;
 }
 
 double slope(double side, double z) { return std::clamp(-side / std::max(z, 1e-3), -kSlopeMax, kSlopeMax); }
 
-void add_gradients(const VectorBand& band, CorrelationSums& sums) {
-  for (int row = 1; row + 1 < band.height; ++row) {
-    for (int column = 1; column + 1 < band.width; ++column) {
-      const glm::dvec3& up = band.at(column, row - 1);
-      const glm::dvec3& down = band.at(column, row + 1);
-      const glm::dvec3& left = band.at(column - 1, row);
-      const glm::dvec3& right = band.at(column + 1, row);
-      sums.add(slope(up.x, up.z) - slope(down.x, down.z), slope(right.y, right.z) - slope(left.y, left.z));
+void add_gradients(const VectorRow& above, const VectorRow& row, const VectorRow& below, CorrelationSums& sums) {
+  for (std::size_t i = 1; i + 1 < row.size(); ++i)
+    sums.add(slope(above[i].x, above[i].z) - slope(below[i].x, below[i].z),
+             slope(row[i + 1].y, row[i + 1].z) - slope(row[i - 1].y, row[i - 1].z));
+}
+
+// One band: of each scale the last three rows are kept, and every pair of rows becomes one of the next scale.
+//   scale 1   0 1 2 3 4 5 6 7
+//   scale 2    0   1   2   3
+//   scale 4      0       1
+class StatisticsBand {
+ public:
+  StatisticsBand(const RawImageInfo& info, const VectorEncoding& encoding)
+      : encoding_(encoding),
+        column_count_(static_cast<std::size_t>(std::min(info.width, kStatisticsColumns))),
+        channel_count_(static_cast<std::size_t>(info.channel_count)) {}
+
+  void add_row(const float* values) { add_scaled_row(0, decoded(values)); }
+  const BandSums& sums() const { return sums_; }
+
+ private:
+  struct Scale {
+    std::size_t row_count = 0;
+    std::array<VectorRow, 3> rows;  // row i is at i % 3
+    const VectorRow& row_from_last(std::size_t back) const { return rows[(row_count - 1 - back) % 3]; }
+  };
+
+  // Sums what concerns single texels. Texels without a vector are flat for the gradients.
+  VectorRow decoded(const float* values) {
+    VectorRow row(column_count_, glm::dvec3(0.0, 0.0, 1.0));
+    for (std::size_t i = 0; i < column_count_; ++i) {
+      const float r = values[i * channel_count_];
+      const float g = values[i * channel_count_ + 1];
+      const float b = channel_count_ > 2 ? values[i * channel_count_ + 2] : 0.0f;
+      if (!std::isfinite(r) || !std::isfinite(g) || !std::isfinite(b) || is_unused(encoding_, r, g, b)) continue;
+      row[i] = decode_vector(encoding_, r, g, b);
+      sums_.add_vector(row[i]);
+      sums_.blue_min = std::min(sums_.blue_min, static_cast<double>(b));
+      sums_.blue_max = std::max(sums_.blue_max, static_cast<double>(b));
     }
+    return row;
   }
-}
+  void add_scaled_row(std::size_t s, VectorRow row) {
+    Scale& scale = scales_[s];
+    scale.rows[scale.row_count++ % 3] = std::move(row);
+    if (scale.row_count >= 3)
+      add_gradients(scale.row_from_last(2), scale.row_from_last(1), scale.row_from_last(0), sums_.gradients[s]);
+    if (scale.row_count % 2 == 0 && s + 1 < scales_.size())
+      add_scaled_row(s + 1, halved(scale.row_from_last(1), scale.row_from_last(0)));
+  }
 
-BandSums sum_bands(const RawImage& image, const VectorEncoding& encoding, int threads) {
+  VectorEncoding encoding_;
+  std::size_t column_count_;
+  std::size_t channel_count_;
+  BandSums sums_;
+  std::array<Scale, kScaleCount> scales_;
+};
+
+// Every how many bands one is looked at.
+int band_stride(const RawImageInfo& info) {
   constexpr std::int64_t kTexelsMax = std::int64_t{1} << 24;
-  const int band_count = row_band_count(image.height, kStatisticsRows);
-  const auto stride = static_cast<int>(1 + (std::int64_t{image.width} * image.height - 1) / kTexelsMax);
-  std::vector<BandSums> bands(static_cast<std::size_t>(band_count));
-  for_each_row_band(image.height, kStatisticsRows, threads, [&](int band, int row_begin, int row_end) {
-    if (band % stride != 0) return;
-    BandSums& sums = bands[static_cast<std::size_t>(band)];
-    VectorBand vectors = decode_band(image, encoding, row_begin, row_end, sums);
-    for (CorrelationSums& scale : sums.gradients) {
-      add_gradients(vectors, scale);
-      vectors = halved(vectors);
-    }
-  });
-  BandSums total;
-  for (const BandSums& band : bands) total.add(band);
-  return total;
+  return static_cast<int>(1 + (std::int64_t{info.width} * info.height - 1) / kTexelsMax);
 }
 
-}  // namespace
-
-VectorStatistics vector_statistics(const RawImage& image, const VectorEncoding& encoding, int threads) {
-  const BandSums sums = sum_bands(image, encoding, threads);
+VectorStatistics statistics_of(const BandSums& sums) {
   VectorStatistics result;
   result.texel_count = sums.n;
   if (sums.n == 0.0) return result;
@@ -180,6 +176,57 @@ VectorStatistics vector_statistics(const RawImage& image, const VectorEncoding& 
   if (scale_count > 0) result.gradient_agreement /= scale_count;
   result.gradient_sample_count = sums.gradients[0].n;
   return result;
+}
+
+}  // namespace
+
+struct VectorStatisticsSums::State {
+  RawImageInfo info;
+  VectorEncoding encoding;
+  int row = 0;  // the next
+  StatisticsBand band;
+  BandSums total;  // of the bands before
+};
+
+VectorStatisticsSums::VectorStatisticsSums(const RawImageInfo& info, const VectorEncoding& encoding)
+    : state_(std::make_unique<State>(State{info, encoding, 0, StatisticsBand(info, encoding), {}})) {}
+VectorStatisticsSums::~VectorStatisticsSums() = default;
+VectorStatisticsSums::VectorStatisticsSums(VectorStatisticsSums&& other) noexcept = default;
+
+const VectorEncoding& VectorStatisticsSums::encoding() const { return state_->encoding; }
+
+void VectorStatisticsSums::add_row(const float* values) {
+  const int row = state_->row++;
+  if (row / kStatisticsRows % band_stride(state_->info) != 0) return;
+  state_->band.add_row(values);
+  if (state_->row % kStatisticsRows != 0) return;
+  state_->total.add(state_->band.sums());
+  state_->band = StatisticsBand(state_->info, state_->encoding);
+}
+
+VectorStatistics VectorStatisticsSums::result() const {
+  BandSums sums = state_->total;
+  sums.add(state_->band.sums());  // the last, when it is shorter
+  return statistics_of(sums);
+}
+
+VectorStatistics vector_statistics(const RawImage& image, const VectorEncoding& encoding, int threads) {
+  const RawImageInfo& info = image.info();
+  std::vector<BandSums> bands(static_cast<std::size_t>(row_band_count(info.height, kStatisticsRows)));
+  const int stride = band_stride(info);
+  for_each_row_band(info.height, kStatisticsRows, threads, [&](int band, int row_begin, int row_end) {
+    if (band % stride != 0) return;
+    StatisticsBand sums(info, encoding);
+    RawRows rows;
+    for (int row = row_begin; row < row_end; ++row) {
+      image.read_rows(row, 1, rows);
+      sums.add_row(rows.values.data());
+    }
+    bands[static_cast<std::size_t>(band)] = sums.sums();
+  });
+  BandSums total;
+  for (const BandSums& band : bands) total.add(band);
+  return statistics_of(total);
 }
 
 }  // namespace multum

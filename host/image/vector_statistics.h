@@ -2,8 +2,10 @@
 // What an image's numbers look like when they are read as vectors: the evidence for host/image/encoding_detection.
 #pragma once
 
-#include "host/image/image_io.h"
+#include <memory>
+
 #include "host/image/normal_decode.h"
+#include "host/image/raw_image.h"
 
 namespace multum {
 
@@ -25,7 +27,24 @@ struct VectorStatistics {
   double gradient_sample_count = 0.0;
 };
 
-/// Reads at most about 16 Mi texels of the image (whole bands of rows, evenly spaced).
+/// Statistics of rows that come one by one, from the top, each once. Of them at most about 16 Mi texels are looked at
+/// (whole bands of 64 rows, evenly spaced).
+class VectorStatisticsSums {
+ public:
+  VectorStatisticsSums(const RawImageInfo& info, const VectorEncoding& encoding);
+  ~VectorStatisticsSums();
+  VectorStatisticsSums(VectorStatisticsSums&& other) noexcept;
+
+  const VectorEncoding& encoding() const;
+  void add_row(const float* values);
+  VectorStatistics result() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The same of a stored image.
 VectorStatistics vector_statistics(const RawImage& image, const VectorEncoding& encoding, int threads);
 
 }  // namespace multum

@@ -92,7 +92,7 @@ TEST(FourQuarterMap, NoiseHasItsSigma) {
 TEST(FourQuarterMap, FilesReadBackAsTheSameMap) {
   const TemporaryFolder folder;
   const FourQuarterMap map = make_four_quarter_map(128, 11);
-  write_four_quarter_map(map, folder / "four");
+  write_four_quarter_map(128, 11, folder / "four");
   NormalMapSettings settings;
   settings.green = GreenAxis::kUp;
   const NormalMap read = read_map(folder / "four_normal.png", settings);
@@ -108,7 +108,7 @@ TEST(FourQuarterMap, FilesReadBackAsTheSameMap) {
   int file_count = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder / ".")) ++file_count;
   EXPECT_EQ(file_count, 2);
-  expect_error(ErrorCode::kEnvironment, {"absent"}, [&] { write_four_quarter_map(map, folder / "absent/four"); });
+  expect_error(ErrorCode::kEnvironment, {"absent"}, [&] { write_four_quarter_map(128, 11, folder / "absent/four"); });
 }
 
 }  // namespace

@@ -33,26 +33,12 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MipScheduleTest,
                                            Case{1, 1, FitOrder::kColour}, Case{2, 3, FitOrder::kScanline},
                                            Case{256, 2, FitOrder::kColour}));
 
-// The step of each texel, from the lists; checks that each texel is there once and that gaps hold -1.
+// The step of each texel, from the steps' lists; checks that each texel is there once.
 std::map<int, int> steps_of_texels(const LevelSchedule& level) {
   std::map<int, int> step_of;
-  std::size_t end = 0;
-  for (std::size_t s = 0; s < level.steps.size(); ++s) {
-    const FitStep& step = level.steps[s];
-    EXPECT_EQ(static_cast<std::size_t>(step.list_offset), end) << "steps follow one another";
-    EXPECT_EQ(step.list_offset % MULTUM_GROUP, 0) << "and start at a group";
-    const int groups = (step.texel_count + MULTUM_GROUP - 1) / MULTUM_GROUP;
-    end += static_cast<std::size_t>(groups * MULTUM_GROUP);
-    for (int i = 0; i < groups * MULTUM_GROUP; ++i) {
-      const int texel = level.texel_list.at(static_cast<std::size_t>(step.list_offset + i));
-      if (i >= step.texel_count) {
-        EXPECT_EQ(texel, -1);
-      } else {
-        EXPECT_TRUE(step_of.emplace(texel, static_cast<int>(s)).second) << "texel " << texel << " twice";
-      }
-    }
-  }
-  EXPECT_EQ(end, level.texel_list.size());
+  for (int s = 0; s < level.step_count; ++s)
+    for (const int texel : step_texels(level, s, 0, level.fit.height, 0))
+      EXPECT_TRUE(step_of.emplace(texel, s).second) << "texel " << texel << " twice";
   return step_of;
 }
 
@@ -100,7 +86,10 @@ TEST_P(MipScheduleTest, EveryTexelOnceAndAfterTheNeighboursItReads) {
 }
 
 TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
-  for (const LevelSchedule& level : make().levels) {
+  MovmfSettings settings;
+  make_reference(settings);
+  settings.order = GetParam().order;
+  for (const LevelSchedule& level : make_mip_schedule(GetParam().width, GetParam().height, settings).levels) {
     SCOPED_TRACE(level.level);
     const MultumMovmfFit& fit = level.fit;
     // The widest texel, by its own definition: [x W/w, (x + 1) W/w).
@@ -124,10 +113,8 @@ TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
   }
 }
 
-TEST(MipScheduleMethodTest, FastCondensesCoarseTexelsAndStopsSettledOnes) {
-  MovmfSettings settings;
-  make_fast(settings);
-  for (const LevelSchedule& level : make_mip_schedule(256, 128, settings).levels) {
+TEST(MipScheduleMethodTest, CoarseTexelsAreCondensedAndSettledOnesStop) {
+  for (const LevelSchedule& level : make_mip_schedule(256, 128, MovmfSettings()).levels) {
     SCOPED_TRACE(level.level);
     const bool coarse = level.level > 5;
     EXPECT_EQ(level.method, coarse ? FitMethod::kCondensed : FitMethod::kTexels);
@@ -135,7 +122,7 @@ TEST(MipScheduleMethodTest, FastCondensesCoarseTexelsAndStopsSettledOnes) {
     EXPECT_EQ(level.fit.settled_change_squared > 0.0f, !coarse && level.level > 1);
     if (level.level == 1) {
       EXPECT_EQ(level.fit.iteration_count, kIterationsFewNormals);
-      EXPECT_EQ(level.iteration_count_again, kIterationsFewNormals);
+      EXPECT_EQ(level.iteration_count_again, MovmfSettings().iteration_count_again);
     }
   }
 }
@@ -151,8 +138,34 @@ TEST(MipScheduleFirstLevelTest, FinerLevelsAreNotScheduledAndTheOthersAreAsTheyW
     ASSERT_EQ(coarse.levels.size(), whole.levels.size() + 1 - static_cast<std::size_t>(first_level));
     for (std::size_t i = 0; i < coarse.levels.size(); ++i) {
       EXPECT_EQ(coarse.levels[i].level, whole.levels[i].level);
-      EXPECT_EQ(coarse.levels[i].texel_list, whole.levels[i].texel_list);
+      EXPECT_EQ(coarse.levels[i].step_count, whole.levels[i].step_count);
     }
+  }
+}
+
+// Bands of rows, beyond the borders too, hold what the whole level holds there.
+TEST(MipScheduleStepTest, RowsBeyondABorderAreThoseOfTheLevelRepeated) {
+  const LevelSchedule level = make_mip_schedule(20, 26, MovmfSettings()).levels.back();  // 10 x 13: odd
+  ASSERT_EQ(level.fit.height, 13);
+  for (int step = 0; step < 4; ++step) {
+    std::vector<int> banded;
+    for (const auto& [first, last] : {std::pair{-3, 0}, std::pair{0, 13}, std::pair{13, 15}})
+      for (const int place : step_texels(level, step, first, last, -3)) banded.push_back(place);
+    std::vector<int> expected;
+    for (int row = -3; row < 15; ++row)
+      for (const int texel : step_texels(level, step, 0, 13, 0))
+        if (texel / 10 == (row + 13) % 13) expected.push_back((row + 3) * 10 + texel % 10);
+    EXPECT_EQ(banded, expected) << "step " << step;
+  }
+}
+
+TEST(MipScheduleStepTest, CoveredRowsFollowOneAnotherThroughTheBorders) {
+  const MultumMovmfFit fit = make_mip_schedule(8, 26, MovmfSettings()).levels[1].fit;  // two levels below the top
+  for (int row = -2 * fit.height; row < 2 * fit.height; ++row) {
+    EXPECT_EQ(first_covered_row(fit, row + fit.height), first_covered_row(fit, row) + fit.map_height);
+    EXPECT_EQ(last_covered_row(fit, row + fit.height), last_covered_row(fit, row) + fit.map_height);
+    EXPECT_GE(last_covered_row(fit, row), first_covered_row(fit, row + 1));
+    EXPECT_LE(last_covered_row(fit, row), first_covered_row(fit, row + 1) + 1);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "host/base/content_hash.h"
 #include "host/base/log.h"
 #include "host/opencl/device.h"
+#include "kernels/shared/movmf_fit.h"
 #include "tests/unit/test_folder.h"
 
 namespace multum {
@@ -37,12 +38,15 @@ class ProgramCacheTest : public ::testing::Test {
     device.write(x, zeros.data(), 64);
     device.write(y, zeros.data(), 64);
     device.write(z, ones.data(), 64);
-    DeviceBuffer band = device.make_buffer(64, "lobes");
-    // One texel without a parent: its only lobe is its normal.
-    kernel.launch({1}, x, y, z, band, band, 1, 0, 0, 0, 1);
-    std::vector<float> lobe(4, -1.0f);
-    device.read(band, lobe.data(), 16);
-    EXPECT_EQ(lobe, (std::vector<float>{0.0f, 0.0f, 1.0f, 1.0f}));
+    DeviceBuffer parent = device.make_buffer(64, "lobes"), nearest = device.make_buffer(1, "numbers of lobes");
+    unsigned char lobe = 255;
+    device.write(nearest, &lobe, 1);
+    // One texel without a parent: lobe 0 takes it.
+    MultumMovmfFit fit{};
+    fit.map_width = fit.map_height = fit.width = fit.height = fit.window_rows = 1;
+    kernel.launch({1}, x, y, z, parent, nearest, fit, 0, 0, 0, 1);
+    device.read(nearest, &lobe, 1);
+    EXPECT_EQ(lobe, 0);
     return ::testing::internal::GetCapturedStderr();
   }
 

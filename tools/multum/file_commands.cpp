@@ -132,7 +132,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
   testmap->callback([options, exit_code] {
     if (options->size % 2 != 0)
       throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));
-    write_four_quarter_map(make_four_quarter_map(options->size, options->seed), options->prefix);
+    write_four_quarter_map(options->size, options->seed, options->prefix);
     const char* prefix = options->prefix.c_str();
     // Its statistics look like green down (host/image/four_quarter_map.cpp).
     std::printf("%s_normal.png, %s_albedo.png: written; bake with --green up\n", prefix, prefix);

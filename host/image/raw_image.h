@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// An image's numbers as its file holds them, in memory or in a scratch file, and by rows as floats: a half or a quarter
+// of what the floats would take, written once while the file is read and looked at several times after.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/scratch_file.h"
+#include "host/image/reading_place.h"
+#include "host/image/sample_converter.h"
+
+namespace multum {
+
+enum class SampleType { kUint8, kUint16, kOtherInteger, kHalf, kFloat };  // kFloat: also double
+
+inline bool is_float_type(SampleType type) { return type == SampleType::kHalf || type == SampleType::kFloat; }
+
+/// What is known of an image before its rows.
+struct RawImageInfo {
+  int width = 0;
+  int height = 0;
+  int channel_count = 0;  // colour channels, 1 to 3; no alpha
+  SampleType sample_type = SampleType::kFloat;
+  int base_type = 0;          // of the stored samples, OpenImageIO's TypeDesc::BASETYPE
+  std::size_t row_bytes = 0;  // of the stored samples
+  std::string colour_space;   // as the file says: "sRGB", "Linear", "Gamma2.2", or empty
+  bool has_alpha = false;     // in the file; never read
+  std::string format;         // "png uint8, 4 channels (alpha not read)"
+
+  std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
+};
+
+/// Rows in the file's sample type: row-major, channels interleaved.
+struct RawBand {
+  int first_row;
+  int row_count;
+  const std::byte* samples;
+};
+
+/// Rows as floats (host/image/sample_converter.h), channels interleaved, and the memory that reading them takes: one a
+/// thread.
+struct RawRows {
+  std::vector<float> values;
+  std::vector<std::byte> samples;
+};
+
+class RawImage {
+ public:
+  /// Throws Error(kEnvironment) when a scratch file is needed and cannot be made.
+  RawImage(RawImageInfo info, const ReadingPlace& place);
+
+  const RawImageInfo& info() const { return info_; }
+  /// Throws Error(kEnvironment) when the disk refuses.
+  void write(const RawBand& band);
+  /// Any number of threads may read at once, each into rows of its own.
+  void read_rows(int first_row, int row_count, RawRows& rows) const;
+
+ private:
+  RawImageInfo info_;
+  SampleConverter converter_;
+  std::vector<std::byte> samples_;
+  std::optional<ScratchFile> file_;
+};
+
+}  // namespace multum
