@@ -7,8 +7,12 @@
 // Directions lie at p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to cells, by
 // three quarters from how many normals lie where and by a quarter from their extent: a few steep edges do not coarsen
 // the cells of a flat texel. What lies outside the axes belongs to the outermost cells.
-// This file has only a scalar variant.
+//
+// The map streams by in bands of rows. Sums are whole numbers of 2^-30, so that no order of bands, chunks or threads
+// can be seen in them, and nothing is rounded away that thousands of nearly equal normals differ by: 2^28 of them add
+// up to 2^58 at most. A launch is for the texels of one row of a level. This file has only a scalar variant.
 
+#include "device/level_window.clh"
 #include "device/numerics.clh"
 #include "device/texel_coverage.clh"
 #include "shared/movmf_fit.h"
@@ -17,7 +21,9 @@
 #define MULTUM_WEIGHTED 0
 #endif
 
-#define SAMPLE_SIDE 32  // axes are made from one normal of each of so many blocks, across and down
+#define FIXED_POINT 1073741824.0f  // 2^30
+#define FIXED_POINT_INVERSE (1.0f / FIXED_POINT)
+#define CELL_BLOCK 64
 
 static float2 equal_area(float x, float y, float z) {
   const float inverse = 1.0f / sqrt(MAX_V(1.0f + z, 1e-6f));
@@ -32,70 +38,77 @@ static Covered covered_by(int x, int y, const MultumMovmfFit* fit) {
   Covered c;
   c.first_column = first_covered(x, fit->map_width, fit->width);
   c.first_row = first_covered(y, fit->map_height, fit->height);
-  c.last_column = min(c.first_column + fit->sample_columns, fit->map_width);
-  c.last_row = min(c.first_row + fit->sample_rows, fit->map_height);
+  c.last_column = covered_end(x, fit->map_width, fit->width);
+  c.last_row = covered_end(y, fit->map_height, fit->height);
   return c;
 }
 
 // Part `index` of `count` parts of a range of `size`: one place in it, by chance, so that a pattern cannot fall in
 // step.
-static int place_in_part(int index, int count, int size, uint* state) {
-  const int first = index * size / count, last = (index + 1) * size / count;
-  *state = *state * 1664525u + 1013904223u;
-  return first + (int)((*state >> 8) % (uint)(last - first));
+static int place_in_part(int index, int count, int size, uint seed) {
+  const int first = (int)((long)index * size / count), last = (int)((long)(index + 1) * size / count);
+  uint state = seed * 1664525u + 1013904223u;
+  state = (state ^ (state >> 15)) * 0x2c1b3c6du;
+  state = (state ^ (state >> 12)) * 0x297a2d39u;
+  return first + (int)((state >> 8) % (uint)(last - first));
 }
 
-// The axes of one texel's grid. One work-item = one slot; global size slot_count.
-//   normal_x, normal_y, normal_z [map_height * map_width]
-//   axes [slot][2][MULTUM_AXIS_FLOATS]  written: the low end, bins a unit of p, and the cell at each bin's edge
-// Bound by memory latency: 2048 scattered reads an item.
-__kernel void movmf_condense_axes(__global const float* normal_x, __global const float* normal_y,
-                                  __global const float* normal_z, __global const int* texel_list, __global float* axes,
-                                  MultumMovmfFit fit) {
-  const int slot = (int)get_global_id(0);
-  if (slot >= fit.slot_count) return;
-  const int texel = texel_list[fit.list_offset + slot];
-  if (texel < 0) return;
-  const Covered covered = covered_by(texel % fit.width, texel / fit.width, &fit);
+// One normal of each of MULTUM_PROBE_SIDE blocks across and down (fewer where there are fewer normals), of those rows
+// that are there. One work-item = one row of blocks of one texel; global size width * MULTUM_PROBE_SIDE.
+//   normal_x, normal_y, normal_z [map_window_rows * map_width]
+//   probes [texel][MULTUM_PROBE_COUNT][2]   written: p
+// Bound by memory latency: 32 scattered reads an item.
+__kernel void movmf_condense_probe(__global const float* normal_x, __global const float* normal_y,
+                                   __global const float* normal_z, __global float* probes, MultumMovmfFit fit,
+                                   int texel_row) {
+  const int item = (int)get_global_id(0);
+  const int texel = item / MULTUM_PROBE_SIDE, j = item % MULTUM_PROBE_SIDE;
+  if (texel >= fit.width) return;
+  const Covered covered = covered_by(texel, texel_row, &fit);
   const int columns = covered.last_column - covered.first_column, rows = covered.last_row - covered.first_row;
-  const int across = min(columns, SAMPLE_SIDE), down = min(rows, SAMPLE_SIDE);
-
-  float low[2] = {1e30f, 1e30f}, high[2] = {-1e30f, -1e30f}, bins_per_unit[2] = {0.0f, 0.0f};
-  int counts[2][MULTUM_AXIS_BINS];
-  for (int k = 0; k < 2; ++k)
-    for (int b = 0; b < MULTUM_AXIS_BINS; ++b) counts[k][b] = 0;
-  for (int pass = 0; pass < 2; ++pass) {  // the extent, then the numbers
-    uint state = 1u;
-    for (int j = 0; j < down; ++j)
-      for (int i = 0; i < across; ++i) {
-        const int column = covered.first_column + place_in_part(i, across, columns, &state);
-        const int row = covered.first_row + place_in_part(j, down, rows, &state);
-        const size_t source = (size_t)row * fit.map_width + column;
-        const float2 p = equal_area(normal_x[source], normal_y[source], normal_z[source]);
-        const float at[2] = {p.x, p.y};
-        for (int k = 0; k < 2; ++k) {
-          if (pass == 0) {
-            low[k] = MIN_V(low[k], at[k]);
-            high[k] = MAX_V(high[k], at[k]);
-          } else {
-            counts[k][clamp((int)((at[k] - low[k]) * bins_per_unit[k]), 0, MULTUM_AXIS_BINS - 1)] += 1;
-          }
-        }
-      }
-    if (pass == 0)
-      for (int k = 0; k < 2; ++k) bins_per_unit[k] = (float)MULTUM_AXIS_BINS / MAX_V(high[k] - low[k], 1e-6f);
+  const int across = min(columns, MULTUM_PROBE_SIDE), down = min(rows, MULTUM_PROBE_SIDE);
+  if (j >= down) return;
+  for (int i = 0; i < across; ++i) {
+    const uint block = (uint)(j * MULTUM_PROBE_SIDE + i);
+    const int row = covered.first_row + place_in_part(j, down, rows, 2u * block);
+    if (!in_map_window(row, &fit)) continue;
+    const int column = covered.first_column + place_in_part(i, across, columns, 2u * block + 1u);
+    const size_t source = map_row_start(row, &fit) + column;
+    vstore2(equal_area(normal_x[source], normal_y[source], normal_z[source]),
+            (size_t)texel * MULTUM_PROBE_COUNT + j * across + i, probes);
   }
-  const float count_inverse = 1.0f / (float)(across * down);
-  for (int k = 0; k < 2; ++k) {
-    __global float* axis = axes + ((size_t)slot * 2 + k) * MULTUM_AXIS_FLOATS;
-    axis[0] = low[k];
-    axis[1] = bins_per_unit[k];
-    int below = 0;
-    for (int b = 0; b <= MULTUM_AXIS_BINS; ++b) {
-      const float by_number = (float)below * count_inverse, by_extent = (float)b * (1.0f / (float)MULTUM_AXIS_BINS);
-      axis[2 + b] = (float)MULTUM_CELL_SIDE * fma(0.75f, by_number, 0.25f * by_extent);
-      if (b < MULTUM_AXIS_BINS) below += counts[k][b];
-    }
+}
+
+// The axes of one texel's grid, from its probes. One work-item = one axis of one texel; global size 2 * width.
+//   axes [texel][2][MULTUM_AXIS_FLOATS]  written: the low end, bins a unit of p, and the cell at each bin's edge
+__kernel void movmf_condense_axes(__global const float* probes, __global float* axes, MultumMovmfFit fit,
+                                  int texel_row) {
+  const int item = (int)get_global_id(0);
+  const int texel = item / 2, k = item % 2;
+  if (texel >= fit.width) return;
+  const Covered covered = covered_by(texel, texel_row, &fit);
+  const int across = min(covered.last_column - covered.first_column, MULTUM_PROBE_SIDE);
+  const int count = across * min(covered.last_row - covered.first_row, MULTUM_PROBE_SIDE);
+  __global const float* at = probes + (size_t)texel * MULTUM_PROBE_COUNT * 2 + k;
+  float low = 1e30f, high = -1e30f;
+  for (int i = 0; i < count; ++i) {
+    low = MIN_V(low, at[2 * i]);
+    high = MAX_V(high, at[2 * i]);
+  }
+  const float bins_per_unit = (float)MULTUM_AXIS_BINS / MAX_V(high - low, 1e-6f);
+  int numbers[MULTUM_AXIS_BINS];
+  for (int b = 0; b < MULTUM_AXIS_BINS; ++b) numbers[b] = 0;
+  for (int i = 0; i < count; ++i)
+    numbers[clamp((int)((at[2 * i] - low) * bins_per_unit), 0, MULTUM_AXIS_BINS - 1)] += 1;
+  __global float* axis = axes + (size_t)item * MULTUM_AXIS_FLOATS;
+  axis[0] = low;
+  axis[1] = bins_per_unit;
+  const float count_inverse = 1.0f / (float)count;
+  int below = 0;
+  for (int b = 0; b <= MULTUM_AXIS_BINS; ++b) {
+    const float by_number = (float)below * count_inverse, by_extent = (float)b * (1.0f / (float)MULTUM_AXIS_BINS);
+    axis[2 + b] = (float)MULTUM_CELL_SIDE * fma(0.75f, by_number, 0.25f * by_extent);
+    if (b < MULTUM_AXIS_BINS) below += numbers[b];
   }
 }
 
@@ -106,90 +119,108 @@ static int cell_along(float p, __global const float* axis) {
   return clamp((int)fma(at - (float)bin, axis[3 + bin] - low, low), 0, MULTUM_CELL_SIDE - 1);
 }
 
-// Sums the values of the normals of each cell. One work-item = one chunk of rows of one slot; global size
-// chunk_count * slot_count.
-//   normal_x, normal_y, normal_z  choose the cell
-//   value_x, value_y, value_z     what is summed: the normals again, or colours
-//   cells [slot][chunk][cell][MULTUM_CELL_FLOATS]  written
-// Compensated: thousands of near-equal normals would round away what they differ by.
+// Adds the values of normals to their cells. One work-item = one of chunk_count chunks of columns of one texel; global
+// size width * chunk_count.
+//   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
+//   value_x, value_y, value_z                                   what is summed: the normals again, or colours
+//   cells [texel][chunk][MULTUM_CELL_COUNT][MULTUM_CELL_SUMS]   added to
 // Bound by the latency of scattered adds.
-__kernel void movmf_condense_cells(__global const float* normal_x, __global const float* normal_y,
-                                   __global const float* normal_z, __global const float* value_x,
-                                   __global const float* value_y, __global const float* value_z,
-                                   __global const int* texel_list, __global const float* axes, __global float* cells,
-                                   MultumMovmfFit fit) {
+__kernel void movmf_condense_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
+                                   __global const float* restrict normal_z, __global const float* restrict value_x,
+                                   __global const float* restrict value_y, __global const float* restrict value_z,
+                                   __global const float* restrict axes, __global long* restrict cells,
+                                   MultumMovmfFit fit, int texel_row, int chunk_count) {
   const int item = (int)get_global_id(0);
-  const int slot = item / fit.chunk_count, chunk = item % fit.chunk_count;
-  if (slot >= fit.slot_count) return;
-  const int texel = texel_list[fit.list_offset + slot];
-  if (texel < 0) return;
-  const int x = texel % fit.width, y = texel / fit.width;
-  const Covered covered = covered_by(x, y, &fit);
-  const int first_row = covered.first_row + chunk * fit.chunk_rows;
-  const int last_row = min(first_row + fit.chunk_rows, covered.last_row);
-  __global float* out = cells + (size_t)item * MULTUM_CELL_COUNT * MULTUM_CELL_FLOATS;
-  for (int i = 0; i < MULTUM_CELL_COUNT * MULTUM_CELL_FLOATS; ++i) out[i] = 0.0f;
-  __global const float* axis_x = axes + (size_t)slot * 2 * MULTUM_AXIS_FLOATS;
+  const int x = item / chunk_count, chunk = item % chunk_count;
+  if (x >= fit.width) return;
+  const Covered covered = covered_by(x, texel_row, &fit);
+  const int chunk_columns = (fit.sample_columns + chunk_count - 1) / chunk_count;
+  const int first_column = covered.first_column + chunk * chunk_columns;
+  const int last_column = min(first_column + chunk_columns, covered.last_column);
+  __global long* out = cells + (size_t)item * MULTUM_CELL_COUNT * MULTUM_CELL_SUMS;
+  __global const float* axis_x = axes + (size_t)x * 2 * MULTUM_AXIS_FLOATS;
   __global const float* axis_y = axis_x + MULTUM_AXIS_FLOATS;
+  const int first_row = max(covered.first_row, fit.map_first_row);
+  const int last_row = min(covered.last_row, fit.map_first_row + fit.map_window_rows);
   for (int row = first_row; row < last_row; ++row) {
-    for (int column = covered.first_column; column < covered.last_column; ++column) {
-      const size_t source = (size_t)row * fit.map_width + column;
-      const float2 p = equal_area(normal_x[source], normal_y[source], normal_z[source]);
-      const int cell = cell_along(p.y, axis_y) * MULTUM_CELL_SIDE + cell_along(p.x, axis_x);
-      float4 value = (float4)(value_x[source], value_y[source], value_z[source], 1.0f);
+    const size_t row_start = (size_t)(row - fit.map_first_row) * fit.map_width;
 #if MULTUM_WEIGHTED
-      value *= coverage(row, y, fit.map_height, fit.height) * coverage(column, x, fit.map_width, fit.width);
+    const float row_weight = coverage(row, texel_row, fit.map_height, fit.height);
 #endif
-      const float4 old = vload4(2 * cell, out), corrected = value - vload4(2 * cell + 1, out);
-      const float4 sum = old + corrected;
-      vstore4(sum, 2 * cell, out);
-      vstore4((sum - old) - corrected, 2 * cell + 1, out);
+    for (int block = first_column; block < last_column; block += CELL_BLOCK) {
+      const int count = min(CELL_BLOCK, last_column - block);
+      // Cells first, side by side, then the sums, one after another.
+      int cells_of[CELL_BLOCK];
+      for (int i = 0; i < count; ++i) {
+        const size_t source = row_start + block + i;
+        const float2 p = equal_area(normal_x[source], normal_y[source], normal_z[source]);
+        cells_of[i] = cell_along(p.y, axis_y) * MULTUM_CELL_SIDE + cell_along(p.x, axis_x);
+      }
+      for (int i = 0; i < count; ++i) {
+        const size_t source = row_start + block + i;
+        float weight = FIXED_POINT;
+#if MULTUM_WEIGHTED
+        weight *= row_weight * coverage(block + i, x, fit.map_width, fit.width);
+#endif
+        // Rounded towards zero: that is one instruction, where convert_long4_rte is a function.
+        const long4 value = (long4)((long)(value_x[source] * weight), (long)(value_y[source] * weight),
+                                    (long)(value_z[source] * weight), (long)weight);
+        vstore4(vload4(cells_of[i], out) + value, cells_of[i], out);
+      }
     }
   }
 }
 
-// Adds the chunks and lines up the cells that hold anything. One work-item = one group of slots; global size
-// slot_count / MULTUM_GROUP.
-//   samples [group][fit.sample_capacity][4][MULTUM_GROUP]  written: the cell's mean values and its weight; from group
-//                                                          fit.sample_group_offset on, counts too
-//   sample_counts [group]                                  written: those of the texel that has most
+// Adds the chunks and lines up the cells that hold anything. One work-item = one texel; global size texel_count.
+//   cells [texel][chunk][MULTUM_CELL_COUNT][MULTUM_CELL_SUMS]
+//   samples [texel][MULTUM_CELL_COUNT][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
+//   sample_counts [texel]                                        written
 // Memory bound.
-__kernel void movmf_condense_pack(__global const float* cells, __global const int* texel_list, __global float* samples,
-                                  __global int* sample_counts, MultumMovmfFit fit) {
+__kernel void movmf_condense_means(__global const long* cells, __global float* samples, __global int* sample_counts,
+                                   int texel_count, int chunk_count) {
+  const int texel = (int)get_global_id(0);
+  if (texel >= texel_count) return;
+  __global const long* in = cells + (size_t)texel * chunk_count * MULTUM_CELL_COUNT * MULTUM_CELL_SUMS;
+  __global float* out = samples + (size_t)texel * MULTUM_CONDENSED_FLOATS;
+  int count = 0;
+  for (int cell = 0; cell < MULTUM_CELL_COUNT; ++cell) {
+    long4 sum = vload4(cell, in);
+    for (int chunk = 1; chunk < chunk_count; ++chunk) sum += vload4(chunk * MULTUM_CELL_COUNT + cell, in);
+    if (sum.w <= 0) continue;
+    const float weight = (float)sum.w;
+    vstore4((float4)((float)sum.x / weight, (float)sum.y / weight, (float)sum.z / weight, weight * FIXED_POINT_INVERSE),
+            count++, out);
+  }
+  sample_counts[texel] = count;
+}
+
+// The samples of 16 texels side by side, as EM streams them. One work-item = one group of slots; global size
+// slot_count / MULTUM_GROUP.
+//   condensed [window_rows * width][MULTUM_CELL_COUNT][MULTUM_CONDENSED_SAMPLE], condensed_counts [window_rows * width]
+//   samples [group][sample][4][MULTUM_GROUP]   written
+//   sample_counts [group]                      written: those of the texel that has most; what others lack weighs 0
+// Memory bound.
+__kernel void movmf_condensed_pack(__global const float* condensed, __global const int* condensed_counts,
+                                   __global const int* texel_list, __global float* samples, __global int* sample_counts,
+                                   MultumMovmfFit fit) {
   const int group = (int)get_global_id(0);
   if (group * MULTUM_GROUP >= fit.slot_count) return;
-  const int sample_group = group + fit.sample_group_offset;
-  __global float* out = samples + (size_t)sample_group * fit.sample_capacity * 4 * MULTUM_GROUP;
-  int used[MULTUM_GROUP];
+  __global float* out = samples + (size_t)group * fit.sample_capacity * 4 * MULTUM_GROUP;
+  __global const int* texels = texel_list + fit.list_offset + group * MULTUM_GROUP;
   int most = 1;
-  for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
-    const int slot = group * MULTUM_GROUP + lane;
-    used[lane] = 0;
-    if (texel_list[fit.list_offset + slot] < 0) continue;
-    __global const float* in = cells + (size_t)slot * fit.chunk_count * MULTUM_CELL_COUNT * MULTUM_CELL_FLOATS;
-    for (int cell = 0; cell < MULTUM_CELL_COUNT; ++cell) {
-      float sum[4] = {0.0f, 0.0f, 0.0f, 0.0f}, carry[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-      for (int chunk = 0; chunk < fit.chunk_count; ++chunk) {
-        __global const float* part = in + ((size_t)chunk * MULTUM_CELL_COUNT + cell) * MULTUM_CELL_FLOATS;
-        for (int k = 0; k < 4; ++k) {
-          add_compensated(&sum[k], &carry[k], part[k]);
-          add_compensated(&sum[k], &carry[k], -part[4 + k]);
-        }
-      }
-      const float weight = sum[3] + carry[3];
-      if (!(weight > 0.0f)) continue;
-      __global float* sample = out + (size_t)used[lane] * 4 * MULTUM_GROUP + lane;
-      for (int k = 0; k < 3; ++k) sample[k * MULTUM_GROUP] = (sum[k] + carry[k]) / weight;
-      sample[3 * MULTUM_GROUP] = weight;
-      ++used[lane];
-    }
-    most = max(most, used[lane]);
-  }
   for (int lane = 0; lane < MULTUM_GROUP; ++lane)
-    for (int i = used[lane]; i < most; ++i) {
-      __global float* sample = out + (size_t)i * 4 * MULTUM_GROUP + lane;
-      sample[0] = sample[MULTUM_GROUP] = sample[3 * MULTUM_GROUP] = 0.0f;
-      sample[2 * MULTUM_GROUP] = 1.0f;
+    if (texels[lane] >= 0) most = max(most, condensed_counts[texels[lane]]);
+  for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
+    const int count = texels[lane] < 0 ? 0 : condensed_counts[texels[lane]];
+    __global const float* in = condensed + (size_t)max(texels[lane], 0) * MULTUM_CONDENSED_FLOATS;
+    for (int i = 0; i < most; ++i) {
+      const float4 sample = i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f);
+      __global float* to = out + (size_t)i * 4 * MULTUM_GROUP + lane;
+      to[0] = sample.x;
+      to[MULTUM_GROUP] = sample.y;
+      to[2 * MULTUM_GROUP] = sample.z;
+      to[3 * MULTUM_GROUP] = sample.w;
     }
-  sample_counts[sample_group] = most;
+  }
+  sample_counts[group] = most;
 }

@@ -10,6 +10,7 @@
 // Canonical order of a sum, the same in both variants: a lane adds its columns block by block, and down the chunk's
 // rows in each block; the 16 lanes are added as a tree (sum_lanes); the chunks one after another with compensation.
 
+#include "device/level_window.clh"
 #include "device/movmf_em.clh"
 #include "device/texel_coverage.clh"
 #include "shared/movmf_fit.h"
@@ -35,7 +36,8 @@ static real_v column_weights(int first, int x, int map_size, int level_size) {
 
 // One work-item = one chunk (vector variant) or one lane of one chunk (scalar variant, local size MULTUM_GROUP).
 // Global size chunk_count * slot_count, times MULTUM_GROUP in the scalar variant; slot_count counts whole groups.
-//   normal_x, normal_y, normal_z [map_height * map_width + MULTUM_GROUP]  the last MULTUM_GROUP are zero
+//   normal_x, normal_y, normal_z [rows * map_width + MULTUM_GROUP]  the window's rows and those of chunks that begin in
+//                                                                   its last ones; the last MULTUM_GROUP are finite
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
 // Compute bound, like movmf_em_texels.
@@ -54,7 +56,12 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
   const int slot = chunk_index / fit.chunk_count, chunk = chunk_index % fit.chunk_count;
   // Unused slots repeat the texel 0: every work-item of a group takes the same path to the barriers below.
   const int texel = slot < fit.slot_count ? max(texel_list[fit.list_offset + slot], 0) : 0;
-  const int x = texel % fit.width, y = texel / fit.width;
+  const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
+  const int top_row = first_covered(y, fit.map_height, fit.height);
+  const int first_row = top_row + chunk * fit.chunk_rows;
+  const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
+  // A chunk is summed when the window that it begins in is there. One that a narrower texel lacks sums nothing, once.
+  if (!in_map_window(min(first_row, fit.map_height - 1), &fit)) return;
   const int used_slot = min(slot, fit.slot_count - 1);
 
   real_v mu_x[MULTUM_LOBES], mu_y[MULTUM_LOBES], mu_z[MULTUM_LOBES], sharpness[MULTUM_LOBES], log_weight[MULTUM_LOBES];
@@ -71,16 +78,13 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
     sum_s[j] = sum_x[j] = sum_y[j] = sum_z[j] = sum_d[j] = (real_v)(0.0f);
   }
 
-  const int top_row = first_covered(y, fit.map_height, fit.height);
-  const int first_row = top_row + chunk * fit.chunk_rows;
-  const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
   for (int block = 0; block < fit.sample_columns; block += MULTUM_GROUP) {
     const int column = first_covered(x, fit.map_width, fit.width) + block + lane;
     const real_v column_weight = column_weights(column, x, fit.map_width, fit.width);
     // Columns beyond the map weigh 0; they read the next row, or the zeros behind the last.
     const int readable = min(column, fit.map_width);
     for (int row = first_row; row < last_row; ++row) {
-      const size_t source = (size_t)row * fit.map_width + readable;
+      const size_t source = map_row_start(row, &fit) + readable;
       const real_v nx = LOAD_V(normal_x + source), ny = LOAD_V(normal_y + source), nz = LOAD_V(normal_z + source);
 #if MULTUM_WEIGHTED
       const real_v weight = column_weight * coverage(row, y, fit.map_height, fit.height);

@@ -2,6 +2,7 @@
 // The other half of an iteration on coarse levels: adds the partial sums of movmf_em_partial and does the M-step.
 // Han et al. 2007, section 7, equation 16. Scalar in both variants: there is little of it.
 
+#include "device/level_window.clh"
 #include "device/movmf_em.clh"
 #include "shared/movmf_fit.h"
 #include "shared/vmf_lobe.h"
@@ -23,11 +24,12 @@ static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* f
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: the E-step's parameters; out: the next one's
-//   level   [lobe][height * width]                            written in the last iteration, which leaves `start` alone
+//   level   [lobe][window_rows * width]                       written in the last iteration, which leaves `start` alone
+//   directed [lobe][window_rows * width][4]                   written then: a mu
 // Sums of up to 2^16 chunks are compensated: their rounding stays that of one addition. Memory bound.
 __kernel void movmf_em_mstep(__global const float* restrict partial, __global float* restrict start,
                              __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
-                             MultumMovmfFit fit, int iteration) {
+                             __global float* restrict directed, MultumMovmfFit fit, int iteration) {
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
   if (slot >= fit.slot_count) return;
@@ -50,11 +52,10 @@ __kernel void movmf_em_mstep(__global const float* restrict partial, __global fl
   const LobeMoments m = lobe_moments(sum[0], sum[1], sum[2], sum[3], sum[4], PLANE(MULTUM_START_MU),
                                      PLANE(MULTUM_START_MU + 1), PLANE(MULTUM_START_MU + 2), fit.total_weight_inverse);
   if (iteration + 1 == fit.iteration_count) {
-    __global MultumVmfLobe* out = level + (size_t)lobe * fit.width * fit.height + texel;
-    out->mean_x = m.x * m.length;
-    out->mean_y = m.y * m.length;
-    out->mean_z = m.z * m.length;
-    out->amplitude = m.amplitude;
+    const float4 stored = (float4)(m.x * m.length, m.y * m.length, m.z * m.length, m.amplitude);
+    const size_t place = lobe * level_window_size(&fit) + texel;
+    vstore4(stored, place, (__global float*)level);
+    vstore4(stored * amplitude_of_direction(stored.x, stored.y, stored.z, stored.w), place, directed);
     return;
   }
   float mu_x, mu_y, mu_z, log_weight;

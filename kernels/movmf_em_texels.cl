@@ -2,16 +2,17 @@
 // EM of fine levels: every iteration of a texel inside one work-item. Han et al. 2007, section 7, Algorithm 1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
-//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_condense_pack, from group
-//                                                                      fit.sample_group_offset on, counts too
+//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_condensed_pack
 //   sample_counts [group]                                              at most fit.sample_capacity
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return those of the last
 //                                                                      E-step, for movmf_features
-//   level   [lobe][height * width]                                     written: r and amplitude of each texel's lobes
+//   directed [lobe][window_rows * width][4]                            written: a mu, for neighbours' priors
+//   level   [lobe][window_rows * width]                                written: r and amplitude of each texel's lobes
 // Sums run over the samples in their order, and a texel that has settled keeps its lobes whatever the others of its
 // group still do: the same bytes from both variants. Compute bound: about 26 operations a
 // lobe and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.
 
+#include "device/level_window.clh"
 #include "device/movmf_em.clh"
 #include "shared/movmf_fit.h"
 #include "shared/vmf_lobe.h"
@@ -23,32 +24,34 @@
 #define UNSEEN_SHARE 1e-3f
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 
-static void store_texels(__global MultumVmfLobe* level, __global const int* texels, int texel_count, int lobe,
-                         const LobeMoments* m) {
+static void store_texels(__global MultumVmfLobe* level, __global float* directed, __global const int* texels,
+                         size_t level_size, int lobe, const LobeMoments* m) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
-  STORE_V(m->x * m->length, x);
-  STORE_V(m->y * m->length, y);
-  STORE_V(m->z * m->length, z);
+  float scale[MULTUM_VECTOR_WIDTH];
+  const real_v mean_x = m->x * m->length, mean_y = m->y * m->length, mean_z = m->z * m->length;
+  STORE_V(mean_x, x);
+  STORE_V(mean_y, y);
+  STORE_V(mean_z, z);
   STORE_V(m->amplitude, a);
+  STORE_V(amplitude_of_direction(mean_x, mean_y, mean_z, m->amplitude), scale);
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
     if (texels[lane] < 0) continue;
-    __global MultumVmfLobe* out = level + (size_t)lobe * texel_count + texels[lane];
-    out->mean_x = x[lane];
-    out->mean_y = y[lane];
-    out->mean_z = z[lane];
-    out->amplitude = a[lane];
+    const size_t place = lobe * level_size + texels[lane];
+    const float4 stored = (float4)(x[lane], y[lane], z[lane], a[lane]);
+    vstore4(stored, place, (__global float*)level);
+    vstore4(stored * scale[lane], place, directed);
   }
 }
 
 __kernel void movmf_em_texels(__global const float* restrict samples, __global const int* restrict sample_counts,
                               __global float* restrict start, __global const int* restrict texel_list,
-                              __global MultumVmfLobe* restrict level, MultumMovmfFit fit) {
+                              __global MultumVmfLobe* restrict level, __global float* restrict directed,
+                              MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
   const int group = slot / MULTUM_GROUP, lane = slot % MULTUM_GROUP;
-  const int sample_group = group + fit.sample_group_offset;
-  const int sample_count = sample_counts[sample_group];
-  __global const float* first_sample = samples + (size_t)sample_group * fit.sample_capacity * SAMPLE_STRIDE + lane;
+  const int sample_count = sample_counts[group];
+  __global const float* first_sample = samples + (size_t)group * fit.sample_capacity * SAMPLE_STRIDE + lane;
   __global float* lobe_start = start + (size_t)group * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + lane;
 #define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
 
@@ -113,7 +116,7 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
   for (int j = 0; j < MULTUM_LOBES; ++j) {
     const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
                                        (real_v)(fit.total_weight_inverse));
-    store_texels(level, texel_list + fit.list_offset + slot, fit.width * fit.height, j, &m);
+    store_texels(level, directed, texel_list + fit.list_offset + slot, level_window_size(&fit), j, &m);
     STORE_V(mu_x[j], START(j, MULTUM_START_MU));
     STORE_V(mu_y[j], START(j, MULTUM_START_MU + 1));
     STORE_V(mu_z[j], START(j, MULTUM_START_MU + 2));

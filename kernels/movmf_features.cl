@@ -3,6 +3,7 @@
 // E-step that gave the stored amplitudes, so that the sum over lobes is the texel's mean colour exactly
 // (Han et al. 2007, section 7.3).
 
+#include "device/level_window.clh"
 #include "device/texel_coverage.clh"
 #include "device/vmf.clh"
 #include "shared/movmf_fit.h"
@@ -34,7 +35,7 @@ static __global const float* lobes_of_slot(__global const float* start, int slot
 }
 
 // One work-item = one chunk of rows of one slot; global size chunk_count * slot_count.
-//   normal_x, normal_y, normal_z, red, green, blue [map_height * map_width]
+//   normal_x, normal_y, normal_z, red, green, blue [rows * map_width]  as movmf_em_partial has them
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  as the EM kernels left it
 //   partial [slot][chunk][lobe][3]                            written
 // Compute bound: an exponential a lobe and sample.
@@ -48,20 +49,21 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
   if (slot >= fit.slot_count) return;
   const int texel = texel_list[fit.list_offset + slot];
   if (texel < 0) return;
-  const int x = texel % fit.width, y = texel / fit.width;
+  const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
+  const int top_row = first_covered(y, fit.map_height, fit.height);
+  const int first_row = top_row + chunk * fit.chunk_rows;
+  const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
+  if (!in_map_window(min(first_row, fit.map_height - 1), &fit)) return;
 
   float sum[MULTUM_LOBES][3];
   for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
   __global const float* lobes = lobes_of_slot(start, slot);
-  const int top_row = first_covered(y, fit.map_height, fit.height);
-  const int first_row = top_row + chunk * fit.chunk_rows;
-  const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
   const int first_column = first_covered(x, fit.map_width, fit.width);
   const int last_column = min(first_column + fit.sample_columns, fit.map_width);
   for (int row = first_row; row < last_row; ++row) {
     const float row_weight = coverage(row, y, fit.map_height, fit.height);
     for (int column = first_column; column < last_column; ++column) {
-      const size_t source = (size_t)row * fit.map_width + column;
+      const size_t source = map_row_start(row, &fit) + column;
       float z[MULTUM_LOBES];
       responsibilities(normal_x[source], normal_y[source], normal_z[source], lobes, z);
       const float weight = row_weight * coverage(column, x, fit.map_width, fit.width);
@@ -79,7 +81,7 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
 }
 
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
-//   partial [slot][chunk][lobe][3];  colours [lobe][height * width][3], written: premultiplied by the amplitude
+//   partial [slot][chunk][lobe][3];  colours [lobe][window_rows * width][3], written: premultiplied by the amplitude
 __kernel void movmf_feature_sum(__global const float* partial, __global const int* texel_list, __global float* colours,
                                 MultumMovmfFit fit) {
   const int item = (int)get_global_id(0);
@@ -92,14 +94,13 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
     __global const float* in = partial + (((size_t)slot * fit.chunk_count + chunk) * MULTUM_LOBES + lobe) * 3;
     for (int c = 0; c < 3; ++c) add_compensated(&sum[c], &carry[c], in[c]);
   }
-  __global float* out = colours + ((size_t)lobe * fit.width * fit.height + texel) * 3;
+  __global float* out = colours + (lobe * level_window_size(&fit) + texel) * 3;
   for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
 }
 
 // The same from condensed texels. One work-item = one slot.
-//   samples, colour_samples [group][sample][4][MULTUM_GROUP]  of normals and of colours: the same cells in one order,
-//                                                            from group fit.sample_group_offset on
-//   sample_counts [group];  start as above;  colours [lobe][height * width][3], written
+//   samples, colour_samples [group][sample][4][MULTUM_GROUP]  of normals and of colours: the same cells in one order
+//   sample_counts [group];  start as above;  colours [lobe][window_rows * width][3], written
 __kernel void movmf_feature_condensed(__global const float* samples, __global const float* colour_samples,
                                       __global const int* sample_counts, __global const float* start,
                                       __global const int* texel_list, __global float* colours, MultumMovmfFit fit) {
@@ -107,12 +108,11 @@ __kernel void movmf_feature_condensed(__global const float* samples, __global co
   if (slot >= fit.slot_count) return;
   const int texel = texel_list[fit.list_offset + slot];
   if (texel < 0) return;
-  const int sample_group = slot / MULTUM_GROUP + fit.sample_group_offset;
-  const size_t first = (size_t)sample_group * fit.sample_capacity * 4 * MULTUM_GROUP + slot % MULTUM_GROUP;
+  const size_t first = (size_t)(slot / MULTUM_GROUP) * fit.sample_capacity * 4 * MULTUM_GROUP + slot % MULTUM_GROUP;
   __global const float* lobes = lobes_of_slot(start, slot);
   float sum[MULTUM_LOBES][3];
   for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
-  for (int i = 0; i < sample_counts[sample_group]; ++i) {
+  for (int i = 0; i < sample_counts[slot / MULTUM_GROUP]; ++i) {
     __global const float* n = samples + first + (size_t)i * 4 * MULTUM_GROUP;
     __global const float* colour = colour_samples + first + (size_t)i * 4 * MULTUM_GROUP;
     float z[MULTUM_LOBES];
@@ -124,5 +124,5 @@ __kernel void movmf_feature_condensed(__global const float* samples, __global co
   }
   for (int j = 0; j < MULTUM_LOBES; ++j)
     for (int c = 0; c < 3; ++c)
-      colours[((size_t)j * fit.width * fit.height + texel) * 3 + c] = sum[j][c] * fit.total_weight_inverse;
+      colours[(j * level_window_size(&fit) + texel) * 3 + c] = sum[j][c] * fit.total_weight_inverse;
 }

@@ -2,8 +2,9 @@
 // Before a launch of EM: where each texel's lobes start, what its neighbours say, and its normals side by side.
 // Alignment after Han et al. 2007, section 7.2, in the order of docs/ALGORITHMS.md, "Order".
 
+#include "device/level_window.clh"
+#include "device/movmf_em.clh"
 #include "device/texel_coverage.clh"
-#include "device/vmf.clh"
 #include "shared/movmf_fit.h"
 #include "shared/vmf_lobe.h"
 
@@ -22,7 +23,9 @@ static int colour_rank(int x, int y) {
 }
 
 static int fitted_before(int other_x, int other_y, int x, int y, int order) {
-  if (order == MULTUM_ORDER_AGAIN) return 1;
+  if (other_x == x && other_y == y) return 0;
+  // Across the border of a repeating map with an odd side lie texels of one colour: they change in the same step.
+  if (order == MULTUM_ORDER_AGAIN) return colour_rank(other_x, other_y) != colour_rank(x, y);
   if (order == MULTUM_ORDER_SCANLINE) return other_y < y || (other_y == y && other_x < x);
   return colour_rank(other_x, other_y) < colour_rank(x, y);
 }
@@ -38,16 +41,15 @@ typedef struct LobeLanes {
   real_v x, y, z, amplitude;
 } LobeLanes;
 
-// Lobes at `texels`; zeros where there is none (-1).
-static LobeLanes gather(__global const MultumVmfLobe* lobes, const int* texels) {
+// Lobes at `texels`.
+static LobeLanes gather(__global const float* lobes, const int* texels) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
-    const bool there = texels[lane] >= 0;
-    __global const MultumVmfLobe* lobe = lobes + max(texels[lane], 0);
-    x[lane] = there ? lobe->mean_x : 0.0f;
-    y[lane] = there ? lobe->mean_y : 0.0f;
-    z[lane] = there ? lobe->mean_z : 0.0f;
-    a[lane] = there ? lobe->amplitude : 0.0f;
+    const float4 lobe = vload4(texels[lane], lobes);
+    x[lane] = lobe.x;
+    y[lane] = lobe.y;
+    z[lane] = lobe.z;
+    a[lane] = lobe.w;
   }
   LobeLanes gathered;
   gathered.x = LOAD_V(x);
@@ -59,53 +61,73 @@ static LobeLanes gather(__global const MultumVmfLobe* lobes, const int* texels) 
 
 static real_v squared_length(LobeLanes lobe) { return fma(lobe.x, lobe.x, fma(lobe.y, lobe.y, lobe.z * lobe.z)); }
 
-// Adds a_k mu_k of a done neighbour. Its r is never zero: a lobe without a direction keeps its last one.
-static void add_directed_amplitude(LobeLanes lobe, real_v* x, real_v* y, real_v* z) {
-  const real_v squared = squared_length(lobe);
-  const real_v scale = squared > 1e-24f ? lobe.amplitude / sqrt(MAX_V(squared, (real_v)(1e-24f))) : (real_v)(0.0f);
-  *x += lobe.x * scale;
-  *y += lobe.y * scale;
-  *z += lobe.z * scale;
-}
-
-// Where texels, their parents and their done neighbours lie in their levels; -1: nowhere, or not done.
+// Where texels, their parents and their done neighbours lie in their windows.
 typedef struct Places {
   int own[MULTUM_VECTOR_WIDTH];
   int parent[MULTUM_VECTOR_WIDTH];
-  int beside[8][MULTUM_VECTOR_WIDTH];
+  int beside[MULTUM_VECTOR_WIDTH][8];  // the done ones
+  int beside_count[MULTUM_VECTOR_WIDTH];
 } Places;
 
 static void find_places(__global const int* texels, const MultumMovmfFit* fit, Places* places) {
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
-    const int texel = max(texels[lane], 0), x = texel % fit->width, y = texel / fit->width;
+    const int texel = max(texels[lane], 0), x = texel_column(texel, fit), y = texel_row(texel, fit);
     places->own[lane] = texel;
+    places->parent[lane] = 0;
+    places->beside_count[lane] = 0;
     if (fit->parent_width == 0) continue;
-    places->parent[lane] = min(y >> 1, fit->parent_height - 1) * fit->parent_width + min(x >> 1, fit->parent_width - 1);
+    const int parent_row =
+        row_in_window(min(y >> 1, fit->parent_height - 1), fit->parent_first_row, fit->parent_height);
+    places->parent[lane] = parent_row * fit->parent_width + min(x >> 1, fit->parent_width - 1);
     int count = 0;
-    for (int dy = -1; dy <= 1; ++dy)
+    for (int dy = -1; dy <= 1; ++dy) {
+      const int ny = neighbour(y + dy, fit->height, fit->periodic_y);
+      const int row = row_in_window(ny, fit->first_row, fit->height);
+      if (ny < 0 || row >= fit->window_rows) continue;
       for (int dx = -1; dx <= 1; ++dx) {
-        if (dx == 0 && dy == 0) continue;
         const int nx = neighbour(x + dx, fit->width, fit->periodic_x);
-        const int ny = neighbour(y + dy, fit->height, fit->periodic_y);
-        const bool done = nx >= 0 && ny >= 0 && fitted_before(nx, ny, x, y, fit->order);
-        places->beside[count++][lane] = done ? ny * fit->width + nx : -1;
+        if (nx >= 0 && fitted_before(nx, ny, x, y, fit->order)) places->beside[lane][count++] = row * fit->width + nx;
       }
+    }
+    places->beside_count[lane] = count;
   }
 }
 
+// What done neighbours and the parent say: the sum over them of a_k mu_k.
+static LobeLanes directed_sum(__global const float* directed, const Places* places, LobeLanes parent) {
+  float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH];
+  const real_v scale = amplitude_of_direction(parent.x, parent.y, parent.z, parent.amplitude);
+  STORE_V(parent.x * scale, x);
+  STORE_V(parent.y * scale, y);
+  STORE_V(parent.z * scale, z);
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    float4 sum = (float4)(x[lane], y[lane], z[lane], 0.0f);
+    for (int n = 0; n < places->beside_count[lane]; ++n) sum += vload4(places->beside[lane][n], directed);
+    x[lane] = sum.x;
+    y[lane] = sum.y;
+    z[lane] = sum.z;
+  }
+  LobeLanes result;
+  result.x = LOAD_V(x);
+  result.y = LOAD_V(y);
+  result.z = LOAD_V(z);
+  result.amplitude = (real_v)(0.0f);
+  return result;
+}
+
 // movmf_start: one work-item = MULTUM_VECTOR_WIDTH slots, every lobe; global size slot_count / MULTUM_VECTOR_WIDTH.
-//   parent  [lobe][parent_height * parent_width]   not read when parent_width == 0
-//   level   [lobe][height * width]                 done neighbours; the texel's own lobes when there is no parent
-//   texel_list [list_offset + slot]                y * width + x, or -1
+//   parent  [lobe][parent_window_rows * parent_width]   not read when parent_width == 0
+//   level   [lobe][window_rows * width]                 done neighbours; the texel's own lobes when there is no parent
+//   directed [lobe][window_rows * width][4]              done neighbours' a mu
+//   texel_list [list_offset + slot]                     window row * width + x, or -1
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 // Bound by ten scattered reads a lobe.
 __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const MultumVmfLobe* level,
-                          __global const int* texel_list, __global float* start, MultumMovmfFit fit,
-                          float start_kappa_factor, float start_amplitude_min) {
+                          __global const float* directed, __global const int* texel_list, __global float* start,
+                          MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
-  const size_t level_size = (size_t)fit.width * fit.height;
-  const size_t parent_size = (size_t)fit.parent_width * fit.parent_height;
+  const size_t level_size = level_window_size(&fit), parent_size = parent_window_size(&fit);
   const bool has_parent = fit.parent_width > 0;
   const bool from_parent = has_parent && fit.order != MULTUM_ORDER_AGAIN;
   Places places;
@@ -113,15 +135,13 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
   __global float* out =
       start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + slot % MULTUM_GROUP;
   for (int j = 0; j < MULTUM_LOBES; ++j, out += MULTUM_START_PLANES * MULTUM_GROUP) {
-    __global const MultumVmfLobe* lobes = level + j * level_size;
-    LobeLanes from;
-    real_v prior_x = (real_v)(0.0f), prior_y = (real_v)(0.0f), prior_z = (real_v)(0.0f);
+    LobeLanes from, prior;
+    prior.x = prior.y = prior.z = (real_v)(0.0f);
     if (has_parent) {
-      from = gather(parent + j * parent_size, places.parent);
-      add_directed_amplitude(from, &prior_x, &prior_y, &prior_z);
-      for (int n = 0; n < 8; ++n) add_directed_amplitude(gather(lobes, places.beside[n]), &prior_x, &prior_y, &prior_z);
+      from = gather((__global const float*)(parent + j * parent_size), places.parent);
+      prior = directed_sum(directed + j * level_size * 4, &places, from);
     }
-    if (!from_parent) from = gather(lobes, places.own);
+    if (!from_parent) from = gather((__global const float*)(level + j * level_size), places.own);
 
     const real_v squared = squared_length(from);
     const int_v directed = squared > 1e-24f;
@@ -131,8 +151,8 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
     real_v kappa = kappa_of_mean_length(length, MAX_V(1.0f - length, (real_v)(1e-6f)));
     real_v amplitude = from.amplitude;
     if (from_parent) {
-      kappa *= start_kappa_factor;
-      amplitude = MAX_V(amplitude, (real_v)(start_amplitude_min));
+      kappa *= fit.start_kappa_factor;
+      amplitude = MAX_V(amplitude, (real_v)(fit.start_amplitude_min));
     }
     kappa = MIN_V(MAX_V(kappa, (real_v)(0.05f)), (real_v)(1e6f));
     STORE_V(from.x * inverse, out + (MULTUM_START_MU + 0) * MULTUM_GROUP);
@@ -140,15 +160,15 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
     STORE_V(directed ? from.z * inverse : (real_v)(1.0f), out + (MULTUM_START_MU + 2) * MULTUM_GROUP);
     STORE_V(kappa * MULTUM_LOG2E, out + MULTUM_START_SHARPNESS * MULTUM_GROUP);
     STORE_V(log_peak(MAX_V(amplitude, (real_v)(1e-6f)), kappa), out + MULTUM_START_LOG * MULTUM_GROUP);
-    STORE_V(prior_x * fit.alignment, out + (MULTUM_START_PRIOR + 0) * MULTUM_GROUP);
-    STORE_V(prior_y * fit.alignment, out + (MULTUM_START_PRIOR + 1) * MULTUM_GROUP);
-    STORE_V(prior_z * fit.alignment, out + (MULTUM_START_PRIOR + 2) * MULTUM_GROUP);
+    STORE_V(prior.x * fit.alignment, out + (MULTUM_START_PRIOR + 0) * MULTUM_GROUP);
+    STORE_V(prior.y * fit.alignment, out + (MULTUM_START_PRIOR + 1) * MULTUM_GROUP);
+    STORE_V(prior.z * fit.alignment, out + (MULTUM_START_PRIOR + 2) * MULTUM_GROUP);
   }
 }
 
 // movmf_pack: the normals of 16 texels side by side, so that EM streams them once an iteration.
 // One work-item = one row of samples of one group; global size sample_rows * slot_count / MULTUM_GROUP.
-//   normal_x, normal_y, normal_z [map_height * map_width]
+//   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]
 //   sample_counts [group]
 // Samples that no finest texel stands for (narrower texels, unused slots) repeat one and weigh 0. Memory bound.
@@ -164,11 +184,11 @@ __kernel void movmf_pack(__global const float* normal_x, __global const float* n
   __global float* out = samples + ((size_t)group * fit.sample_rows + row) * fit.sample_columns * planes * MULTUM_GROUP;
   for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
     const int texel = max(texel_list[fit.list_offset + group * MULTUM_GROUP + lane], 0);
-    const int x = texel % fit.width, y = texel / fit.width;
+    const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
     const int first_column = first_covered(x, fit.map_width, fit.width);
     const int first_row = first_covered(y, fit.map_height, fit.height);
     const int map_row = min(first_row + row, fit.map_height - 1);
-    const size_t row_start = (size_t)map_row * fit.map_width;
+    const size_t row_start = map_row_start(map_row, &fit);
 #if MULTUM_WEIGHTED
     const float row_weight = coverage(first_row + row, y, fit.map_height, fit.height);
 #endif

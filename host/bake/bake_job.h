@@ -2,11 +2,13 @@
 // A whole bake from file to file: read, fit, round, measure, write. The command line and later the service call this.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "host/asset/movmf_mipmap.h"
 #include "host/bake/bake_report.h"
 #include "host/bake/bake_settings.h"
+#include "host/bake/region_bake.h"
 #include "host/base/progress.h"
 #include "host/image/normal_map.h"
 #include "host/opencl/device.h"
@@ -22,9 +24,15 @@ struct BakeJob {
   MovmfSettings fitting;
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   MovmfWriteOptions writing;
-  bool measure = true;  // measure the error of what is written
-  bool force = false;   // bake even if the output is from the same file and settings
-  int threads = 2;      // of the host's own loops
+  bool measure = true;             // measure the error of what is written
+  bool force = false;              // bake even if the output is from the same file and settings
+  std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's
+  std::string scratch_folder;      // for what does not fit; empty: the output's folder
+  bool resume = false;             // go on from what a killed bake of the same output left
+  // Set: only this part of the map is fitted again, onto that file, which was baked before the part was edited.
+  std::optional<MapRegion> region;
+  std::string onto;
+  int threads = 2;  // of the host's own loops
 };
 
 /// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the

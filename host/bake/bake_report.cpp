@@ -52,6 +52,11 @@ std::string BakeReport::to_json() const {
                    {"below_horizon_repaired", input.below_horizon_repaired}};
   json["stages"] = Json::array();
   for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+  json["plan"] = plan;
+  json["rows_resumed"] = rows_resumed;
+  json["condense"] = {{"seconds", condense_seconds}, {"launches", condense_launches}};
+  json["round_seconds"] = round_seconds;
+  json["write_wait_seconds"] = write_wait_seconds;
   json["start"] = {{"seconds", start_seconds}, {"rehearsed", starts_rehearsed}, {"launches", start_launches}};
   json["levels"] = Json::array();
   for (const LevelReport& level : levels)

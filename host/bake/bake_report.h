@@ -27,9 +27,15 @@ struct BakeReport {
   std::string source;
   bool unchanged = false;  // the output was there already: nothing was done, and nothing else here says anything
   std::string device;
+  std::uint64_t rows_resumed = 0;  // rows of levels that a killed bake had done
   NormalMapReport input;
   std::vector<StageTime> stages;
-  double start_seconds = 0.0;  // of "fit": choosing where the coarsest level starts
+  double start_seconds = 0.0;     // of "fit": choosing where the coarsest level starts
+  double condense_seconds = 0.0;  // of "fit": condensing the normals of coarse texels
+  std::uint64_t condense_launches = 0;
+  double round_seconds = 0.0;       // of "fit": rounding rows to what is stored
+  double write_wait_seconds = 0.0;  // of "fit": waiting for the thread that compresses and writes
+  std::string plan;                 // BakePlan::to_text()
   std::uint64_t start_launches = 0;
   int starts_rehearsed = 0;                       // candidates whose pyramid was tried on a small likeness of the map
   std::vector<LevelReport> levels;                // finest first
@@ -44,6 +50,7 @@ struct BakeReport {
   // Lobes of levels coarser than 0 whose spread the storage does not keep, and the share of those levels' normals that
   // they stand for (host/asset/movmf_mipmap.h, SharpLobes).
   std::uint64_t beyond_storage = 0;
+  double beyond_storage_amplitude = 0.0;
   double beyond_storage_share = 0.0;
   std::vector<AccuracyRow> accuracy;
 

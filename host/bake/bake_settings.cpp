@@ -20,10 +20,11 @@ void check_range(const char* name, Value value, Value low, Value high) {
 
 }  // namespace
 
-void make_fast(MovmfSettings& settings) {
-  settings.coarse_normals = CoarseNormals::kCondensed;
-  settings.settled_change = 0.01f;
-  settings.iteration_count = 20;
+void make_reference(MovmfSettings& settings) {
+  settings.coarse_normals = CoarseNormals::kAll;
+  settings.settled_change = 0.0f;
+  settings.iteration_count = settings.iteration_count_coarse = 30;
+  settings.iteration_count_again = 10;
 }
 
 void validate(const MovmfSettings& s) {

@@ -14,18 +14,18 @@ enum class CoarseNormals { kCondensed, kAll };
 
 struct MovmfSettings {
   int lobe_count = 4;        // 1..8
-  int iteration_count = 30;  // EM iterations a texel, at most; 1..1000
+  int iteration_count = 10;  // EM iterations a texel, at most; 1..1000
   // Of texels that cover more than kSamplesUnchunkedMax normals: what they miss every finer level misses.
   int iteration_count_coarse = 30;  // 1..1000
   int iteration_count_top = 60;     // of the coarsest level, 1..1000
   // After a level is fitted, it is fitted again this many times less one, each texel from its own lobes with all its
   // neighbours done: what was fitted first has by then seen only its parent.
-  int sweep_count = 2;             // 1..8
-  int iteration_count_again = 10;  // EM iterations a texel in each further sweep, at most; 1..1000
+  int sweep_count = 2;            // 1..8
+  int iteration_count_again = 5;  // EM iterations a texel in each further sweep, at most; 1..1000
   // A texel is done before when no lobe's kappa or weight changes by more than this share, and none turns by more than
   // this share of its width; 0: never. Coarse texels run all their iterations.
-  float settled_change = 0.0f;  // 0..0.1
-  CoarseNormals coarse_normals = CoarseNormals::kAll;
+  float settled_change = 0.01f;  // 0..0.1
+  CoarseNormals coarse_normals = CoarseNormals::kCondensed;
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;      // C of the alignment prior, 0..10; 0: none
   bool rehearse_start = true;  // try the coarsest level's candidates on a small likeness of the map
@@ -45,9 +45,9 @@ struct MovmfSettings {
   bool force_scalar = false;          // run the kernels' scalar variant on any device
 };
 
-/// Fewer evaluations: coarse normals condensed, settled texels done, 20 iterations at most.
-/// docs/ALGORITHMS.md, "Fast", says what that costs.
-void make_fast(MovmfSettings& settings);
+/// Every normal at every level, 30 iterations and 10 in further sweeps, none cut short: the reference that the defaults
+/// are measured against (docs/ALGORITHMS.md, "Fewer evaluations").
+void make_reference(MovmfSettings& settings);
 
 /// Throws Error(kUsage) naming the setting, its value and its range.
 void validate(const MovmfSettings& settings);

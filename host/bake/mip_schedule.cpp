@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "host/asset/movmf_mipmap.h"
+#include "host/bake/row_window.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -26,38 +27,6 @@ bool covers_whole_texels(int map_size) {
   return true;
 }
 
-// Appends a step of the given texels.
-void add_step(LevelSchedule& level, const std::vector<int>& texels) {
-  if (texels.empty()) return;
-  level.steps.push_back({static_cast<int>(level.texel_list.size()), static_cast<int>(texels.size())});
-  level.texel_list.insert(level.texel_list.end(), texels.begin(), texels.end());
-  while (level.texel_list.size() % MULTUM_GROUP != 0) level.texel_list.push_back(-1);
-}
-
-// Four colours (x & 1, y & 1): (0,0), (1,1), (1,0), (0,1), as movmf_start.cl ranks them.
-void add_colour_steps(LevelSchedule& level) {
-  static constexpr int kColours[4][2] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
-  for (const auto& colour : kColours) {
-    std::vector<int> texels;
-    for (int y = colour[1]; y < level.fit.height; y += 2)
-      for (int x = colour[0]; x < level.fit.width; x += 2) texels.push_back(y * level.fit.width + x);
-    add_step(level, texels);
-  }
-}
-
-// Scan-line order as a wavefront: a texel needs its left and its three upper neighbours, the last of them (x + 1, y -
-// 1), so texel (x, y) belongs to step x + 2 y.
-void add_wavefront_steps(LevelSchedule& level) {
-  const int step_count = level.fit.width + 2 * (level.fit.height - 1);
-  for (int step = 0; step < step_count; ++step) {
-    std::vector<int> texels;
-    const int y_first = std::max(0, (step - level.fit.width + 2) / 2);
-    for (int y = y_first; y < level.fit.height && 2 * y <= step; ++y)
-      texels.push_back(y * level.fit.width + step - 2 * y);
-    add_step(level, texels);
-  }
-}
-
 void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
   MultumMovmfFit& fit = level.fit;
   const std::int64_t samples = static_cast<std::int64_t>(fit.sample_columns) * fit.sample_rows;
@@ -67,12 +36,16 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
   } else if (settings.coarse_normals == CoarseNormals::kCondensed) {
     level.method = FitMethod::kCondensed;
     fit.sample_capacity = MULTUM_CELL_COUNT;
-    set_chunks(fit, kSamplesPerCondensedChunk, fit.sample_columns);
-    return;
   } else {
     level.method = FitMethod::kChunks;
+    const int columns = (fit.sample_columns + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP;
+    fit.chunk_rows = std::max(1, kSamplesPerChunk / columns);
+    fit.chunk_count = (fit.sample_rows + fit.chunk_rows - 1) / fit.chunk_rows;
+    return;
   }
-  set_chunks(fit, kSamplesPerChunk, (fit.sample_columns + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP);
+  // Colours of such a texel are summed in one chunk.
+  fit.chunk_rows = fit.sample_rows;
+  fit.chunk_count = 1;
 }
 
 void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& level) {
@@ -85,17 +58,18 @@ void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& l
   if (1.0f / fit.total_weight_inverse < kFewNormals + 0.5f) {
     fit.iteration_count = std::min(fit.iteration_count, kIterationsFewNormals);
     level.iteration_count_again = std::min(level.iteration_count_again, kIterationsFewNormals);
+    fit.start_kappa_factor *= kStartFactorFewNormals;
   } else {
     fit.settled_change_squared = settings.settled_change * settings.settled_change;
   }
 }
 
-}  // namespace
+// Four colours (x & 1, y & 1): (0,0), (1,1), (1,0), (0,1), as movmf_start.cl ranks them.
+constexpr int kColours[4][2] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
 
-void set_chunks(MultumMovmfFit& fit, int samples_per_chunk, int samples_per_row) {
-  fit.chunk_rows = std::max(1, samples_per_chunk / samples_per_row);
-  fit.chunk_count = (fit.sample_rows + fit.chunk_rows - 1) / fit.chunk_rows;
-}
+int floor_divide(std::int64_t a, std::int64_t b) { return static_cast<int>(a >= 0 ? a / b : -((b - 1 - a) / b)); }
+
+}  // namespace
 
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted) {
   MULTUM_CHECK(map_width >= 1 && map_height >= 1 && map_width <= 32768 && map_height <= 32768);
@@ -120,6 +94,8 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     const bool wraps = settings.order == FitOrder::kColour;
     fit.periodic_x = wraps && settings.periodic_x ? 1 : 0;
     fit.periodic_y = wraps && settings.periodic_y ? 1 : 0;
+    fit.start_kappa_factor = settings.start_kappa_factor;
+    fit.start_amplitude_min = settings.start_amplitude_min;
     fit.alignment = settings.alignment;
     fit.kappa_cap = settings.kappa_cap;
     fit.kappa_cap_slope = settings.kappa_cap_slope;
@@ -127,11 +103,39 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
         static_cast<float>(static_cast<double>(fit.width) * fit.height / (static_cast<double>(map_width) * map_height));
     choose_method(settings, level);
     choose_iterations(settings, top, level);
-    if (settings.order == FitOrder::kScanline) add_wavefront_steps(level);
-    else add_colour_steps(level);
-    schedule.levels.push_back(std::move(level));
+    fit.window_rows = fit.height;
+    fit.parent_window_rows = fit.parent_height;
+    fit.map_window_rows = map_height;
+    level.order = settings.order;
+    // Scan-line order as a wavefront: a texel needs its left and its three upper neighbours, the last of them
+    // (x + 1, y - 1), so texel (x, y) belongs to step x + 2 y.
+    level.step_count = level.order == FitOrder::kColour ? 4 : fit.width + 2 * (fit.height - 1);
+    schedule.levels.push_back(level);
   }
   return schedule;
+}
+
+std::vector<int> step_texels(const LevelSchedule& level, int step, int first_row, int last_row, int window_first_row) {
+  const int width = level.fit.width, height = level.fit.height;
+  std::vector<int> texels;
+  for (int row = first_row; row < last_row; ++row) {
+    const int place = (row - window_first_row) * width;
+    if (level.order == FitOrder::kScanline) {
+      const int x = step - 2 * row;
+      if (x >= 0 && x < width) texels.push_back(place + x);
+    } else if ((wrapped_row(row, height) & 1) == kColours[step][1]) {
+      for (int x = kColours[step][0]; x < width; x += 2) texels.push_back(place + x);
+    }
+  }
+  return texels;
+}
+
+int first_covered_row(const MultumMovmfFit& fit, int row) {
+  return floor_divide(std::int64_t{row} * fit.map_height, fit.height);
+}
+
+int last_covered_row(const MultumMovmfFit& fit, int row) {
+  return floor_divide((std::int64_t{row} + 1) * fit.map_height + fit.height - 1, fit.height);
 }
 
 }  // namespace multum

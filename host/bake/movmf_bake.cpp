@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
+#include "host/bake/accuracy.h"
 #include "host/bake/mip_schedule.h"
 #include "host/bake/movmf_fit.h"
 #include "host/bake/movmf_start.h"
@@ -14,48 +17,99 @@
 namespace multum {
 namespace {
 
-// The pyramid of a small likeness of the map from each candidate, and its error at texel centres and between: a start
-// is as good as the levels that grow from it, and neither its likelihood nor its own error tells (on the four-quarter
-// map with 6 lobes the best of them came 14th by error). 4096 normals take some 50 ms a candidate.
-double rehearse(Device& device, const NormalMap& likeness, const MovmfSettings& settings, const MovmfFitPlan& plan) {
-  constexpr int kSideMax = 16;  // of the levels that are compared: finer ones of the likeness hold too few normals
-  BakeReport ignored;
-  const MovmfMipmap mipmap = fit_movmf(device, likeness, nullptr, settings, plan, ignored, nullptr);
-  AccuracySettings accuracy;
-  accuracy.samples_per_level = 0;
-  accuracy.threads = 1;  // too small to share
-  accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64)};
-  const auto too_fine = [&](int level) {
-    const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
-    return size.width > kSideMax || size.height > kSideMax;
-  };
-  while (too_fine(accuracy.first_level)) ++accuracy.first_level;
-  double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
-  for (const AccuracyRow& row : measure_accuracy(device, mipmap, likeness, accuracy, nullptr))
-    if (row.brdf != "lambert") error += std::log(row.error + 0.005);
-  return error;
-}
+// Gathers what a bake hands over into a whole mipmap.
+class MipmapSink : public MovmfSink {
+ public:
+  MipmapSink(int width, int height, const MovmfSettings& settings, bool has_colours) {
+    mipmap_.first_level = settings.first_level;
+    for (int l = 0; l < mip_level_count(width, height); ++l) {
+      MovmfLevel& level = mipmap_.levels.emplace_back();
+      level.width = mip_level_size(width, l);
+      level.height = mip_level_size(height, l);
+      level.lobes.resize(static_cast<std::size_t>(settings.lobe_count));
+      if (has_colours) level.colours.resize(level.lobes.size());
+    }
+  }
 
-std::vector<MultumVmfLobe> choose_start(Device& device, const NormalMap& map, const MovmfSettings& settings,
-                                        BakeReport& report) {
+  void add_level(int level, int, MovmfLevel rows) override {
+    MovmfLevel& to = mipmap_.levels[static_cast<std::size_t>(level)];
+    for (std::size_t j = 0; j < to.lobes.size(); ++j)
+      to.lobes[j].insert(to.lobes[j].end(), rows.lobes[j].begin(), rows.lobes[j].end());
+    for (std::size_t j = 0; j < to.colours.size(); ++j)
+      to.colours[j].insert(to.colours[j].end(), rows.colours[j].begin(), rows.colours[j].end());
+  }
+  void add_finest(int first_row, MovmfFinest rows) override {
+    add_level(0, first_row, expand(rows, mipmap_.lobe_count()));
+  }
+
+  MovmfMipmap take() { return std::move(mipmap_); }
+
+ private:
+  MovmfMipmap mipmap_;
+};
+
+// One bake of a small likeness after another, each from another start: what they share is made once.
+class Rehearsal {
+ public:
+  Rehearsal(Device& device, const NormalMap& likeness, const MovmfSettings& settings, bool weighted)
+      : device_(device),
+        likeness_(likeness),
+        planes_(planes_of(likeness)),
+        settings_(settings),
+        schedule_(make_mip_schedule(likeness.width, likeness.height, settings, weighted)),
+        plan_(make_bake_plan(schedule_, settings, false, std::uint64_t{1} << 30, {})) {}
+
+  // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
+  // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
+  // them came 14th by error). 4096 normals take some 50 ms a candidate.
+  double error_from(const std::vector<MultumVmfLobe>& start) const {
+    constexpr int kSideMax = 16;  // of the levels that are compared: finer ones of the likeness hold too few normals
+    BakeReport ignored;
+    MipmapSink sink(likeness_.width, likeness_.height, settings_, false);
+    fit_movmf(device_, {&planes_, nullptr, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
+    const MovmfMipmap mipmap = sink.take();
+    AccuracySettings accuracy;
+    accuracy.samples_per_level = 0;
+    accuracy.threads = 1;  // too small to share
+    accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64)};
+    const auto too_fine = [&](int level) {
+      const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
+      return size.width > kSideMax || size.height > kSideMax;
+    };
+    while (too_fine(accuracy.first_level)) ++accuracy.first_level;
+    double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
+    for (const AccuracyRow& row : measure_accuracy(device_, mipmap, likeness_, accuracy, nullptr))
+      if (row.brdf != "lambert") error += std::log(row.error + 0.005);
+    return error;
+  }
+
+ private:
+  Device& device_;
+  const NormalMap& likeness_;
+  const PlaneStore planes_;
+  const MovmfSettings settings_;
+  const MipSchedule schedule_;
+  const BakePlan plan_;
+};
+
+std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
+                                        bool weighted, BakeReport& report) {
   constexpr int kLikenessSide = 64;
   const auto started = std::chrono::steady_clock::now();
   const std::uint64_t launches_before = device.launch_total();
   const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
-  std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(map, search);
+  std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
   report.starts_rehearsed = 0;
   std::size_t best = 0;
   // Levels that do not grow from the coarsest cannot tell starts apart.
   if (settings.rehearse_start && settings.aligned_start && candidates.size() > 1) {
     MovmfSettings whole = settings;
     whole.first_level = 0;  // of the likeness, which has fewer levels than the map
-    const NormalMap likeness = sample_likeness(map, kLikenessSide, search.seed);
-    MovmfFitPlan plan;
-    plan.weighted = make_mip_schedule(map.width, map.height, settings).weighted;  // no second set of programs
+    const NormalMap likeness = sample_likeness(normals, kLikenessSide, search.seed);
+    const Rehearsal rehearsal(device, likeness, whole, weighted);  // the map's own kernels: no second set of programs
     double least = HUGE_VAL;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-      plan.top_start = candidates[c];
-      const double error = rehearse(device, likeness, whole, plan);
+      const double error = rehearsal.error_from(candidates[c]);
       ++report.starts_rehearsed;
       if (error >= least) continue;
       least = error;
@@ -80,15 +134,43 @@ void validate(const MovmfSettings& settings, int map_width, int map_height) {
                                                settings.first_level, level_max, map_width, map_height));
 }
 
+void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
+                BakeReport& report, Progress* progress) {
+  const PlaneStore& normals = *inputs.normals;
+  validate(settings, normals.width(), normals.height());
+  MULTUM_CHECK(inputs.albedo == nullptr ||
+               (inputs.albedo->width() == normals.width() && inputs.albedo->height() == normals.height()));
+  const bool has_colours = inputs.albedo != nullptr;
+  const MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
+  const BakePlan plan = make_bake_plan(schedule, settings, has_colours, inputs.memory_bytes, inputs.place);
+  report.plan = plan.to_text(schedule, settings, has_colours);
+  report.device = device.info().name;
+  MovmfFitInputs fit{&normals, inputs.albedo, {}, inputs.threads, inputs.checkpoint, inputs.region};
+  if (inputs.region == nullptr) {  // a region grows from the lobes that are there
+    progress_stage(progress, "choose a start");
+    fit.top_start = choose_start(device, normals, settings, schedule.weighted, report);
+  }
+  fit_movmf(device, fit, settings, schedule, plan, sink, report, progress);
+}
+
+MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, BakeReport& report,
+                       Progress* progress) {
+  MipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings, inputs.albedo != nullptr);
+  bake_movmf(device, inputs, settings, sink, report, progress);
+  return sink.take();
+}
+
 MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
                        BakeReport& report, Progress* progress) {
-  validate(settings, map.width, map.height);
-  MULTUM_CHECK(albedo == nullptr || (albedo->width == map.width && albedo->height == map.height));
-  progress_stage(progress, "choose a start");
-  const MovmfFitPlan plan{choose_start(device, map, settings, report), false};
-  MovmfMipmap mipmap = fit_movmf(device, map, albedo, settings, plan, report, progress);
-  report.device = device.info().name;
-  return mipmap;
+  const PlaneStore normals = planes_of(map);
+  std::optional<PlaneStore> colours;
+  if (albedo != nullptr)
+    colours.emplace(albedo->width, albedo->height,
+                    std::array<const float*, 3>{albedo->r.data(), albedo->g.data(), albedo->b.data()});
+  MovmfBakeInputs inputs;
+  inputs.normals = &normals;
+  inputs.albedo = colours ? &*colours : nullptr;
+  return bake_movmf(device, inputs, settings, report, progress);
 }
 
 std::uint64_t movmf_bake_units(int width, int height, int first_level) {

@@ -6,233 +6,365 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
+#include <optional>
 
-#include "host/bake/mip_schedule.h"
-#include "host/bake/movmf_em_step.h"
+#include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/error.h"
-#include "kernels/shared/movmf_fit.h"
-#include "kernels/shared/vmf_lobe.h"
+#include "host/base/parallel.h"
 
 namespace multum {
 namespace {
-
-constexpr int kLevelZeroTexels = 1 << 20;  // texels of a level-0 band
 
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-std::size_t texel_count(int width, int height) {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+// Rare numerical events among some lobes.
+struct LobeEvents {
+  std::uint64_t nonfinite = 0, dead = 0, undirected = 0, clamped = 0;
+
+  void count(const MultumVmfLobe& lobe, float kappa_cap) {
+    const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
+    if (!std::isfinite(squared) || !std::isfinite(lobe.amplitude)) ++nonfinite;
+    else if (lobe.amplitude < 1e-6f) ++dead;
+    else if (squared < 1e-6f) ++undirected;
+    else if (1.0f - std::sqrt(squared) < 1.0f / kappa_cap) ++clamped;
+  }
+};
+
+// A share is a sum of many single-precision responsibilities: those of a texel sum to 1 within 7e-6 on a 2048 map.
+// The other channels carry the same factor, and are divided by it too.
+void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
+  double sum = 0.0;
+  for (const auto& lobe : level.lobes) sum += static_cast<double>(lobe[texel].w);
+  if (!(sum > 0.0)) return;
+  const auto factor = static_cast<float>(1.0 / sum);
+  for (auto& lobe : level.lobes) lobe[texel] *= factor;
+  for (auto& colour : level.colours) colour[texel] *= factor;
 }
 
 class MovmfFitter {
  public:
-  MovmfFitter(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
-              const MovmfFitPlan& plan, BakeReport& report, Progress* progress)
+  MovmfFitter(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
+              const BakePlan& plan, MovmfSink& sink, BakeReport& report, Progress* progress)
       : device_(device),
-        map_(map),
-        albedo_(albedo),
+        inputs_(inputs),
         settings_(settings),
+        schedule_(schedule),
+        plan_(plan),
+        sink_(sink),
         report_(report),
         progress_(progress),
-        schedule_(make_mip_schedule(map.width, map.height, settings, plan.weighted)),
-        top_start_(plan.top_start),
-        em_step_(device, map, albedo, settings, schedule_),
+        em_step_(device, settings, schedule.weighted),
         level_zero_kernel_(device.kernel("movmf_level_zero", "movmf_level_zero",
-                                         KernelVariant{settings.lobe_count, 1, schedule_.weighted})) {
-    const int level_count = mip_level_count(map.width, map.height);
-    lobes_.resize(static_cast<std::size_t>(level_count));
-    result_.levels.resize(static_cast<std::size_t>(level_count));
-    report_.levels.resize(static_cast<std::size_t>(level_count));
-    for (int l = 0; l < level_count; ++l) {
-      MovmfLevel& level = result_.levels[static_cast<std::size_t>(l)];
-      level.width = mip_level_size(map.width, l);
-      level.height = mip_level_size(map.height, l);
-      level.lobes.resize(lobe_count());
-      if (albedo_ != nullptr) level.colours.resize(lobe_count());
-    }
-    result_.first_level = settings.first_level;
+                                         KernelVariant{settings.lobe_count, 1, schedule.weighted})),
+        map_width_(inputs.normals->width()),
+        map_height_(inputs.normals->height()) {
+    for (int l = settings.first_level; l < mip_level_count(map_width_, map_height_); ++l)
+      report_.levels.push_back({l, mip_level_size(map_width_, l), mip_level_size(map_height_, l), 0.0, 0});
   }
 
-  MovmfMipmap run() {
-    for (const LevelSchedule& level : schedule_.levels) fit_level(level);
-    if (settings_.first_level == 0) fit_level_zero();
-    report_.levels.erase(report_.levels.begin(), report_.levels.begin() + settings_.first_level);
-    return std::move(result_);
+  void run() {
+    const double start_seconds = now_seconds();
+    const std::uint64_t launches_before = device_.launch_total();
+    progress_stage(progress_, "condense normals");
+    condensed_ = condense_levels(device_, *inputs_.normals, inputs_.albedo, schedule_, plan_.condense_rows, plan_.place,
+                                 progress_);
+    report_.condense_seconds = now_seconds() - start_seconds;
+    report_.condense_launches = device_.launch_total() - launches_before;
+    for (const LevelSchedule& level : schedule_.levels) fit(level);
+    if (schedule_.levels.empty() && settings_.first_level == 0) fit_single_texel();
   }
 
  private:
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
+  bool has_colours() const { return inputs_.albedo != nullptr; }
+  LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
 
-  void fit_level(const LevelSchedule& level) {
+  void fit(const LevelSchedule& level) {
     progress_stage(progress_, fmt::format("fit level {}", level.level));
-    const double start_seconds = now_seconds();
-    const std::uint64_t launches_before = device_.launch_total();
-    const std::size_t texels = texel_count(level.fit.width, level.fit.height);
-    DeviceBuffer& lobes = lobes_[static_cast<std::size_t>(level.level)];
-    lobes = device_.make_buffer(lobe_count() * texels * sizeof(MultumVmfLobe), "the lobes of a level");
-    DeviceBuffer colours;
-    if (albedo_ != nullptr)
-      colours = device_.make_buffer(lobe_count() * texels * 3 * sizeof(float), "the colours of a level");
-    MultumMovmfFit fit = level.fit;
-    if (fit.parent_width == 0 || !settings_.aligned_start) {
-      write_parentless_start(level, lobes);
-      fit.parent_width = fit.parent_height = 0;
+    const double start_seconds = now_seconds(), zero_seconds = zero_seconds_;
+    const std::uint64_t launches_before = device_.launch_total(), zero_launches = zero_launches_;
+    LevelInputs inputs;
+    inputs.normals = inputs_.normals;
+    inputs.albedo = inputs_.albedo;
+    const auto condensed = condensed_.find(level.level);
+    if (condensed != condensed_.end()) inputs.condensed = &condensed->second;
+    const bool has_parent = level.fit.parent_width > 0 && settings_.aligned_start;
+    if (has_parent) inputs.parent = &coarser();
+    std::optional<RowStore> there;  // lobes before the fit
+    TexelRange range{};
+    if (inputs_.region != nullptr) {
+      range = inputs_.region->range(level.level);
+      inputs.range = &range;
+      inputs.kept = &there.emplace(inputs_.region->kept(level.level));
+    } else if (!has_parent) {
+      inputs.start = &there.emplace(parentless_start(level));
     }
-    em_step_.begin_level(level);
-    const int sweeps = fit.parent_width > 0 ? settings_.sweep_count : 1;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      if (sweep > 0) {
-        fit.order = MULTUM_ORDER_AGAIN;
-        fit.iteration_count = level.iteration_count_again;
-      }
-      fit_sweep(level, fit, lobes, sweep + 1 == sweeps ? colours : DeviceBuffer());
-      progress_advance(progress_, texel_count(map_.width, map_.height) / static_cast<unsigned>(sweeps));
-    }
-    read_level(level, lobes, colours);
-    report_.levels[static_cast<std::size_t>(level.level)] = {level.level, level.fit.width, level.fit.height,
-                                                             now_seconds() - start_seconds,
-                                                             device_.launch_total() - launches_before};
+    LevelStore store = open_store(level);
+    inputs.first_row = replay(level, store);
+    fit_level(
+        device_, em_step_, level, settings_, inputs, plan_.levels.at(level.level),
+        [&](const FittedRows& rows) { hand_over(level, rows, store); }, progress_);
+    keep(level, std::move(store), std::move(there));
+    condensed_.erase(level.level);
+    LevelReport& report = report_of(level.level);
+    report.seconds = now_seconds() - start_seconds - (zero_seconds_ - zero_seconds);
+    report.launches = device_.launch_total() - launches_before - (zero_launches_ - zero_launches);
   }
 
-  // Every step of a level once. An empty `colours` buffer: none are wanted.
-  void fit_sweep(const LevelSchedule& level, const MultumMovmfFit& fit, DeviceBuffer& lobes, DeviceBuffer colours) {
-    // A start without a parent reads its own texel's lobes; the parent argument is then only a placeholder.
-    const std::size_t parent_level = std::min(static_cast<std::size_t>(level.level) + 1, lobes_.size() - 1);
-    const DeviceBuffer& parent = fit.parent_width > 0 ? lobes_[parent_level] : lobes;
-    for (const FitStep& step : level.steps) em_step_.run(level.method, fit, step, parent, lobes, colours, progress_);
+  // Where a level's lobes go: to the checkpoint, or to a store of its own where a finer level needs them.
+  struct LevelStore {
+    BakeCheckpoint::Level* kept = nullptr;
+    std::optional<RowStore> own;
+
+    RowStore* lobes() { return kept != nullptr ? &kept->lobes : own ? &*own : nullptr; }
+  };
+
+  std::size_t row_bytes(const LevelSchedule& level) const {
+    return lobe_count() * static_cast<std::size_t>(level.fit.width) * sizeof(MultumVmfLobe);
   }
+
+  LevelStore open_store(const LevelSchedule& level) {
+    LevelStore store;
+    const std::size_t colour_bytes =
+        has_colours() ? lobe_count() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3) : 0;
+    if (inputs_.checkpoint != nullptr)
+      store.kept = &inputs_.checkpoint->open_level(level.level, level.fit.height, row_bytes(level), colour_bytes);
+    else if (level.level > std::max(1, settings_.first_level))
+      store.own.emplace(level.fit.height, row_bytes(level), plan_.place);
+    return store;
+  }
+
+  // The level that was fitted last is the next one's parent; of a region what is kept, with what was fitted written
+  // over.
+  void keep(const LevelSchedule& level, LevelStore store, std::optional<RowStore> there) {
+    if (inputs_.region != nullptr) {
+      coarser_ = std::move(there);
+      if (store.own) copy_range(*store.own, inputs_.region->range(level.level), level.fit.width, *coarser_);
+    } else if (store.own) {
+      coarser_ = std::move(store.own);
+    }
+    coarser_kept_ = store.kept;
+  }
+
+  RowStore& coarser() { return coarser_kept_ != nullptr ? coarser_kept_->lobes : *coarser_; }
+
+  void copy_range(const RowStore& from, const TexelRange& range, int level_width, RowStore& to) const {
+    const auto width = static_cast<std::size_t>(level_width);
+    std::vector<MultumVmfLobe> fitted(lobe_count() * width), row(fitted.size());
+    for (int y = range.y0; y < range.y1; ++y) {
+      from.read(y, 1, fitted.data());
+      to.read(y, 1, row.data());
+      for (std::size_t j = 0; j < lobe_count(); ++j)
+        std::copy(fitted.begin() + static_cast<std::ptrdiff_t>(j * width) + range.x0,
+                  fitted.begin() + static_cast<std::ptrdiff_t>(j * width) + range.x1,
+                  row.begin() + static_cast<std::ptrdiff_t>(j * width) + range.x0);
+      to.write(y, 1, row.data());
+    }
+  }
+
+  // Hands rows over that a killed bake had done. Returns how many.
+  int replay(const LevelSchedule& level, LevelStore& store) {
+    if (store.kept == nullptr || store.kept->rows_done == 0) return 0;
+    const int done = store.kept->rows_done;
+    const bool with_normals = level.level == 1 && settings_.first_level == 0;
+    const MultumMovmfFit& fit = level.fit;
+    const int band = std::max(1, std::min(done, plan_.levels.at(level.level).band_rows));
+    RowWindow lobes(device_, settings_.lobe_count, row_bytes(level) / lobe_count(), band, "finished rows");
+    RowWindow colours;
+    if (has_colours())
+      colours = RowWindow(device_, settings_.lobe_count, static_cast<std::size_t>(fit.width) * sizeof(glm::vec3), band,
+                          "colours of finished rows");
+    std::optional<MapWindow> normals;
+    if (with_normals) normals.emplace(device_, *inputs_.normals, 2 * band + 1, "normals");
+    for (int row = 0; row < done; row += band) {
+      const int count = std::min(band, done - row);
+      lobes.move_to(row, count, fill_planes(store.kept->lobes));
+      if (has_colours()) colours.move_to(row, count, fill_planes(*store.kept->colours));
+      FittedRows rows{row, count, &lobes, has_colours() ? &colours : nullptr, normals ? &*normals : nullptr, fit};
+      rows.fit.first_row = row;
+      rows.fit.window_rows = band;
+      if (normals) normals->move_to(2 * row, finest_end(fit, row + count) - 2 * row);
+      hand_over(level, rows, store, true);
+    }
+    return done;
+  }
+
+  // One past the last row of level 0 whose parents are the rows of level 1 above `row`.
+  int finest_end(const MultumMovmfFit& fit, int row) const { return row == fit.height ? map_height_ : 2 * row; }
 
   // Texels without a parent: the coarsest level, and every level of an unaligned bake.
-  void write_parentless_start(const LevelSchedule& level, DeviceBuffer& lobes) {
+  RowStore parentless_start(const LevelSchedule& level) const {
     const MultumMovmfFit& fit = level.fit;
-    const std::size_t texels = texel_count(fit.width, fit.height);
-    std::vector<MultumVmfLobe> start(lobe_count() * texels);
-    for (int y = 0; y < fit.height; ++y)
+    const auto width = static_cast<std::size_t>(fit.width);
+    RowStore store(fit.height, row_bytes(level), plan_.place);
+    std::vector<MultumVmfLobe> row(lobe_count() * width);
+    for (int y = 0; y < fit.height; ++y) {
+      const int first = first_covered_row(fit, y), rows = std::max(1, first_covered_row(fit, y + 1) - first);
+      const PlaneStore covered = fit.parent_width == 0 ? PlaneStore(0, 0) : rows_of(*inputs_.normals, first, rows);
       for (int x = 0; x < fit.width; ++x) {
-        const std::vector<MultumVmfLobe> chosen = parentless_start(level, x, y);
-        for (std::size_t j = 0; j < lobe_count(); ++j)
-          start[j * texels + static_cast<std::size_t>(y * fit.width + x)] = chosen[j];
+        const auto edge = [&](int texel) { return static_cast<int>(std::int64_t{texel} * fit.map_width / fit.width); };
+        const std::vector<MultumVmfLobe> lobes =
+            fit.parent_width == 0
+                ? inputs_.top_start
+                : farthest_first_lobes(covered, {edge(x), 0, std::max(edge(x) + 1, edge(x + 1)), rows},
+                                       settings_.lobe_count);
+        for (std::size_t j = 0; j < lobe_count(); ++j) row[j * width + static_cast<std::size_t>(x)] = lobes[j];
       }
-    device_.write(lobes, start.data(), start.size() * sizeof(MultumVmfLobe));
-  }
-
-  std::vector<MultumVmfLobe> parentless_start(const LevelSchedule& level, int x, int y) const {
-    if (level.fit.parent_width == 0) return top_start_;
-    const auto edge = [](std::int64_t texel, int map_size, int size) {
-      return static_cast<int>(texel * map_size / size);
-    };
-    const int x0 = edge(x, map_.width, level.fit.width), y0 = edge(y, map_.height, level.fit.height);
-    const TexelRectangle covered = {x0, y0, std::max(x0 + 1, edge(x + 1, map_.width, level.fit.width)),
-                                    std::max(y0 + 1, edge(y + 1, map_.height, level.fit.height))};
-    return farthest_first_lobes(map_, covered, settings_.lobe_count);
-  }
-
-  void read_level(const LevelSchedule& level, const DeviceBuffer& lobes, const DeviceBuffer& colours) {
-    const std::size_t texels = texel_count(level.fit.width, level.fit.height);
-    std::vector<MultumVmfLobe> fitted(lobe_count() * texels);
-    device_.read(lobes, fitted.data(), fitted.size() * sizeof(MultumVmfLobe));
-    MovmfLevel& out = result_.levels[static_cast<std::size_t>(level.level)];
-    for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, 0);
-    count_events(fitted);
-    if (albedo_ != nullptr) {
-      std::vector<glm::vec3> fitted_colours(lobe_count() * texels);
-      device_.read(colours, fitted_colours.data(), fitted_colours.size() * sizeof(glm::vec3));
-      for (std::size_t j = 0; j < lobe_count(); ++j)
-        out.colours[j].assign(fitted_colours.begin() + static_cast<std::ptrdiff_t>(j * texels),
-                              fitted_colours.begin() + static_cast<std::ptrdiff_t>((j + 1) * texels));
+      store.write(y, 1, row.data());
     }
-    for (std::size_t i = 0; i < texels; ++i) make_shares_sum_to_one(out, i);
+    return store;
   }
 
-  // A share is a sum of many single-precision responsibilities: those of a texel sum to 1 within 7e-6 on a 2048 map.
-  // The other channels carry the same factor, and are divided by it too.
-  static void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
-    double sum = 0.0;
-    for (const auto& lobe : level.lobes) sum += static_cast<double>(lobe[texel].w);
-    if (!(sum > 0.0)) return;
-    const auto factor = static_cast<float>(1.0 / sum);
-    for (auto& lobe : level.lobes) lobe[texel] *= factor;
-    for (auto& colour : level.colours) colour[texel] *= factor;
+  static PlaneStore rows_of(const PlaneStore& store, int first_row, int row_count) {
+    PlaneStore rows(store.width(), row_count);
+    const std::size_t count = static_cast<std::size_t>(store.width()) * static_cast<std::size_t>(row_count);
+    std::vector<float> x(count), y(count), z(count);
+    store.read_rows(first_row, row_count, {x.data(), y.data(), z.data()});
+    rows.write_rows(0, row_count, {x.data(), y.data(), z.data()});
+    return rows;
   }
 
-  static void store_lobes(MovmfLevel& out, std::size_t lobe, const MultumVmfLobe* from, std::size_t count,
-                          std::size_t offset) {
-    std::vector<glm::vec4>& to = out.lobes[lobe];
-    to.resize(texel_count(out.width, out.height));
-    for (std::size_t i = 0; i < count; ++i) {
-      const float a = from[i].amplitude;
-      to[offset + i] = {a * from[i].mean_x, a * from[i].mean_y, a * from[i].mean_z, a};
+  void hand_over(const LevelSchedule& level, const FittedRows& rows, LevelStore& store, bool is_kept = false) {
+    const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
+    std::vector<MultumVmfLobe> lobes(lobe_count() * texels);
+    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
+    if (store.lobes() != nullptr && !is_kept) store.lobes()->write(rows.first_row, rows.row_count, lobes.data());
+    std::vector<glm::vec3> colours;
+    if (rows.colours != nullptr) {
+      colours.resize(lobes.size());
+      rows.colours->copy_rows(rows.first_row, rows.row_count, colours.data());
     }
-  }
-
-  void count_events(const std::vector<MultumVmfLobe>& lobes) {
-    for (const MultumVmfLobe& lobe : lobes) {
-      const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
-      if (!std::isfinite(squared) || !std::isfinite(lobe.amplitude)) ++report_.nonfinite;
-      else if (lobe.amplitude < 1e-6f) ++report_.dead_lobes;
-      else if (squared < 1e-6f) ++report_.undirected_lobes;
-      else if (1.0f - std::sqrt(squared) < 1.0f / settings_.kappa_cap) ++report_.kappa_clamped;
+    if (store.kept != nullptr && !is_kept) {
+      if (has_colours()) store.kept->colours->write(rows.first_row, rows.row_count, colours.data());
+      inputs_.checkpoint->record(level.level, rows.row_count);
     }
     report_.lobe_count_total += lobes.size();
+    sink_.add_level(level.level, rows.first_row, stored_rows(level.fit.width, rows.row_count, lobes, colours));
+    advance(rows.first_row, rows.row_count, level.fit.height);
+    if (level.level == 1 && settings_.first_level == 0) fit_level_zero(rows);
   }
 
-  void fit_level_zero() {
-    progress_stage(progress_, "fit level 0");
+  // From rows [lobe][column] of r and a to planes of (a r, a).
+  MovmfLevel stored_rows(int level_width, int row_count, const std::vector<MultumVmfLobe>& lobes,
+                         const std::vector<glm::vec3>& colours) {
+    const auto width = static_cast<std::size_t>(level_width);
+    MovmfLevel out;
+    out.width = level_width;
+    out.height = row_count;
+    out.lobes.assign(lobe_count(), std::vector<glm::vec4>(width * static_cast<std::size_t>(row_count)));
+    if (has_colours())
+      out.colours.assign(lobe_count(), std::vector<glm::vec3>(width * static_cast<std::size_t>(row_count)));
+    std::vector<LobeEvents> events(static_cast<std::size_t>(row_count));
+    for_each_item(row_count, inputs_.threads, [&](int y) {
+      const auto row = static_cast<std::size_t>(y);
+      for (std::size_t j = 0; j < lobe_count(); ++j) {
+        const MultumVmfLobe* from = &lobes[(row * lobe_count() + j) * width];
+        glm::vec4* to = &out.lobes[j][row * width];
+        for (std::size_t x = 0; x < width; ++x) {
+          const float a = from[x].amplitude;
+          to[x] = {a * from[x].mean_x, a * from[x].mean_y, a * from[x].mean_z, a};
+          events[row].count(from[x], settings_.kappa_cap);
+        }
+        if (has_colours()) std::copy_n(&colours[(row * lobe_count() + j) * width], width, &out.colours[j][row * width]);
+      }
+      for (std::size_t x = row * width; x < (row + 1) * width; ++x) make_shares_sum_to_one(out, x);
+    });
+    for (const LobeEvents& event : events) {
+      report_.nonfinite += event.nonfinite;
+      report_.dead_lobes += event.dead;
+      report_.undirected_lobes += event.undirected;
+      report_.kappa_clamped += event.clamped;
+    }
+    return out;
+  }
+
+  // Each level counts as much as the map has texels, spread over its rows.
+  void advance(int first_row, int row_count, int height) {
+    const std::uint64_t texels = static_cast<std::uint64_t>(map_width_) * static_cast<std::uint64_t>(map_height_);
+    const auto until = [&](int row) {
+      return texels * static_cast<std::uint64_t>(row) / static_cast<std::uint64_t>(height);
+    };
+    progress_advance(progress_, until(first_row + row_count) - until(first_row));
+  }
+
+  // The rows of level 0 whose parents are `rows` of level 1, while their normals are on the device.
+  void fit_level_zero(const FittedRows& rows) {
     const double start_seconds = now_seconds();
-    const std::uint64_t launches_before = device_.launch_total();
-    MovmfLevel& out = result_.levels[0];
-    const bool has_parent = result_.levels.size() > 1 && settings_.aligned_start;
-    const int parent_width = has_parent ? result_.levels[1].width : 0;
-    const int parent_height = has_parent ? result_.levels[1].height : 0;
-    const int band_rows = std::clamp(kLevelZeroTexels / map_.width, 1, map_.height);
-    DeviceBuffer band = device_.make_buffer(lobe_count() * texel_count(map_.width, band_rows) * sizeof(MultumVmfLobe),
-                                            "a band of level 0");
-    const DeviceBuffer& parent = has_parent ? lobes_[1] : band;
-    std::vector<MultumVmfLobe> fitted(lobe_count() * texel_count(map_.width, band_rows));
-    for (int first_row = 0; first_row < map_.height; first_row += band_rows) {
-      const int rows = std::min(band_rows, map_.height - first_row);
-      const std::size_t texels = texel_count(map_.width, rows);
-      level_zero_kernel_.launch({texels}, em_step_.normals().buffer[0], em_step_.normals().buffer[1],
-                                em_step_.normals().buffer[2], parent, band, map_.width, parent_width, parent_height,
-                                first_row, rows);
-      device_.read(band, fitted.data(), lobe_count() * texels * sizeof(MultumVmfLobe));
-      const std::size_t offset = texel_count(map_.width, first_row);
-      for (std::size_t j = 0; j < lobe_count(); ++j) store_lobes(out, j, fitted.data() + j * texels, texels, offset);
-      progress_advance(progress_, texels);
-    }
-    for (std::size_t j = 0; albedo_ != nullptr && j < lobe_count(); ++j) {
-      out.colours[j].resize(texel_count(map_.width, map_.height));
-      for (std::size_t i = 0; i < out.colours[j].size(); ++i)
-        out.colours[j][i] = out.lobes[j][i].w * glm::vec3(albedo_->r[i], albedo_->g[i], albedo_->b[i]);
-    }
-    report_.lobe_count_total += lobe_count() * texel_count(map_.width, map_.height);
-    report_.levels[0] = {0, map_.width, map_.height, now_seconds() - start_seconds,
-                         device_.launch_total() - launches_before};
+    const int first = 2 * rows.first_row, below = rows.first_row + rows.row_count;
+    MovmfFinest out;
+    out.width = map_width_;
+    out.height = finest_end(rows.fit, below) - first;
+    const std::size_t texels = static_cast<std::size_t>(map_width_) * static_cast<std::size_t>(out.height);
+    DeviceBuffer nearest = device_.make_buffer(texels, "numbers of lobes");
+    const MapWindow& normals = *rows.normals;
+    level_zero_kernel_.launch({texels}, normals[0], normals[1], normals[2], rows.lobes->buffer(), nearest, rows.fit,
+                              settings_.aligned_start ? 1 : 0, first - normals.first_row(), first, out.height);
+    ++zero_launches_;
+    out.lobe.resize(texels);
+    device_.read(nearest, out.lobe.data(), texels);
+    finish_level_zero(first, std::move(out));
+    zero_seconds_ += now_seconds() - start_seconds;
+    report_of(0).seconds = zero_seconds_;
+    report_of(0).launches = zero_launches_;
+  }
+
+  // A map of one texel has no level 1.
+  void fit_single_texel() {
+    MovmfFinest out;
+    out.width = out.height = 1;
+    out.lobe.assign(1, 0);
+    finish_level_zero(0, std::move(out));
+  }
+
+  void finish_level_zero(int first_row, MovmfFinest out) {
+    out.normals = interleaved(*inputs_.normals, first_row, out.height);
+    if (has_colours()) out.colours = interleaved(*inputs_.albedo, first_row, out.height);
+    report_.lobe_count_total += lobe_count() * out.lobe.size();
+    const int height = out.height;
+    sink_.add_finest(first_row, std::move(out));
+    advance(first_row, height, map_height_);
+  }
+
+  std::vector<glm::vec3> interleaved(const PlaneStore& store, int first_row, int row_count) const {
+    const auto width = static_cast<std::size_t>(map_width_);
+    std::vector<glm::vec3> values(width * static_cast<std::size_t>(row_count));
+    for_each_row_band(row_count, kRowsPerBand, inputs_.threads, [&](int, int begin, int end) {
+      const std::size_t count = width * static_cast<std::size_t>(end - begin);
+      std::vector<float> x(count), y(count), z(count);
+      store.read_rows(first_row + begin, end - begin, {x.data(), y.data(), z.data()});
+      glm::vec3* to = &values[width * static_cast<std::size_t>(begin)];
+      for (std::size_t i = 0; i < count; ++i) to[i] = {x[i], y[i], z[i]};
+    });
+    return values;
   }
 
   Device& device_;
-  const NormalMap& map_;
-  const ColourMap* albedo_;
+  const MovmfFitInputs& inputs_;
   const MovmfSettings settings_;
+  const MipSchedule& schedule_;
+  const BakePlan& plan_;
+  MovmfSink& sink_;
   BakeReport& report_;
   Progress* progress_;
-  const MipSchedule schedule_;
-  const std::vector<MultumVmfLobe> top_start_;
   MovmfEmStep em_step_;
   Kernel level_zero_kernel_;
-  std::vector<DeviceBuffer> lobes_;  // by level; [0] unused: level 0 is made in bands
-  MovmfMipmap result_;
+  const int map_width_, map_height_;
+  std::map<int, CondensedLevel> condensed_;
+  // The level before, rows [lobe][column]: in the checkpoint, or here.
+  BakeCheckpoint::Level* coarser_kept_ = nullptr;
+  std::optional<RowStore> coarser_;
+  double zero_seconds_ = 0.0;
+  std::uint64_t zero_launches_ = 0;
 };
 
 }  // namespace
 
-MovmfMipmap fit_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
-                      const MovmfFitPlan& plan, BakeReport& report, Progress* progress) {
-  return MovmfFitter(device, map, albedo, settings, plan, report, progress).run();
+void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
+               const BakePlan& plan, MovmfSink& sink, BakeReport& report, Progress* progress) {
+  MovmfFitter(device, inputs, settings, schedule, plan, sink, report, progress).run();
 }
 
 }  // namespace multum

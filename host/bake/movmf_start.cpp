@@ -24,7 +24,7 @@ int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
 }
 
 // One normal at random of each cell of a grid over a rectangle, at most about `sample_max`.
-Normals sample_normals(const NormalMap& map, const TexelRectangle& where, double sample_max) {
+Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, double sample_max) {
   const int width = where.x1 - where.x0, height = where.y1 - where.y0;
   const double stride = std::max(1.0, std::sqrt(static_cast<double>(width) * height / sample_max));
   const int columns = std::max(1, static_cast<int>(width / stride));
@@ -36,8 +36,8 @@ Normals sample_normals(const NormalMap& map, const TexelRectangle& where, double
           split_mix(static_cast<std::uint64_t>(row) * 65536u + static_cast<std::uint64_t>(column));
       const int x = where.x0 + position_in_cell(column, columns, width, random & 0xffffffffu);
       const int y = where.y0 + position_in_cell(row, rows, height, random >> 32);
-      const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(x);
-      normals.emplace_back(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
+      const std::array<float, 3> n = map.texel(x, y);
+      normals.emplace_back(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
     }
   return normals;
 }
@@ -198,7 +198,7 @@ std::vector<Fit> finalists(std::vector<Fit> fits, const HighlightError& error, i
 
 }  // namespace
 
-std::vector<MultumVmfLobe> farthest_first_lobes(const NormalMap& map, const TexelRectangle& where, int lobe_count) {
+std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count) {
   const Normals normals = sample_normals(map, where, 16384.0);
   std::vector<MultumVmfLobe> lobes;
   for (std::size_t i : farthest_first(normals, lobe_count)) {
@@ -208,12 +208,12 @@ std::vector<MultumVmfLobe> farthest_first_lobes(const NormalMap& map, const Texe
   return lobes;
 }
 
-std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, const StartSearch& search) {
+std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search) {
   // Many short trials, the best of them longer: 0.2 s on one core, whatever the map's size. About one random trial in
   // 30 finds the basin of the best optimum of the four-quarter map.
   constexpr std::uint64_t kTrials = 128;
   constexpr int kShortIterations = 12, kLongIterations = 30;
-  const Normals normals = sample_normals(map, {0, 0, map.width, map.height}, 1024.0);
+  const Normals normals = sample_normals(map, {0, 0, map.width(), map.height()}, 1024.0);
   const HighlightError error(normals);
   const auto cap = static_cast<double>(search.kappa_max);
   const auto lobe_count = static_cast<std::size_t>(search.lobe_count);
@@ -244,21 +244,20 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const NormalMap& map, c
   return candidates;
 }
 
-NormalMap sample_likeness(const NormalMap& map, int side_max, std::uint64_t seed) {
+NormalMap sample_likeness(const PlaneStore& map, int side_max, std::uint64_t seed) {
   NormalMap likeness;
-  likeness.width = std::min(map.width, side_max);
-  likeness.height = std::min(map.height, side_max);
+  likeness.width = std::min(map.width(), side_max);
+  likeness.height = std::min(map.height(), side_max);
   for (int y = 0; y < likeness.height; ++y)
     for (int x = 0; x < likeness.width; ++x) {
       const std::uint64_t random =
           split_mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * likeness.width + x));
-      const int source_x = position_in_cell(x, likeness.width, map.width, random & 0xffffffffu);
-      const int source_y = position_in_cell(y, likeness.height, map.height, random >> 32);
-      const auto i =
-          static_cast<std::size_t>(source_y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(source_x);
-      likeness.x.push_back(map.x[i]);
-      likeness.y.push_back(map.y[i]);
-      likeness.z.push_back(map.z[i]);
+      const int source_x = position_in_cell(x, likeness.width, map.width(), random & 0xffffffffu);
+      const int source_y = position_in_cell(y, likeness.height, map.height(), random >> 32);
+      const std::array<float, 3> n = map.texel(source_x, source_y);
+      likeness.x.push_back(n[0]);
+      likeness.y.push_back(n[1]);
+      likeness.z.push_back(n[2]);
     }
   return likeness;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/scratch_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,6 +19,12 @@ ScratchFile::ScratchFile(std::string folder) : folder_(folder.empty() ? "." : st
   if (descriptor_ < 0)
     throw Error(ErrorCode::kEnvironment, folder_ + ": no scratch file can be made there: " + std::strerror(errno));
   unlink(name.c_str());
+}
+
+ScratchFile::ScratchFile(std::string folder, const std::string& name) : folder_(std::move(folder)) {
+  descriptor_ = open((folder_ + "/" + name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor_ < 0)
+    throw Error(ErrorCode::kEnvironment, folder_ + "/" + name + ": cannot be opened: " + std::strerror(errno));
 }
 
 ScratchFile::~ScratchFile() {

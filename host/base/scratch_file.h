@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file for what does not fit in memory. It has no name, so that it is gone when the object is, or the process.
+// A file for what does not fit in memory. It has no name, so that it is gone when the object is, or the process; unless
+// it is given one, by which a later process finds it.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +13,8 @@ class ScratchFile {
  public:
   /// Throws Error(kEnvironment) when the folder does not exist or cannot be written.
   explicit ScratchFile(std::string folder);
+  /// With a name: what an earlier process wrote to it is there.
+  ScratchFile(std::string folder, const std::string& name);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;
   ScratchFile& operator=(ScratchFile&& other) noexcept;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -186,6 +187,24 @@ void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count
   check_cl(clEnqueueReadBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
                                0, nullptr, nullptr),
            "clEnqueueReadBuffer");
+}
+
+void Device::visit(const DeviceBuffer& buffer, const std::function<void(void* bytes)>& body) {
+  const auto memory = static_cast<cl_mem>(buffer.memory_.get());
+  cl_int status = CL_SUCCESS;
+  void* bytes = clEnqueueMapBuffer(state_->queue, memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0,
+                                   std::max<std::size_t>(buffer.byte_count_, 1), 0, nullptr, nullptr, &status);
+  check_cl(status, "clEnqueueMapBuffer");
+  const auto unmap = [&](void*) {
+    clEnqueueUnmapMemObject(state_->queue, memory, bytes, 0, nullptr, nullptr);
+    clFinish(state_->queue);
+  };
+  const std::unique_ptr<void, decltype(unmap)> mapped(bytes, unmap);
+  body(bytes);
+}
+
+void Device::fill_zero(DeviceBuffer& buffer) {
+  visit(buffer, [&](void* bytes) { std::memset(bytes, 0, buffer.byte_count_); });
 }
 
 void Device::finish() { check_cl(clFinish(state_->queue), "clFinish"); }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -50,6 +51,8 @@ class Kernel {
     std::size_t local = 0;  // 0: the device's usual size
   };
 
+  bool is_made() const { return kernel_ != nullptr; }
+
   template <typename... Arguments>
   void launch(const WorkSize& size, const Arguments&... arguments) {
     int index = 0;
@@ -87,8 +90,13 @@ class Device {
   DeviceBuffer make_buffer(std::size_t byte_count, const std::string& what);
   /// Uses the caller's memory without a copy on CPUs, copies on others; `data` must outlive the buffer and not change.
   DeviceBuffer wrap_buffer(const void* data, std::size_t byte_count, const std::string& what);
+  /// From and to the buffer's beginning. Wait for the launches before.
   void write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   void read(const DeviceBuffer& buffer, void* data, std::size_t byte_count);
+  /// Calls `body` with the buffer's bytes, on CPUs without a copy; what it changes is in the buffer afterwards. Waits
+  /// for the launches before.
+  void visit(const DeviceBuffer& buffer, const std::function<void(void* bytes)>& body);
+  void fill_zero(DeviceBuffer& buffer);
 
   /// A kernel of kernels/FILE.cl, built with the variant's options or taken from the program cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);

@@ -19,14 +19,18 @@
 #define MULTUM_START_CAP 8        // the texel's cap of kappa, known after the first E-step
 #define MULTUM_START_PLANES 9
 
-// The grid of a condensed texel (movmf_condense.cl): cells along a side, bins of an axis, floats that describe an axis.
+// The grid of a condensed texel (movmf_condense.cl): normals along a side that axes are made from, cells along a side,
+// bins of an axis, floats that describe an axis.
 // Odd, so that the flat normals of a map that tilts both ways alike lie in the middle of a cell and not on an edge.
+#define MULTUM_PROBE_SIDE 32
+#define MULTUM_PROBE_COUNT (MULTUM_PROBE_SIDE * MULTUM_PROBE_SIDE)
 #define MULTUM_CELL_SIDE 31
 #define MULTUM_CELL_COUNT (MULTUM_CELL_SIDE * MULTUM_CELL_SIDE)
 #define MULTUM_AXIS_BINS 63
 #define MULTUM_AXIS_FLOATS (MULTUM_AXIS_BINS + 3)
-#define MULTUM_CELL_FLOATS 8  // sums of three values and of weights, and what rounding added to each
-#define MULTUM_CELL_FLOATS 8  // sums of three values and of weights, and what rounding took from each
+#define MULTUM_CELL_SUMS 4         // of three values and of weights, whole numbers of 2^-30
+#define MULTUM_CONDENSED_SAMPLE 4  // floats: three mean values and their weight
+#define MULTUM_CONDENSED_FLOATS (MULTUM_CELL_COUNT * MULTUM_CONDENSED_SAMPLE)  // room of a texel
 
 typedef struct MultumMovmfFit {
   int map_width;  // finest level, texels, at most 32768 a side
@@ -37,17 +41,27 @@ typedef struct MultumMovmfFit {
   int parent_height;
   int sample_columns;  // finest texels that a texel's samples span, the largest of the level (narrower ones: weight 0)
   int sample_rows;
-  int slot_count;   // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
-  int list_offset;  // of this launch in texel_list, in slots
-  int order;        // MULTUM_ORDER_*
-  int periodic_x;   // not 0: beyond the border lies the other one, whose texels are neighbours too
+  // Buffers hold windows of rows: window row 0 is row `first_row` of the level, rows wrap at its height (a map that
+  // repeats goes on above its first row), and planes of lobes are width * window_rows apart. A texel's number in
+  // texel_list is its place in the window.
+  int first_row;
+  int window_rows;
+  int parent_first_row;
+  int parent_window_rows;
+  int map_first_row;
+  int map_window_rows;  // sums take the rows, or chunks that begin, in [map_first_row, + map_window_rows)
+  int slot_count;       // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
+  int list_offset;      // of this launch in texel_list, in slots
+  int order;            // MULTUM_ORDER_*
+  int periodic_x;       // not 0: beyond the border lies the other one, whose texels are neighbours too
   int periodic_y;
   int iteration_count;
   int sample_capacity;           // samples of a group of texels, room for this many (movmf_em_texels.cl)
-  int sample_group_offset;       // group of this launch's first slot in samples and sample_counts
   float settled_change_squared;  // a texel in which nothing moves by more is done; 0: run every iteration
-  int chunk_rows;                // rows a chunk sums (movmf_em_chunks.cl, movmf_condense.cl)
+  int chunk_rows;                // rows a chunk sums (movmf_em_chunks.cl)
   int chunk_count;               // chunks a texel
+  float start_kappa_factor;      // kappa of a start is the parent's times this
+  float start_amplitude_min;     // and its amplitude at least this
   float alignment;               // C of the alignment prior, >= 0
   float kappa_cap;  // cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
   float kappa_cap_slope;

@@ -79,10 +79,10 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
         "--no-rehearsal"});
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2",
         "--scalar", "--no-rehearsal"});
-  bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--fast", "--iterations", "1", "--sweeps", "1", "--lobes",
-        "2", "--scalar", "--no-rehearsal", "--no-measure"});
+  bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--reference", "--iterations", "1", "--sweeps", "1",
+        "--lobes", "2", "--scalar", "--no-rehearsal", "--no-measure"});
   bake({path("even.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2", "--no-rehearsal"});
-  bake({path("even.png"), "--fast", "--iterations", "2", "--sweeps", "1", "--lobes", "2", "--no-rehearsal"});
+  bake({path("even.png"), "--reference", "--iterations", "2", "--sweeps", "1", "--lobes", "2", "--no-rehearsal"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "2"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "1", "--lobes", "8", "--albedo",
         path("tiny_albedo.png"), "--scalar", "--no-rehearsal"});

@@ -20,14 +20,14 @@ struct Baked {
   BakeReport report;
 };
 
-enum class Variant { kVector, kScalar, kFast };
+enum class Variant { kVector, kScalar, kReference };
 
 Baked bake(const NormalMap& map, int lobes, Variant variant) {
   static Device device = Device::open("");
   MovmfSettings settings;
   settings.lobe_count = lobes;
   settings.force_scalar = variant == Variant::kScalar;
-  if (variant == Variant::kFast) make_fast(settings);
+  if (variant == Variant::kReference) make_reference(settings);
   Baked baked;
   baked.mipmap = bake_movmf(device, map, nullptr, settings, baked.report, nullptr);
   EXPECT_EQ(baked.report.nonfinite, 0u);
@@ -60,11 +60,12 @@ glm::dvec3 tilted(double degrees, double azimuth = 0.3) {
 }
 
 class HardCaseTest : public ::testing::TestWithParam<Variant> {};  // both variants of the kernels
-INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest, ::testing::Values(Variant::kVector, Variant::kScalar, Variant::kFast),
+INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest,
+                         ::testing::Values(Variant::kVector, Variant::kScalar, Variant::kReference),
                          [](const ::testing::TestParamInfo<Variant>& variant) {
-                           return variant.param == Variant::kScalar ? "Scalar"
-                                  : variant.param == Variant::kFast ? "Fast"
-                                                                    : "Vector";
+                           return variant.param == Variant::kScalar      ? "Scalar"
+                                  : variant.param == Variant::kReference ? "Reference"
+                                                                         : "Vector";
                          });
 
 // kappa -> infinity; J > number of distinct normals; identical starting lobes.

@@ -3,21 +3,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include <glm/geometric.hpp>
 
 #include "host/asset/movmf_mipmap.h"
+#include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_em_step.h"
 
 namespace multum::testing {
 namespace {
 
-template <typename Value>
-DeviceBuffer upload(Device& device, const std::vector<Value>& values) {
-  DeviceBuffer buffer = device.make_buffer(values.size() * sizeof(Value), "test");
-  device.write(buffer, values.data(), values.size() * sizeof(Value));
-  return buffer;
+// Planes of rows, each plane whole in `bytes`, as a window.
+RowWindow window_of(Device& device, int plane_count, std::size_t row_bytes, int rows, const void* bytes) {
+  RowWindow window(device, plane_count, row_bytes, rows, "test");
+  const std::size_t plane_bytes = row_bytes * static_cast<std::size_t>(rows);
+  window.move_to(0, rows, [&](int, int, const std::vector<unsigned char*>& planes) {
+    for (std::size_t p = 0; bytes != nullptr && p < planes.size(); ++p)
+      std::memcpy(planes[p], static_cast<const unsigned char*>(bytes) + p * plane_bytes, plane_bytes);
+  });
+  return window;
+}
+
+RowWindow window_of(Device& device, const RowStore& store) {
+  std::vector<unsigned char> bytes(store.row_bytes() * static_cast<std::size_t>(store.row_count()));
+  store.read(0, store.row_count(), bytes.data());
+  return window_of(device, 1, store.row_bytes(), store.row_count(), bytes.data());
 }
 
 MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
@@ -32,8 +44,8 @@ MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
   return settings;
 }
 
-// The level alone, with all its texels in one step.
-MipSchedule one_step_schedule(const NormalMap& map, const MovmfSettings& settings, const LevelFit& how) {
+// The level alone.
+MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settings, const LevelFit& how) {
   MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
   std::erase_if(schedule.levels, [&](const LevelSchedule& level) { return level.level != how.level; });
   LevelSchedule& level = schedule.levels.at(0);
@@ -42,14 +54,8 @@ MipSchedule one_step_schedule(const NormalMap& map, const MovmfSettings& setting
   fit.parent_height = mip_level_size(map.height, how.level + 1);
   level.method = how.method;
   fit.iteration_count = how.iterations;
-  if (how.method == FitMethod::kCondensed) {
-    fit.sample_capacity = MULTUM_CELL_COUNT;
-    set_chunks(fit, how.samples_per_condensed_chunk, fit.sample_columns);
-  }
-  level.steps = {{0, fit.width * fit.height}};
-  level.texel_list.resize(static_cast<std::size_t>(fit.width * fit.height));
-  std::iota(level.texel_list.begin(), level.texel_list.end(), 0);
-  while (level.texel_list.size() % MULTUM_GROUP != 0) level.texel_list.push_back(-1);
+  fit.parent_window_rows = fit.parent_height;
+  if (how.method == FitMethod::kCondensed) fit.sample_capacity = MULTUM_CELL_COUNT;
   return schedule;
 }
 
@@ -70,16 +76,39 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
                                             int lobe_count, const LevelFit& how) {
   Device& device = test_device();
   const MovmfSettings settings = settings_of(how, lobe_count);
-  const MipSchedule schedule = one_step_schedule(map, settings, how);
+  const MipSchedule schedule = one_level_schedule(map, settings, how);
   const LevelSchedule& level = schedule.levels[0];
-  const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(level.fit.height);
+  const MultumMovmfFit& fit = level.fit;
+  const std::size_t texels = static_cast<std::size_t>(fit.width) * static_cast<std::size_t>(fit.height);
+  const std::size_t lobe_row = static_cast<std::size_t>(fit.width) * sizeof(MultumVmfLobe);
   // Neighbours of lower colour rank are read as if they were done: the prior sees only zeros there.
-  std::vector<MultumVmfLobe> result(static_cast<std::size_t>(lobe_count) * texels, MultumVmfLobe{0, 0, 0, 0});
-  DeviceBuffer lobes = upload(device, result), no_colours;
-  MovmfEmStep em_step(device, map, nullptr, settings, schedule);
-  em_step.begin_level(level);
-  em_step.run(level.method, level.fit, level.steps[0], upload(device, parent), lobes, no_colours, nullptr);
-  device.read(lobes, result.data(), result.size() * sizeof(MultumVmfLobe));
+  RowWindow lobes = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
+  RowWindow directed = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
+  const RowWindow parents =
+      window_of(device, lobe_count, static_cast<std::size_t>(fit.parent_width) * sizeof(MultumVmfLobe),
+                fit.parent_height, parent.data());
+  const PlaneStore planes = planes_of(map);
+  MapWindow normals(device, planes, map.height, "normals");
+  normals.move_to(0, map.height);
+  StepWindows windows;
+  windows.parent = &parents;
+  windows.lobes = &lobes;
+  windows.directed = &directed;
+  windows.normals = &normals;
+  const auto condensed = condense_levels(device, planes, nullptr, schedule, how.condense_rows, {}, nullptr);
+  RowWindow samples, counts;
+  if (how.method == FitMethod::kCondensed) {
+    samples = window_of(device, condensed.at(how.level).samples);
+    counts = window_of(device, condensed.at(how.level).counts);
+    windows.condensed = &samples;
+    windows.condensed_counts = &counts;
+  }
+  std::vector<int> list(texels);
+  std::iota(list.begin(), list.end(), 0);
+  MovmfEmStep em_step(device, settings, schedule.weighted);
+  em_step.run(level.method, fit, list, windows, nullptr);
+  std::vector<MultumVmfLobe> result(static_cast<std::size_t>(lobe_count) * texels);
+  device.read(lobes.buffer(), result.data(), result.size() * sizeof(MultumVmfLobe));
   return result;
 }
 

@@ -21,7 +21,7 @@ struct LevelFit {
   float kappa_cap_slope = 10.0f;
   bool scalar = false;
   FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals a texel
-  int samples_per_condensed_chunk = kSamplesPerCondensedChunk;
+  int condense_rows = 1 << 15;            // of the map, a band while texels are condensed
   float settled_change = 0.0f;
 };
 

@@ -72,11 +72,10 @@ MovmfMipmap bake_stored(Device& device, const NormalMap& map, const ColourMap* a
   return mipmap;
 }
 
-AccuracySettings every_texel(const ColourMap* albedo, int threads) {
+AccuracySettings every_texel(int threads) {
   AccuracySettings accuracy;
   accuracy.samples_per_level = 0;
   accuracy.threads = threads;
-  accuracy.albedo = albedo;
   return accuracy;
 }
 
@@ -85,7 +84,7 @@ Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, co
   const MovmfMipmap mipmap = bake_stored(device, map, albedo, variant, threads, report);
   double fit_seconds = report.start_seconds;
   for (const LevelReport& level : report.levels) fit_seconds += level.seconds;
-  return Errors(measure_accuracy(device, mipmap, map, every_texel(albedo, threads), nullptr), fit_seconds);
+  return Errors(measure_accuracy(device, mipmap, map, albedo, every_texel(threads), nullptr), fit_seconds);
 }
 
 MovmfSettings with_lobes(int lobes) {
@@ -143,12 +142,11 @@ std::vector<Variant> compared_variants() {
   Variant scanline{"4 lobes, scan-line order (the paper's)", with_lobes(4)};
   scanline.settings.order = FitOrder::kScanline;
   variants.push_back(scanline);
-  Variant fast{"4 lobes, --fast", with_lobes(4)};
-  make_fast(fast.settings);
-  variants.push_back(fast);
-  Variant patient{"4 lobes, 60 iterations", with_lobes(4)};
-  patient.settings.iteration_count = patient.settings.iteration_count_coarse = 60;
-  variants.push_back(patient);
+  for (const int lobes : {4, 6}) {
+    Variant reference{fmt::format("{} lobes, --reference", lobes), with_lobes(lobes)};
+    make_reference(reference.settings);
+    variants.push_back(reference);
+  }
   Variant half{"4 lobes, stored as half", with_lobes(4), StorageEncoding::kHalf};
   variants.push_back(half);
   Variant whole{"4 lobes, stored as float", with_lobes(4), StorageEncoding::kFloat};
@@ -217,7 +215,7 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
   for (const int first_level : {0, 1, 2}) {
     std::printf("four-quarter map, stored from level %d on\n", first_level);
     drop_finer_levels(mipmap, first_level);
-    const Errors errors(measure_accuracy(device, mipmap, map.normals, every_texel(nullptr, options.threads), nullptr));
+    const Errors errors(measure_accuracy(device, mipmap, map.normals, every_texel(options.threads), nullptr));
     const auto gpu = static_cast<double>(movmf_gpu_bytes(mipmap));
     const std::string sizes =
         fmt::format(" {:.1f} | {:.1f} | {:.1f} |\n", static_cast<double>(file_bytes(mipmap, options)) / 1e6, gpu / 1e6,

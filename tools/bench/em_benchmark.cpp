@@ -64,8 +64,10 @@ class LevelBench {
     device.write(parent_buffer, parent.data(), parent.size() * sizeof(MultumVmfLobe));
     start_.resize(slots_ * lobes_ * MULTUM_START_PLANES);
     start_buffer_ = device.make_buffer(start_.size() * sizeof(float), "start");
+    directed_buffer_ = device.make_buffer(result_.size() * sizeof(MultumVmfLobe), "directions");
+    device.fill_zero(directed_buffer_);
     device.kernel("movmf_start", "movmf_start", scalar)
-        .launch({slots_}, parent_buffer, result_buffer_, list_buffer_, start_buffer_, fit_, 0.5f, 0.02f);
+        .launch({slots_}, parent_buffer, result_buffer_, directed_buffer_, list_buffer_, start_buffer_, fit_);
     device.read(start_buffer_, start_.data(), start_.size() * sizeof(float));
     if (level.method == FitMethod::kChunks) {
       partial_buffer_ =
@@ -93,12 +95,12 @@ class LevelBench {
               width_ == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1},
               plane_buffers_[0], plane_buffers_[1], plane_buffers_[2], start_buffer_, list_buffer_, partial_buffer_,
               fit_);
-          mstep_kernel_.launch({texels * lobes_}, partial_buffer_, start_buffer_, list_buffer_, result_buffer_, fit_,
-                               i);
+          mstep_kernel_.launch({texels * lobes_}, partial_buffer_, start_buffer_, list_buffer_, result_buffer_,
+                               directed_buffer_, fit_, i);
         }
       } else {
         texels_kernel_.launch({slots_ / static_cast<std::size_t>(width_)}, sample_buffer_, sample_count_buffer_,
-                              start_buffer_, list_buffer_, result_buffer_, fit_);
+                              start_buffer_, list_buffer_, result_buffer_, directed_buffer_, fit_);
       }
       device_.finish();
     });
@@ -153,7 +155,8 @@ class LevelBench {
   std::vector<float> samples_, start_, yardstick_result_;
   std::vector<MultumVmfLobe> result_;
   std::vector<DeviceBuffer> plane_buffers_;
-  DeviceBuffer list_buffer_, start_buffer_, sample_buffer_, sample_count_buffer_, partial_buffer_, result_buffer_;
+  DeviceBuffer list_buffer_, start_buffer_, sample_buffer_, sample_count_buffer_, partial_buffer_, result_buffer_,
+      directed_buffer_;
   Kernel texels_kernel_, partial_kernel_, mstep_kernel_;
 };
 

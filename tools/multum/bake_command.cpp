@@ -21,6 +21,7 @@ struct BakeOptions {
   std::string wrap, wrap_s, wrap_t;
   ReadingOptions reading;
   std::vector<std::string> inputs;
+  std::string region;
   bool no_measure = false;
   bool run_stats = false;
 };
@@ -51,8 +52,8 @@ void add_fit_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--lobes", f.lobe_count, "lobes a texel, 1..8: more are more accurate, larger and slower")
       ->capture_default_str();
   bake.add_flag_callback(
-      "--fast", [&f] { make_fast(f); },
-      "fewer evaluations at nearly the same error: --coarse-normals condensed, 20 iterations at most");
+      "--reference", [&f] { make_reference(f); },
+      "every normal at every level, 30 iterations, none cut short: what the defaults are measured against, slower");
   bake.add_option_function<int>(
           "--iterations", [&f](int count) { f.iteration_count = f.iteration_count_coarse = count; },
           "EM iterations a texel, at most")
@@ -86,6 +87,16 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--device", o.device, "OpenCL device: a number of `multum devices` or part of a name");
   bake.add_flag("--scalar", o.job.fitting.force_scalar,
                 "run the kernels' scalar variant, as GPUs do: same bytes, slower on CPUs");
+  bake.add_option(
+          "--memory", o.job.memory_bytes,
+          "resident memory to stay within, as 800M or 2G: larger maps are baked in bands of rows, with the same "
+          "result (default: a quarter of the machine's)")
+      ->transform(CLI::AsSizeValue(false));
+  bake.add_option("--scratch", o.job.scratch_folder, "folder for what does not fit in memory (default: the output's)");
+  bake.add_flag("--resume", o.job.resume, "go on from what a killed bake of the same output left beside it");
+  bake.add_option("--region", o.region,
+                  "x,y,width,height: only this part of the map was edited; fit it again and keep the rest of --onto");
+  bake.add_option("--onto", o.job.onto, "the file that was baked before the edit; may be the output");
   bake.add_flag("--force", o.job.force, "bake even if the output is from the same file with the same settings");
   bake.add_flag("--no-measure", o.no_measure, "skip measuring the error of what is written");
   bake.add_flag("--runstats", o.run_stats, "print times, launches and numerical events");
@@ -93,6 +104,15 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
 
 WrapMode wrap_or(const std::string& name, WrapMode fallback) {
   return name.empty() ? fallback : *parse_wrap_mode(name);
+}
+
+std::optional<MapRegion> parse_region(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  MapRegion region;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d,%d,%d,%d%c", &region.x, &region.y, &region.width, &region.height, &rest) != 4)
+    throw Error(ErrorCode::kUsage, "--region is '" + text + "', expected x,y,width,height in texels, as 0,256,128,64");
+  return region;
 }
 
 BakeReport bake_with_progress(const BakeJob& job, const BakeOptions& o, Device& device) {
@@ -109,6 +129,10 @@ void print_report(const BakeJob& job, const BakeOptions& o, const BakeReport& re
   }
   std::printf("%s: written\n%s", job.output.c_str(), report.to_text().c_str());
   if (!o.run_stats && !o.common.verbose) return;
+  if (report.rows_resumed > 0)
+    std::printf("%llu rows of levels were there from a bake that was killed\n",
+                static_cast<unsigned long long>(report.rows_resumed));
+  std::printf("%s", report.plan.c_str());
   for (const LevelReport& level : report.levels)
     std::printf("level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
                 level.seconds, static_cast<unsigned long long>(level.launches));
@@ -146,6 +170,7 @@ int run_bake(BakeOptions& o) {
   apply(o.reading, job.reading);
   job.threads = job.writing.threads = threads;
   job.measure = !o.no_measure;
+  job.region = parse_region(o.region);
   Device device = Device::open(o.device);
   const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   if (jobs.size() > 1) return bake_several(jobs, o, device);

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/bake_checkpoint.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string folder_of(const std::string& output) {
+  const fs::path path(output);
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  return (folder / (".multum-partial-" + path.filename().string())).string();
+}
+
+void append_line(const std::string& path, const std::string& line) {
+  std::ofstream out(path, std::ios::app);
+  out << line << '\n';
+  if (!out.flush()) throw Error(ErrorCode::kEnvironment, path + ": cannot be written: " + std::strerror(errno));
+}
+
+}  // namespace
+
+BakeCheckpoint::BakeCheckpoint(const std::string& output, const std::string& key, bool resume)
+    : folder_(folder_of(output)) {
+  if (resume) read_progress(key);
+  std::error_code error;
+  if (found_.empty()) {
+    fs::remove_all(folder_, error);
+    fs::create_directory(folder_, error);
+    if (error) throw Error(ErrorCode::kEnvironment, folder_ + ": cannot be made: " + error.message());
+    append_line(folder_ + "/progress", key);
+  }
+}
+
+BakeCheckpoint::~BakeCheckpoint() {
+  std::error_code ignored;
+  if (!stays_) fs::remove_all(folder_, ignored);
+}
+
+void BakeCheckpoint::read_progress(const std::string& key) {
+  std::ifstream in(folder_ + "/progress");
+  std::string line;
+  if (!std::getline(in, line) || line != key) return;
+  while (std::getline(in, line)) {
+    std::istringstream words(line);
+    int level = 0;
+    Block block{0, 0, ""};
+    if (!(words >> level >> block.first_row >> block.row_count >> block.hash) || block.hash.size() != 64) return;
+    found_[level].push_back(block);
+  }
+}
+
+std::string BakeCheckpoint::block_hash(const Level& level, int first_row, int row_count) {
+  ContentHash hash;
+  const auto add = [&](const RowStore& store) {
+    std::vector<unsigned char> bytes(store.row_bytes() * static_cast<std::size_t>(row_count));
+    store.read(first_row, row_count, bytes.data());
+    hash.update(bytes.data(), bytes.size());
+  };
+  add(level.lobes);
+  if (level.colours) add(*level.colours);
+  return hash.finish();
+}
+
+BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std::size_t lobe_row_bytes,
+                                                  std::size_t colour_row_bytes) {
+  const std::string name = "level-" + std::to_string(level);
+  Level& opened =
+      levels_.try_emplace(level, Level{RowStore(row_count, lobe_row_bytes, folder_, name + ".lobes"), {}, 0})
+          .first->second;
+  if (colour_row_bytes > 0) opened.colours.emplace(row_count, colour_row_bytes, folder_, name + ".colours");
+  for (const Block& block : found_[level]) {
+    if (block.first_row != opened.rows_done || block.row_count < 1 || block.row_count > row_count - block.first_row)
+      break;
+    try {
+      if (block_hash(opened, block.first_row, block.row_count) != block.hash) break;
+    } catch (const Error&) {
+      break;  // the file ends before the block does
+    }
+    opened.rows_done += block.row_count;
+  }
+  rows_resumed_ += static_cast<std::uint64_t>(opened.rows_done);
+  return opened;
+}
+
+void BakeCheckpoint::record(int level, int row_count) {
+  Level& done = levels_.at(level);
+  append_line(folder_ + "/progress", std::to_string(level) + " " + std::to_string(done.rows_done) + " " +
+                                         std::to_string(row_count) + " " + block_hash(done, done.rows_done, row_count));
+  done.rows_done += row_count;
+}
+
+}  // namespace multum

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bake that is killed leaves for the next: the rows of lobes that were done, in a hidden folder beside the
+// output.
+//
+//   .multum-partial-NAME/
+//     progress          what bake it is, then a line for each block of rows: level, first row, rows, SHA-256
+//     level-5.lobes     rows [lobe][column], level-5.colours with colours
+//
+// A block counts when its line is whole and its bytes have that hash: a machine that lost power loses blocks, not
+// trust.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "host/bake/row_store.h"
+
+namespace multum {
+
+class BakeCheckpoint {
+ public:
+  /// Of the bake of `output` that `key` (sources, settings, sizes: everything that its rows depend on) stands for. What
+  /// is there of the same bake is kept when `resume`, anything else goes. Throws Error(kEnvironment).
+  BakeCheckpoint(const std::string& output, const std::string& key, bool resume);
+  /// Nothing stays, unless leave() was called.
+  ~BakeCheckpoint();
+  BakeCheckpoint(const BakeCheckpoint&) = delete;
+  BakeCheckpoint& operator=(const BakeCheckpoint&) = delete;
+
+  /// Where a level's rows are kept; made on the first call, sizes must be those of the bake that was killed.
+  struct Level {
+    RowStore lobes;
+    std::optional<RowStore> colours;
+    int rows_done = 0;  // from row 0
+  };
+  /// `colour_row_bytes` 0: no colours.
+  Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t colour_row_bytes);
+  /// After rows [level.rows_done, + row_count) have been written to its stores.
+  void record(int level, int row_count);
+
+  /// The folder stays when this is destroyed: the bake was stopped and may go on.
+  void leave() { stays_ = true; }
+  /// Texels' rows that were there of an earlier bake.
+  std::uint64_t rows_resumed() const { return rows_resumed_; }
+
+ private:
+  struct Block {
+    int first_row, row_count;
+    std::string hash;
+  };
+  void read_progress(const std::string& key);
+  static std::string block_hash(const Level& level, int first_row, int row_count);
+
+  std::string folder_;
+  std::map<int, std::vector<Block>> found_;  // by level, in order
+  std::map<int, Level> levels_;
+  std::uint64_t rows_resumed_ = 0;
+  bool stays_ = false;
+};
+
+}  // namespace multum

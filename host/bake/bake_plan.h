@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a bake fits into memory: in which bands of rows each level is fitted, and what stays in memory between levels.
+// The plan changes no byte of the result.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "host/bake/mip_schedule.h"
+#include "host/bake/movmf_level_fit.h"
+#include "host/bake/row_store.h"
+
+namespace multum {
+
+struct BakePlan {
+  std::uint64_t memory_bytes = 0;  // what the windows and buffers of a level may take
+  std::map<int, BandPlan> levels;  // by level, of those that are fitted
+  int condense_rows = 1;           // of the map, a band while coarse texels are condensed
+  StorePlace place;                // of what one level leaves for the next
+
+  /// For people: a line each for the whole and for every level.
+  std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours) const;
+};
+
+/// Memory that windows use when they may: larger bands are no faster.
+constexpr std::uint64_t kUsefulWindowBytes = std::uint64_t{64} << 20;
+
+/// Throws Error(kUsage) naming --memory when not even a row of some level fits.
+BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours,
+                        std::uint64_t memory_bytes, const StorePlace& place);
+
+}  // namespace multum

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/movmf_condense.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "host/bake/row_window.h"
+
+namespace multum {
+namespace {
+
+constexpr int kChunkColumns = 256;  // about, of a work-item that fills cells
+
+constexpr std::size_t kCellBytes = std::size_t{MULTUM_CELL_COUNT} * MULTUM_CELL_SUMS * sizeof(std::int64_t);
+constexpr std::size_t kAxisBytes = std::size_t{2} * MULTUM_AXIS_FLOATS * sizeof(float);
+constexpr std::size_t kProbeBytes = std::size_t{2} * MULTUM_PROBE_COUNT * sizeof(float);
+constexpr std::size_t kSampleBytes = std::size_t{MULTUM_CONDENSED_FLOATS} * sizeof(float);
+
+// Rows of texels that a band of so many rows of the map can meet.
+int rows_met(const MultumMovmfFit& fit, int band_rows) {
+  return std::min(fit.height, (band_rows + fit.sample_rows - 1) / std::max(1, fit.sample_rows - 1) + 1);
+}
+
+int chunk_count_of(const MultumMovmfFit& fit) { return (fit.sample_columns + kChunkColumns - 1) / kChunkColumns; }
+
+// One level while the map passes: buffers for the rows of texels that the band meets, row y in slot y % slots.
+class LevelCondenser {
+ public:
+  LevelCondenser(Device& device, const LevelSchedule& level, bool weighted, int band_rows, bool has_colours,
+                 const StorePlace& place)
+      : device_(device),
+        fit_(level.fit),
+        width_(static_cast<std::size_t>(level.fit.width)),
+        chunk_count_(chunk_count_of(level.fit)),
+        axes_(level.fit.height, width_ * kAxisBytes, place),
+        result_{RowStore(level.fit.height, width_ * kSampleBytes, place),
+                RowStore(level.fit.height, width_ * sizeof(int), place), std::nullopt},
+        slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
+        host_(width_ * kSampleBytes) {
+    const KernelVariant variant{1, 1, weighted};
+    const auto kernel = [&](const char* name) { return device.kernel("movmf_condense", name, variant); };
+    probe_kernel_ = kernel("movmf_condense_probe");
+    axes_kernel_ = kernel("movmf_condense_axes");
+    cells_kernel_ = kernel("movmf_condense_cells");
+    means_kernel_ = kernel("movmf_condense_means");
+    if (has_colours) result_.colours.emplace(level.fit.height, width_ * kSampleBytes, place);
+    samples_ = device.make_buffer(width_ * kSampleBytes, "condensed normals");
+    counts_ = device.make_buffer(width_ * sizeof(int), "numbers of condensed normals");
+    for (Slot& slot : slots_) {
+      slot.axes = device.make_buffer(width_ * kAxisBytes, "axes of cells");
+      slot.probes = device.make_buffer(width_ * kProbeBytes, "probes of normals");
+    }
+  }
+
+  // The first pass: normals that axes are made from, of the rows that `normals` holds.
+  void probe(const MapWindow& normals) {
+    for_each_row(normals, [&](int y, Slot& slot, bool, bool ends) {
+      probe_kernel_.launch({width_ * MULTUM_PROBE_SIDE}, normals[0], normals[1], normals[2], slot.probes, fit_, y);
+      if (!ends) return;
+      axes_kernel_.launch({2 * width_}, slot.probes, slot.axes, fit_, y);
+      device_.read(slot.axes, host_.data(), width_ * kAxisBytes);
+      axes_.write(y, 1, host_.data());
+    });
+  }
+
+  // Between the passes: probes are done with.
+  void begin_cells() {
+    for (Slot& slot : slots_) {
+      slot.probes = DeviceBuffer();
+      slot.cells = make_cells();
+      if (result_.colours) slot.colour_cells = make_cells();
+    }
+  }
+
+  // The second pass: cells; `albedo` is null or holds the same rows.
+  void add(const MapWindow& normals, const MapWindow* albedo) {
+    for_each_row(normals, [&](int y, Slot& slot, bool begins, bool ends) {
+      if (begins) {
+        axes_.read(y, 1, host_.data());
+        device_.write(slot.axes, host_.data(), width_ * kAxisBytes);
+        device_.fill_zero(slot.cells);
+        if (albedo != nullptr) device_.fill_zero(slot.colour_cells);
+      }
+      add_to(slot.cells, slot, y, normals, normals);
+      if (albedo != nullptr) add_to(slot.colour_cells, slot, y, normals, *albedo);
+      if (!ends) return;
+      store_means(slot.cells, y, result_.samples);
+      if (albedo != nullptr) store_means(slot.colour_cells, y, *result_.colours);
+    });
+  }
+
+  CondensedLevel take() { return std::move(result_); }
+
+ private:
+  struct Slot {
+    DeviceBuffer probes, axes, cells, colour_cells;
+  };
+
+  DeviceBuffer make_cells() {
+    return device_.make_buffer(width_ * static_cast<std::size_t>(chunk_count_) * kCellBytes, "cells of normals");
+  }
+
+  // Calls body(y, slot, begins, ends) for each row of texels that rows of the window belong to: do its first, its last?
+  template <typename Body>
+  void for_each_row(const MapWindow& normals, const Body& body) {
+    const int first = normals.first_row(), end = first + normals.row_count();
+    fit_.map_first_row = first;
+    fit_.map_window_rows = normals.row_count();
+    int y = static_cast<int>(std::int64_t{first} * fit_.height / fit_.map_height);
+    for (; y < fit_.height && first_covered_row(fit_, y) < end; ++y) {
+      // Before rounding was a fraction of a row: a texel whose last row lies above the band is done.
+      if (last_covered_row(fit_, y) <= first) continue;
+      body(y, slots_[static_cast<std::size_t>(y) % slots_.size()], first_covered_row(fit_, y) >= first,
+           last_covered_row(fit_, y) <= end);
+    }
+  }
+
+  void add_to(DeviceBuffer& cells, const Slot& slot, int y, const MapWindow& normals, const MapWindow& values) {
+    cells_kernel_.launch({width_ * static_cast<std::size_t>(chunk_count_)}, normals[0], normals[1], normals[2],
+                         values[0], values[1], values[2], slot.axes, cells, fit_, y, chunk_count_);
+  }
+
+  void store_means(const DeviceBuffer& cells, int y, RowStore& to) {
+    means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_);
+    device_.read(samples_, host_.data(), width_ * kSampleBytes);
+    to.write(y, 1, host_.data());
+    device_.read(counts_, host_.data(), width_ * sizeof(int));
+    result_.counts.write(y, 1, host_.data());
+  }
+
+  Device& device_;
+  MultumMovmfFit fit_;
+  const std::size_t width_;
+  const int chunk_count_;
+  RowStore axes_;
+  CondensedLevel result_;
+  std::vector<Slot> slots_;
+  std::vector<unsigned char> host_;
+  Kernel probe_kernel_, axes_kernel_, cells_kernel_, means_kernel_;
+  DeviceBuffer samples_, counts_;
+};
+
+}  // namespace
+
+std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
+                                              const MipSchedule& schedule, int band_rows, const StorePlace& place,
+                                              Progress* progress) {
+  std::map<int, LevelCondenser> levels;
+  for (const LevelSchedule& level : schedule.levels)
+    if (level.method == FitMethod::kCondensed)
+      levels.try_emplace(level.level, device, level, schedule.weighted, band_rows, albedo != nullptr, place);
+  std::map<int, CondensedLevel> condensed;
+  if (levels.empty()) return condensed;
+
+  band_rows = std::min(band_rows, normals.height());
+  MapWindow window(device, normals, band_rows, "a band of normals");
+  std::optional<MapWindow> colours;
+  if (albedo != nullptr) colours.emplace(device, *albedo, band_rows, "a band of colours");
+  const auto for_each_band = [&](const auto& body) {
+    for (int row = 0; row < normals.height(); row += band_rows) {
+      window.move_to(row, std::min(band_rows, normals.height() - row));
+      body();
+      device.finish();
+      progress_advance(progress, 0);  // a chance to cancel
+    }
+    window.move_to(0, 0);
+  };
+  for_each_band([&] {
+    for (auto& entry : levels) entry.second.probe(window);
+  });
+  for (auto& entry : levels) entry.second.begin_cells();
+  for_each_band([&] {
+    if (colours) colours->move_to(window.first_row(), window.row_count());
+    for (auto& entry : levels) entry.second.add(window, colours ? &*colours : nullptr);
+  });
+  for (auto& entry : levels) condensed.try_emplace(entry.first, entry.second.take());
+  return condensed;
+}
+
+std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, bool has_colours) {
+  std::uint64_t bytes = 0;
+  for (const LevelSchedule& level : schedule.levels) {
+    if (level.method != FitMethod::kCondensed) continue;
+    const MultumMovmfFit& fit = level.fit;
+    const std::uint64_t cells = static_cast<std::uint64_t>(chunk_count_of(fit)) * kCellBytes * (has_colours ? 2 : 1);
+    bytes += static_cast<std::uint64_t>(fit.width) *
+             (static_cast<std::uint64_t>(rows_met(fit, band_rows)) * (cells + kAxisBytes) + 2 * kSampleBytes);
+  }
+  const int map_width = schedule.levels.empty() ? 0 : schedule.levels[0].fit.map_width;
+  return bytes + static_cast<std::uint64_t>(band_rows) * static_cast<std::uint64_t>(map_width) * sizeof(float) *
+                     (has_colours ? 6 : 3);
+}
+
+}  // namespace multum

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Condenses the normals (and colours) of coarse texels while the map streams by, all levels in two passes: one for the
+// axes of their grids, one for their cells (kernels/movmf_condense.cl; docs/ALGORITHMS.md, "Condensed normals").
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "host/bake/mip_schedule.h"
+#include "host/bake/row_store.h"
+#include "host/base/progress.h"
+#include "host/image/plane_store.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+/// The samples of one level's texels by rows: MULTUM_CONDENSED_FLOATS floats a texel, of which the first so many
+/// samples hold any, and how many. Colours go with the same samples.
+struct CondensedLevel {
+  RowStore samples;
+  RowStore counts;  // an int a texel
+  std::optional<RowStore> colours;
+};
+
+/// By level: those of `schedule` whose method is kCondensed. `albedo` may be null. The map passes in bands of at most
+/// `band_rows` rows, which change nothing in the result. Throws Cancelled.
+std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
+                                              const MipSchedule& schedule, int band_rows, const StorePlace& place,
+                                              Progress* progress);
+
+/// Bytes of the buffers of condense_levels(), about.
+std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, bool has_colours);
+
+}  // namespace multum

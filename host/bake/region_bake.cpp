@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/region_bake.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "host/base/error.h"
+#include "kernels/shared/vmf_lobe.h"
+
+namespace multum {
+namespace {
+
+void check_same(const std::string& path, const char* what, const std::string& found, const std::string& expected) {
+  if (found != expected)
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found {} {}, expected {} as this bake makes it", path, what, found, expected));
+}
+
+std::string size_text(const MovmfMipmap& m) { return fmt::format("{} x {}", m.width(), m.height()); }
+
+void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipmap& header) {
+  check_same(path, "a map of", size_text(old), size_text(header));
+  check_same(path, "lobes:", std::to_string(old.lobe_count()), std::to_string(header.lobe_count()));
+  check_same(path, "encoding", storage_encoding_name(old.encoding), storage_encoding_name(header.encoding));
+  check_same(path, "first level", std::to_string(old.first_level), std::to_string(header.first_level));
+  check_same(path, "colours:", old.has_colours() ? "yes" : "no", header.has_colours() ? "yes" : "no");
+  check_same(path, "wrap mode", wrap_mode_name(old.wrap_s), wrap_mode_name(header.wrap_s));
+  check_same(path, "wrap mode", wrap_mode_name(old.wrap_t), wrap_mode_name(header.wrap_t));
+}
+
+void check_region(const MapRegion& region, const MovmfMipmap& header) {
+  if (region.x < 0 || region.y < 0 || region.width < 1 || region.height < 1 ||
+      region.width > header.width() - region.x || region.height > header.height() - region.y)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--region {},{},{},{} is not in the map, expected x,y,width,height inside {} x {}",
+                            region.x, region.y, region.width, region.height, header.width(), header.height()));
+}
+
+// Texels of a level along an axis that [first, first + count) of the map's touches, and the halo.
+std::pair<int, int> touched(int first, int count, int map_size, int level_size) {
+  const auto texel = [&](std::int64_t map_texel) { return map_texel * level_size; };
+  const int begin = static_cast<int>(texel(first) / map_size);
+  const int end = static_cast<int>((texel(std::int64_t{first} + count) + map_size - 1) / map_size);
+  return {std::max(0, begin - kRegionHalo), std::min(level_size, end + kRegionHalo)};
+}
+
+template <typename Value>
+void copy_columns(const std::vector<Value>& from, std::vector<Value>& to, int width, int rows, int x0, int x1) {
+  for (std::ptrdiff_t y = 0; y < rows; ++y)
+    std::copy(from.begin() + y * width + x0, from.begin() + y * width + x1, to.begin() + y * width + x0);
+}
+
+}  // namespace
+
+RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, MovmfWriter& writer,
+                       AccuracyMeter* meter, const StorePlace& place, int threads, BakeReport& report)
+    : old_path_(old),
+      old_(old),
+      header_(header),
+      region_(region),
+      writer_(writer),
+      meter_(meter),
+      place_(place),
+      threads_(threads),
+      report_(report),
+      next_row_(header.levels.size(), 0) {
+  check_old(old, old_.header(), header);
+  check_region(region, header);
+}
+
+TexelRange RegionBake::range(int level) const {
+  const MovmfLevel& size = header_.levels[static_cast<std::size_t>(level)];
+  const auto [x0, x1] = touched(region_.x, region_.width, header_.width(), size.width);
+  const auto [y0, y1] = touched(region_.y, region_.height, header_.height(), size.height);
+  return {x0, y0, x1, y1};
+}
+
+RowStore RegionBake::kept(int level) const {
+  const MovmfLevel& size = header_.levels[static_cast<std::size_t>(level)];
+  const auto width = static_cast<std::size_t>(size.width);
+  const std::size_t lobes = size.lobes.size();
+  RowStore store(size.height, lobes * width * sizeof(MultumVmfLobe), place_);
+  std::vector<MultumVmfLobe> rows;
+  for (int first = 0; first < size.height; first += old_.tile_size()) {
+    const MovmfLevel stored = old_.read_level(level, first, std::min(old_.tile_size(), size.height - first));
+    rows.resize(static_cast<std::size_t>(stored.height) * lobes * width);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(stored.height); ++y)
+      for (std::size_t j = 0; j < lobes; ++j)
+        for (std::size_t x = 0; x < width; ++x) {
+          const glm::vec4 v = stored.lobes[j][y * width + x];
+          const float inverse = v.w > 0.0f ? 1.0f / v.w : 0.0f;
+          rows[(y * lobes + j) * width + x] = {v.x * inverse, v.y * inverse, v.z * inverse, v.w};
+        }
+    store.write(first, stored.height, rows.data());
+  }
+  return store;
+}
+
+void RegionBake::write_level(int level, int first_row, MovmfLevel rows) {
+  next_row_[static_cast<std::size_t>(level)] = first_row + rows.height;
+  if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
+  writer_.write_level(level, first_row, std::move(rows));
+}
+
+void RegionBake::write_finest(int first_row, MovmfFinest rows) {
+  next_row_[0] = first_row + rows.height;
+  if (meter_ != nullptr && meter_->needs_rows(0, first_row, rows.height))
+    meter_->add_rows(0, first_row, expand(rows, header_.lobe_count()));
+  writer_.write_finest(first_row, std::move(rows));
+}
+
+void RegionBake::copy_level_until(int level, int row) {
+  for (int& next = next_row_[static_cast<std::size_t>(level)]; next < row;) {
+    const int count = std::min(row, next + old_.tile_size() - next % old_.tile_size()) - next;
+    write_level(level, next, old_.read_level(level, next, count));
+  }
+}
+
+void RegionBake::copy_finest_until(int row) {
+  while (next_row_[0] < row) {
+    const int next = next_row_[0];
+    const int count = std::min(row, next + old_.tile_size() - next % old_.tile_size()) - next;
+    write_finest(next, old_.read_finest(next, count));
+  }
+}
+
+void RegionBake::add_level(int level, int first_row, MovmfLevel rows) {
+  copy_level_until(level, first_row);
+  const SharpLobes sharp = count_sharp_lobes(rows, header_.encoding, threads_);
+  report_.beyond_storage += sharp.count;
+  report_.beyond_storage_amplitude += sharp.amplitude;
+  quantize_movmf(rows, header_.encoding, threads_);
+  MovmfLevel merged = old_.read_level(level, first_row, rows.height);
+  const TexelRange where = range(level);
+  for (std::size_t j = 0; j < rows.lobes.size(); ++j)
+    copy_columns(rows.lobes[j], merged.lobes[j], rows.width, rows.height, where.x0, where.x1);
+  for (std::size_t j = 0; j < rows.colours.size(); ++j)
+    copy_columns(rows.colours[j], merged.colours[j], rows.width, rows.height, where.x0, where.x1);
+  write_level(level, first_row, std::move(merged));
+}
+
+void RegionBake::add_finest(int first_row, MovmfFinest rows) {
+  copy_finest_until(first_row);
+  quantize_movmf(rows, header_.encoding, threads_);
+  MovmfFinest merged = old_.read_finest(first_row, rows.height);
+  // What the parents that were fitted again cover: their lobes may have changed places.
+  TexelRange where = header_.levels.size() > 1 ? range(1) : range(0);
+  const bool to_the_end = header_.levels.size() == 1 || where.x1 == header_.levels[1].width;
+  const int x0 = header_.levels.size() > 1 ? 2 * where.x0 : 0, x1 = to_the_end ? header_.width() : 2 * where.x1;
+  copy_columns(rows.normals, merged.normals, rows.width, rows.height, x0, x1);
+  copy_columns(rows.lobe, merged.lobe, rows.width, rows.height, x0, x1);
+  if (!rows.colours.empty()) copy_columns(rows.colours, merged.colours, rows.width, rows.height, x0, x1);
+  write_finest(first_row, std::move(merged));
+}
+
+void RegionBake::finish() {
+  for (int level = std::max(1, header_.first_level); level < static_cast<int>(header_.levels.size()); ++level)
+    copy_level_until(level, header_.levels[static_cast<std::size_t>(level)].height);
+  if (header_.first_level == 0) copy_finest_until(header_.height());
+}
+
+}  // namespace multum

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/row_store.h"
+
+#include <cstring>
+
+#include "host/base/error.h"
+
+namespace multum {
+
+RowStore::RowStore(int row_count, std::size_t row_bytes, const StorePlace& place)
+    : row_count_(row_count), row_bytes_(row_bytes) {
+  const std::size_t bytes = static_cast<std::size_t>(row_count) * row_bytes;
+  if (bytes <= place.bytes_in_memory) memory_.resize(bytes);
+  else file_.emplace(place.folder);
+}
+
+RowStore::RowStore(int row_count, std::size_t row_bytes, const std::string& folder, const std::string& name)
+    : row_count_(row_count), row_bytes_(row_bytes), file_(ScratchFile(folder, name)) {}
+
+std::size_t RowStore::range_begin(int first_row, int row_count) const {
+  MULTUM_CHECK(first_row >= 0 && row_count >= 0 && row_count <= row_count_ - first_row);
+  return static_cast<std::size_t>(first_row) * row_bytes_;
+}
+
+void RowStore::write(int first_row, int row_count, const void* rows) {
+  const std::size_t begin = range_begin(first_row, row_count), bytes = static_cast<std::size_t>(row_count) * row_bytes_;
+  if (file_) file_->write(begin, rows, bytes);
+  else if (bytes > 0) std::memcpy(memory_.data() + begin, rows, bytes);
+}
+
+void RowStore::read(int first_row, int row_count, void* rows) const {
+  const std::size_t begin = range_begin(first_row, row_count), bytes = static_cast<std::size_t>(row_count) * row_bytes_;
+  if (file_) file_->read(begin, rows, bytes);
+  else if (bytes > 0) std::memcpy(rows, memory_.data() + begin, bytes);
+}
+
+}  // namespace multum

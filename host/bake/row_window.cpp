@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/row_window.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "host/base/error.h"
+#include "kernels/shared/movmf_fit.h"
+
+namespace multum {
+
+void for_each_piece(int first_row, int row_count, int size,
+                    const std::function<void(int first, int count, int at)>& body) {
+  for (int at = 0; at < row_count;) {
+    const int first = wrapped_row(first_row + at, size);
+    const int count = std::min(row_count - at, size - first);
+    body(first, count, at);
+    at += count;
+  }
+}
+
+RowWindow::RowWindow(Device& device, int plane_count, std::size_t row_bytes, int capacity_rows, const std::string& what)
+    : device_(&device),
+      plane_count_(plane_count),
+      row_bytes_(row_bytes),
+      capacity_rows_(capacity_rows),
+      buffer_(device.make_buffer(
+          static_cast<std::size_t>(plane_count) * static_cast<std::size_t>(capacity_rows) * row_bytes +
+              MULTUM_GROUP * sizeof(float),
+          what)) {
+  device.fill_zero(buffer_);
+}
+
+void RowWindow::move_to(int first_row, int row_count, const Fill& fill) {
+  MULTUM_CHECK(row_count <= capacity_rows_);
+  // Rows [kept_begin, kept_end) are in both windows.
+  const int kept_begin = std::max(first_row, first_row_),
+            kept_end = std::max(kept_begin, std::min(first_row + row_count, first_row_ + row_count_));
+  MULTUM_CHECK(row_count_ == 0 || first_row >= first_row_ || kept_end == kept_begin);  // windows slide down
+  if (first_row == first_row_ && kept_end == first_row + row_count) {
+    row_count_ = row_count;
+    return;
+  }
+  device_->visit(buffer_, [&](void* bytes) {
+    const std::size_t plane_bytes = static_cast<std::size_t>(capacity_rows_) * row_bytes_;
+    std::vector<unsigned char*> planes;
+    for (std::size_t p = 0; p < static_cast<std::size_t>(plane_count_); ++p)
+      planes.push_back(static_cast<unsigned char*>(bytes) + p * plane_bytes);
+    const auto place = [&](unsigned char* plane, int row, int base) {
+      return plane + static_cast<std::size_t>(row - base) * row_bytes_;
+    };
+    if (kept_end > kept_begin && first_row != first_row_)
+      for (unsigned char* plane : planes)
+        std::memmove(place(plane, kept_begin, first_row), place(plane, kept_begin, first_row_),
+                     static_cast<std::size_t>(kept_end - kept_begin) * row_bytes_);
+    if (!fill) return;
+    const auto fill_rows = [&](int begin, int end) {
+      if (begin >= end) return;
+      std::vector<unsigned char*> to;
+      for (unsigned char* plane : planes) to.push_back(place(plane, begin, first_row));
+      fill(begin, end - begin, to);
+    };
+    if (kept_end == kept_begin) {
+      fill_rows(first_row, first_row + row_count);
+    } else {
+      fill_rows(first_row, kept_begin);
+      fill_rows(kept_end, first_row + row_count);
+    }
+  });
+  first_row_ = first_row;
+  row_count_ = row_count;
+}
+
+void RowWindow::copy_rows(int first_row, int count, void* rows) const {
+  MULTUM_CHECK(first_row >= first_row_ && first_row + count <= first_row_ + row_count_);
+  const auto plane_count = static_cast<std::size_t>(plane_count_);
+  device_->visit(buffer_, [&](void* bytes) {
+    auto* to = static_cast<unsigned char*>(rows);
+    for (int row = first_row; row < first_row + count; ++row)
+      for (std::size_t p = 0; p < plane_count; ++p, to += row_bytes_) {
+        const std::size_t at =
+            p * static_cast<std::size_t>(capacity_rows_) + static_cast<std::size_t>(row - first_row_);
+        std::memcpy(to, static_cast<unsigned char*>(bytes) + at * row_bytes_, row_bytes_);
+      }
+  });
+}
+
+RowWindow::Fill fill_planes(const RowStore& store) {
+  return [&store](int row, int count, const std::vector<unsigned char*>& planes) {
+    const std::size_t plane_bytes = store.row_bytes() / planes.size();
+    std::vector<unsigned char> rows;
+    for_each_piece(row, count, store.row_count(), [&](int first, int piece, int at) {
+      const std::size_t to = static_cast<std::size_t>(at) * plane_bytes;
+      if (planes.size() == 1) {
+        store.read(first, piece, planes[0] + to);
+        return;
+      }
+      rows.resize(static_cast<std::size_t>(piece) * store.row_bytes());
+      store.read(first, piece, rows.data());
+      for (std::size_t r = 0; r < static_cast<std::size_t>(piece); ++r)
+        for (std::size_t p = 0; p < planes.size(); ++p)
+          std::memcpy(planes[p] + to + r * plane_bytes, rows.data() + (r * planes.size() + p) * plane_bytes,
+                      plane_bytes);
+    });
+  };
+}
+
+MapWindow::MapWindow(Device& device, const PlaneStore& store, int capacity_rows, const std::string& what)
+    : store_(&store) {
+  for (int p = 0; p < 3; ++p)
+    planes_.emplace_back(device, 1, static_cast<std::size_t>(store.width()) * sizeof(float), capacity_rows, what);
+}
+
+void MapWindow::move_to(int first_row, int row_count) {
+  const auto width = static_cast<std::size_t>(store_->width());
+  for (int p = 0; p < 3; ++p)
+    planes_[static_cast<std::size_t>(p)].move_to(
+        first_row, row_count, [&](int row, int count, const std::vector<unsigned char*>& to) {
+          for_each_piece(row, count, store_->height(), [&](int first, int piece, int at) {
+            store_->read_rows(p, first, piece, reinterpret_cast<float*>(to[0]) + static_cast<std::size_t>(at) * width);
+          });
+        });
+}
+
+}  // namespace multum

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/base/machine.h"
+
+#include <unistd.h>
+
+namespace multum {
+
+std::uint64_t machine_memory_bytes() {
+  return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace multum

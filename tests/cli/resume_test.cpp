@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes that go on: after a kill, with --resume, and after an edit, with --region and --onto.
+#include <signal.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host/asset/movmf_mipmap.h"
+
+#include "host/image/normal_map.h"
+#include "host/image/png_writer.h"
+#include "tests/cli/program.h"
+
+namespace multum::testing {
+namespace {
+
+class ResumeTest : public CliTest {
+ protected:
+  std::vector<std::string> command(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments = {"bake",   path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure",
+                                          "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return multum_command(arguments);
+  }
+  std::string partial() const { return path(".multum-partial-map.ndf.exr"); }
+  // Blocks of rows that are done.
+  int blocks_done() const {
+    std::ifstream in(partial() + "/progress");
+    int lines = -1;  // the first says what bake it is
+    for (std::string line; std::getline(in, line);) ++lines;
+    return lines;
+  }
+  // Kills a bake when it has done some rows of the finest level that it fits.
+  void kill_a_bake(const std::vector<std::string>& more) const {
+    Program bake(command(more));
+    const std::string finest = partial() + "/level-1.lobes";
+    while (bake.running() && !std::filesystem::exists(finest))
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    bake.send(SIGKILL);
+    ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake was quicker than the kill";
+    ASSERT_GT(blocks_done(), 0);
+  }
+  std::uint64_t rows_resumed() const {
+    std::ifstream in(path("report.json"));
+    return nlohmann::json::parse(in).at("rows_resumed").get<std::uint64_t>();
+  }
+  std::string content_hash() const { return read_movmf_header(path("map.ndf.exr")).provenance.content_hash; }
+};
+
+TEST_F(ResumeTest, AKilledBakeGoesOnFromItsFinishedRows) {
+  make_map("map", 512);
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{}, {"--albedo", path("map_albedo.png"), "--lobes", "2"}, {"--first-level", "1"}}) {
+    ASSERT_EQ(run_program(command(options)).exit_code, 0);
+    const std::string whole = content_hash();
+    std::filesystem::remove(path("map.ndf.exr"));
+    kill_a_bake(options);
+    EXPECT_FALSE(std::filesystem::exists(path("map.ndf.exr")));
+    std::vector<std::string> again = options;
+    again.insert(again.end(), {"--resume", "--report", path("report.json")});
+    const ProgramResult resumed = run_program(command(again));
+    ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_GT(rows_resumed(), 100u);
+    EXPECT_EQ(content_hash(), whole) << "pixels differ from those of a bake that was not killed";
+    EXPECT_FALSE(std::filesystem::exists(partial()));
+    std::filesystem::remove(path("map.ndf.exr"));
+  }
+}
+
+TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
+  make_map("map", 512);
+  ASSERT_EQ(run_program(command({})).exit_code, 0);
+  const std::string whole = content_hash();
+  std::filesystem::remove(path("map.ndf.exr"));
+  kill_a_bake({});
+  {
+    std::fstream level(partial() + "/level-2.lobes", std::ios::in | std::ios::out | std::ios::binary);
+    level.seekp(100000);
+    level << "no lobes";
+  }
+  std::ofstream(partial() + "/progress", std::ios::app) << "1 0 half a li";
+  ASSERT_EQ(run_program(command({"--resume"})).exit_code, 0);
+  EXPECT_EQ(content_hash(), whole);
+}
+
+TEST_F(ResumeTest, WhatAnotherBakeLeftIsNotTaken) {
+  make_map("map", 512);
+  kill_a_bake({"--lobes", "3"});
+  ASSERT_EQ(run_program(command({"--resume", "--report", path("report.json")})).exit_code, 0);
+  EXPECT_EQ(rows_resumed(), 0u);
+  EXPECT_FALSE(std::filesystem::exists(partial()));
+}
+
+class RegionTest : public CliTest {
+ protected:
+  // The four-quarter map of 256, and the same with a dome in its noise, around (192, 160).
+  void SetUp() override {
+    make_map("map", kSide);
+    const NormalMap map = read_normal_map(path("map_normal.png"), {}, 1, nullptr);
+    std::vector<std::uint16_t> codes;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const auto i = static_cast<std::size_t>(y * kSide + x);
+        double n[3] = {static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i])};
+        const double dx = (x - 191.5) / 20.0, dy = (y - 159.5) / 20.0;
+        if (dx * dx + dy * dy < 0.9) n[0] = dx, n[1] = -dy, n[2] = std::sqrt(1.0 - dx * dx - dy * dy);
+        for (const double v : n) codes.push_back(static_cast<std::uint16_t>(std::lround((0.5 + 0.5 * v) * 65535.0)));
+      }
+    write_png16(path("edited.png"), kSide, kSide, codes, "Linear");
+    ASSERT_EQ(bake("map_normal.png", "old.ndf.exr", {}).exit_code, 0);
+  }
+  ProgramResult bake(const std::string& map, const std::string& output, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments = {"bake", path(map), "-o",       path(output),          "--green",
+                                          "up",   "--quiet", "--report", path(output + ".json")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return multum(arguments);
+  }
+  // Error over the whole map: the means over points and levels, by BRDF.
+  std::map<std::string, double> errors(const std::string& output) const {
+    std::ifstream in(path(output + ".json"));
+    std::map<std::string, double> sums;
+    for (const auto& row : nlohmann::json::parse(in).at("measured_error"))
+      if (row.at("level").get<int>() > 0) sums[row.at("brdf")] += row.at("relative_l1").get<double>();
+    return sums;
+  }
+
+  static constexpr int kSide = 256;
+  const std::vector<std::string> region_ = {"--region", "172,140,40,40", "--onto", path("old.ndf.exr")};
+};
+
+TEST_F(RegionTest, OnlyTheRegionItsHaloAndItsAncestorsChange) {
+  const ProgramResult result = bake("edited.png", "new.ndf.exr", region_);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const MovmfMipmap old = read_movmf_mipmap(path("old.ndf.exr")), now = read_movmf_mipmap(path("new.ndf.exr"));
+  for (std::size_t l = 0; l < old.levels.size(); ++l) {
+    const MovmfLevel &a = old.levels[l], &b = now.levels[l];
+    const int size = kSide >> l, halo = l == 0 ? 4 : 2;  // of level 0 what level 1's halo covers
+    bool changed = false;
+    for (std::size_t i = 0; i < a.lobes[0].size(); ++i) {
+      bool same = true;
+      for (std::size_t j = 0; j < a.lobes.size(); ++j) same = same && a.lobes[j][i] == b.lobes[j][i];
+      changed = changed || !same;
+      const int x = static_cast<int>(i) % size, y = static_cast<int>(i) / size;
+      const bool inside =
+          x >= (172 >> l) - halo && x <= (211 >> l) + halo && y >= (140 >> l) - halo && y <= (179 >> l) + halo;
+      EXPECT_TRUE(same || inside) << "level " << l << " texel (" << x << ", " << y << ")";
+    }
+    EXPECT_TRUE(changed) << "level " << l;
+  }
+}
+
+// The measure: at most 1 % of its value worse than a full bake.
+TEST_F(RegionTest, IsNearlyAsGoodAsAWholeBake) {
+  ASSERT_EQ(bake("edited.png", "new.ndf.exr", region_).exit_code, 0);
+  ASSERT_EQ(bake("edited.png", "whole.ndf.exr", {}).exit_code, 0);
+  const auto region = errors("new.ndf.exr"), whole = errors("whole.ndf.exr");
+  for (const auto& [brdf, error] : whole) EXPECT_LT(region.at(brdf), 1.01 * error + 1e-4) << brdf;
+}
+
+TEST_F(RegionTest, OntoItselfAndTwiceIsRecognisedAsUnchanged) {
+  ASSERT_EQ(bake("edited.png", "old.ndf.exr", region_).exit_code, 0);
+  const MovmfProvenance from = read_movmf_header(path("old.ndf.exr")).provenance;
+  EXPECT_NE(from.settings.find("\"region\":[172,140,40,40]"), std::string::npos) << from.settings;
+  EXPECT_EQ(from.source_name, "edited.png");
+}
+
+TEST_F(RegionTest, WhatDoesNotFitIsRefused) {
+  const auto refused = [&](const std::vector<std::string>& more, const std::vector<std::string>& parts) {
+    const ProgramResult result = bake("edited.png", "new.ndf.exr", more);
+    EXPECT_NE(result.exit_code, 0);
+    for (const std::string& part : parts) EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(path("new.ndf.exr")));
+  };
+  refused({"--region", "0,0,300,10", "--onto", path("old.ndf.exr")}, {"0,0,300,10", "inside 256 x 256"});
+  refused({"--region", "0,0,8", "--onto", path("old.ndf.exr")}, {"0,0,8", "x,y,width,height"});
+  refused({"--region", "0,0,8,8"}, {"--region and --onto go together"});
+  refused({"--onto", path("old.ndf.exr")}, {"--region and --onto go together"});
+  refused({"--region", "0,0,8,8", "--onto", path("none.ndf.exr")}, {"none.ndf.exr"});
+  refused({"--lobes", "3", "--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"old.ndf.exr", "lobes: 4", "3"});
+  refused({"-d", "half", "--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"old.ndf.exr", "snorm16", "half"});
+}
+
+}  // namespace
+}  // namespace multum::testing
