@@ -23,14 +23,19 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
   const int sample = (int)get_global_id(0);
   if (sample >= sample_count) return;
   __global float* out = values + (size_t)sample * (exponent_count * half_count + light_count);
-  for (int e = 0; e < exponent_count; ++e)
+  for (int e = 0; e < exponent_count; ++e) {
+    BlinnPhongLobe shapes[MULTUM_LOBES];
+    for (int j = 0; j < MULTUM_LOBES; ++j)
+      shapes[j] = blinn_phong_lobe(lobes[(size_t)sample * MULTUM_LOBES + j], exponents[e]);
     for (int d = 0; d < half_count; ++d) {
       float sum = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) {
-        sum += shade_blinn_phong(lobes[(size_t)sample * MULTUM_LOBES + j], half_vectors[d].xyz, exponents[e]);
+        const float distance = one_minus_cosine(lobes[(size_t)sample * MULTUM_LOBES + j], half_vectors[d].xyz);
+        sum += shade_blinn_phong(shapes[j], distance);
       }
       *out++ = sum;
     }
+  }
   for (int d = 0; d < light_count; ++d) {
     float sum = 0.0f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {

@@ -93,10 +93,17 @@ BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std:
   return opened;
 }
 
-void BakeCheckpoint::record(int level, int row_count) {
+void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const void* colours) {
   Level& done = levels_.at(level);
+  ContentHash hash;
+  const auto add = [&](RowStore& store, const void* rows) {
+    store.write(done.rows_done, row_count, rows);
+    hash.update(rows, store.row_bytes() * static_cast<std::size_t>(row_count));
+  };
+  add(done.lobes, lobes);
+  if (done.colours) add(*done.colours, colours);
   append_line(folder_ + "/progress", std::to_string(level) + " " + std::to_string(done.rows_done) + " " +
-                                         std::to_string(row_count) + " " + block_hash(done, done.rows_done, row_count));
+                                         std::to_string(row_count) + " " + hash.finish());
   done.rows_done += row_count;
 }
 

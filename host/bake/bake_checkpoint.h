@@ -37,8 +37,9 @@ class BakeCheckpoint {
   };
   /// `colour_row_bytes` 0: no colours.
   Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t colour_row_bytes);
-  /// After rows [level.rows_done, + row_count) have been written to its stores.
-  void record(int level, int row_count);
+  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them. `colours`: null
+  /// without.
+  void add_rows(int level, int row_count, const void* lobes, const void* colours);
 
   /// The folder stays when this is destroyed: the bake was stopped and may go on.
   void leave() { stays_ = true; }

@@ -14,14 +14,15 @@ enum class CoarseNormals { kCondensed, kAll };
 
 struct MovmfSettings {
   int lobe_count = 4;        // 1..8
-  int iteration_count = 10;  // EM iterations a texel, at most; 1..1000
+  int iteration_count = 12;  // EM iterations a texel, at most; 1..1000
   // Of texels that cover more than kSamplesUnchunkedMax normals: what they miss every finer level misses.
   int iteration_count_coarse = 30;  // 1..1000
   int iteration_count_top = 60;     // of the coarsest level, 1..1000
   // After a level is fitted, it is fitted again this many times less one, each texel from its own lobes with all its
   // neighbours done: what was fitted first has by then seen only its parent.
-  int sweep_count = 2;            // 1..8
-  int iteration_count_again = 5;  // EM iterations a texel in each further sweep, at most; 1..1000
+  int sweep_count = 2;  // 1..8
+  // EM iterations a texel in each further sweep, at most; 1..1000. Coarse texels run a third of theirs if that is more.
+  int iteration_count_again = 6;
   // A texel is done before when no lobe's kappa or weight changes by more than this share, and none turns by more than
   // this share of its width; 0: never. Coarse texels run all their iterations.
   float settled_change = 0.01f;  // 0..0.1

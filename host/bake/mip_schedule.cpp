@@ -51,6 +51,8 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
 void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& level) {
   MultumMovmfFit& fit = level.fit;
   level.iteration_count_again = settings.iteration_count_again;
+  if (level.method != FitMethod::kTexels)
+    level.iteration_count_again = std::max(level.iteration_count_again, settings.iteration_count_coarse / 3);
   fit.iteration_count = top                                  ? settings.iteration_count_top
                         : level.method == FitMethod::kTexels ? settings.iteration_count
                                                              : settings.iteration_count_coarse;

@@ -118,8 +118,6 @@ class MovmfFitter {
   struct LevelStore {
     BakeCheckpoint::Level* kept = nullptr;
     std::optional<RowStore> own;
-
-    RowStore* lobes() { return kept != nullptr ? &kept->lobes : own ? &*own : nullptr; }
   };
 
   std::size_t row_bytes(const LevelSchedule& level) const {
@@ -231,16 +229,14 @@ class MovmfFitter {
     const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
     std::vector<MultumVmfLobe> lobes(lobe_count() * texels);
     rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
-    if (store.lobes() != nullptr && !is_kept) store.lobes()->write(rows.first_row, rows.row_count, lobes.data());
+    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes.data());
     std::vector<glm::vec3> colours;
     if (rows.colours != nullptr) {
       colours.resize(lobes.size());
       rows.colours->copy_rows(rows.first_row, rows.row_count, colours.data());
     }
-    if (store.kept != nullptr && !is_kept) {
-      if (has_colours()) store.kept->colours->write(rows.first_row, rows.row_count, colours.data());
-      inputs_.checkpoint->record(level.level, rows.row_count);
-    }
+    if (store.kept != nullptr && !is_kept)
+      inputs_.checkpoint->add_rows(level.level, rows.row_count, lobes.data(), colours.data());
     report_.lobe_count_total += lobes.size();
     sink_.add_level(level.level, rows.first_row, stored_rows(level.fit.width, rows.row_count, lobes, colours));
     advance(rows.first_row, rows.row_count, level.fit.height);

@@ -59,7 +59,7 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
                                        [](auto& s) { s.iteration_count_coarse = 5; },
                                        [](auto& s) { s.iteration_count_top = 5; },
                                        [](auto& s) { s.sweep_count = 3; },
-                                       [](auto& s) { s.iteration_count_again = 6; },
+                                       [](auto& s) { s.iteration_count_again = 7; },
                                        [](auto& s) { s.settled_change = 0.02f; },
                                        [](auto& s) { s.coarse_normals = CoarseNormals::kAll; },
                                        [](auto& s) { s.order = FitOrder::kScanline; },

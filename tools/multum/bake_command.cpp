@@ -7,6 +7,7 @@
 #include "host/bake/bake_job.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/machine.h"
 #include "tools/command_line/choices.h"
 #include "tools/command_line/reading_options.h"
 #include "tools/multum/commands.h"
@@ -171,6 +172,7 @@ int run_bake(BakeOptions& o) {
   job.threads = job.writing.threads = threads;
   job.measure = !o.no_measure;
   job.region = parse_region(o.region);
+  keep_freed_memory();
   Device device = Device::open(o.device);
   const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   if (jobs.size() > 1) return bake_several(jobs, o, device);
