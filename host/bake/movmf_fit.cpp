@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <optional>
 
+#include "host/bake/lobe_rows.h"
 #include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/error.h"
@@ -18,30 +18,6 @@ namespace {
 
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// Rare numerical events among some lobes.
-struct LobeEvents {
-  std::uint64_t nonfinite = 0, dead = 0, undirected = 0, clamped = 0;
-
-  void count(const MultumVmfLobe& lobe, float kappa_cap) {
-    const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
-    if (!std::isfinite(squared) || !std::isfinite(lobe.amplitude)) ++nonfinite;
-    else if (lobe.amplitude < 1e-6f) ++dead;
-    else if (squared < 1e-6f) ++undirected;
-    else if (1.0f - std::sqrt(squared) < 1.0f / kappa_cap) ++clamped;
-  }
-};
-
-// A share is a sum of many single-precision responsibilities: those of a texel sum to 1 within 7e-6 on a 2048 map.
-// The other channels carry the same factor, and are divided by it too.
-void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
-  double sum = 0.0;
-  for (const auto& lobe : level.lobes) sum += static_cast<double>(lobe[texel].w);
-  if (!(sum > 0.0)) return;
-  const auto factor = static_cast<float>(1.0 / sum);
-  for (auto& lobe : level.lobes) lobe[texel] *= factor;
-  for (auto& colour : level.colours) colour[texel] *= factor;
 }
 
 class MovmfFitter {
@@ -237,44 +213,11 @@ class MovmfFitter {
     }
     if (store.kept != nullptr && !is_kept)
       inputs_.checkpoint->add_rows(level.level, rows.row_count, lobes.data(), colours.data());
-    report_.lobe_count_total += lobes.size();
-    sink_.add_level(level.level, rows.first_row, stored_rows(level.fit.width, rows.row_count, lobes, colours));
+    sink_.add_level(level.level, rows.first_row,
+                    stored_rows({level.fit.width, rows.row_count, settings_.lobe_count}, lobes, colours,
+                                settings_.kappa_cap, inputs_.threads, report_));
     advance(rows.first_row, rows.row_count, level.fit.height);
     if (level.level == 1 && settings_.first_level == 0) fit_level_zero(rows);
-  }
-
-  // From rows [lobe][column] of r and a to planes of (a r, a).
-  MovmfLevel stored_rows(int level_width, int row_count, const std::vector<MultumVmfLobe>& lobes,
-                         const std::vector<glm::vec3>& colours) {
-    const auto width = static_cast<std::size_t>(level_width);
-    MovmfLevel out;
-    out.width = level_width;
-    out.height = row_count;
-    out.lobes.assign(lobe_count(), std::vector<glm::vec4>(width * static_cast<std::size_t>(row_count)));
-    if (has_colours())
-      out.colours.assign(lobe_count(), std::vector<glm::vec3>(width * static_cast<std::size_t>(row_count)));
-    std::vector<LobeEvents> events(static_cast<std::size_t>(row_count));
-    for_each_item(row_count, inputs_.threads, [&](int y) {
-      const auto row = static_cast<std::size_t>(y);
-      for (std::size_t j = 0; j < lobe_count(); ++j) {
-        const MultumVmfLobe* from = &lobes[(row * lobe_count() + j) * width];
-        glm::vec4* to = &out.lobes[j][row * width];
-        for (std::size_t x = 0; x < width; ++x) {
-          const float a = from[x].amplitude;
-          to[x] = {a * from[x].mean_x, a * from[x].mean_y, a * from[x].mean_z, a};
-          events[row].count(from[x], settings_.kappa_cap);
-        }
-        if (has_colours()) std::copy_n(&colours[(row * lobe_count() + j) * width], width, &out.colours[j][row * width]);
-      }
-      for (std::size_t x = row * width; x < (row + 1) * width; ++x) make_shares_sum_to_one(out, x);
-    });
-    for (const LobeEvents& event : events) {
-      report_.nonfinite += event.nonfinite;
-      report_.dead_lobes += event.dead;
-      report_.undirected_lobes += event.undirected;
-      report_.kappa_clamped += event.clamped;
-    }
-    return out;
   }
 
   // Each level counts as much as the map has texels, spread over its rows.

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// From lobes as the kernels keep them to lobes as the file has them.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/bake/bake_report.h"
+#include "kernels/shared/vmf_lobe.h"
+
+namespace multum {
+
+struct LobeRowsSize {
+  int width, height, lobe_count;
+};
+
+/// `lobes`: r and a by rows [lobe][column]; `colours`, empty without, alike. Returns planes of (a r, a), whose shares
+/// sum to 1 in every texel, and counts rare numerical events in `report`. `kappa_cap`: MovmfSettings::kappa_cap.
+MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
+                       const std::vector<glm::vec3>& colours, float kappa_cap, int threads, BakeReport& report);
+
+}  // namespace multum
