@@ -31,7 +31,7 @@ std::vector<std::string> maketx_command(const std::string& map, const std::strin
 std::string maketx_version();
 
 /// Makes the four-quarter map as a 16-bit PNG in `folder` and returns its name. `multum testmap` does it, in a process
-/// of its own: it holds the whole map, about 40 bytes a texel, which must not count as the memory of this process.
+/// of its own, whose memory must not count as that of this process.
 std::string make_map_file(const std::string& folder, int size, Progress* progress);
 
 }  // namespace multum::bench

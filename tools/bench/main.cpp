@@ -93,7 +93,7 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
 Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
   CLI::App* command = app.add_subcommand(
       "bake", "multum bake against maketx --bumpslopes, whole programs: time, processor time, memory");
-  add_side(*command, "--size", bake.size, "side of the map; making it takes about 40 bytes of memory a texel");
+  add_side(*command, "--size", bake.size, "side of the map");
   add_bake_options(*command, bake);
   add_repetitions(*command, bake, "pairs of runs");
   command->add_option("options", bake.bake_options, "behind --: more options of multum bake");
@@ -103,8 +103,7 @@ Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
 Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
   CLI::App* command = app.add_subcommand("scale", "multum bake of maps that double in size, a process each");
   add_side(*command, "--size-min", scale.size_min, "side of the first map");
-  add_side(*command, "--size-max", scale.size_max,
-           "sides double up to this; making a map takes about 40 bytes of memory a texel");
+  add_side(*command, "--size-max", scale.size_max, "sides double up to this");
   add_bake_options(*command, scale);
   add_repetitions(*command, scale, "runs a size");
   command->add_option("options", scale.bake_options, "behind --: more options of multum bake");
