@@ -193,6 +193,7 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   Device device = Device::open("");
   const NormalMap map = make_four_quarter_map(options.size, 7).normals;
   MovmfSettings settings;
+  make_reference(settings);  // every normal at every level
   settings.lobe_count = options.lobes;
   const MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
   std::vector<MultumVmfLobe> parent(static_cast<std::size_t>(options.lobes));
