@@ -206,7 +206,7 @@ __kernel void movmf_condensed_pack(__global const float* condensed, __global con
   const int group = (int)get_global_id(0);
   if (group * MULTUM_GROUP >= fit.slot_count) return;
   __global float* out = samples + (size_t)group * fit.sample_capacity * 4 * MULTUM_GROUP;
-  __global const int* texels = texel_list + fit.list_offset + group * MULTUM_GROUP;
+  __global const int* texels = texel_list + group * MULTUM_GROUP;
   int most = 1;
   for (int lane = 0; lane < MULTUM_GROUP; ++lane)
     if (texels[lane] >= 0) most = max(most, condensed_counts[texels[lane]]);

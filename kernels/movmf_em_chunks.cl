@@ -55,7 +55,7 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
 #endif
   const int slot = chunk_index / fit.chunk_count, chunk = chunk_index % fit.chunk_count;
   // Unused slots repeat the texel 0: every work-item of a group takes the same path to the barriers below.
-  const int texel = slot < fit.slot_count ? max(texel_list[fit.list_offset + slot], 0) : 0;
+  const int texel = slot < fit.slot_count ? max(texel_list[slot], 0) : 0;
   const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
   const int top_row = first_covered(y, fit.map_height, fit.height);
   const int first_row = top_row + chunk * fit.chunk_rows;

@@ -33,7 +33,7 @@ __kernel void movmf_em_mstep(__global const float* restrict partial, __global fl
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
   if (slot >= fit.slot_count) return;
-  const int texel = texel_list[fit.list_offset + slot];
+  const int texel = texel_list[slot];
   if (texel < 0) return;
 
   __global float* p = start +

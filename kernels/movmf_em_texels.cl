@@ -116,7 +116,7 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
   for (int j = 0; j < MULTUM_LOBES; ++j) {
     const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
                                        (real_v)(fit.total_weight_inverse));
-    store_texels(level, directed, texel_list + fit.list_offset + slot, level_window_size(&fit), j, &m);
+    store_texels(level, directed, texel_list + slot, level_window_size(&fit), j, &m);
     STORE_V(mu_x[j], START(j, MULTUM_START_MU));
     STORE_V(mu_y[j], START(j, MULTUM_START_MU + 1));
     STORE_V(mu_z[j], START(j, MULTUM_START_MU + 2));

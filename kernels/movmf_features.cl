@@ -47,7 +47,7 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
   const int item = (int)get_global_id(0);
   const int slot = item / fit.chunk_count, chunk = item % fit.chunk_count;
   if (slot >= fit.slot_count) return;
-  const int texel = texel_list[fit.list_offset + slot];
+  const int texel = texel_list[slot];
   if (texel < 0) return;
   const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
   const int top_row = first_covered(y, fit.map_height, fit.height);
@@ -87,7 +87,7 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
   if (slot >= fit.slot_count) return;
-  const int texel = texel_list[fit.list_offset + slot];
+  const int texel = texel_list[slot];
   if (texel < 0) return;
   float sum[3] = {0.0f, 0.0f, 0.0f}, carry[3] = {0.0f, 0.0f, 0.0f};
   for (int chunk = 0; chunk < fit.chunk_count; ++chunk) {
@@ -106,7 +106,7 @@ __kernel void movmf_feature_condensed(__global const float* samples, __global co
                                       __global const int* texel_list, __global float* colours, MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0);
   if (slot >= fit.slot_count) return;
-  const int texel = texel_list[fit.list_offset + slot];
+  const int texel = texel_list[slot];
   if (texel < 0) return;
   const size_t first = (size_t)(slot / MULTUM_GROUP) * fit.sample_capacity * 4 * MULTUM_GROUP + slot % MULTUM_GROUP;
   __global const float* lobes = lobes_of_slot(start, slot);

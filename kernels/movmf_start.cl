@@ -119,7 +119,7 @@ static LobeLanes directed_sum(__global const float* directed, const Places* plac
 //   parent  [lobe][parent_window_rows * parent_width]   not read when parent_width == 0
 //   level   [lobe][window_rows * width]                 done neighbours; the texel's own lobes when there is no parent
 //   directed [lobe][window_rows * width][4]              done neighbours' a mu
-//   texel_list [list_offset + slot]                     window row * width + x, or -1
+//   texel_list [slot]                                   window row * width + x, or -1
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 // Bound by ten scattered reads a lobe.
 __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const MultumVmfLobe* level,
@@ -131,7 +131,7 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
   const bool has_parent = fit.parent_width > 0;
   const bool from_parent = has_parent && fit.order != MULTUM_ORDER_AGAIN;
   Places places;
-  find_places(texel_list + fit.list_offset + slot, &fit, &places);
+  find_places(texel_list + slot, &fit, &places);
   __global float* out =
       start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + slot % MULTUM_GROUP;
   for (int j = 0; j < MULTUM_LOBES; ++j, out += MULTUM_START_PLANES * MULTUM_GROUP) {
@@ -183,7 +183,7 @@ __kernel void movmf_pack(__global const float* normal_x, __global const float* n
   if (row == 0) sample_counts[group] = fit.sample_columns * fit.sample_rows;
   __global float* out = samples + ((size_t)group * fit.sample_rows + row) * fit.sample_columns * planes * MULTUM_GROUP;
   for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
-    const int texel = max(texel_list[fit.list_offset + group * MULTUM_GROUP + lane], 0);
+    const int texel = max(texel_list[group * MULTUM_GROUP + lane], 0);
     const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
     const int first_column = first_covered(x, fit.map_width, fit.width);
     const int first_row = first_covered(y, fit.map_height, fit.height);

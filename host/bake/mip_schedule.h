@@ -20,7 +20,7 @@ enum class FitMethod {
 
 struct LevelSchedule {
   int level;
-  MultumMovmfFit fit;  // for the whole level at once; all but slot_count and list_offset
+  MultumMovmfFit fit;  // for the whole level at once; all but slot_count
   FitMethod method;
   FitOrder order;
   int iteration_count_again;  // of each further sweep; that of the first is in `fit`

@@ -72,7 +72,6 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
   if (texels.empty()) return;
   const std::size_t texel_count = texels.size(), slots = group_count(texel_count) * MULTUM_GROUP;
   texels.resize(slots, -1);
-  fit.list_offset = 0;
   fit.slot_count = static_cast<int>(slots);
   ensure(device_, list_, slots * sizeof(int), "texel list");
   ensure(device_, start_, slots * lobe_count() * MULTUM_START_PLANES * sizeof(float), "EM parameters");

@@ -51,7 +51,6 @@ typedef struct MultumMovmfFit {
   int map_first_row;
   int map_window_rows;  // sums take the rows, or chunks that begin, in [map_first_row, + map_window_rows)
   int slot_count;       // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
-  int list_offset;      // of this launch in texel_list, in slots
   int order;            // MULTUM_ORDER_*
   int periodic_x;       // not 0: beyond the border lies the other one, whose texels are neighbours too
   int periodic_y;

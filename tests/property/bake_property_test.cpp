@@ -24,6 +24,15 @@ NormalMap random_map(int width, int height, unsigned seed) {
   });
 }
 
+// As bright as normals point up.
+ColourMap grey_albedo(const NormalMap& map) {
+  ColourMap albedo;
+  albedo.width = map.width;
+  albedo.height = map.height;
+  albedo.r = albedo.g = albedo.b = map.z;
+  return albedo;
+}
+
 MovmfMipmap bake(const NormalMap& map, const MovmfSettings& settings, const ColourMap* albedo = nullptr) {
   static Device device = Device::open("");
   BakeReport report;
@@ -78,10 +87,7 @@ TEST_P(BakePropertyTest, IdenticalRunsGiveIdenticalBytes) {
 TEST_P(BakePropertyTest, LevelsFromTheFirstOnAreTheSameBytes) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 15);
-  ColourMap albedo;
-  albedo.width = width;
-  albedo.height = height;
-  albedo.r = albedo.g = albedo.b = map.z;
+  ColourMap albedo = grey_albedo(map);
   const MovmfMipmap whole = bake(map, {}, &albedo);
   for (int first_level = 1; first_level < mip_level_count(width, height); ++first_level) {
     MovmfSettings settings;
@@ -192,10 +198,7 @@ TEST(BakePeriodicTest, LobesAreAlikeAcrossTheBorder) {
 TEST_P(BakePropertyTest, LobeColoursSumToTheMeanColour) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 14);
-  ColourMap albedo;
-  albedo.width = width;
-  albedo.height = height;
-  albedo.r = albedo.g = albedo.b = map.z;
+  ColourMap albedo = grey_albedo(map);
   for (float& g : albedo.g) g = 0.25f;
   const MovmfMipmap mipmap = bake(map, {}, &albedo);
   double mean = 0.0;

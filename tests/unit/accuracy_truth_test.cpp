@@ -34,6 +34,19 @@ std::vector<std::vector<int>> some_texels(const std::vector<PlaneSize>& levels, 
 
 constexpr PlaneSize kSizes[] = {{1, 1}, {64, 32}, {37, 20}, {23, 61}, {300, 7}, {1, 19}, {255, 130}};
 
+// Calls body(level, slot, average) for each selected texel, with the average of `finest` over what it covers.
+template <typename Body>
+void for_each_average(const std::vector<double>& finest, const std::vector<PlaneSize>& levels,
+                      const TexelSelection& texels, const Body& body) {
+  for (int l = 0; l < static_cast<int>(levels.size()); ++l) {
+    const PlaneSize size = levels[static_cast<std::size_t>(l)];
+    const std::vector<double> averages = average_over_texels(finest, levels[0], size, 1);
+    for (int r = 0; r < size.height; ++r)
+      for (std::size_t slot = texels.row_begin(l, r); slot < texels.row_end(l, r); ++slot)
+        body(l, slot, averages[static_cast<std::size_t>(r * size.width + texels.column(slot))]);
+  }
+}
+
 TEST(TexelAveragesTest, EqualThoseOfWholePlanes) {
   std::mt19937 random(1);
   for (const PlaneSize map : kSizes)
@@ -49,15 +62,9 @@ TEST(TexelAveragesTest, EqualThoseOfWholePlanes) {
         std::copy_n(plane.begin() + y * map.width, map.width, row.begin());
         averages.add_row(y, row.data(), sums.data(), 1);
       }
-      for (int l = 0; l < static_cast<int>(levels.size()); ++l) {
-        const PlaneSize size = levels[static_cast<std::size_t>(l)];
-        const std::vector<double> expected = average_over_texels(plane, map, size, 1);
-        for (int r = 0; r < size.height; ++r)
-          for (std::size_t slot = texels.row_begin(l, r); slot < texels.row_end(l, r); ++slot) {
-            const double value = expected[static_cast<std::size_t>(r * size.width + texels.column(slot))];
-            ASSERT_NEAR(sums[slot] * averages.share(l), value, 1e-13 * value) << map.width << " x " << map.height;
-          }
-      }
+      for_each_average(plane, levels, texels, [&](int level, std::size_t slot, double value) {
+        ASSERT_NEAR(sums[slot] * averages.share(level), value, 1e-13 * value) << map.width << " x " << map.height;
+      });
     }
 }
 
@@ -98,15 +105,9 @@ TEST(AccuracyTruthTest, IsTheAverageOverAllNormals) {
     const auto expect_averages = [&](const TexelSums& found, std::size_t value, const auto& finest_value) {
       std::vector<double> finest;
       for (std::size_t i = 0; i < planes.normals[0].size(); ++i) finest.push_back(finest_value(i));
-      for (int l = 0; l < static_cast<int>(levels.size()); ++l) {
-        const PlaneSize size = levels[static_cast<std::size_t>(l)];
-        const std::vector<double> expected = average_over_texels(finest, map, size, 1);
-        for (int r = 0; r < size.height; ++r)
-          for (std::size_t slot = texels.row_begin(l, r); slot < texels.row_end(l, r); ++slot) {
-            const double one = expected[static_cast<std::size_t>(r * size.width + texels.column(slot))];
-            ASSERT_NEAR(found.at(slot, value), one, 1e-12 * std::abs(one) + 1e-15) << value << " level " << l;
-          }
-      }
+      for_each_average(finest, levels, texels, [&](int level, std::size_t slot, double one) {
+        ASSERT_NEAR(found.at(slot, value), one, 1e-12 * std::abs(one) + 1e-15) << value << " level " << level;
+      });
     };
     for (std::size_t p = 0; p < 3; ++p) {
       expect_averages(means, p, [&](std::size_t i) { return static_cast<double>(planes.normals[p][i]); });

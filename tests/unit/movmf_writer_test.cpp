@@ -54,6 +54,14 @@ struct Shape {
   int first_level;
 };
 
+// Of random lobes, as the file holds them.
+MovmfMipmap rounded_mipmap(const Shape& shape, StorageEncoding encoding) {
+  MovmfMipmap mipmap = random_mipmap(shape.width, shape.height, shape.lobes, shape.colours, encoding, 8);
+  drop_finer_levels(mipmap, shape.first_level);
+  quantize_movmf(mipmap, 2);
+  return mipmap;
+}
+
 class MovmfWriterTest : public ::testing::TestWithParam<Shape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, MovmfWriterTest,
                          ::testing::Values(Shape{128, 128, 4, false, 0}, Shape{201, 77, 3, true, 0},
@@ -69,9 +77,7 @@ TEST_P(MovmfWriterTest, PortionsMakeTheSameFile) {
   const TemporaryFolder folder;
   for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
     SCOPED_TRACE(storage_encoding_name(encoding));
-    MovmfMipmap mipmap = random_mipmap(c.width, c.height, c.lobes, c.colours, encoding, 8);
-    drop_finer_levels(mipmap, c.first_level);
-    quantize_movmf(mipmap, 2);
+    MovmfMipmap mipmap = rounded_mipmap(c, encoding);
     write_movmf_mipmap(folder / "whole.exr", mipmap, {});
     for (const int threads : {1, 3}) {
       MovmfWriteOptions options;
@@ -97,9 +103,7 @@ TEST_P(MovmfWriterTest, PortionsMakeTheSameFile) {
 TEST_P(MovmfWriterTest, WhatIsKnownLastIsInEveryPart) {
   const Shape c = GetParam();
   const TemporaryFolder folder;
-  MovmfMipmap mipmap = random_mipmap(c.width, c.height, c.lobes, c.colours, StorageEncoding::kSnorm16, 8);
-  drop_finer_levels(mipmap, c.first_level);
-  quantize_movmf(mipmap, 2);
+  MovmfMipmap mipmap = rounded_mipmap(c, StorageEncoding::kSnorm16);
   // Names and values of attributes inside a value are no attributes.
   mipmap.provenance.settings = "{\"multum:contentHash\":\"string\"}";
   mipmap.provenance.measured_error = "[[0,\"centre\",\"lambert\",0.25]]";
@@ -123,9 +127,7 @@ TEST_P(MovmfWriterTest, WhatIsKnownLastIsInEveryPart) {
 TEST_P(MovmfWriterTest, RowsAreReadAsTheyWereWritten) {
   const Shape c = GetParam();
   const TemporaryFolder folder;
-  MovmfMipmap mipmap = random_mipmap(c.width, c.height, c.lobes, c.colours, StorageEncoding::kHalf, 8);
-  drop_finer_levels(mipmap, c.first_level);
-  quantize_movmf(mipmap, 1);
+  MovmfMipmap mipmap = rounded_mipmap(c, StorageEncoding::kHalf);
   MovmfWriteOptions options;
   options.tile_size = 16;
   write_movmf_mipmap(folder / "a.exr", mipmap, options);
