@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
@@ -30,16 +31,21 @@ void append_line(const std::string& path, const std::string& line) {
 
 }  // namespace
 
-BakeCheckpoint::BakeCheckpoint(const std::string& output, const std::string& key, bool resume)
-    : folder_(folder_of(output)) {
+std::unique_ptr<BakeCheckpoint> BakeCheckpoint::open(const std::string& output, const std::string& key, bool resume) {
+  std::string folder = folder_of(output);
+  std::unique_ptr<FolderLock> lock = FolderLock::take(folder);
+  if (lock == nullptr) return nullptr;
+  return std::unique_ptr<BakeCheckpoint>(new BakeCheckpoint(std::move(folder), std::move(lock), key, resume));
+}
+
+BakeCheckpoint::BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key,
+                               bool resume)
+    : folder_(std::move(folder)), lock_(std::move(lock)) {
   if (resume) read_progress(key);
-  std::error_code error;
-  if (found_.empty()) {
-    fs::remove_all(folder_, error);
-    fs::create_directory(folder_, error);
-    if (error) throw Error(ErrorCode::kEnvironment, folder_ + ": cannot be made: " + error.message());
-    append_line(folder_ + "/progress", key);
-  }
+  if (!found_.empty()) return;
+  std::error_code ignored;  // what cannot go is written over, or cannot be
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path(), ignored);
+  append_line(folder_ + "/progress", key);
 }
 
 BakeCheckpoint::~BakeCheckpoint() {

@@ -12,18 +12,21 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "host/bake/row_store.h"
+#include "host/base/folder_lock.h"
 
 namespace multum {
 
 class BakeCheckpoint {
  public:
-  /// Of the bake of `output` that `key` (sources, settings, sizes: everything that its rows depend on) stands for. What
-  /// is there of the same bake is kept when `resume`, anything else goes. Throws Error(kEnvironment).
-  BakeCheckpoint(const std::string& output, const std::string& key, bool resume);
+  /// Of the bake of `output` that `key` (sources and settings: everything that its rows depend on) stands for. What is
+  /// there of the same bake is kept when `resume`, anything else goes. Null while another process bakes the same
+  /// output: the folder is its own. Throws Error(kEnvironment).
+  static std::unique_ptr<BakeCheckpoint> open(const std::string& output, const std::string& key, bool resume);
   /// Nothing stays, unless leave() was called.
   ~BakeCheckpoint();
   BakeCheckpoint(const BakeCheckpoint&) = delete;
@@ -51,10 +54,12 @@ class BakeCheckpoint {
     int first_row, row_count;
     std::string hash;
   };
+  BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key, bool resume);
   void read_progress(const std::string& key);
   static std::string block_hash(const Level& level, int first_row, int row_count);
 
   std::string folder_;
+  std::unique_ptr<FolderLock> lock_;
   std::map<int, std::vector<Block>> found_;  // by level, in order
   std::map<int, Level> levels_;
   std::uint64_t rows_resumed_ = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -169,10 +170,9 @@ MovmfProvenance make_provenance(const BakeJob& job, const std::string& source, c
 }
 
 // What the rows of a bake depend on: what a killed bake left is of use to no other.
-std::string checkpoint_key(const BakeJob& job, const MovmfMipmap& header) {
-  return hash_text(fmt::format("{}\n{}\n{}\n{} x {}", header.provenance.software, header.provenance.settings,
-                               header.provenance.source_hash, header.width(), header.height()) +
-                   (job.albedo.empty() ? "" : hash_file(job.albedo)));
+std::string checkpoint_key(const MovmfMipmap& header) {
+  const MovmfProvenance& from = header.provenance;  // the settings name the albedo's hash
+  return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 
 // Maps of up to so many bytes stay in memory.
@@ -192,7 +192,7 @@ NormalMapRows read_input(const BakeJob& job, BakeReport& report, Progress* progr
 }  // namespace
 
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
-  window_bytes(job);  // refuses too little memory before anything is read
+  const std::uint64_t memory_bytes = window_bytes(job);
   if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder))
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected one for scratch files");
   validate(job.fitting);
@@ -235,29 +235,30 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   accuracy.threads = job.threads;
   std::optional<AccuracyMeter> meter;
   if (job.measure) meter.emplace(header, albedo.has_value(), accuracy);
-  AccuracyMeter* const told = meter ? &*meter : nullptr;
+  BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report);
   MovmfBakeInputs inputs;
   inputs.normals = &normals;
   inputs.albedo = albedo ? &*albedo : nullptr;
-  inputs.memory_bytes = window_bytes(job);
+  inputs.memory_bytes = memory_bytes;
   inputs.place.folder = scratch_folder(job);
   inputs.threads = job.threads;
   if (job.region) {
-    RegionBake region(job.onto, header, *job.region, writer, told, inputs.place, job.threads, report);
+    RegionBake region(job.onto, header, *job.region, inputs.place, output);
     inputs.region = &region;
     bake_movmf(device, inputs, fitting_settings(job), region, report, progress);
     region.finish();
   } else {
-    BakeCheckpoint checkpoint(job.output, checkpoint_key(job, header), job.resume);
-    inputs.checkpoint = &checkpoint;
-    BakeSink sink(writer, told, header, job.threads, report);
+    const std::unique_ptr<BakeCheckpoint> checkpoint =
+        BakeCheckpoint::open(job.output, checkpoint_key(header), job.resume);
+    inputs.checkpoint = checkpoint.get();
+    BakeSink sink(output);
     try {
       bake_movmf(device, inputs, fitting_settings(job), sink, report, progress);
     } catch (const Cancelled&) {
-      if (job.resume) checkpoint.leave();
+      if (job.resume && checkpoint != nullptr) checkpoint->leave();
       throw;
     }
-    report.rows_resumed = checkpoint.rows_resumed();
+    if (checkpoint != nullptr) report.rows_resumed = checkpoint->rows_resumed();
   }
   clock.finish("fit");
   warn_of_sharp_lobes(job, header, report);

@@ -116,7 +116,13 @@ class MovmfFitter {
   void keep(const LevelSchedule& level, LevelStore store, std::optional<RowStore> there) {
     if (inputs_.region != nullptr) {
       coarser_ = std::move(there);
-      if (store.own) copy_range(*store.own, inputs_.region->range(level.level), level.fit.width, *coarser_);
+      // Rows that were handed over hold what was fitted beside what was kept.
+      const TexelRange range = inputs_.region->range(level.level);
+      std::vector<unsigned char> row(row_bytes(level));
+      for (int y = range.y0; store.own && y < range.y1; ++y) {
+        store.own->read(y, 1, row.data());
+        coarser_->write(y, 1, row.data());
+      }
     } else if (store.own) {
       coarser_ = std::move(store.own);
     }
@@ -124,20 +130,6 @@ class MovmfFitter {
   }
 
   RowStore& coarser() { return coarser_kept_ != nullptr ? coarser_kept_->lobes : *coarser_; }
-
-  void copy_range(const RowStore& from, const TexelRange& range, int level_width, RowStore& to) const {
-    const auto width = static_cast<std::size_t>(level_width);
-    std::vector<MultumVmfLobe> fitted(lobe_count() * width), row(fitted.size());
-    for (int y = range.y0; y < range.y1; ++y) {
-      from.read(y, 1, fitted.data());
-      to.read(y, 1, row.data());
-      for (std::size_t j = 0; j < lobe_count(); ++j)
-        std::copy(fitted.begin() + static_cast<std::ptrdiff_t>(j * width) + range.x0,
-                  fitted.begin() + static_cast<std::ptrdiff_t>(j * width) + range.x1,
-                  row.begin() + static_cast<std::ptrdiff_t>(j * width) + range.x0);
-      to.write(y, 1, row.data());
-    }
-  }
 
   // Hands rows over that a killed bake had done. Returns how many.
   int replay(const LevelSchedule& level, LevelStore& store) {

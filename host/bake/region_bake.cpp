@@ -54,18 +54,9 @@ void copy_columns(const std::vector<Value>& from, std::vector<Value>& to, int wi
 
 }  // namespace
 
-RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, MovmfWriter& writer,
-                       AccuracyMeter* meter, const StorePlace& place, int threads, BakeReport& report)
-    : old_path_(old),
-      old_(old),
-      header_(header),
-      region_(region),
-      writer_(writer),
-      meter_(meter),
-      place_(place),
-      threads_(threads),
-      report_(report),
-      next_row_(header.levels.size(), 0) {
+RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region,
+                       const StorePlace& place, BakeOutput& output)
+    : old_(old), header_(header), region_(region), place_(place), output_(output), next_row_(header.levels.size(), 0) {
   check_old(old, old_.header(), header);
   check_region(region, header);
 }
@@ -100,15 +91,12 @@ RowStore RegionBake::kept(int level) const {
 
 void RegionBake::write_level(int level, int first_row, MovmfLevel rows) {
   next_row_[static_cast<std::size_t>(level)] = first_row + rows.height;
-  if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
-  writer_.write_level(level, first_row, std::move(rows));
+  output_.write(level, first_row, std::move(rows));
 }
 
 void RegionBake::write_finest(int first_row, MovmfFinest rows) {
   next_row_[0] = first_row + rows.height;
-  if (meter_ != nullptr && meter_->needs_rows(0, first_row, rows.height))
-    meter_->add_rows(0, first_row, expand(rows, header_.lobe_count()));
-  writer_.write_finest(first_row, std::move(rows));
+  output_.write(first_row, std::move(rows));
 }
 
 void RegionBake::copy_level_until(int level, int row) {
@@ -128,10 +116,7 @@ void RegionBake::copy_finest_until(int row) {
 
 void RegionBake::add_level(int level, int first_row, MovmfLevel rows) {
   copy_level_until(level, first_row);
-  const SharpLobes sharp = count_sharp_lobes(rows, header_.encoding, threads_);
-  report_.beyond_storage += sharp.count;
-  report_.beyond_storage_amplitude += sharp.amplitude;
-  quantize_movmf(rows, header_.encoding, threads_);
+  output_.round(rows);
   MovmfLevel merged = old_.read_level(level, first_row, rows.height);
   const TexelRange where = range(level);
   for (std::size_t j = 0; j < rows.lobes.size(); ++j)
@@ -143,7 +128,7 @@ void RegionBake::add_level(int level, int first_row, MovmfLevel rows) {
 
 void RegionBake::add_finest(int first_row, MovmfFinest rows) {
   copy_finest_until(first_row);
-  quantize_movmf(rows, header_.encoding, threads_);
+  output_.round(rows);
   MovmfFinest merged = old_.read_finest(first_row, rows.height);
   // What the parents that were fitted again cover: their lobes may have changed places.
   TexelRange where = header_.levels.size() > 1 ? range(1) : range(0);

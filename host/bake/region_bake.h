@@ -11,9 +11,7 @@
 #include <vector>
 
 #include "host/asset/movmf_reader.h"
-#include "host/asset/movmf_writer.h"
-#include "host/bake/accuracy.h"
-#include "host/bake/bake_report.h"
+#include "host/bake/bake_output.h"
 #include "host/bake/movmf_fit.h"
 
 namespace multum {
@@ -30,9 +28,9 @@ class RegionBake : public RegionInputs, public MovmfSink {
  public:
   /// `old` is the file to bake onto, `header` says what will be written: both must agree in sizes, lobes, encoding,
   /// first level and colours. Throws Error(kInput) naming the file and what differs, Error(kUsage) for a region that is
-  /// not in the map. `meter` may be null.
-  RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, MovmfWriter& writer,
-             AccuracyMeter* meter, const StorePlace& place, int threads, BakeReport& report);
+  /// not in the map.
+  RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, const StorePlace& place,
+             BakeOutput& output);
 
   TexelRange range(int level) const override;
   RowStore kept(int level) const override;
@@ -47,15 +45,11 @@ class RegionBake : public RegionInputs, public MovmfSink {
   void copy_level_until(int level, int row);
   void copy_finest_until(int row);
 
-  const std::string old_path_;
   mutable MovmfReader old_;
   const MovmfMipmap& header_;
   const MapRegion region_;
-  MovmfWriter& writer_;
-  AccuracyMeter* meter_;
   const StorePlace place_;
-  const int threads_;
-  BakeReport& report_;
+  BakeOutput& output_;
   std::vector<int> next_row_;  // by level: the first row that is not written yet
 };
 

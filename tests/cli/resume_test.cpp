@@ -95,6 +95,23 @@ TEST_F(ResumeTest, WhatAnotherBakeLeftIsNotTaken) {
   EXPECT_FALSE(std::filesystem::exists(partial()));
 }
 
+// Each whole: the second does without a folder that the first has to itself.
+TEST_F(ResumeTest, TwoBakesOfOneOutputAtOnceAreEachWhole) {
+  make_map("map", 512);
+  ASSERT_EQ(run_program(command({})).exit_code, 0);
+  const std::string whole = content_hash();
+  std::filesystem::remove(path("map.ndf.exr"));
+  Program first(command({"--force"}));
+  while (first.running() && !std::filesystem::exists(partial() + "/level-3.lobes"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  Program second(command({"--force", "--resume"}));
+  const ProgramResult of_first = first.wait(), of_second = second.wait();
+  EXPECT_EQ(of_first.exit_code, 0) << of_first.err;
+  EXPECT_EQ(of_second.exit_code, 0) << of_second.err;
+  EXPECT_EQ(content_hash(), whole);
+  EXPECT_FALSE(std::filesystem::exists(partial()));
+}
+
 class RegionTest : public CliTest {
  protected:
   // The four-quarter map of 256, and the same with a dome in its noise, around (192, 160).

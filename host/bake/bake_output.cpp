@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bake/bake_sink.h"
+#include "host/bake/bake_output.h"
 
 #include <chrono>
 #include <utility>
@@ -31,27 +31,30 @@ MovmfFinest row_of(const MovmfFinest& rows, int row) {
 
 }  // namespace
 
-void BakeSink::add_level(int level, int first_row, MovmfLevel rows) {
-  {
-    const StopWatch watch(report_.round_seconds);
-    const SharpLobes sharp = count_sharp_lobes(rows, encoding_, threads_);
-    report_.beyond_storage += sharp.count;
-    report_.beyond_storage_amplitude += sharp.amplitude;
-    quantize_movmf(rows, encoding_, threads_);
-    if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
-  }
+void BakeOutput::round(MovmfLevel& rows) {
+  const StopWatch watch(report_.round_seconds);
+  const SharpLobes sharp = count_sharp_lobes(rows, header_.encoding, threads_);
+  report_.beyond_storage += sharp.count;
+  report_.beyond_storage_amplitude += sharp.amplitude;
+  quantize_movmf(rows, header_.encoding, threads_);
+}
+
+void BakeOutput::round(MovmfFinest& rows) {
+  const StopWatch watch(report_.round_seconds);
+  quantize_movmf(rows, header_.encoding, threads_);
+}
+
+void BakeOutput::write(int level, int first_row, MovmfLevel rows) {
+  if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
   const StopWatch watch(report_.write_wait_seconds);
   writer_.write_level(level, first_row, std::move(rows));
 }
 
-void BakeSink::add_finest(int first_row, MovmfFinest rows) {
-  {
-    const StopWatch watch(report_.round_seconds);
-    quantize_movmf(rows, encoding_, threads_);
-    for (int y = 0; meter_ != nullptr && y < rows.height; ++y)
-      if (meter_->needs_rows(0, first_row + y, 1))
-        meter_->add_rows(0, first_row + y, expand(row_of(rows, y), header_.lobe_count()));
-  }
+void BakeOutput::write(int first_row, MovmfFinest rows) {
+  // Full lobes are many times as large: of those rows alone that are looked at.
+  for (int y = 0; meter_ != nullptr && y < rows.height; ++y)
+    if (meter_->needs_rows(0, first_row + y, 1))
+      meter_->add_rows(0, first_row + y, expand(row_of(rows, y), header_.lobe_count()));
   const StopWatch watch(report_.write_wait_seconds);
   writer_.write_finest(first_row, std::move(rows));
 }

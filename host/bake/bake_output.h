@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where rows go that are as the file has them: kept where the measurement looks, and into the file.
+#pragma once
+
+#include "host/asset/movmf_writer.h"
+#include "host/bake/accuracy.h"
+#include "host/bake/bake_report.h"
+
+namespace multum {
+
+class BakeOutput {
+ public:
+  /// `header` is what the file's is; `meter` is null when nothing is measured. Fills BakeReport::beyond_storage and the
+  /// times of rounding and writing.
+  BakeOutput(MovmfWriter& writer, AccuracyMeter* meter, const MovmfMipmap& header, int threads, BakeReport& report)
+      : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
+
+  /// Rounds rows as they come from the fit to what is stored, and counts lobes that are sharper than that.
+  void round(MovmfLevel& rows);
+  void round(MovmfFinest& rows);
+  /// Rounded rows of a level, or of level 0, in order.
+  void write(int level, int first_row, MovmfLevel rows);
+  void write(int first_row, MovmfFinest rows);
+
+ private:
+  MovmfWriter& writer_;
+  AccuracyMeter* meter_;
+  const MovmfMipmap& header_;
+  const int threads_;
+  BakeReport& report_;
+};
+
+}  // namespace multum
