@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The normals of a coarse texel, condensed: sorted into the cells of a grid over directions, each cell a sample of EM
 // with the number of its normals as weight and their mean vector as normal. Cells are so much smaller than lobes that
-// EM does the same with at most 961 of them as with all normals, and first moments stay exact. docs/ALGORITHMS.md,
+// EM does the same with some thousand of them as with all normals, and first moments stay exact. docs/ALGORITHMS.md,
 // "Condensed normals".
 //
 // Directions lie at p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to cells, by
@@ -107,23 +107,23 @@ __kernel void movmf_condense_axes(__global const float* probes, __global float* 
   int below = 0;
   for (int b = 0; b <= MULTUM_AXIS_BINS; ++b) {
     const float by_number = (float)below * count_inverse, by_extent = (float)b * (1.0f / (float)MULTUM_AXIS_BINS);
-    axis[2 + b] = (float)MULTUM_CELL_SIDE * fma(0.75f, by_number, 0.25f * by_extent);
+    axis[2 + b] = (float)fit.cell_side * fma(0.75f, by_number, 0.25f * by_extent);
     if (b < MULTUM_AXIS_BINS) below += numbers[b];
   }
 }
 
-static int cell_along(float p, __global const float* axis) {
+static int cell_along(float p, __global const float* axis, int cell_side) {
   const float at = MIN_V(MAX_V((p - axis[0]) * axis[1], 0.0f), (float)MULTUM_AXIS_BINS);
   const int bin = min((int)at, MULTUM_AXIS_BINS - 1);
   const float low = axis[2 + bin];
-  return clamp((int)fma(at - (float)bin, axis[3 + bin] - low, low), 0, MULTUM_CELL_SIDE - 1);
+  return clamp((int)fma(at - (float)bin, axis[3 + bin] - low, low), 0, cell_side - 1);
 }
 
 // Adds the values of normals to their cells. One work-item = one of chunk_count chunks of columns of one texel; global
 // size width * chunk_count.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
 //   value_x, value_y, value_z                                   what is summed: the normals again, or colours
-//   cells [texel][chunk][MULTUM_CELL_COUNT][MULTUM_CELL_SUMS]   added to
+//   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
 // Bound by the latency of scattered adds.
 __kernel void movmf_condense_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
                                    __global const float* restrict normal_z, __global const float* restrict value_x,
@@ -137,7 +137,7 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
   const int chunk_columns = (fit.sample_columns + chunk_count - 1) / chunk_count;
   const int first_column = covered.first_column + chunk * chunk_columns;
   const int last_column = min(first_column + chunk_columns, covered.last_column);
-  __global long* out = cells + (size_t)item * MULTUM_CELL_COUNT * MULTUM_CELL_SUMS;
+  __global long* out = cells + (size_t)item * fit.sample_capacity * MULTUM_CELL_SUMS;
   __global const float* axis_x = axes + (size_t)x * 2 * MULTUM_AXIS_FLOATS;
   __global const float* axis_y = axis_x + MULTUM_AXIS_FLOATS;
   const int first_row = max(covered.first_row, fit.map_first_row);
@@ -154,7 +154,7 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;
         const float2 p = equal_area(normal_x[source], normal_y[source], normal_z[source]);
-        cells_of[i] = cell_along(p.y, axis_y) * MULTUM_CELL_SIDE + cell_along(p.x, axis_x);
+        cells_of[i] = cell_along(p.y, axis_y, fit.cell_side) * fit.cell_side + cell_along(p.x, axis_x, fit.cell_side);
       }
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;
@@ -172,20 +172,20 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
 }
 
 // Adds the chunks and lines up the cells that hold anything. One work-item = one texel; global size texel_count.
-//   cells [texel][chunk][MULTUM_CELL_COUNT][MULTUM_CELL_SUMS]
-//   samples [texel][MULTUM_CELL_COUNT][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
+//   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
+//   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written
 // Memory bound.
 __kernel void movmf_condense_means(__global const long* cells, __global float* samples, __global int* sample_counts,
-                                   int texel_count, int chunk_count) {
+                                   int texel_count, int chunk_count, int cell_count) {
   const int texel = (int)get_global_id(0);
   if (texel >= texel_count) return;
-  __global const long* in = cells + (size_t)texel * chunk_count * MULTUM_CELL_COUNT * MULTUM_CELL_SUMS;
-  __global float* out = samples + (size_t)texel * MULTUM_CONDENSED_FLOATS;
+  __global const long* in = cells + (size_t)texel * chunk_count * cell_count * MULTUM_CELL_SUMS;
+  __global float* out = samples + (size_t)texel * cell_count * MULTUM_CONDENSED_SAMPLE;
   int count = 0;
-  for (int cell = 0; cell < MULTUM_CELL_COUNT; ++cell) {
+  for (int cell = 0; cell < cell_count; ++cell) {
     long4 sum = vload4(cell, in);
-    for (int chunk = 1; chunk < chunk_count; ++chunk) sum += vload4(chunk * MULTUM_CELL_COUNT + cell, in);
+    for (int chunk = 1; chunk < chunk_count; ++chunk) sum += vload4(chunk * cell_count + cell, in);
     if (sum.w <= 0) continue;
     const float weight = (float)sum.w;
     vstore4((float4)((float)sum.x / weight, (float)sum.y / weight, (float)sum.z / weight, weight * FIXED_POINT_INVERSE),
@@ -196,9 +196,9 @@ __kernel void movmf_condense_means(__global const long* cells, __global float* s
 
 // The samples of 16 texels side by side, as EM streams them. One work-item = one group of slots; global size
 // slot_count / MULTUM_GROUP.
-//   condensed [window_rows * width][MULTUM_CELL_COUNT][MULTUM_CONDENSED_SAMPLE], condensed_counts [window_rows * width]
-//   samples [group][sample][4][MULTUM_GROUP]   written
-//   sample_counts [group]                      written: those of the texel that has most; what others lack weighs 0
+//   condensed [window_rows * width][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE], condensed_counts [window_rows *
+//   width] samples [group][sample][4][MULTUM_GROUP]   written sample_counts [group]                      written: those
+//   of the texel that has most; what others lack weighs 0
 // Memory bound.
 __kernel void movmf_condensed_pack(__global const float* condensed, __global const int* condensed_counts,
                                    __global const int* texel_list, __global float* samples, __global int* sample_counts,
@@ -212,7 +212,7 @@ __kernel void movmf_condensed_pack(__global const float* condensed, __global con
     if (texels[lane] >= 0) most = max(most, condensed_counts[texels[lane]]);
   for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
     const int count = texels[lane] < 0 ? 0 : condensed_counts[texels[lane]];
-    __global const float* in = condensed + (size_t)max(texels[lane], 0) * MULTUM_CONDENSED_FLOATS;
+    __global const float* in = condensed + (size_t)max(texels[lane], 0) * fit.sample_capacity * MULTUM_CONDENSED_SAMPLE;
     for (int i = 0; i < most; ++i) {
       const float4 sample = i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f);
       __global float* to = out + (size_t)i * 4 * MULTUM_GROUP + lane;

@@ -122,7 +122,7 @@ class MovmfWriter::Work {
     MULTUM_CHECK(lobe_count_ >= 1 && lobe_count_ <= kLobeCountMax);
     MULTUM_CHECK(level_count == mip_level_count(header.width(), header.height()));
     MULTUM_CHECK(header.first_level >= 0 && header.first_level < level_count);
-    MULTUM_CHECK(compresses_by_libdeflate());
+    MULTUM_CHECK(replaces_zlib_compress());
     MULTUM_CHECK(options.tile_size >= 1 && options.threads >= 1 && options.measured_error_bytes >= 0);
     parts_ = movmf_parts(header);
     const std::vector<Imf::Header> headers = make_headers(header, parts_, options);

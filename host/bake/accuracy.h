@@ -41,7 +41,7 @@ AccuracyDirections accuracy_directions();
 
 struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
-  std::int64_t samples_per_level = 4096;                 // texels, spread evenly at random; 0: every texel
+  std::int64_t samples_per_level = 2048;                 // texels, spread evenly at random; 0: every texel
   std::uint64_t seed = 1;
   int first_level = 0;  // finer ones are not measured
   AccuracyDirections directions = accuracy_directions();
@@ -49,7 +49,7 @@ struct AccuracySettings {
 };
 
 /// Told what a bake stores, row by row, keeps the lobes of the texels that it looks at, and measures at the end. With
-/// 4096 samples a level that takes some 100 MB for maps of any size.
+/// 2048 samples a level that takes some 50 MB for maps of any size.
 class AccuracyMeter {
  public:
   /// Of `header`: sizes of levels, lobe count, first level; no texels.

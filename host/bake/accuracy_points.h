@@ -36,7 +36,7 @@ struct SamplePoint {
 
 struct SampleSettings {
   int first_level = 0;                    // finer ones have no samples
-  std::int64_t samples_per_level = 4096;  // about; 0: every texel
+  std::int64_t samples_per_level = 2048;  // about; 0: every texel
   std::uint64_t seed = 1;
 };
 

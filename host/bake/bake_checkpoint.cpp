@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bake/bake_checkpoint.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -9,7 +11,7 @@
 #include <sstream>
 #include <utility>
 
-#include "host/base/content_hash.h"
+#include "host/base/checksum.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -49,6 +51,7 @@ BakeCheckpoint::BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> l
 }
 
 BakeCheckpoint::~BakeCheckpoint() {
+  if (writing_.valid()) writing_.wait();
   std::error_code ignored;
   if (!stays_) fs::remove_all(folder_, ignored);
 }
@@ -61,21 +64,22 @@ void BakeCheckpoint::read_progress(const std::string& key) {
     std::istringstream words(line);
     int level = 0;
     Block block{0, 0, ""};
-    if (!(words >> level >> block.first_row >> block.row_count >> block.hash) || block.hash.size() != 64) return;
+    if (!(words >> level >> block.first_row >> block.row_count >> block.checksum) || block.checksum.size() != 16)
+      return;
     found_[level].push_back(block);
   }
 }
 
-std::string BakeCheckpoint::block_hash(const Level& level, int first_row, int row_count) {
-  ContentHash hash;
+std::string BakeCheckpoint::block_checksum(const Level& level, int first_row, int row_count) {
+  Checksum checksum;
   const auto add = [&](const RowStore& store) {
     std::vector<unsigned char> bytes(store.row_bytes() * static_cast<std::size_t>(row_count));
     store.read(first_row, row_count, bytes.data());
-    hash.update(bytes.data(), bytes.size());
+    checksum.update(bytes.data(), bytes.size());
   };
   add(level.lobes);
   if (level.colours) add(*level.colours);
-  return hash.finish();
+  return checksum.text();
 }
 
 BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std::size_t lobe_row_bytes,
@@ -89,7 +93,7 @@ BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std:
     if (block.first_row != opened.rows_done || block.row_count < 1 || block.row_count > row_count - block.first_row)
       break;
     try {
-      if (block_hash(opened, block.first_row, block.row_count) != block.hash) break;
+      if (block_checksum(opened, block.first_row, block.row_count) != block.checksum) break;
     } catch (const Error&) {
       break;  // the file ends before the block does
     }
@@ -99,18 +103,32 @@ BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std:
   return opened;
 }
 
-void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const void* colours) {
+void BakeCheckpoint::wait() {
+  if (writing_.valid()) writing_.get();
+}
+
+void BakeCheckpoint::add_rows(int level, int row_count, std::shared_ptr<const void> lobes,
+                              std::shared_ptr<const void> colours) {
+  wait();
   Level& done = levels_.at(level);
-  ContentHash hash;
-  const auto add = [&](RowStore& store, const void* rows) {
-    store.write(done.rows_done, row_count, rows);
-    hash.update(rows, store.row_bytes() * static_cast<std::size_t>(row_count));
-  };
-  add(done.lobes, lobes);
-  if (done.colours) add(*done.colours, colours);
-  append_line(folder_ + "/progress", std::to_string(level) + " " + std::to_string(done.rows_done) + " " +
-                                         std::to_string(row_count) + " " + hash.finish());
+  const int first_row = done.rows_done;
   done.rows_done += row_count;
+  writing_ = std::async(std::launch::async, [this, level, &done, first_row, row_count, lobes = std::move(lobes),
+                                             colours = std::move(colours)] {
+    write_rows(level, done, first_row, row_count, lobes.get(), colours.get());
+  });
+}
+
+void BakeCheckpoint::write_rows(int level_number, Level& level, int first_row, int row_count, const void* lobes,
+                                const void* colours) {
+  Checksum checksum;
+  const auto add = [&](RowStore& store, const void* rows) {
+    store.write(first_row, row_count, rows);
+    checksum.update(rows, store.row_bytes() * static_cast<std::size_t>(row_count));
+  };
+  add(level.lobes, lobes);
+  if (level.colours) add(*level.colours, colours);
+  append_line(folder_ + "/progress", fmt::format("{} {} {} {}", level_number, first_row, row_count, checksum.text()));
 }
 
 }  // namespace multum

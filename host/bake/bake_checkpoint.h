@@ -3,14 +3,15 @@
 // output.
 //
 //   .multum-partial-NAME/
-//     progress          what bake it is, then a line for each block of rows: level, first row, rows, SHA-256
+//     progress          what bake it is, then a line for each block of rows: level, first row, rows, CRC-64
 //     level-5.lobes     rows [lobe][column], level-5.colours with colours
 //
-// A block counts when its line is whole and its bytes have that hash: a machine that lost power loses blocks, not
+// A block counts when its line is whole and its bytes have that checksum: a machine that lost power loses blocks, not
 // trust.
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -40,9 +41,11 @@ class BakeCheckpoint {
   };
   /// `colour_row_bytes` 0: no colours.
   Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t colour_row_bytes);
-  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them. `colours`: null
-  /// without.
-  void add_rows(int level, int row_count, const void* lobes, const void* colours);
+  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them, in another thread.
+  /// `colours`: null without. Throws what went wrong with rows before.
+  void add_rows(int level, int row_count, std::shared_ptr<const void> lobes, std::shared_ptr<const void> colours);
+  /// Waits until rows that were added are written: before they are read. Throws what went wrong with them.
+  void wait();
 
   /// The folder stays when this is destroyed: the bake was stopped and may go on.
   void leave() { stays_ = true; }
@@ -52,11 +55,12 @@ class BakeCheckpoint {
  private:
   struct Block {
     int first_row, row_count;
-    std::string hash;
+    std::string checksum;
   };
   BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key, bool resume);
   void read_progress(const std::string& key);
-  static std::string block_hash(const Level& level, int first_row, int row_count);
+  void write_rows(int level_number, Level& level, int first_row, int row_count, const void* lobes, const void* colours);
+  static std::string block_checksum(const Level& level, int first_row, int row_count);
 
   std::string folder_;
   std::unique_ptr<FolderLock> lock_;
@@ -64,6 +68,7 @@ class BakeCheckpoint {
   std::map<int, Level> levels_;
   std::uint64_t rows_resumed_ = 0;
   bool stays_ = false;
+  std::future<void> writing_;  // the last rows
 };
 
 }  // namespace multum

@@ -35,7 +35,8 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
     fit.sample_capacity = static_cast<int>(samples);
   } else if (settings.coarse_normals == CoarseNormals::kCondensed) {
     level.method = FitMethod::kCondensed;
-    fit.sample_capacity = MULTUM_CELL_COUNT;
+    fit.cell_side = samples <= kSamplesFewCellsMax ? kCellSideFew : kCellSide;
+    fit.sample_capacity = fit.cell_side * fit.cell_side;
   } else {
     level.method = FitMethod::kChunks;
     const int columns = (fit.sample_columns + MULTUM_GROUP - 1) / MULTUM_GROUP * MULTUM_GROUP;
@@ -61,6 +62,7 @@ void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& l
     fit.iteration_count = std::min(fit.iteration_count, kIterationsFewNormals);
     level.iteration_count_again = std::min(level.iteration_count_again, kIterationsFewNormals);
     fit.start_kappa_factor *= kStartFactorFewNormals;
+    fit.alignment *= kAlignmentFactorFewNormals;
   } else {
     fit.settled_change_squared = settings.settled_change * settings.settled_change;
   }

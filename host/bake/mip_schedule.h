@@ -36,12 +36,19 @@ struct MipSchedule {
 /// chunks. By the sample count alone, so that summation order never depends on bands or devices. 1024: the packed
 /// normals of a group still fit a core's cache, and rounding of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;
+/// Cells along a side of the grid of a condensed texel: fewer of texels of up to so many samples, which are many. Both
+/// odd, so that the flat normals of a map that tilts both ways alike lie in the middle of a cell and not on an edge.
+constexpr int kSamplesFewCellsMax = 4096;
+constexpr int kCellSideFew = 31;
+constexpr int kCellSide = 63;
 /// Where settled texels stop, one of at most so many normals (level 1) runs kIterationsFewNormals iterations instead:
 /// lobes find them at once and then creep, and stopping where they have all but stopped costs up to a fifth more error.
-/// Softer starts, of kappa times kStartFactorFewNormals, are there sooner.
+/// Softer starts, of kappa times kStartFactorFewNormals, are there sooner; centres gain by that, and a stronger
+/// alignment passes the gain on to the points between them.
 constexpr int kFewNormals = 4;
 constexpr int kIterationsFewNormals = 7;
 constexpr float kStartFactorFewNormals = 0.5f;
+constexpr float kAlignmentFactorFewNormals = 1.2f;
 /// Samples that a chunk of EM sums, about.
 constexpr int kSamplesPerChunk = 4096;
 

@@ -11,14 +11,16 @@ namespace {
 
 constexpr int kChunkColumns = 256;  // about, of a work-item that fills cells
 
-constexpr std::size_t kCellBytes = std::size_t{MULTUM_CELL_COUNT} * MULTUM_CELL_SUMS * sizeof(std::int64_t);
 constexpr std::size_t kAxisBytes = std::size_t{2} * MULTUM_AXIS_FLOATS * sizeof(float);
 constexpr std::size_t kProbeBytes = std::size_t{2} * MULTUM_PROBE_COUNT * sizeof(float);
-constexpr std::size_t kSampleBytes = std::size_t{MULTUM_CONDENSED_FLOATS} * sizeof(float);
 
 // Rows of texels that a band of so many rows of the map can meet.
 int rows_met(const MultumMovmfFit& fit, int band_rows) {
   return std::min(fit.height, (band_rows + fit.sample_rows - 1) / std::max(1, fit.sample_rows - 1) + 1);
+}
+
+std::size_t cell_bytes(const MultumMovmfFit& fit) {
+  return static_cast<std::size_t>(fit.sample_capacity) * MULTUM_CELL_SUMS * sizeof(std::int64_t);
 }
 
 int chunk_count_of(const MultumMovmfFit& fit) { return (fit.sample_columns + kChunkColumns - 1) / kChunkColumns; }
@@ -33,18 +35,19 @@ class LevelCondenser {
         width_(static_cast<std::size_t>(level.fit.width)),
         chunk_count_(chunk_count_of(level.fit)),
         axes_(level.fit.height, width_ * kAxisBytes, place),
-        result_{RowStore(level.fit.height, width_ * kSampleBytes, place),
+        result_{RowStore(level.fit.height, width_ * condensed_bytes(level.fit), place),
                 RowStore(level.fit.height, width_ * sizeof(int), place), std::nullopt},
         slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
-        host_(width_ * kSampleBytes) {
+        row_bytes_(width_ * condensed_bytes(level.fit)),
+        host_(std::max(row_bytes_, width_ * kAxisBytes)) {
     const KernelVariant variant{1, 1, weighted};
     const auto kernel = [&](const char* name) { return device.kernel("movmf_condense", name, variant); };
     probe_kernel_ = kernel("movmf_condense_probe");
     axes_kernel_ = kernel("movmf_condense_axes");
     cells_kernel_ = kernel("movmf_condense_cells");
     means_kernel_ = kernel("movmf_condense_means");
-    if (has_colours) result_.colours.emplace(level.fit.height, width_ * kSampleBytes, place);
-    samples_ = device.make_buffer(width_ * kSampleBytes, "condensed normals");
+    if (has_colours) result_.colours.emplace(level.fit.height, row_bytes_, place);
+    samples_ = device.make_buffer(row_bytes_, "condensed normals");
     counts_ = device.make_buffer(width_ * sizeof(int), "numbers of condensed normals");
     for (Slot& slot : slots_) {
       slot.axes = device.make_buffer(width_ * kAxisBytes, "axes of cells");
@@ -97,7 +100,7 @@ class LevelCondenser {
   };
 
   DeviceBuffer make_cells() {
-    return device_.make_buffer(width_ * static_cast<std::size_t>(chunk_count_) * kCellBytes, "cells of normals");
+    return device_.make_buffer(width_ * static_cast<std::size_t>(chunk_count_) * cell_bytes(fit_), "cells of normals");
   }
 
   // Calls body(y, slot, begins, ends) for each row of texels that rows of the window belong to: do its first, its last?
@@ -121,8 +124,8 @@ class LevelCondenser {
   }
 
   void store_means(const DeviceBuffer& cells, int y, RowStore& to) {
-    means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_);
-    device_.read(samples_, host_.data(), width_ * kSampleBytes);
+    means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_, fit_.sample_capacity);
+    device_.read(samples_, host_.data(), row_bytes_);
     to.write(y, 1, host_.data());
     device_.read(counts_, host_.data(), width_ * sizeof(int));
     result_.counts.write(y, 1, host_.data());
@@ -135,12 +138,17 @@ class LevelCondenser {
   RowStore axes_;
   CondensedLevel result_;
   std::vector<Slot> slots_;
+  const std::size_t row_bytes_;
   std::vector<unsigned char> host_;
   Kernel probe_kernel_, axes_kernel_, cells_kernel_, means_kernel_;
   DeviceBuffer samples_, counts_;
 };
 
 }  // namespace
+
+std::size_t condensed_bytes(const MultumMovmfFit& fit) {
+  return static_cast<std::size_t>(fit.sample_capacity) * MULTUM_CONDENSED_SAMPLE * sizeof(float);
+}
 
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
                                               const MipSchedule& schedule, int band_rows, const StorePlace& place,
@@ -182,9 +190,10 @@ std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, bool ha
   for (const LevelSchedule& level : schedule.levels) {
     if (level.method != FitMethod::kCondensed) continue;
     const MultumMovmfFit& fit = level.fit;
-    const std::uint64_t cells = static_cast<std::uint64_t>(chunk_count_of(fit)) * kCellBytes * (has_colours ? 2 : 1);
+    const std::uint64_t cells =
+        static_cast<std::uint64_t>(chunk_count_of(fit)) * cell_bytes(fit) * (has_colours ? 2 : 1);
     bytes += static_cast<std::uint64_t>(fit.width) *
-             (static_cast<std::uint64_t>(rows_met(fit, band_rows)) * (cells + kAxisBytes) + 2 * kSampleBytes);
+             (static_cast<std::uint64_t>(rows_met(fit, band_rows)) * (cells + kAxisBytes) + 2 * condensed_bytes(fit));
   }
   const int map_width = schedule.levels.empty() ? 0 : schedule.levels[0].fit.map_width;
   return bytes + static_cast<std::uint64_t>(band_rows) * static_cast<std::uint64_t>(map_width) * sizeof(float) *

@@ -14,8 +14,11 @@
 
 namespace multum {
 
-/// The samples of one level's texels by rows: MULTUM_CONDENSED_FLOATS floats a texel, of which the first so many
-/// samples hold any, and how many. Colours go with the same samples.
+/// Bytes of the samples of a condensed texel, all its cells.
+std::size_t condensed_bytes(const MultumMovmfFit& fit);
+
+/// The samples of one level's texels by rows: room for all cells of a texel, of which the first so many hold any, and
+/// how many. Colours go with the same samples.
 struct CondensedLevel {
   RowStore samples;
   RowStore counts;  // an int a texel

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 
 #include "host/bake/lobe_rows.h"
@@ -127,6 +128,7 @@ class MovmfFitter {
       coarser_ = std::move(store.own);
     }
     coarser_kept_ = store.kept;
+    if (coarser_kept_ != nullptr) inputs_.checkpoint->wait();
   }
 
   RowStore& coarser() { return coarser_kept_ != nullptr ? coarser_kept_->lobes : *coarser_; }
@@ -195,18 +197,19 @@ class MovmfFitter {
 
   void hand_over(const LevelSchedule& level, const FittedRows& rows, LevelStore& store, bool is_kept = false) {
     const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
-    std::vector<MultumVmfLobe> lobes(lobe_count() * texels);
-    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
-    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes.data());
-    std::vector<glm::vec3> colours;
+    // Shared with the checkpoint, which writes them meanwhile.
+    const auto lobes = std::make_shared<std::vector<MultumVmfLobe>>(lobe_count() * texels);
+    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes->data());
+    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes->data());
+    const auto colours = std::make_shared<std::vector<glm::vec3>>();
     if (rows.colours != nullptr) {
-      colours.resize(lobes.size());
-      rows.colours->copy_rows(rows.first_row, rows.row_count, colours.data());
+      colours->resize(lobes->size());
+      rows.colours->copy_rows(rows.first_row, rows.row_count, colours->data());
     }
     if (store.kept != nullptr && !is_kept)
-      inputs_.checkpoint->add_rows(level.level, rows.row_count, lobes.data(), colours.data());
+      inputs_.checkpoint->add_rows(level.level, rows.row_count, {lobes, lobes->data()}, {colours, colours->data()});
     sink_.add_level(level.level, rows.first_row,
-                    stored_rows({level.fit.width, rows.row_count, settings_.lobe_count}, lobes, colours,
+                    stored_rows({level.fit.width, rows.row_count, settings_.lobe_count}, *lobes, *colours,
                                 settings_.kappa_cap, inputs_.threads, report_));
     advance(rows.first_row, rows.row_count, level.fit.height);
     if (level.level == 1 && settings_.first_level == 0) fit_level_zero(rows);

@@ -80,7 +80,7 @@ class LevelFit {
                           "the lobes of the next coarser level");
     else fit_.parent_width = fit_.parent_height = 0;
     if (level.method == FitMethod::kCondensed) {
-      const std::size_t samples = MULTUM_CONDENSED_FLOATS * sizeof(float);
+      const std::size_t samples = condensed_bytes(fit_);
       condensed_ = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed normals");
       condensed_counts_ = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
       if (inputs.albedo != nullptr)
@@ -236,8 +236,7 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
   const auto lobes = static_cast<std::uint64_t>(settings.lobe_count);
   const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe), colour_bytes = lobes * 3 * sizeof(float);
   std::uint64_t texel_bytes = 2 * lobe_bytes + (has_colours ? colour_bytes : 0);
-  if (level.method == FitMethod::kCondensed)
-    texel_bytes += MULTUM_CONDENSED_FLOATS * sizeof(float) * (has_colours ? 2 : 1) + sizeof(int);
+  if (level.method == FitMethod::kCondensed) texel_bytes += condensed_bytes(fit) * (has_colours ? 2 : 1) + sizeof(int);
   std::uint64_t bytes = product(fit.width, rows.level) * texel_bytes;
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
   if (level.method != FitMethod::kCondensed)

@@ -143,7 +143,7 @@ class StatisticsBand {
 
 // Every how many bands one is looked at.
 int band_stride(const RawImageInfo& info) {
-  constexpr std::int64_t kTexelsMax = std::int64_t{1} << 24;
+  constexpr std::int64_t kTexelsMax = std::int64_t{1} << 22;
   return static_cast<int>(1 + (std::int64_t{info.width} * info.height - 1) / kTexelsMax);
 }
 

@@ -19,18 +19,14 @@
 #define MULTUM_START_CAP 8        // the texel's cap of kappa, known after the first E-step
 #define MULTUM_START_PLANES 9
 
-// The grid of a condensed texel (movmf_condense.cl): normals along a side that axes are made from, cells along a side,
-// bins of an axis, floats that describe an axis.
-// Odd, so that the flat normals of a map that tilts both ways alike lie in the middle of a cell and not on an edge.
+// The grid of a condensed texel (movmf_condense.cl): normals along a side that axes are made from, bins of an axis,
+// floats that describe an axis.
 #define MULTUM_PROBE_SIDE 32
 #define MULTUM_PROBE_COUNT (MULTUM_PROBE_SIDE * MULTUM_PROBE_SIDE)
-#define MULTUM_CELL_SIDE 31
-#define MULTUM_CELL_COUNT (MULTUM_CELL_SIDE * MULTUM_CELL_SIDE)
 #define MULTUM_AXIS_BINS 63
 #define MULTUM_AXIS_FLOATS (MULTUM_AXIS_BINS + 3)
 #define MULTUM_CELL_SUMS 4         // of three values and of weights, whole numbers of 2^-30
 #define MULTUM_CONDENSED_SAMPLE 4  // floats: three mean values and their weight
-#define MULTUM_CONDENSED_FLOATS (MULTUM_CELL_COUNT * MULTUM_CONDENSED_SAMPLE)  // room of a texel
 
 typedef struct MultumMovmfFit {
   int map_width;  // finest level, texels, at most 32768 a side
@@ -55,7 +51,8 @@ typedef struct MultumMovmfFit {
   int periodic_x;       // not 0: beyond the border lies the other one, whose texels are neighbours too
   int periodic_y;
   int iteration_count;
-  int sample_capacity;           // samples of a group of texels, room for this many (movmf_em_texels.cl)
+  int sample_capacity;           // samples of a texel, at most (movmf_em_texels.cl): of a condensed one its cells
+  int cell_side;                 // cells along a side of a condensed texel's grid; 0: not condensed
   float settled_change_squared;  // a texel in which nothing moves by more is done; 0: run every iteration
   int chunk_rows;                // rows a chunk sums (movmf_em_chunks.cl)
   int chunk_count;               // chunks a texel

@@ -55,7 +55,10 @@ MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settin
   level.method = how.method;
   fit.iteration_count = how.iterations;
   fit.parent_window_rows = fit.parent_height;
-  if (how.method == FitMethod::kCondensed) fit.sample_capacity = MULTUM_CELL_COUNT;
+  if (how.method == FitMethod::kCondensed) {
+    fit.cell_side = kCellSideFew;
+    fit.sample_capacity = fit.cell_side * fit.cell_side;
+  }
   return schedule;
 }
 

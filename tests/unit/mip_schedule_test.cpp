@@ -118,7 +118,8 @@ TEST(MipScheduleMethodTest, CoarseTexelsAreCondensedAndSettledOnesStop) {
     SCOPED_TRACE(level.level);
     const bool coarse = level.level > 5;
     EXPECT_EQ(level.method, coarse ? FitMethod::kCondensed : FitMethod::kTexels);
-    EXPECT_EQ(level.fit.sample_capacity, coarse ? MULTUM_CELL_COUNT : 1 << (2 * level.level));
+    EXPECT_EQ(level.fit.sample_capacity, coarse ? level.fit.cell_side * level.fit.cell_side : 1 << (2 * level.level));
+    EXPECT_EQ(level.fit.cell_side, level.level > 6 ? kCellSide : coarse ? kCellSideFew : 0);
     EXPECT_EQ(level.fit.settled_change_squared > 0.0f, !coarse && level.level > 1);
     if (level.level == 1) {
       EXPECT_EQ(level.fit.iteration_count, kIterationsFewNormals);

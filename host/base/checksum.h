@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// CRC-64, for scratch files of our own that may have been torn or damaged: it takes a hundredth of the time of SHA-256,
+// and nobody forges them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace multum {
+
+class Checksum {
+ public:
+  void update(const void* data, std::size_t byte_count);
+  /// 16 lower-case hexadecimal digits.
+  std::string text() const;
+
+ private:
+  std::uint64_t value_ = 0;
+};
+
+}  // namespace multum

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Workaround "ISA-L leaves vector registers in use": ISA-L 2.30's AVX functions return without VZEROUPPER, after which
+// every SSE instruction of the thread waits for the upper halves that it need not keep: rounding after a checksum took
+// twice its time. To be called after such functions.
+#pragma once
+
+namespace multum {
+
+#if defined(__x86_64__)
+__attribute__((target("avx"))) inline void zero_upper_halves() { __builtin_ia32_vzeroupper(); }
+inline void leave_vector_registers() {
+  static const bool has_avx = __builtin_cpu_supports("avx") != 0;
+  if (has_avx) zero_upper_halves();
+}
+#else
+inline void leave_vector_registers() {}
+#endif
+
+}  // namespace multum
