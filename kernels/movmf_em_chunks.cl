@@ -83,15 +83,24 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
     const real_v column_weight = column_weights(column, x, fit.map_width, fit.width);
     // Columns beyond the map weigh 0; they read the next row, or the zeros behind the last.
     const int readable = min(column, fit.map_width);
-    for (int row = first_row; row < last_row; ++row) {
-      const size_t source = map_row_start(row, &fit) + readable;
-      const real_v nx = LOAD_V(normal_x + source), ny = LOAD_V(normal_y + source), nz = LOAD_V(normal_z + source);
+    for (int first = first_row; first < last_row; first += SAMPLE_BLOCK) {
+      const int count = min(SAMPLE_BLOCK, last_row - first);
+      real_v responsibility[SAMPLE_BLOCK][MULTUM_LOBES], u[SAMPLE_BLOCK][MULTUM_LOBES];
+      for (int i = 0; i < count; ++i) {
+        const size_t source = map_row_start(first + i, &fit) + readable;
+        const real_v nx = LOAD_V(normal_x + source), ny = LOAD_V(normal_y + source), nz = LOAD_V(normal_z + source);
 #if MULTUM_WEIGHTED
-      const real_v weight = column_weight * coverage(row, y, fit.map_height, fit.height);
+        const real_v weight = column_weight * coverage(first + i, y, fit.map_height, fit.height);
 #else
-      const real_v weight = column_weight;
+        const real_v weight = column_weight;
 #endif
-      E_STEP(nx, ny, nz, weight)
+        RESPONSIBILITIES(nx, ny, nz, weight, responsibility[i], u[i])
+      }
+      for (int i = 0; i < count; ++i) {
+        const size_t source = map_row_start(first + i, &fit) + readable;
+        const real_v nx = LOAD_V(normal_x + source), ny = LOAD_V(normal_y + source), nz = LOAD_V(normal_z + source);
+        ADD_MOMENTS(nx, ny, nz, responsibility[i], u[i])
+      }
     }
   }
 

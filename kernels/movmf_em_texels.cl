@@ -69,15 +69,25 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
   for (int iteration = 0; iteration < fit.iteration_count; ++iteration) {
     _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) sum_s[j] = sum_x[j] = sum_y[j] = sum_z[j] = sum_d[j] =
         (real_v)(0.0f);
-    for (int i = 0; i < sample_count; ++i) {
-      __global const float* sample = first_sample + (size_t)i * SAMPLE_STRIDE;
-      const real_v x = LOAD_V(sample), y = LOAD_V(sample + MULTUM_GROUP), z = LOAD_V(sample + 2 * MULTUM_GROUP);
+    for (int block = 0; block < sample_count; block += SAMPLE_BLOCK) {
+      __global const float* block_samples = first_sample + (size_t)block * SAMPLE_STRIDE;
+      const int count = min(SAMPLE_BLOCK, sample_count - block);
+      real_v responsibility[SAMPLE_BLOCK][MULTUM_LOBES], u[SAMPLE_BLOCK][MULTUM_LOBES];
+      for (int i = 0; i < count; ++i) {
+        __global const float* sample = block_samples + i * SAMPLE_STRIDE;
+        const real_v x = LOAD_V(sample), y = LOAD_V(sample + MULTUM_GROUP), z = LOAD_V(sample + 2 * MULTUM_GROUP);
 #if MULTUM_WEIGHTED
-      const real_v weight = LOAD_V(sample + 3 * MULTUM_GROUP);
-      E_STEP(x, y, z, weight)
+        const real_v weight = LOAD_V(sample + 3 * MULTUM_GROUP);
+        RESPONSIBILITIES(x, y, z, weight, responsibility[i], u[i])
 #else
-      E_STEP(x, y, z, WHOLE)
+        RESPONSIBILITIES(x, y, z, WHOLE, responsibility[i], u[i])
 #endif
+      }
+      for (int i = 0; i < count; ++i) {
+        __global const float* sample = block_samples + i * SAMPLE_STRIDE;
+        const real_v x = LOAD_V(sample), y = LOAD_V(sample + MULTUM_GROUP), z = LOAD_V(sample + 2 * MULTUM_GROUP);
+        ADD_MOMENTS(x, y, z, responsibility[i], u[i])
+      }
     }
     if (iteration == 0) {
       real_v x = (real_v)(0.0f), y = (real_v)(0.0f), z = (real_v)(0.0f);

@@ -40,7 +40,7 @@ constexpr int kSamplesUnchunkedMax = 1024;
 /// odd, so that the flat normals of a map that tilts both ways alike lie in the middle of a cell and not on an edge.
 constexpr int kSamplesFewCellsMax = 4096;
 constexpr int kCellSideFew = 31;
-constexpr int kCellSide = 63;
+constexpr int kCellSide = 71;
 /// Where settled texels stop, one of at most so many normals (level 1) runs kIterationsFewNormals iterations instead:
 /// lobes find them at once and then creep, and stopping where they have all but stopped costs up to a fifth more error.
 /// Softer starts, of kappa times kStartFactorFewNormals, are there sooner; centres gain by that, and a stronger
