@@ -51,7 +51,10 @@ BakeCheckpoint::BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> l
 }
 
 BakeCheckpoint::~BakeCheckpoint() {
-  if (writing_.valid()) writing_.wait();
+  try {
+    wait();
+  } catch (const Error&) {  // there are no more rows to lose
+  }
   std::error_code ignored;
   if (!stays_) fs::remove_all(folder_, ignored);
 }
@@ -103,20 +106,16 @@ BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std:
   return opened;
 }
 
-void BakeCheckpoint::wait() {
-  if (writing_.valid()) writing_.get();
-}
-
 void BakeCheckpoint::add_rows(int level, int row_count, std::shared_ptr<const void> lobes,
                               std::shared_ptr<const void> colours) {
-  wait();
   Level& done = levels_.at(level);
   const int first_row = done.rows_done;
+  constexpr int kThreads = 2;  // this one and another
+  writing_.run(kThreads,
+               [this, level, &done, first_row, row_count, lobes = std::move(lobes), colours = std::move(colours)] {
+                 write_rows(level, done, first_row, row_count, lobes.get(), colours.get());
+               });
   done.rows_done += row_count;
-  writing_ = std::async(std::launch::async, [this, level, &done, first_row, row_count, lobes = std::move(lobes),
-                                             colours = std::move(colours)] {
-    write_rows(level, done, first_row, row_count, lobes.get(), colours.get());
-  });
 }
 
 void BakeCheckpoint::write_rows(int level_number, Level& level, int first_row, int row_count, const void* lobes,

@@ -11,13 +11,13 @@
 #pragma once
 
 #include <cstdint>
-#include <future>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "host/bake/row_store.h"
+#include "host/base/background_task.h"
 #include "host/base/folder_lock.h"
 
 namespace multum {
@@ -45,7 +45,7 @@ class BakeCheckpoint {
   /// `colours`: null without. Throws what went wrong with rows before.
   void add_rows(int level, int row_count, std::shared_ptr<const void> lobes, std::shared_ptr<const void> colours);
   /// Waits until rows that were added are written: before they are read. Throws what went wrong with them.
-  void wait();
+  void wait() { writing_.wait(); }
 
   /// The folder stays when this is destroyed: the bake was stopped and may go on.
   void leave() { stays_ = true; }
@@ -68,7 +68,7 @@ class BakeCheckpoint {
   std::map<int, Level> levels_;
   std::uint64_t rows_resumed_ = 0;
   bool stays_ = false;
-  std::future<void> writing_;  // the last rows
+  BackgroundTask writing_;  // of the last rows
 };
 
 }  // namespace multum

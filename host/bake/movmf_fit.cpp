@@ -11,6 +11,7 @@
 #include "host/bake/lobe_rows.h"
 #include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_start.h"
+#include "host/base/background_task.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
 
@@ -84,6 +85,7 @@ class MovmfFitter {
     fit_level(
         device_, em_step_, level, settings_, inputs, plan_.levels.at(level.level),
         [&](const FittedRows& rows) { hand_over(level, rows, store); }, progress_);
+    handing_over_.wait();
     keep(level, std::move(store), std::move(there));
     condensed_.erase(level.level);
     LevelReport& report = report_of(level.level);
@@ -208,11 +210,19 @@ class MovmfFitter {
     }
     if (store.kept != nullptr && !is_kept)
       inputs_.checkpoint->add_rows(level.level, rows.row_count, {lobes, lobes->data()}, {colours, colours->data()});
-    sink_.add_level(level.level, rows.first_row,
-                    stored_rows({level.fit.width, rows.row_count, settings_.lobe_count}, *lobes, *colours,
-                                settings_.kappa_cap, inputs_.threads, report_));
+    std::optional<FinestRows> finest;
+    if (level.level == 1 && settings_.first_level == 0) finest = fit_level_zero(rows);
+    const LobeRowsSize size{level.fit.width, rows.row_count, settings_.lobe_count};
+    handing_over_.run(inputs_.threads, [this, number = level.level, first_row = rows.first_row, size, lobes, colours,
+                                        finest = std::move(finest)]() mutable {
+      sink_.add_level(number, first_row,
+                      stored_rows(size, *lobes, *colours, settings_.kappa_cap, inputs_.threads, report_));
+      if (finest) hand_over_finest(std::move(*finest));
+    });
     advance(rows.first_row, rows.row_count, level.fit.height);
-    if (level.level == 1 && settings_.first_level == 0) fit_level_zero(rows);
+    if (level.level == 1 && settings_.first_level == 0)
+      advance(2 * rows.first_row, finest_end(rows.fit, rows.first_row + rows.row_count) - 2 * rows.first_row,
+              map_height_);
   }
 
   // Each level counts as much as the map has texels, spread over its rows.
@@ -224,42 +234,45 @@ class MovmfFitter {
     progress_advance(progress_, until(first_row + row_count) - until(first_row));
   }
 
+  struct FinestRows {
+    int first_row, row_count;
+    std::vector<std::uint8_t> lobe;
+  };
+
   // The rows of level 0 whose parents are `rows` of level 1, while their normals are on the device.
-  void fit_level_zero(const FittedRows& rows) {
+  FinestRows fit_level_zero(const FittedRows& rows) {
     const double start_seconds = now_seconds();
     const int first = 2 * rows.first_row, below = rows.first_row + rows.row_count;
-    MovmfFinest out;
-    out.width = map_width_;
-    out.height = finest_end(rows.fit, below) - first;
-    const std::size_t texels = static_cast<std::size_t>(map_width_) * static_cast<std::size_t>(out.height);
+    FinestRows out{first, finest_end(rows.fit, below) - first, {}};
+    const std::size_t texels = static_cast<std::size_t>(map_width_) * static_cast<std::size_t>(out.row_count);
     DeviceBuffer nearest = device_.make_buffer(texels, "numbers of lobes");
     const MapWindow& normals = *rows.normals;
     level_zero_kernel_.launch({texels}, normals[0], normals[1], normals[2], rows.lobes->buffer(), nearest, rows.fit,
-                              settings_.aligned_start ? 1 : 0, first - normals.first_row(), first, out.height);
+                              settings_.aligned_start ? 1 : 0, first - normals.first_row(), first, out.row_count);
     ++zero_launches_;
     out.lobe.resize(texels);
     device_.read(nearest, out.lobe.data(), texels);
-    finish_level_zero(first, std::move(out));
     zero_seconds_ += now_seconds() - start_seconds;
     report_of(0).seconds = zero_seconds_;
     report_of(0).launches = zero_launches_;
+    return out;
   }
 
   // A map of one texel has no level 1.
   void fit_single_texel() {
-    MovmfFinest out;
-    out.width = out.height = 1;
-    out.lobe.assign(1, 0);
-    finish_level_zero(0, std::move(out));
+    hand_over_finest({0, 1, {0}});
+    advance(0, 1, map_height_);
   }
 
-  void finish_level_zero(int first_row, MovmfFinest out) {
-    out.normals = interleaved(*inputs_.normals, first_row, out.height);
-    if (has_colours()) out.colours = interleaved(*inputs_.albedo, first_row, out.height);
+  void hand_over_finest(FinestRows rows) {
+    MovmfFinest out;
+    out.width = map_width_;
+    out.height = rows.row_count;
+    out.lobe = std::move(rows.lobe);
+    out.normals = interleaved(*inputs_.normals, rows.first_row, rows.row_count);
+    if (has_colours()) out.colours = interleaved(*inputs_.albedo, rows.first_row, rows.row_count);
     report_.lobe_count_total += lobe_count() * out.lobe.size();
-    const int height = out.height;
-    sink_.add_finest(first_row, std::move(out));
-    advance(first_row, height, map_height_);
+    sink_.add_finest(rows.first_row, std::move(out));
   }
 
   std::vector<glm::vec3> interleaved(const PlaneStore& store, int first_row, int row_count) const {
@@ -292,6 +305,7 @@ class MovmfFitter {
   std::optional<RowStore> coarser_;
   double zero_seconds_ = 0.0;
   std::uint64_t zero_launches_ = 0;
+  BackgroundTask handing_over_;  // the last rows, to the sink
 };
 
 }  // namespace
