@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rows wait in a queue for the writer's thread. Of every part and level it holds the row of tiles that is being filled:
 //
-//     rows of any count --> queue (32 MB) --> a row of tiles a part and level --> SHA-256, halfs, OpenEXR's writeTiles
+//     rows of any count --> queue (16 MiB) --> a row of tiles a part and level --> SHA-256, halfs, OpenEXR's writeTiles
 //
 // writeTiles shares its tiles out to OpenEXR's own threads; tiles lie in the file in the order of these calls
 // (RANDOM_Y), and readers find them by the tables that OpenEXR writes last.
@@ -31,7 +31,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kQueueBytesMax = std::size_t{32} << 20;
+constexpr std::size_t kQueueBytesMax = std::size_t{16} << 20;
 
 // Rows of level 0, or of another level.
 struct Portion {

@@ -26,7 +26,7 @@ class MovmfWriter {
   MovmfWriter& operator=(const MovmfWriter&) = delete;
 
   /// Rounded rows of level 0, any number of them, in order from row 0. Only where the header's first level is 0. Blocks
-  /// while more than some 32 MB wait.
+  /// while more than some 16 MiB wait.
   void write_finest(int first_row, MovmfFinest rows);
   /// Rounded rows of a level >= 1 (rows.height of them), in order from row 0 within the level; levels in any order, and
   /// between rows of level 0.

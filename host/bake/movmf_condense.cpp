@@ -2,9 +2,9 @@
 #include "host/bake/movmf_condense.h"
 
 #include <algorithm>
+#include <cstring>
+#include <numeric>
 #include <vector>
-
-#include "host/bake/row_window.h"
 
 namespace multum {
 namespace {
@@ -18,6 +18,8 @@ constexpr std::size_t kProbeBytes = std::size_t{2} * MULTUM_PROBE_COUNT * sizeof
 int rows_met(const MultumMovmfFit& fit, int band_rows) {
   return std::min(fit.height, (band_rows + fit.sample_rows - 1) / std::max(1, fit.sample_rows - 1) + 1);
 }
+
+constexpr std::size_t kSampleBytes = std::size_t{MULTUM_CONDENSED_SAMPLE} * sizeof(float);
 
 std::size_t cell_bytes(const MultumMovmfFit& fit) {
   return static_cast<std::size_t>(fit.sample_capacity) * MULTUM_CELL_SUMS * sizeof(std::int64_t);
@@ -39,7 +41,8 @@ class LevelCondenser {
                 RowStore(level.fit.height, width_ * sizeof(int), place), std::nullopt},
         slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
         row_bytes_(width_ * condensed_bytes(level.fit)),
-        host_(std::max(row_bytes_, width_ * kAxisBytes)) {
+        host_(std::max(row_bytes_, width_ * kAxisBytes)),
+        numbers_(width_) {
     const KernelVariant variant{1, 1, weighted};
     const auto kernel = [&](const char* name) { return device.kernel("movmf_condense", name, variant); };
     probe_kernel_ = kernel("movmf_condense_probe");
@@ -125,10 +128,17 @@ class LevelCondenser {
 
   void store_means(const DeviceBuffer& cells, int y, RowStore& to) {
     means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_, fit_.sample_capacity);
-    device_.read(samples_, host_.data(), row_bytes_);
-    to.write(y, 1, host_.data());
-    device_.read(counts_, host_.data(), width_ * sizeof(int));
-    result_.counts.write(y, 1, host_.data());
+    device_.read(counts_, numbers_.data(), width_ * sizeof(int));
+    result_.counts.write(y, 1, numbers_.data());
+    std::size_t end = 0;
+    device_.visit(samples_, [&](void* samples) {
+      for (std::size_t x = 0; x < width_; ++x) {
+        const std::size_t bytes = static_cast<std::size_t>(numbers_[x]) * kSampleBytes;
+        std::memcpy(host_.data() + end, static_cast<unsigned char*>(samples) + x * (row_bytes_ / width_), bytes);
+        end += bytes;
+      }
+    });
+    to.write_beginning(y, host_.data(), end);
   }
 
   Device& device_;
@@ -140,6 +150,7 @@ class LevelCondenser {
   std::vector<Slot> slots_;
   const std::size_t row_bytes_;
   std::vector<unsigned char> host_;
+  std::vector<int> numbers_;
   Kernel probe_kernel_, axes_kernel_, cells_kernel_, means_kernel_;
   DeviceBuffer samples_, counts_;
 };
@@ -147,7 +158,29 @@ class LevelCondenser {
 }  // namespace
 
 std::size_t condensed_bytes(const MultumMovmfFit& fit) {
-  return static_cast<std::size_t>(fit.sample_capacity) * MULTUM_CONDENSED_SAMPLE * sizeof(float);
+  return static_cast<std::size_t>(fit.sample_capacity) * kSampleBytes;
+}
+
+RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samples, std::size_t texel_bytes) {
+  return [&level, &samples, texel_bytes](int row, int count, const std::vector<unsigned char*>& planes) {
+    std::vector<int> numbers(level.counts.row_bytes() / sizeof(int));
+    std::vector<unsigned char> packed(samples.row_bytes());
+    for_each_piece(row, count, samples.row_count(), [&](int first, int piece, int at) {
+      unsigned char* to = planes[0] + static_cast<std::size_t>(at) * samples.row_bytes();
+      for (int r = first; r < first + piece; ++r) {
+        level.counts.read(r, 1, numbers.data());
+        const auto total = static_cast<std::size_t>(std::accumulate(numbers.begin(), numbers.end(), std::int64_t{0}));
+        samples.read_beginning(r, packed.data(), total * kSampleBytes);
+        const unsigned char* from = packed.data();
+        for (const int number : numbers) {
+          const std::size_t bytes = static_cast<std::size_t>(number) * kSampleBytes;
+          std::memcpy(to, from, bytes);
+          from += bytes;
+          to += texel_bytes;
+        }
+      }
+    });
+  };
 }
 
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals, const PlaneStore* albedo,

@@ -8,6 +8,7 @@
 
 #include "host/bake/mip_schedule.h"
 #include "host/bake/row_store.h"
+#include "host/bake/row_window.h"
 #include "host/base/progress.h"
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
@@ -17,13 +18,16 @@ namespace multum {
 /// Bytes of the samples of a condensed texel, all its cells.
 std::size_t condensed_bytes(const MultumMovmfFit& fit);
 
-/// The samples of one level's texels by rows: room for all cells of a texel, of which the first so many hold any, and
-/// how many. Colours go with the same samples.
+/// The samples of one level's texels by rows: those of the row's texels one after another, and how many each has.
+/// Colours go with the same samples.
 struct CondensedLevel {
   RowStore samples;
   RowStore counts;  // an int a texel
   std::optional<RowStore> colours;
 };
+
+/// Puts a level's samples, or its colours, into a window that has room for all cells of each texel.
+RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samples, std::size_t texel_bytes);
 
 /// By level: those of `schedule` whose method is kCondensed. `albedo` may be null. The map passes in bands of at most
 /// `band_rows` rows, which change nothing in the result. Throws Cancelled.

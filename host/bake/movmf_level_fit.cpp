@@ -153,9 +153,10 @@ class LevelFit {
     }
     if (level_.method == FitMethod::kCondensed) {
       const CondensedLevel& from = *inputs_.condensed;
-      condensed_.move_to(rows.begin, count, fill_planes(from.samples));
+      condensed_.move_to(rows.begin, count, fill_condensed(from, from.samples, condensed_bytes(fit_)));
       condensed_counts_.move_to(rows.begin, count, fill_planes(from.counts));
-      if (inputs_.albedo != nullptr) condensed_colours_.move_to(rows.begin, count, fill_planes(*from.colours));
+      if (inputs_.albedo != nullptr)
+        condensed_colours_.move_to(rows.begin, count, fill_condensed(from, *from.colours, condensed_bytes(fit_)));
     } else if (level_.method == FitMethod::kTexels) {
       const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
       const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);

@@ -22,16 +22,32 @@ std::size_t RowStore::range_begin(int first_row, int row_count) const {
   return static_cast<std::size_t>(first_row) * row_bytes_;
 }
 
+void RowStore::write_bytes(std::size_t begin, const void* from, std::size_t byte_count) {
+  if (file_) file_->write(begin, from, byte_count);
+  else if (byte_count > 0) std::memcpy(memory_.data() + begin, from, byte_count);
+}
+
+void RowStore::read_bytes(std::size_t begin, void* to, std::size_t byte_count) const {
+  if (file_) file_->read(begin, to, byte_count);
+  else if (byte_count > 0) std::memcpy(to, memory_.data() + begin, byte_count);
+}
+
 void RowStore::write(int first_row, int row_count, const void* rows) {
-  const std::size_t begin = range_begin(first_row, row_count), bytes = static_cast<std::size_t>(row_count) * row_bytes_;
-  if (file_) file_->write(begin, rows, bytes);
-  else if (bytes > 0) std::memcpy(memory_.data() + begin, rows, bytes);
+  write_bytes(range_begin(first_row, row_count), rows, static_cast<std::size_t>(row_count) * row_bytes_);
 }
 
 void RowStore::read(int first_row, int row_count, void* rows) const {
-  const std::size_t begin = range_begin(first_row, row_count), bytes = static_cast<std::size_t>(row_count) * row_bytes_;
-  if (file_) file_->read(begin, rows, bytes);
-  else if (bytes > 0) std::memcpy(rows, memory_.data() + begin, bytes);
+  read_bytes(range_begin(first_row, row_count), rows, static_cast<std::size_t>(row_count) * row_bytes_);
+}
+
+void RowStore::write_beginning(int row, const void* bytes, std::size_t byte_count) {
+  MULTUM_CHECK(byte_count <= row_bytes_);
+  write_bytes(range_begin(row, 1), bytes, byte_count);
+}
+
+void RowStore::read_beginning(int row, void* bytes, std::size_t byte_count) const {
+  MULTUM_CHECK(byte_count <= row_bytes_);
+  read_bytes(range_begin(row, 1), bytes, byte_count);
 }
 
 }  // namespace multum

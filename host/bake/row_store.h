@@ -29,9 +29,14 @@ class RowStore {
   /// Rows [first_row, first_row + row_count). Throws Error(kEnvironment) when the disk refuses.
   void write(int first_row, int row_count, const void* rows);
   void read(int first_row, int row_count, void* rows) const;
+  /// The first `byte_count` bytes of a row: what lies behind takes no room on disk.
+  void write_beginning(int row, const void* bytes, std::size_t byte_count);
+  void read_beginning(int row, void* bytes, std::size_t byte_count) const;
 
  private:
   std::size_t range_begin(int first_row, int row_count) const;
+  void write_bytes(std::size_t begin, const void* from, std::size_t byte_count);
+  void read_bytes(std::size_t begin, void* to, std::size_t byte_count) const;
 
   int row_count_;
   std::size_t row_bytes_;
