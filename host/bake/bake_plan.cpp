@@ -22,8 +22,9 @@ constexpr int kBandRowsWanted = 8;  // fewer leave too little for many threads: 
 
 // The most rows whose bytes are useful, or that are wanted and fit.
 template <typename BytesOf>
-int choose_rows(int rows_max, std::uint64_t memory_bytes, const BytesOf& bytes_of, const std::string& what) {
-  const std::uint64_t useful = std::min(memory_bytes, kUsefulWindowBytes);
+int choose_rows(int rows_max, std::uint64_t memory_bytes, std::uint64_t useful_bytes, const BytesOf& bytes_of,
+                const std::string& what) {
+  const std::uint64_t useful = std::min(memory_bytes, useful_bytes);
   for (int rows : kBandRows) {
     const std::uint64_t bytes = bytes_of(std::min(rows, rows_max));
     if (bytes <= useful || (rows <= kBandRowsWanted && bytes <= memory_bytes)) return std::min(rows, rows_max);
@@ -37,6 +38,9 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
                         std::uint64_t memory_bytes, const StorePlace& place) {
   BakePlan plan;
   plan.memory_bytes = memory_bytes;
+  const int map_width = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_width;
+  const std::uint64_t useful =
+      std::max(kUsefulWindowBytes, static_cast<std::uint64_t>(map_width) * kUsefulBytesAColumn);
   plan.place = place;
   for (const LevelSchedule& level : schedule.levels) {
     const int height = level.fit.height, map_height = level.fit.map_height;
@@ -51,12 +55,13 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
                fmt::format("level {}, all its texels at once (--coarse-normals all),", level.level));
     } else {
       const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, has_colours, {rows, map_height}); };
-      band = {choose_rows(height, memory_bytes, bytes_of, fmt::format("a row of level {}", level.level)), map_height};
+      band = {choose_rows(height, memory_bytes, useful, bytes_of, fmt::format("a row of level {}", level.level)),
+              map_height};
     }
   }
   const int map_height = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_height;
   plan.condense_rows = choose_rows(
-      map_height, memory_bytes, [&](int rows) { return condense_bytes(schedule, rows, has_colours); },
+      map_height, memory_bytes, useful, [&](int rows) { return condense_bytes(schedule, rows, has_colours); },
       "condensing a row of normals");
   return plan;
 }

@@ -25,6 +25,7 @@ struct BakePlan {
 
 /// Memory that windows use when they may: larger bands are no faster.
 constexpr std::uint64_t kUsefulWindowBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // of a map that is wider
 
 /// Throws Error(kUsage) naming --memory when not even a row of some level fits.
 BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours,
