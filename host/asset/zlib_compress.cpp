@@ -10,6 +10,7 @@
 #include <libdeflate.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -59,7 +60,16 @@ std::size_t compress_well(const Bytef* source, uLong source_size, Bytef* destina
     mine.level = level;
   }
   if (mine.compressor == nullptr) return 0;
-  return libdeflate_zlib_compress(mine.compressor.get(), source, source_size, destination, destination_size);
+  const std::size_t size =
+      libdeflate_zlib_compress(mine.compressor.get(), source, source_size, destination, destination_size);
+  if (size > 0) return size;
+  // libdeflate wants a little more room than zlib does before it begins.
+  std::vector<unsigned char> roomy(libdeflate_zlib_compress_bound(mine.compressor.get(), source_size));
+  const std::size_t roomy_size =
+      libdeflate_zlib_compress(mine.compressor.get(), source, source_size, roomy.data(), roomy.size());
+  if (roomy_size > destination_size) return 0;
+  std::copy_n(roomy.begin(), roomy_size, destination);
+  return roomy_size;
 }
 
 }  // namespace

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// The error of a region that was baked again, over its texels alone. The region is a quarter of the map by both sides,
+// so that its texels of every level are a mipmap of their own.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+
+#include "host/asset/movmf_reader.h"
+#include "host/bake/accuracy.h"
+#include "host/bake/bake_job.h"
+#include "host/image/png_writer.h"
+#include "tests/unit/test_folder.h"
+
+namespace multum {
+namespace {
+
+constexpr int kSide = 256, kRegionSide = 64, kRegionX = 128, kRegionY = 64;
+
+// Waves, and noise that gets steeper to the right; when edited, a dome lies in the region.
+glm::dvec3 normal_at(int x, int y, bool edited) {
+  std::uint64_t state = static_cast<std::uint64_t>(y * kSide + x) * 0x9e3779b97f4a7c15u;
+  const auto noise = [&] {
+    state ^= state >> 31;
+    state *= 0xbf58476d1ce4e5b9u;
+    return static_cast<double>(state >> 40) * 0x1p-24 - 0.5;
+  };
+  const double steep = 0.2 + 0.8 * x / kSide;
+  glm::dvec3 n(0.5 * std::sin(0.3 * x) + steep * noise(), 0.3 * std::cos(0.2 * y) + steep * noise(), 1.0);
+  const double dx = (x - kRegionX - 31.5) / 28.0, dy = (y - kRegionY - 31.5) / 28.0, squared = dx * dx + dy * dy;
+  if (edited && squared < 0.9) n = {dx, dy, std::sqrt(1.0 - squared)};
+  return glm::normalize(n);
+}
+
+NormalMap write_map(const std::string& path, bool edited) {
+  NormalMap map;
+  map.width = map.height = kSide;
+  std::vector<std::uint16_t> codes;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const glm::dvec3 n = normal_at(x, y, edited);
+      for (int c = 0; c < 3; ++c)
+        codes.push_back(static_cast<std::uint16_t>(std::lround((0.5 + 0.5 * n[c]) * 65535.0)));
+      map.x.push_back(static_cast<float>(n.x));
+      map.y.push_back(static_cast<float>(n.y));
+      map.z.push_back(static_cast<float>(n.z));
+    }
+  write_png16(path, kSide, kSide, codes, "Linear");
+  return map;
+}
+
+template <typename Value>
+std::vector<Value> cut(const std::vector<Value>& plane, int level) {
+  const int size = kRegionSide >> level, width = kSide >> level, x0 = kRegionX >> level, y0 = kRegionY >> level;
+  std::vector<Value> part;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) part.push_back(plane[static_cast<std::size_t>((y0 + y) * width + x0 + x)]);
+  return part;
+}
+
+// Means over levels and points, by BRDF, of the region alone.
+std::map<std::string, double> region_errors(Device& device, const std::string& file, const NormalMap& map) {
+  const MovmfMipmap whole = read_movmf_mipmap(file);
+  MovmfMipmap part;
+  part.encoding = whole.encoding;
+  for (int l = 0; kRegionSide >> l > 0; ++l) {
+    MovmfLevel level{kRegionSide >> l, kRegionSide >> l, {}, {}};
+    for (const auto& lobe : whole.levels[static_cast<std::size_t>(l)].lobes) level.lobes.push_back(cut(lobe, l));
+    part.levels.push_back(std::move(level));
+  }
+  NormalMap truth;
+  truth.width = truth.height = kRegionSide;
+  truth.x = cut(map.x, 0);
+  truth.y = cut(map.y, 0);
+  truth.z = cut(map.z, 0);
+  AccuracySettings settings;
+  settings.samples_per_level = 0;
+  std::map<std::string, double> sums;
+  std::map<std::string, int> counts;
+  for (const AccuracyRow& row : measure_accuracy(device, part, truth, nullptr, settings, nullptr)) {
+    if (row.level == 0) continue;
+    sums[row.brdf] += row.error;
+    ++counts[row.brdf];
+  }
+  for (auto& [brdf, sum] : sums) sum /= counts[brdf];
+  return sums;
+}
+
+TEST(RegionErrorTest, IsAtMostAHundredthAboveAWholeBakes) {
+  const testing::TemporaryFolder folder;
+  write_map(folder / "map.png", false);
+  const NormalMap edited = write_map(folder / "edited.png", true);
+  Device device = Device::open("");
+  BakeJob job;
+  job.reading.green = GreenAxis::kUp;
+  job.measure = false;
+  const auto bake = [&](const std::string& map, const std::string& output) {
+    job.input = folder / map;
+    job.output = folder / output;
+    bake_file(job, device, nullptr);
+    return job.output;
+  };
+  const std::string old = bake("map.png", "old.ndf.exr"), whole = bake("edited.png", "whole.ndf.exr");
+  job.region = MapRegion{kRegionX, kRegionY, kRegionSide, kRegionSide};
+  job.onto = old;
+  const std::string again = bake("edited.png", "again.ndf.exr");
+  const auto before = region_errors(device, old, edited), after = region_errors(device, again, edited),
+             wanted = region_errors(device, whole, edited);
+  for (const auto& [brdf, error] : wanted) {
+    EXPECT_LT(after.at(brdf), 1.01 * error + 1e-5) << brdf;
+    EXPECT_GT(before.at(brdf), 1.5 * error) << brdf << ": the edit is seen";
+  }
+}
+
+}  // namespace
+}  // namespace multum
