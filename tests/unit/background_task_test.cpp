@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Tasks keep their order, run beside their caller, and fail once.
 #include "host/base/background_task.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The checksum of scratch files: a known value, pieces against the whole, and that damage is seen.
 #include "host/base/checksum.h"
 
 #include <gtest/gtest.h>
