@@ -101,8 +101,10 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   const auto condensed = condense_levels(device, planes, nullptr, schedule, how.condense_rows, {}, nullptr);
   RowWindow samples, counts;
   if (how.method == FitMethod::kCondensed) {
-    samples = window_of(device, condensed.at(how.level).samples);
-    counts = window_of(device, condensed.at(how.level).counts);
+    const CondensedLevel& level_samples = condensed.at(how.level);
+    samples = RowWindow(device, 1, level_samples.samples.row_bytes(), fit.height, "test");
+    samples.move_to(0, fit.height, fill_condensed(level_samples, level_samples.samples, condensed_bytes(fit)));
+    counts = window_of(device, level_samples.counts);
     windows.condensed = &samples;
     windows.condensed_counts = &counts;
   }
