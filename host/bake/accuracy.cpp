@@ -125,8 +125,8 @@ class Comparison {
 
   std::size_t half_count() const { return settings_.exponents.empty() ? 0 : settings_.directions.half_vectors.size(); }
 
-  // What does not fit is another pass over the map. With 4096 samples a level all 40 values of a map of 16384 x 16384
-  // take 66 MB, with colours four times that; with every texel of a map of 1024 x 1024 three values take 34 MB.
+  // What does not fit is another pass over the map. With 2048 samples a level all 40 values of a map of 16384 x 16384
+  // take 33 MB, with colours four times that; with every texel of a map of 1024 x 1024 three values take 34 MB.
   // Does not depend on the number of threads: sums are added up pass by pass.
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kTruthBytesMax = std::size_t{256} << 20;

@@ -51,10 +51,6 @@ BakeCheckpoint::BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> l
 }
 
 BakeCheckpoint::~BakeCheckpoint() {
-  try {
-    wait();
-  } catch (const Error&) {  // there are no more rows to lose
-  }
   std::error_code ignored;
   if (!stays_) fs::remove_all(folder_, ignored);
 }
@@ -106,28 +102,17 @@ BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std:
   return opened;
 }
 
-void BakeCheckpoint::add_rows(int level, int row_count, std::shared_ptr<const void> lobes,
-                              std::shared_ptr<const void> colours) {
+void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const void* colours) {
   Level& done = levels_.at(level);
-  const int first_row = done.rows_done;
-  constexpr int kThreads = 2;  // this one and another
-  writing_.run(kThreads,
-               [this, level, &done, first_row, row_count, lobes = std::move(lobes), colours = std::move(colours)] {
-                 write_rows(level, done, first_row, row_count, lobes.get(), colours.get());
-               });
-  done.rows_done += row_count;
-}
-
-void BakeCheckpoint::write_rows(int level_number, Level& level, int first_row, int row_count, const void* lobes,
-                                const void* colours) {
   Checksum checksum;
   const auto add = [&](RowStore& store, const void* rows) {
-    store.write(first_row, row_count, rows);
+    store.write(done.rows_done, row_count, rows);
     checksum.update(rows, store.row_bytes() * static_cast<std::size_t>(row_count));
   };
-  add(level.lobes, lobes);
-  if (level.colours) add(*level.colours, colours);
-  append_line(folder_ + "/progress", fmt::format("{} {} {} {}", level_number, first_row, row_count, checksum.text()));
+  add(done.lobes, lobes);
+  if (done.colours) add(*done.colours, colours);
+  append_line(folder_ + "/progress", fmt::format("{} {} {} {}", level, done.rows_done, row_count, checksum.text()));
+  done.rows_done += row_count;
 }
 
 }  // namespace multum

@@ -17,7 +17,6 @@
 #include <string>
 
 #include "host/bake/row_store.h"
-#include "host/base/background_task.h"
 #include "host/base/folder_lock.h"
 
 namespace multum {
@@ -41,11 +40,9 @@ class BakeCheckpoint {
   };
   /// `colour_row_bytes` 0: no colours.
   Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t colour_row_bytes);
-  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them, in another thread.
-  /// `colours`: null without. Throws what went wrong with rows before.
-  void add_rows(int level, int row_count, std::shared_ptr<const void> lobes, std::shared_ptr<const void> colours);
-  /// Waits until rows that were added are written: before they are read. Throws what went wrong with them.
-  void wait() { writing_.wait(); }
+  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them. `colours`: null
+  /// without.
+  void add_rows(int level, int row_count, const void* lobes, const void* colours);
 
   /// The folder stays when this is destroyed: the bake was stopped and may go on.
   void leave() { stays_ = true; }
@@ -59,7 +56,6 @@ class BakeCheckpoint {
   };
   BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key, bool resume);
   void read_progress(const std::string& key);
-  void write_rows(int level_number, Level& level, int first_row, int row_count, const void* lobes, const void* colours);
   static std::string block_checksum(const Level& level, int first_row, int row_count);
 
   std::string folder_;
@@ -68,7 +64,6 @@ class BakeCheckpoint {
   std::map<int, Level> levels_;
   std::uint64_t rows_resumed_ = 0;
   bool stays_ = false;
-  BackgroundTask writing_;  // of the last rows
 };
 
 }  // namespace multum

@@ -122,7 +122,7 @@ std::map<std::string, std::uint64_t> launches_since(const std::map<std::string, 
 }
 
 // What the process takes whatever the map: the program, the OpenCL driver with its compiler, and the rows that wait to
-// be compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
+// be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
 constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
 constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
 

@@ -12,14 +12,13 @@ namespace {
 constexpr int kChunkColumns = 256;  // about, of a work-item that fills cells
 
 constexpr std::size_t kAxisBytes = std::size_t{2} * MULTUM_AXIS_FLOATS * sizeof(float);
+constexpr std::size_t kSampleBytes = std::size_t{MULTUM_CONDENSED_SAMPLE} * sizeof(float);
 constexpr std::size_t kProbeBytes = std::size_t{2} * MULTUM_PROBE_COUNT * sizeof(float);
 
 // Rows of texels that a band of so many rows of the map can meet.
 int rows_met(const MultumMovmfFit& fit, int band_rows) {
   return std::min(fit.height, (band_rows + fit.sample_rows - 1) / std::max(1, fit.sample_rows - 1) + 1);
 }
-
-constexpr std::size_t kSampleBytes = std::size_t{MULTUM_CONDENSED_SAMPLE} * sizeof(float);
 
 std::size_t cell_bytes(const MultumMovmfFit& fit) {
   return static_cast<std::size_t>(fit.sample_capacity) * MULTUM_CELL_SUMS * sizeof(std::int64_t);
@@ -37,10 +36,10 @@ class LevelCondenser {
         width_(static_cast<std::size_t>(level.fit.width)),
         chunk_count_(chunk_count_of(level.fit)),
         axes_(level.fit.height, width_ * kAxisBytes, place),
-        result_{RowStore(level.fit.height, width_ * condensed_bytes(level.fit), place),
-                RowStore(level.fit.height, width_ * sizeof(int), place), std::nullopt},
-        slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
         row_bytes_(width_ * condensed_bytes(level.fit)),
+        result_{RowStore(level.fit.height, row_bytes_, place), RowStore(level.fit.height, width_ * sizeof(int), place),
+                std::nullopt},
+        slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
         host_(std::max(row_bytes_, width_ * kAxisBytes)),
         numbers_(width_) {
     const KernelVariant variant{1, 1, weighted};
@@ -134,7 +133,7 @@ class LevelCondenser {
     device_.visit(samples_, [&](void* samples) {
       for (std::size_t x = 0; x < width_; ++x) {
         const std::size_t bytes = static_cast<std::size_t>(numbers_[x]) * kSampleBytes;
-        std::memcpy(host_.data() + end, static_cast<unsigned char*>(samples) + x * (row_bytes_ / width_), bytes);
+        std::memcpy(host_.data() + end, static_cast<unsigned char*>(samples) + x * condensed_bytes(fit_), bytes);
         end += bytes;
       }
     });
@@ -146,9 +145,9 @@ class LevelCondenser {
   const std::size_t width_;
   const int chunk_count_;
   RowStore axes_;
+  const std::size_t row_bytes_;  // of samples
   CondensedLevel result_;
   std::vector<Slot> slots_;
-  const std::size_t row_bytes_;
   std::vector<unsigned char> host_;
   std::vector<int> numbers_;
   Kernel probe_kernel_, axes_kernel_, cells_kernel_, means_kernel_;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 #include <optional>
 
 #include "host/bake/lobe_rows.h"
@@ -130,7 +129,6 @@ class MovmfFitter {
       coarser_ = std::move(store.own);
     }
     coarser_kept_ = store.kept;
-    if (coarser_kept_ != nullptr) inputs_.checkpoint->wait();
   }
 
   RowStore& coarser() { return coarser_kept_ != nullptr ? coarser_kept_->lobes : *coarser_; }
@@ -199,30 +197,29 @@ class MovmfFitter {
 
   void hand_over(const LevelSchedule& level, const FittedRows& rows, LevelStore& store, bool is_kept = false) {
     const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
-    // Shared with the checkpoint, which writes them meanwhile.
-    const auto lobes = std::make_shared<std::vector<MultumVmfLobe>>(lobe_count() * texels);
-    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes->data());
-    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes->data());
-    const auto colours = std::make_shared<std::vector<glm::vec3>>();
+    std::vector<MultumVmfLobe> lobes(lobe_count() * texels);
+    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
+    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes.data());
+    std::vector<glm::vec3> colours;
     if (rows.colours != nullptr) {
-      colours->resize(lobes->size());
-      rows.colours->copy_rows(rows.first_row, rows.row_count, colours->data());
+      colours.resize(lobes.size());
+      rows.colours->copy_rows(rows.first_row, rows.row_count, colours.data());
     }
-    if (store.kept != nullptr && !is_kept)
-      inputs_.checkpoint->add_rows(level.level, rows.row_count, {lobes, lobes->data()}, {colours, colours->data()});
     std::optional<FinestRows> finest;
     if (level.level == 1 && settings_.first_level == 0) finest = fit_level_zero(rows);
-    const LobeRowsSize size{level.fit.width, rows.row_count, settings_.lobe_count};
-    handing_over_.run(inputs_.threads, [this, number = level.level, first_row = rows.first_row, size, lobes, colours,
-                                        finest = std::move(finest)]() mutable {
-      sink_.add_level(number, first_row,
-                      stored_rows(size, *lobes, *colours, settings_.kappa_cap, inputs_.threads, report_));
-      if (finest) hand_over_finest(std::move(*finest));
-    });
+    const int finest_count = finest ? finest->row_count : 0;
+    handing_over_.run(
+        inputs_.threads,
+        [this, number = level.level, keeps = store.kept != nullptr && !is_kept, first_row = rows.first_row,
+         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count}, lobes = std::move(lobes),
+         colours = std::move(colours), finest = std::move(finest)]() mutable {
+          if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.data(), colours.data());
+          sink_.add_level(number, first_row,
+                          stored_rows(size, lobes, colours, settings_.kappa_cap, inputs_.threads, report_));
+          if (finest) hand_over_finest(std::move(*finest));
+        });
     advance(rows.first_row, rows.row_count, level.fit.height);
-    if (level.level == 1 && settings_.first_level == 0)
-      advance(2 * rows.first_row, finest_end(rows.fit, rows.first_row + rows.row_count) - 2 * rows.first_row,
-              map_height_);
+    if (finest_count > 0) advance(2 * rows.first_row, finest_count, map_height_);
   }
 
   // Each level counts as much as the map has texels, spread over its rows.

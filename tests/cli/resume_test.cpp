@@ -13,6 +13,7 @@
 #include "host/image/normal_map.h"
 #include "host/image/png_writer.h"
 #include "tests/cli/program.h"
+#include "tests/reference/test_maps.h"
 
 namespace multum::testing {
 namespace {
@@ -117,17 +118,17 @@ class RegionTest : public CliTest {
   // The four-quarter map of 256, and the same with a dome in its noise, around (192, 160).
   void SetUp() override {
     make_map("map", kSide);
-    const NormalMap map = read_normal_map(path("map_normal.png"), {}, 1, nullptr);
-    std::vector<std::uint16_t> codes;
+    NormalMap map = read_normal_map(path("map_normal.png"), {}, 1, nullptr);
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
         const auto i = static_cast<std::size_t>(y * kSide + x);
-        double n[3] = {static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i])};
-        const double dx = (x - 191.5) / 20.0, dy = (y - 159.5) / 20.0;
-        if (dx * dx + dy * dy < 0.9) n[0] = dx, n[1] = -dy, n[2] = std::sqrt(1.0 - dx * dx - dy * dy);
-        for (const double v : n) codes.push_back(static_cast<std::uint16_t>(std::lround((0.5 + 0.5 * v) * 65535.0)));
+        const double dx = (x - 191.5) / 20.0, dy = (y - 159.5) / 20.0, squared = dx * dx + dy * dy;
+        if (squared >= 0.9) continue;
+        map.x[i] = static_cast<float>(dx);
+        map.y[i] = static_cast<float>(-dy);
+        map.z[i] = static_cast<float>(std::sqrt(1.0 - squared));
       }
-    write_png16(path("edited.png"), kSide, kSide, codes, "Linear");
+    write_png16(path("edited.png"), kSide, kSide, normal_codes(map), "Linear");
     ASSERT_EQ(bake("map_normal.png", "old.ndf.exr", {}).exit_code, 0);
   }
   ProgramResult bake(const std::string& map, const std::string& output, const std::vector<std::string>& more) const {

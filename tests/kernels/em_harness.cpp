@@ -26,10 +26,11 @@ RowWindow window_of(Device& device, int plane_count, std::size_t row_bytes, int 
   return window;
 }
 
-RowWindow window_of(Device& device, const RowStore& store) {
-  std::vector<unsigned char> bytes(store.row_bytes() * static_cast<std::size_t>(store.row_count()));
-  store.read(0, store.row_count(), bytes.data());
-  return window_of(device, 1, store.row_bytes(), store.row_count(), bytes.data());
+// All rows of a store, as the fit puts them into a window.
+RowWindow window_of(Device& device, const RowStore& store, const RowWindow::Fill& fill) {
+  RowWindow window(device, 1, store.row_bytes(), store.row_count(), "test");
+  window.move_to(0, store.row_count(), fill);
+  return window;
 }
 
 MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
@@ -101,10 +102,9 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   const auto condensed = condense_levels(device, planes, nullptr, schedule, how.condense_rows, {}, nullptr);
   RowWindow samples, counts;
   if (how.method == FitMethod::kCondensed) {
-    const CondensedLevel& level_samples = condensed.at(how.level);
-    samples = RowWindow(device, 1, level_samples.samples.row_bytes(), fit.height, "test");
-    samples.move_to(0, fit.height, fill_condensed(level_samples, level_samples.samples, condensed_bytes(fit)));
-    counts = window_of(device, level_samples.counts);
+    const CondensedLevel& from = condensed.at(how.level);
+    samples = window_of(device, from.samples, fill_condensed(from, from.samples, condensed_bytes(fit)));
+    counts = window_of(device, from.counts, fill_planes(from.counts));
     windows.condensed = &samples;
     windows.condensed_counts = &counts;
   }

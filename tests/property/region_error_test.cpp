@@ -10,7 +10,9 @@
 #include "host/asset/movmf_reader.h"
 #include "host/bake/accuracy.h"
 #include "host/bake/bake_job.h"
+#include "host/base/split_mix.h"
 #include "host/image/png_writer.h"
+#include "tests/reference/test_maps.h"
 #include "tests/unit/test_folder.h"
 
 namespace multum {
@@ -19,34 +21,16 @@ namespace {
 constexpr int kSide = 256, kRegionSide = 64, kRegionX = 128, kRegionY = 64;
 
 // Waves, and noise that gets steeper to the right; when edited, a dome lies in the region.
-glm::dvec3 normal_at(int x, int y, bool edited) {
-  std::uint64_t state = static_cast<std::uint64_t>(y * kSide + x) * 0x9e3779b97f4a7c15u;
-  const auto noise = [&] {
-    state ^= state >> 31;
-    state *= 0xbf58476d1ce4e5b9u;
-    return static_cast<double>(state >> 40) * 0x1p-24 - 0.5;
-  };
-  const double steep = 0.2 + 0.8 * x / kSide;
-  glm::dvec3 n(0.5 * std::sin(0.3 * x) + steep * noise(), 0.3 * std::cos(0.2 * y) + steep * noise(), 1.0);
-  const double dx = (x - kRegionX - 31.5) / 28.0, dy = (y - kRegionY - 31.5) / 28.0, squared = dx * dx + dy * dy;
-  if (edited && squared < 0.9) n = {dx, dy, std::sqrt(1.0 - squared)};
-  return glm::normalize(n);
-}
-
 NormalMap write_map(const std::string& path, bool edited) {
-  NormalMap map;
-  map.width = map.height = kSide;
-  std::vector<std::uint16_t> codes;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
-      const glm::dvec3 n = normal_at(x, y, edited);
-      for (int c = 0; c < 3; ++c)
-        codes.push_back(static_cast<std::uint16_t>(std::lround((0.5 + 0.5 * n[c]) * 65535.0)));
-      map.x.push_back(static_cast<float>(n.x));
-      map.y.push_back(static_cast<float>(n.y));
-      map.z.push_back(static_cast<float>(n.z));
-    }
-  write_png16(path, kSide, kSide, codes, "Linear");
+  SplitMix64 random(1);
+  const NormalMap map = testing::make_map(kSide, kSide, [&](int x, int y) {
+    const double steep = 0.2 + 0.8 * x / kSide;
+    const double noise_x = steep * (random.uniform() - 0.5), noise_y = steep * (random.uniform() - 0.5);
+    const double dx = (x - kRegionX - 31.5) / 28.0, dy = (y - kRegionY - 31.5) / 28.0, squared = dx * dx + dy * dy;
+    if (edited && squared < 0.9) return glm::dvec3(dx, dy, std::sqrt(1.0 - squared));
+    return glm::normalize(glm::dvec3(0.5 * std::sin(0.3 * x) + noise_x, 0.3 * std::cos(0.2 * y) + noise_y, 1.0));
+  });
+  write_png16(path, kSide, kSide, testing::normal_codes(map), "Linear");
   return map;
 }
 

@@ -2,7 +2,10 @@
 // Normal maps made by a rule.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -23,6 +26,15 @@ inline NormalMap make_map(int width, int height, const std::function<glm::dvec3(
       map.z.push_back(n.z);
     }
   return map;
+}
+
+/// As a PNG of 16 bits stores it: 0.5 + 0.5 n, three codes a texel.
+inline std::vector<std::uint16_t> normal_codes(const NormalMap& map) {
+  std::vector<std::uint16_t> codes;
+  for (std::size_t i = 0; i < map.x.size(); ++i)
+    for (const float v : {map.x[i], map.y[i], map.z[i]})
+      codes.push_back(static_cast<std::uint16_t>(std::lround((0.5 + 0.5 * static_cast<double>(v)) * 65535.0)));
+  return codes;
 }
 
 }  // namespace multum::testing
