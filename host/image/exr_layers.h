@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Named channels of multilayer EXR files, as renderers write them, and Cryptomatte coverage (Cryptomatte specification
+// 1.2.0, Psyop): ranked pairs of (identifier, coverage) with a manifest from names to identifiers.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace multum {
+
+/// Planes of width * height floats, row 0 at the top.
+struct ExrLayers {
+  int width = 0, height = 0;
+  std::map<std::string, std::vector<float>> channels;
+};
+
+/// Reads these channels of any part of the file. Throws Error(kInput) naming the file, the channel that is missing and
+/// those that are there; for a damaged file; for a data window that is not the display window.
+ExrLayers read_exr_channels(const std::string& path, const std::vector<std::string>& channels);
+
+/// Whether the file has a channel of this name in any part.
+bool has_exr_channel(const std::string& path, const std::string& channel);
+
+/// Share of each pixel that each of `names` covers, 0..1, in the order of `names`: width * height floats, row 0 at the
+/// top. `layer`: the Cryptomatte's name, as "CryptoObject". Names that the manifest lacks are looked for by their
+/// MurmurHash3. Throws Error(kInput): no such Cryptomatte in the file, a manifest that cannot be read.
+std::vector<std::vector<float>> read_cryptomatte_coverage(const std::string& path, const std::string& layer,
+                                                          const std::vector<std::string>& names);
+
+/// The names of a file's Cryptomatte manifest, in alphabetical order.
+std::vector<std::string> cryptomatte_names(const std::string& path, const std::string& layer);
+
+}  // namespace multum
