@@ -19,21 +19,29 @@ void check_size(const GlFunctions& gl, int width, int height) {
 
 }  // namespace
 
-Framebuffer::Framebuffer(const GlFunctions& gl) : gl_(&gl) {
-  gl.CreateTextures(GL_TEXTURE_2D, 1, &colour_);
+Framebuffer::Framebuffer(const GlFunctions& gl, int colour_count)
+    : gl_(&gl), colours_(static_cast<std::size_t>(colour_count)) {
+  gl.CreateTextures(GL_TEXTURE_2D, colour_count, colours_.data());
   gl.CreateRenderbuffers(1, &depth_);
   gl.CreateFramebuffers(1, &framebuffer_);
 }
 
-Framebuffer::Framebuffer(const GlFunctions& gl, int width, int height) : Framebuffer(gl) {
+Framebuffer::Framebuffer(const GlFunctions& gl, int width, int height, int colour_count)
+    : Framebuffer(gl, colour_count) {
   width_ = width;
   height_ = height;
   check_size(gl, width, height);
-  gl.TextureStorage2D(colour_, 1, GL_RGBA32F, width, height);
-  gl.TextureParameteri(colour_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl.TextureParameteri(colour_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  std::vector<GLenum> buffers;
+  for (const GLuint colour : colours_) {
+    gl.TextureStorage2D(colour, 1, GL_RGBA32F, width, height);
+    gl.TextureParameteri(colour, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(colour, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    const auto buffer = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + buffers.size());
+    gl.NamedFramebufferTexture(framebuffer_, buffer, colour, 0);
+    buffers.push_back(buffer);
+  }
+  gl.NamedFramebufferDrawBuffers(framebuffer_, colour_count, buffers.data());
   gl.NamedRenderbufferStorage(depth_, GL_DEPTH_COMPONENT32F, width, height);
-  gl.NamedFramebufferTexture(framebuffer_, GL_COLOR_ATTACHMENT0, colour_, 0);
   gl.NamedFramebufferRenderbuffer(framebuffer_, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   check_gl(gl, "allocating the picture");
   const GLenum status = gl.CheckNamedFramebufferStatus(framebuffer_, GL_DRAW_FRAMEBUFFER);
@@ -45,17 +53,18 @@ Framebuffer::Framebuffer(const GlFunctions& gl, int width, int height) : Framebu
 Framebuffer::~Framebuffer() {
   gl_->DeleteFramebuffers(1, &framebuffer_);
   gl_->DeleteRenderbuffers(1, &depth_);
-  gl_->DeleteTextures(1, &colour_);
+  gl_->DeleteTextures(static_cast<GLsizei>(colours_.size()), colours_.data());
 }
 
-void Framebuffer::bind() const {
+void Framebuffer::bind_rows(int bottom_row, int picture_height) const {
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  gl_->Viewport(0, 0, width_, height_);
+  gl_->Viewport(0, -bottom_row, width_, picture_height);
 }
 
 void Framebuffer::clear_colour(float value) const {
   const GLfloat values[4] = {value, value, value, value};
-  gl_->ClearNamedFramebufferfv(framebuffer_, GL_COLOR, 0, values);
+  for (std::size_t i = 0; i < colours_.size(); ++i)
+    gl_->ClearNamedFramebufferfv(framebuffer_, GL_COLOR, static_cast<GLint>(i), values);
 }
 
 void Framebuffer::clear_depth() const {
@@ -63,14 +72,16 @@ void Framebuffer::clear_depth() const {
   gl_->ClearNamedFramebufferfv(framebuffer_, GL_DEPTH, 0, &one);
 }
 
-FloatImage Framebuffer::read() const {
-  const std::size_t row = 4u * static_cast<std::size_t>(width_);
-  FloatImage image{width_, height_, std::vector<float>(row * static_cast<std::size_t>(height_))};
+FloatImage Framebuffer::read(int colour, const PixelRectangle& part) const {
+  const std::size_t row = 4u * static_cast<std::size_t>(part.width);
+  FloatImage image{part.width, part.height, std::vector<float>(row * static_cast<std::size_t>(part.height))};
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  gl_->NamedFramebufferReadBuffer(framebuffer_, GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(colour));
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl_->ReadPixels(0, 0, width_, height_, GL_RGBA, GL_FLOAT, image.rgba.data());
-  check_gl(*gl_, "reading the picture back");
   // GL's first row is the bottom one.
+  gl_->ReadPixels(part.x, height_ - part.y - part.height, part.width, part.height, GL_RGBA, GL_FLOAT,
+                  image.rgba.data());
+  check_gl(*gl_, "reading the picture back");
   for (std::size_t top = 0, bottom = image.rgba.size() - row; top < bottom; top += row, bottom -= row)
     std::swap_ranges(image.rgba.begin() + static_cast<std::ptrdiff_t>(top),
                      image.rgba.begin() + static_cast<std::ptrdiff_t>(top + row),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A linear RGBA32F colour buffer with a 32-bit depth buffer, read back exactly.
+// Linear RGBA32F colour buffers with a 32-bit depth buffer, read back exactly.
 #pragma once
 
 #include <vector>
@@ -15,34 +15,44 @@ struct FloatImage {
   std::vector<float> rgba;
 };
 
+/// Part of a picture, its row 0 at the top.
+struct PixelRectangle {
+  int x = 0, y = 0;
+  int width = 0, height = 0;
+};
+
 class Framebuffer {
  public:
-  /// Throws Error(kEnvironment): too large for the device, out of memory.
-  Framebuffer(const GlFunctions& gl, int width, int height);
+  /// Fragment output i goes to colour buffer i. Throws Error(kEnvironment): too large for the device, out of memory.
+  Framebuffer(const GlFunctions& gl, int width, int height, int colour_count = 1);
   ~Framebuffer();
   Framebuffer(const Framebuffer&) = delete;
   Framebuffer& operator=(const Framebuffer&) = delete;
 
   /// Draws go here from now on, over the whole of it.
-  void bind() const;
-  /// Every channel of every pixel.
+  void bind() const { bind_rows(0, height_); }
+  /// The same for a picture that is taller than this: this holds its rows from `bottom_row` on, counted from below.
+  /// Neighbouring fragments stay together when it is even.
+  void bind_rows(int bottom_row, int picture_height) const;
+  /// Every channel of every pixel of every colour buffer.
   void clear_colour(float value = 0.0f) const;
   void clear_depth() const;
-  /// The colour buffer as a texture; its filter is nearest.
-  void bind_colour(int unit) const { gl_->BindTextureUnit(static_cast<GLuint>(unit), colour_); }
-  FloatImage read() const;
+  /// The first colour buffer as a texture; its filter is nearest.
+  void bind_colour(int unit) const { gl_->BindTextureUnit(static_cast<GLuint>(unit), colours_.front()); }
+  FloatImage read() const { return read(0, {0, 0, width_, height_}); }
+  FloatImage read(int colour, const PixelRectangle& part) const;
 
   int width() const { return width_; }
   int height() const { return height_; }
 
  private:
-  explicit Framebuffer(const GlFunctions& gl);  // owns the names before anything can throw
+  Framebuffer(const GlFunctions& gl, int colour_count);  // owns the names before anything can throw
 
   const GlFunctions* gl_;
   int width_ = 0;
   int height_ = 0;
   GLuint framebuffer_ = 0;
-  GLuint colour_ = 0;
+  std::vector<GLuint> colours_;
   GLuint depth_ = 0;
 };
 

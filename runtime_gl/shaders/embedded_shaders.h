@@ -9,5 +9,8 @@ extern const char* const shader_scene_vert;
 extern const char* const shader_scene_frag;
 extern const char* const shader_full_screen_vert;
 extern const char* const shader_accumulate_frag;
+extern const char* const shader_textured_vert;
+extern const char* const shader_textured_frag;
+extern const char* const shader_filter_probe_frag;
 
 }  // namespace multum::gl

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the texels of a mip pyramid lie in one list: finest level first, each from its top row. Levels are ROUND_DOWN:
+// level l is max(1, width >> l) by max(1, height >> l), down to 1 x 1, as the GL has them.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+namespace multum {
+
+struct MipLevelPlace {
+  int width = 1, height = 1;
+  int offset = 0;  // of its first texel
+};
+
+struct MipLayout {
+  std::vector<MipLevelPlace> levels;
+  int texel_count = 0;
+
+  MipLayout() = default;
+  MipLayout(int width, int height) {
+    for (int l = 0;; ++l) {
+      const MipLevelPlace level{std::max(1, width >> l), std::max(1, height >> l), texel_count};
+      levels.push_back(level);
+      texel_count += level.width * level.height;
+      if (level.width == 1 && level.height == 1) break;
+    }
+  }
+  int level_count() const { return static_cast<int>(levels.size()); }
+  /// The level that a texel belongs to.
+  int level_of(int texel) const {
+    int l = level_count() - 1;
+    while (levels[static_cast<std::size_t>(l)].offset > texel) --l;
+    return l;
+  }
+};
+
+}  // namespace multum

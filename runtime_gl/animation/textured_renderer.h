@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of objects with the textures that were inferred for them: radiance is looked up and nothing is lit. Drawn
+// with supersampling^2 sub-pixels a pixel and averaged, as the filter matrix was measured.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "runtime_gl/gl/framebuffer.h"
+#include "runtime_gl/gl/shader_program.h"
+#include "runtime_gl/gl/texture.h"
+#include "runtime_gl/probe/placed_mesh.h"
+
+namespace multum::gl {
+
+struct TexturedObject {
+  PlacedMesh placed;
+  std::vector<const Texture*> layers;  // added up; none: black, and hides what is behind
+};
+
+class TexturedRenderer {
+ public:
+  /// Throws Error(kEnvironment).
+  TexturedRenderer(const GlFunctions& gl, int width, int height, int supersampling);
+
+  /// Linear radiance times coverage; alpha = coverage, 0..1.
+  FloatImage draw(const std::vector<TexturedObject>& objects);
+
+ private:
+  const ShaderProgram& program(std::size_t layer_count);
+
+  const GlFunctions& gl_;
+  int width_, height_, supersampling_;
+  Framebuffer framebuffer_;
+  std::map<std::size_t, std::unique_ptr<ShaderProgram>> programs_;  // by number of layers
+};
+
+}  // namespace multum::gl

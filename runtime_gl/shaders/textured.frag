@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Radiance as the textures hold it, added up; alpha 1 where the object is.
+//   MULTUM_LAYER_COUNT   how many; 0: black
+in vec2 v_st;
+#if MULTUM_LAYER_COUNT > 0
+uniform sampler2D u_layers[MULTUM_LAYER_COUNT];
+#endif
+layout(location = 0) out vec4 o_radiance;
+
+void main() {
+  vec3 sum = vec3(0.0);
+#if MULTUM_LAYER_COUNT > 0
+  for (int i = 0; i < MULTUM_LAYER_COUNT; ++i) sum += texture(u_layers[i], v_st).rgb;
+#endif
+  o_radiance = vec4(sum, 1.0);
+}
