@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/texture_system.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.h"
+#include "host/base/parallel.h"
+
+namespace multum {
+namespace {
+
+constexpr int kBlock = 8;
+constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products
+
+// Interpolation from a coarse level, in double: what kernels/device/mip_pyramid.clh does.
+struct Tap {
+  int index[2];
+  double weight[2];
+};
+
+Tap tap_of(int fine, int fine_count, int coarse_count, bool is_periodic) {
+  double at = (fine + 0.5) * coarse_count / fine_count - 0.5;
+  if (!is_periodic) at = std::clamp(at, 0.0, coarse_count - 1.0);
+  const int first = static_cast<int>(std::floor(at));
+  const double fraction = at - first;
+  const auto wrap = [&](int i) {
+    return is_periodic ? (i + coarse_count) % coarse_count : std::min(i, coarse_count - 1);
+  };
+  return {{wrap(first), wrap(first + 1)}, {1.0 - fraction, fraction}};
+}
+
+// g(0) - g(1/2) of eq. (5).
+double range_calibration() {
+  constexpr double d = 1.0 / 512;
+  return 1.0 / (d * (1.0 + d)) - 1.0 / ((0.5 + d) * (0.5 + d));
+}
+
+}  // namespace
+
+void append_weighted_rows(const InferenceView& view, SparseRows& rows) {
+  const FilterMatrix& m = *view.matrix;
+  for (std::size_t r = 0; r < m.row_count(); ++r) {
+    const float root = std::sqrt(view.row_weights[r]);
+    if (!(root > 0.0f)) continue;
+    for (std::uint32_t i = m.row_begin[r]; i < m.row_begin[r + 1]; ++i) {
+      rows.columns.push_back(m.columns[i]);
+      rows.weights.push_back(root * m.weights[i]);
+    }
+    rows.begin.push_back(static_cast<std::uint32_t>(rows.columns.size()));
+  }
+}
+
+SparseRows transposed(const SparseRows& rows, std::size_t column_count) {
+  SparseRows result;
+  result.begin.assign(column_count + 1, 0);
+  for (const std::uint32_t column : rows.columns) ++result.begin[column + 1];
+  for (std::size_t c = 0; c < column_count; ++c) result.begin[c + 1] += result.begin[c];
+  result.columns.resize(rows.columns.size());
+  result.weights.resize(rows.weights.size());
+  std::vector<std::uint32_t> place(result.begin.begin(), result.begin.end() - 1);
+  for (std::size_t r = 0; r < rows.row_count(); ++r)
+    for (std::uint32_t i = rows.begin[r]; i < rows.begin[r + 1]; ++i) {
+      const std::uint32_t to = place[rows.columns[i]]++;
+      result.columns[to] = static_cast<std::uint32_t>(r);
+      result.weights[to] = rows.weights[i];
+    }
+  return result;
+}
+
+SparseRows normal_rows(const SparseRows& rows, const SparseRows& columns, int threads) {
+  const auto texel_count = static_cast<int>(columns.row_count());
+  constexpr int kTexelsABand = 1024;
+  struct Band {
+    std::vector<std::uint32_t> sizes, columns;
+    std::vector<float> weights;
+  };
+  std::vector<Band> bands(static_cast<std::size_t>(row_band_count(texel_count, kTexelsABand)));
+  for_each_row_band(texel_count, kTexelsABand, threads, [&](int number, int begin, int end) {
+    Band& band = bands[static_cast<std::size_t>(number)];
+    std::vector<double> sums(static_cast<std::size_t>(texel_count), 0.0);
+    std::vector<bool> is_met(static_cast<std::size_t>(texel_count), false);
+    std::vector<std::uint32_t> met;
+    for (int t = begin; t < end; ++t) {
+      met.clear();
+      const auto texel = static_cast<std::size_t>(t);
+      for (std::uint32_t i = columns.begin[texel]; i < columns.begin[texel + 1]; ++i) {
+        const std::uint32_t row = columns.columns[i];
+        for (std::uint32_t k = rows.begin[row]; k < rows.begin[row + 1]; ++k) {
+          const std::uint32_t other = rows.columns[k];
+          if (!is_met[other]) {
+            is_met[other] = true;
+            met.push_back(other);
+          }
+          sums[other] += static_cast<double>(columns.weights[i]) * static_cast<double>(rows.weights[k]);
+        }
+      }
+      std::sort(met.begin(), met.end());
+      for (const std::uint32_t other : met) {
+        band.columns.push_back(other);
+        band.weights.push_back(static_cast<float>(sums[other]));
+        sums[other] = 0.0;
+        is_met[other] = false;
+      }
+      band.sizes.push_back(static_cast<std::uint32_t>(met.size()));
+    }
+  });
+  SparseRows result;
+  for (const Band& band : bands) {
+    for (const std::uint32_t size : band.sizes) result.begin.push_back(result.begin.back() + size);
+    result.columns.insert(result.columns.end(), band.columns.begin(), band.columns.end());
+    result.weights.insert(result.weights.end(), band.weights.begin(), band.weights.end());
+  }
+  return result;
+}
+
+std::size_t estimated_normal_entries(const SparseRows& rows, const SparseRows& columns) {
+  constexpr std::size_t kSamples = 512;
+  std::vector<std::uint32_t> seen;
+  for (std::size_t t = 0; t < columns.row_count(); ++t)
+    if (columns.begin[t] < columns.begin[t + 1]) seen.push_back(static_cast<std::uint32_t>(t));
+  if (seen.empty()) return 0;
+  const std::size_t step = std::max<std::size_t>(1, seen.size() / kSamples);
+  std::size_t entries = 0, samples = 0;
+  std::vector<std::uint32_t> met;
+  for (std::size_t s = 0; s < seen.size(); s += step, ++samples) {
+    met.clear();
+    for (std::uint32_t i = columns.begin[seen[s]]; i < columns.begin[seen[s] + 1]; ++i) {
+      const std::uint32_t row = columns.columns[i];
+      met.insert(met.end(), rows.columns.begin() + rows.begin[row], rows.columns.begin() + rows.begin[row + 1]);
+    }
+    std::sort(met.begin(), met.end());
+    entries += static_cast<std::size_t>(std::unique(met.begin(), met.end()) - met.begin());
+  }
+  return entries * seen.size() / samples;
+}
+
+DeviceRows::DeviceRows(Device& device, const SparseRows& rows, const char* what)
+    : row_count_(static_cast<int>(rows.row_count())) {
+  std::vector<std::uint32_t> begin = {0};
+  std::vector<std::int32_t> columns;
+  std::vector<float> weights;
+  columns.reserve(rows.columns.size() + kBlock * rows.row_count());
+  weights.reserve(rows.columns.size() + kBlock * rows.row_count());
+  for (std::size_t r = 0; r < rows.row_count(); ++r) {
+    for (std::uint32_t i = rows.begin[r]; i < rows.begin[r + 1]; ++i) {
+      columns.push_back(static_cast<std::int32_t>(rows.columns[i]));
+      weights.push_back(rows.weights[i]);
+    }
+    // The row's last column once more: a texel that is in the cache.
+    while (columns.size() % kBlock != 0) {
+      columns.push_back(columns.back());
+      weights.push_back(0.0f);
+    }
+    begin.push_back(static_cast<std::uint32_t>(columns.size() / kBlock));
+  }
+  const auto upload = [&](DeviceBuffer& buffer, const auto& list) {
+    buffer = device.make_buffer(list.size() * sizeof(list[0]), what);
+    device.write(buffer, list.data(), buffer.byte_count());
+  };
+  upload(block_begin_, begin);
+  upload(columns_, columns);
+  upload(weights_, weights);
+}
+
+void DeviceRows::multiply(Kernel& kernel, const DeviceBuffer& x, DeviceBuffer& y) const {
+  kernel.launch({static_cast<std::size_t>(row_count_), kRowsAnItem}, block_begin_, columns_, weights_, x, y,
+                row_count_);
+}
+
+TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView>& views,
+                             const InferenceSettings& the_settings, int threads)
+    : device(the_device), settings(the_settings) {
+  add_views(views);
+  const auto texel_count = static_cast<std::size_t>(layout.texel_count);
+  const auto rows = static_cast<double>(rows_.row_count());
+  pyramid_weight = settings.pyramid_weight * rows / static_cast<double>(texel_count);
+  range_weight = settings.range_weight * rows / static_cast<double>(texel_count) / range_calibration();
+  entry_count = rows_.columns.size();
+  const SparseRows columns = transposed(rows_, texel_count);
+  normal_entry_count = estimated_normal_entries(rows_, columns);
+  // A and its transpose are gone through once each an iteration, A^T A once: the fewer entries win (the paper's rule
+  // compares rows with 2 n_s >= 4 n_t, eight entries each; measured in docs/BENCHMARKS.md).
+  uses_normal = settings.form == InferenceForm::kNormal ||
+                (settings.form == InferenceForm::kAuto && normal_entry_count < 2 * entry_count);
+  if (uses_normal) {
+    const SparseRows normal = normal_rows(rows_, columns, threads);
+    normal_entry_count = normal.columns.size();
+    normal_ = DeviceRows(device, normal, "A^T A");
+  } else {
+    matrix_ = DeviceRows(device, rows_, "the filter matrix");
+    row_values_ = device.make_buffer(rows_.row_count() * sizeof(Colour4), "pixels");
+  }
+  transpose_ = DeviceRows(device, columns, "the filter matrix's transpose");
+  const KernelVariant variant{1, 1, false};
+  spmv_ = device.kernel("filter_matrix_spmv", "filter_matrix_spmv", variant);
+  pyramid_residual_ = device.kernel("pyramidal_regularization", "pyramid_residual", variant);
+  pyramid_gradient_ = device.kernel("pyramidal_regularization", "pyramid_gradient", variant);
+  dot_product = device.kernel("conjugate_gradient", "dot_product", variant);
+  advance_solution = device.kernel("conjugate_gradient", "advance_solution", variant);
+  advance_direction = device.kernel("conjugate_gradient", "advance_direction", variant);
+  std::vector<MultumMipLevel> levels;
+  for (const MipLevelPlace& level : layout.levels) levels.push_back({level.offset, level.width, level.height, 0});
+  levels_ = device.make_buffer(levels.size() * sizeof(MultumMipLevel), "mip levels");
+  device.write(levels_, levels.data(), levels_.byte_count());
+  residual_ = make_texels("pyramid residuals");
+  std::vector<float> roots;
+  for (const float root : root_weights_)
+    if (root > 0.0f) roots.push_back(root);
+  sums_.assign(texel_count, 0.0f);
+  diagonal.assign(texel_count, 0.0f);
+  for (std::size_t t = 0; t < texel_count; ++t)
+    for (std::uint32_t i = columns.begin[t]; i < columns.begin[t + 1]; ++i) {
+      sums_[t] += columns.weights[i] * roots[columns.columns[i]];
+      diagonal[t] += columns.weights[i] * columns.weights[i];
+    }
+  make_diagonal();
+}
+
+void TextureSystem::add_views(const std::vector<InferenceView>& views) {
+  MULTUM_CHECK(!views.empty());
+  const FilterMatrix& first = *views.front().matrix;
+  layout = first.layout();
+  is_periodic_s = first.wrap_s == WrapMode::kPeriodic;
+  is_periodic_t = first.wrap_t == WrapMode::kPeriodic;
+  for (const InferenceView& view : views) {
+    const FilterMatrix& m = *view.matrix;
+    MULTUM_CHECK(view.row_weights.size() == m.row_count());
+    if (m.texture_width != first.texture_width || m.texture_height != first.texture_height ||
+        m.wrap_s != first.wrap_s || m.wrap_t != first.wrap_t || m.anisotropy != first.anisotropy ||
+        m.has_mips != first.has_mips)
+      throw Error(
+          ErrorCode::kInput,
+          fmt::format("the filter matrices of '{}' in views '{}' and '{}' are of different textures or samplers",
+                      m.provenance.object, first.provenance.view, m.provenance.view));
+    append_weighted_rows(view, rows_);
+    for (const float weight : view.row_weights) root_weights_.push_back(weight > 0.0f ? std::sqrt(weight) : 0.0f);
+  }
+  if (rows_.row_count() == 0)
+    throw Error(ErrorCode::kInput, fmt::format("object '{}': no pixel of it is left in {} views, so that there is "
+                                               "nothing to infer its texture from",
+                                               first.provenance.object, views.size()));
+}
+
+// Adds pyramid_weight times the diagonal of R^T R: 1 for a texel that is interpolated, and the squares of the weights
+// with which it enters finer ones.
+void TextureSystem::make_diagonal() {
+  const auto weight = static_cast<float>(pyramid_weight);
+  for (std::size_t l = 0; l + 1 < layout.levels.size(); ++l) {
+    const MipLevelPlace &fine = layout.levels[l], &coarse = layout.levels[l + 1];
+    for (int y = 0; y < fine.height; ++y)
+      for (int x = 0; x < fine.width; ++x) {
+        diagonal[static_cast<std::size_t>(fine.offset + y * fine.width + x)] += weight;
+        const Tap tx = tap_of(x, fine.width, coarse.width, is_periodic_s);
+        const Tap ty = tap_of(y, fine.height, coarse.height, is_periodic_t);
+        for (int j = 0; j < 2; ++j)
+          for (int i = 0; i < 2; ++i) {
+            const auto share = static_cast<float>(tx.weight[i] * ty.weight[j]);
+            diagonal[static_cast<std::size_t>(coarse.offset + ty.index[j] * coarse.width + tx.index[i])] +=
+                weight * share * share;
+          }
+      }
+  }
+}
+
+DeviceBuffer TextureSystem::make_texels(const char* what) {
+  return device.make_buffer(static_cast<std::size_t>(layout.texel_count) * sizeof(Colour4), what);
+}
+
+void TextureSystem::apply(const DeviceBuffer& x, const DeviceBuffer& diagonal_of_range, const DeviceBuffer& is_free,
+                          DeviceBuffer& sum) {
+  if (uses_normal) {
+    normal_.multiply(spmv_, x, sum);
+  } else {
+    matrix_.multiply(spmv_, x, row_values_);
+    transpose_.multiply(spmv_, row_values_, sum);
+  }
+  const MultumPyramid pyramid{layout.level_count(), layout.texel_count, is_periodic_s ? 1 : 0, is_periodic_t ? 1 : 0};
+  const Kernel::WorkSize size{static_cast<std::size_t>(layout.texel_count), kRowsAnItem};
+  pyramid_residual_.launch(size, levels_, x, residual_, pyramid);
+  pyramid_gradient_.launch(size, levels_, residual_, x, diagonal_of_range, is_free, sum, pyramid,
+                           static_cast<float>(pyramid_weight));
+}
+
+std::vector<Colour4> TextureSystem::projected(const std::vector<float>& colours, std::array<double, 3>* squares) {
+  MULTUM_CHECK(colours.size() == 3 * root_weights_.size());
+  std::vector<Colour4> b;
+  *squares = {0.0, 0.0, 0.0};
+  for (std::size_t r = 0; r < root_weights_.size(); ++r) {
+    if (!(root_weights_[r] > 0.0f)) continue;
+    Colour4 value{0.0f, 0.0f, 0.0f, 0.0f};
+    for (std::size_t c = 0; c < 3; ++c) {
+      value[c] = root_weights_[r] * colours[3 * r + c];
+      (*squares)[c] += static_cast<double>(value[c]) * static_cast<double>(value[c]);
+    }
+    b.push_back(value);
+  }
+  DeviceBuffer pixels = device.make_buffer(b.size() * sizeof(Colour4), "pixels");
+  device.write(pixels, b.data(), pixels.byte_count());
+  DeviceBuffer sum = make_texels("projected pixels");
+  transpose_.multiply(spmv_, pixels, sum);
+  std::vector<Colour4> result(static_cast<std::size_t>(layout.texel_count));
+  device.read(sum, result.data(), sum.byte_count());
+  return result;
+}
+
+std::vector<float> TextureSystem::picture(const std::vector<float>& texels) const {
+  std::vector<float> colours(3 * root_weights_.size(), 0.0f);
+  for (std::size_t r = 0, row = 0; r < root_weights_.size(); ++r) {
+    if (!(root_weights_[r] > 0.0f)) continue;
+    for (std::uint32_t i = rows_.begin[row]; i < rows_.begin[row + 1]; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        colours[3 * r + c] += rows_.weights[i] / root_weights_[r] * texels[3 * rows_.columns[i] + c];
+    ++row;
+  }
+  return colours;
+}
+
+}  // namespace multum

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Products of the filter matrix A, its stored transpose or A^T A with a list of colours (Hakura et al. 2000, section
+// 3.2, eqs. 2 and 3): three colours at once, since the matrix is common to them.
+//
+// Rows are stored in blocks of 8 entries, the last one padded with weight 0: a trilinear row is one block, so that the
+// matrix is ELL where all rows are; rows that were averaged over sub-pixels have more.
+
+// One work-item = one row; global size row_count.
+//   block_begin [row_count + 1]   first block of each row
+//   columns     [8 * blocks]      below the length of x
+//   weights     [8 * blocks]
+//   x           [columns]         three colours and 0
+//   y           [row_count]       written
+// Memory bound.
+__kernel void filter_matrix_spmv(__global const uint* block_begin, __global const int* columns,
+                                 __global const float* weights, __global const float4* x, __global float4* y,
+                                 int row_count) {
+  const int row = (int)get_global_id(0);
+  if (row >= row_count) return;
+  const uint end = block_begin[row + 1];
+  float4 sum = (float4)(0.0f);
+  for (uint block = block_begin[row]; block < end; ++block) {
+    const int8 c = vload8(block, columns);
+    const float8 w = vload8(block, weights);
+    sum += (w.s0 * x[c.s0] + w.s1 * x[c.s1]) + (w.s2 * x[c.s2] + w.s3 * x[c.s3]) +
+           ((w.s4 * x[c.s4] + w.s5 * x[c.s5]) + (w.s6 * x[c.s6] + w.s7 * x[c.s7]));
+  }
+  y[row] = sum;
+}
