@@ -64,8 +64,8 @@ class FolderReader {
               [](const AnimationSample& a, const AnimationSample& b) { return a.at < b.at; });
     const int expected = job_.parameters[0].count * job_.parameters[1].count;
     if (std::ssize(job_.samples) != expected)
-      refuse(scene_path_, fmt::format("describes {} samples, expected {} by its views and params", job_.samples.size(),
-                                      expected));
+      refuse(scene_path_,
+             fmt::format("describes {} samples, expected {} by its views and params", job_.samples.size(), expected));
     read_layers();
     return std::move(job_);
   }
@@ -131,8 +131,8 @@ class FolderReader {
   std::string mesh_of(const std::string& object) const {
     for (const std::string& mesh : {object, object + "_Mesh"})
       if (std::find(meshes_.begin(), meshes_.end(), mesh) != meshes_.end()) return mesh;
-    refuse(job_.geometry_file, fmt::format("has no object \"{}\", which scene.json names; it has {}", object,
-                                           fmt::join(meshes_, ", ")));
+    refuse(job_.geometry_file,
+           fmt::format("has no object \"{}\", which scene.json names; it has {}", object, fmt::join(meshes_, ", ")));
   }
 
   void read_objects() {

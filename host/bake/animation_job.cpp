@@ -22,8 +22,8 @@ namespace multum {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kSideMax = 16384;          // pixels and texels: what GPUs take
-constexpr int kSampleCountMax = 65536;   // each is a file or two
+constexpr int kSideMax = 16384;         // pixels and texels: what GPUs take
+constexpr int kSampleCountMax = 65536;  // each is a file or two
 const NumberRange kAboveZero = {0.0, kInfinity, true, true, "a number above 0"};
 const NumberRange kNotNegative = {0.0, kInfinity, false, true, "a number of at least 0"};
 
@@ -36,12 +36,11 @@ const std::vector<std::string> kTextureKeys = {"wrap",     "stretch_max", "resol
 // Names become names of folders and files.
 std::string checked_name(const StrictTable& table) {
   const std::string name = table.text("name");
-  const bool has_bad_letter = std::any_of(name.begin(), name.end(), [](char c) {
-    return static_cast<unsigned char>(c) < 32 || c == '/' || c == '\\';
-  });
+  const bool has_bad_letter = std::any_of(
+      name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == '/' || c == '\\'; });
   if (has_bad_letter || name.front() == '.' || name.size() > 100)
-    table.refuse("name", fmt::format("is \"{}\", expected up to 100 letters without / and \\, not beginning with a dot",
-                                     name));
+    table.refuse("name",
+                 fmt::format("is \"{}\", expected up to 100 letters without / and \\, not beginning with a dot", name));
   return name;
 }
 
@@ -71,8 +70,8 @@ AnimationTexture read_texture(const StrictTable& table, const AnimationTexture& 
   if (texture.wrap != "clamp" && texture.wrap != "periodic")
     table.refuse("wrap", fmt::format("is \"{}\", expected \"clamp\" or \"periodic\"", texture.wrap));
   texture.stretch_max = table.number("stretch_max", kAboveZero, fallback.stretch_max);
-  texture.resolution_scale = table.number(
-      "resolution_scale", {0.0, 8.0, true, false, "a number above 0, up to 8"}, fallback.resolution_scale);
+  texture.resolution_scale =
+      table.number("resolution_scale", {0.0, 8.0, true, false, "a number above 0, up to 8"}, fallback.resolution_scale);
   texture.power_of_two = table.boolean("power_of_two", fallback.power_of_two);
   texture.side_max = table.whole("side_max", 1, kSideMax, fallback.side_max);
   texture.anisotropy =
@@ -108,8 +107,8 @@ void read_layers(const StrictTable& job_table, AnimationJob& job) {
     if (layer.passes.empty()) table.refuse("passes", "is empty, expected at least one pass");
     for (const std::string& pass : layer.passes)
       if (!passes.insert(pass).second)
-        table.refuse("passes", fmt::format("names \"{}\" a second time; layers are added, so it would count twice",
-                                           pass));
+        table.refuse("passes",
+                     fmt::format("names \"{}\" a second time; layers are added, so it would count twice", pass));
     layer.depends_on = table.texts("depends_on", true);
     for (const std::string& name : layer.depends_on) check_known(table, "depends_on", name, parameters, "parameter");
     if (std::set<std::string>(layer.depends_on.begin(), layer.depends_on.end()).size() != layer.depends_on.size())

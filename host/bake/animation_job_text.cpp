@@ -96,9 +96,10 @@ std::string parameters_text(const AnimationJob& job) {
 std::string layers_text(const AnimationJob& job) {
   std::string text = "# Parts of the radiance that are inferred each by itself; a layer's passes are added.\n";
   for (const AnimationLayer& layer : job.layers)
-    text += fmt::format("[[layer]]\nname = {}\npasses = {}  # of channels PASS.R PASS.G PASS.B; \"\": R G B\n"
-                        "depends_on = {}  # over other parameters one texture serves all samples\n\n",
-                        quoted(layer.name), list(layer.passes), list(layer.depends_on));
+    text += fmt::format(
+        "[[layer]]\nname = {}\npasses = {}  # of channels PASS.R PASS.G PASS.B; \"\": R G B\n"
+        "depends_on = {}  # over other parameters one texture serves all samples\n\n",
+        quoted(layer.name), list(layer.passes), list(layer.depends_on));
   return text;
 }
 

@@ -77,8 +77,7 @@ void check_objects_told(const StrictTable& table, const AnimationJob& job, const
   }
 }
 
-AnimationSample read_sample(const StrictTable& table, const std::vector<std::string>& meshes,
-                            const AnimationJob& job) {
+AnimationSample read_sample(const StrictTable& table, const std::vector<std::string>& meshes, const AnimationJob& job) {
   AnimationSample sample;
   sample.at = table.wholes("at");
   sample.name = table.text("name", default_name(sample.at));
@@ -111,9 +110,9 @@ void read_animation_samples(const StrictTable& job_table, const std::vector<std:
   const auto is_missing = [](const std::optional<AnimationSample>& sample) { return !sample; };
   const auto missing = std::find_if(grid.begin(), grid.end(), is_missing);
   if (missing != grid.end())
-    job_table.refuse("", fmt::format("lacks {} of {} samples, the first at {}",
-                                     std::count_if(grid.begin(), grid.end(), is_missing), count,
-                                     grid_point_text(job, static_cast<std::size_t>(missing - grid.begin()))));
+    job_table.refuse(
+        "", fmt::format("lacks {} of {} samples, the first at {}", std::count_if(grid.begin(), grid.end(), is_missing),
+                        count, grid_point_text(job, static_cast<std::size_t>(missing - grid.begin()))));
   for (std::optional<AnimationSample>& sample : grid) job.samples.push_back(std::move(*sample));
 }
 

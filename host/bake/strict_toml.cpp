@@ -55,7 +55,8 @@ std::optional<double> number_of(const toml::node& node) {
 toml::table parse_toml(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw Error(ErrorCode::kInput, path + ": cannot be read, expected a job as docs/ANIMATION.md describes it");
+  if (!file)
+    throw Error(ErrorCode::kInput, path + ": cannot be read, expected a job as docs/ANIMATION.md describes it");
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
@@ -95,7 +96,8 @@ std::vector<std::string> StrictTable::keys() const {
 
 void StrictTable::refuse(const std::string& key, const std::string& what) const {
   const toml::node* node = key.empty() ? nullptr : table_.get(key);
-  refuse_at(file_, line_of(node != nullptr ? *node : table_), (key.empty() ? (name_.empty() ? "the job" : name_) : full_name(key)) + " " + what);
+  refuse_at(file_, line_of(node != nullptr ? *node : table_),
+            (key.empty() ? (name_.empty() ? "the job" : name_) : full_name(key)) + " " + what);
 }
 
 void StrictTable::refuse_value(const std::string& key, const toml::node& value, const std::string& expected) const {

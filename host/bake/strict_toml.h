@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <glm/mat4x4.hpp>
 #include <toml++/toml.h>
+#include <glm/mat4x4.hpp>
 
 namespace multum {
 

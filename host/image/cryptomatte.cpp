@@ -108,12 +108,11 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     refuse(file.path(), fmt::format("has no Cryptomatte \"{}\"; it has {}", layer,
                                     names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   if (matches.size() > 1)
-    refuse(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give one's whole name", layer,
-                                    fmt::join(matches, ", ")));
-  if (!result.conversion.empty() && result.conversion != "uint32_to_float32")
     refuse(file.path(),
-           fmt::format("Cryptomatte \"{}\" has conversion \"{}\", expected uint32_to_float32", layer,
-                       result.conversion));
+           fmt::format("has several Cryptomattes \"{}\": {}; give one's whole name", layer, fmt::join(matches, ", ")));
+  if (!result.conversion.empty() && result.conversion != "uint32_to_float32")
+    refuse(file.path(), fmt::format("Cryptomatte \"{}\" has conversion \"{}\", expected uint32_to_float32", layer,
+                                    result.conversion));
   return result;
 }
 

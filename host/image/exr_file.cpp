@@ -64,8 +64,8 @@ std::vector<float> ExrFile::read(const std::string& channel) {
     refuse(path_, fmt::format("has no channel \"{}\"; it has {}", channel, fmt::join(channels_, ", ")));
   const Place& place = found->second;
   if (!place.type.is_floating_point())
-    refuse(path_, fmt::format("channel \"{}\" holds integers ({}), expected half or float", channel,
-                              place.type.c_str()));
+    refuse(path_,
+           fmt::format("channel \"{}\" holds integers ({}), expected half or float", channel, place.type.c_str()));
   std::vector<float> plane(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   with_damage_named(path_, [&] {
     if (!input_->read_image(place.part, 0, place.index, place.index + 1, OIIO::TypeDesc::FLOAT, plane.data()))

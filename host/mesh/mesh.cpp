@@ -40,7 +40,8 @@ void append_vertices(TriangleMesh& mesh, const aiMesh& part, const std::string& 
     normal = size > 1e-12f && std::isfinite(size) ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f);
     const aiVector3D uv = part.mTextureCoords[0][i];
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
-      refuse_mesh(path, "texture coordinate " + std::to_string(i) + " of mesh '" + part.mName.C_Str() + "' is not finite");
+      refuse_mesh(path,
+                  "texture coordinate " + std::to_string(i) + " of mesh '" + part.mName.C_Str() + "' is not finite");
     const bool has_frame = part.HasTangentsAndBitangents();
     const glm::vec3 tangent = has_frame ? to_vec3(part.mTangents[i]) : glm::vec3(0.0f);
     const glm::vec3 bitangent = has_frame ? to_vec3(part.mBitangents[i]) : glm::vec3(0.0f);
@@ -54,8 +55,8 @@ void append_vertices(TriangleMesh& mesh, const aiMesh& part, const std::string& 
 void append_mesh(TriangleMesh& mesh, const aiMesh& part, const std::string& path) {
   if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) return;  // points and lines are not drawn
   if (!part.HasTextureCoords(0))
-    refuse_mesh(path,
-           std::string("mesh '") + part.mName.C_Str() + "' has no texture coordinates, so no map can be put on it");
+    refuse_mesh(
+        path, std::string("mesh '") + part.mName.C_Str() + "' has no texture coordinates, so no map can be put on it");
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());
   append_vertices(mesh, part, path);
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
@@ -63,7 +64,7 @@ void append_mesh(TriangleMesh& mesh, const aiMesh& part, const std::string& path
     for (unsigned k = 0; k < face.mNumIndices; ++k) {
       if (face.mIndices[k] >= part.mNumVertices)
         refuse_mesh(path, "triangle " + std::to_string(f) + " of mesh '" + part.mName.C_Str() + "' names vertex " +
-                         std::to_string(face.mIndices[k]) + " of " + std::to_string(part.mNumVertices));
+                              std::to_string(face.mIndices[k]) + " of " + std::to_string(part.mNumVertices));
       mesh.indices.push_back(base + face.mIndices[k]);
     }
   }

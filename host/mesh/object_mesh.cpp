@@ -74,8 +74,7 @@ class ObjectReader {
       const aiFace& face = part.mFaces[f];
       for (unsigned k = 0; k < face.mNumIndices; ++k) {
         if (face.mIndices[k] >= part.mNumVertices)
-          refuse(object,
-                 fmt::format("has a triangle that names vertex {} of {}", face.mIndices[k], part.mNumVertices));
+          refuse(object, fmt::format("has a triangle that names vertex {} of {}", face.mIndices[k], part.mNumVertices));
         object.indices.push_back(index_of(object, part, face.mIndices[k]));
       }
     }

@@ -43,7 +43,9 @@ glm::dmat4 matrix_of(const nlohmann::json& rows) {
   return m;
 }
 
-nlohmann::json shifted(double x, double y, double z) { return {{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}, {0, 0, 0, 1}}; }
+nlohmann::json shifted(double x, double y, double z) {
+  return {{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}, {0, 0, 0, 1}};
+}
 
 nlohmann::json sample_json(int view, int param, bool moves) {
   char name[16];
@@ -97,8 +99,7 @@ void write_exr(const std::string& path, int width, int height, const std::vector
     }
     const std::size_t channel_count = parts[p].planes.size();
     std::vector<float> values(parts[p].planes[0].size() * channel_count);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = parts[p].planes[i % channel_count][i / channel_count];
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = parts[p].planes[i % channel_count][i / channel_count];
     ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data())) << output->geterror();
   }
   ASSERT_TRUE(output->close()) << output->geterror();
@@ -127,8 +128,8 @@ DemoCamera demo_camera(const std::string& folder) {
 void write_demo_folder(const std::string& folder, bool moves) {
   constexpr int kWidth = 4, kHeight = 3;
   const std::vector<float> plane(kWidth * kHeight, 0.5f);
-  nlohmann::json scene = {{"mode", moves ? "demo2" : "demo1"}, {"width", kWidth}, {"height", kHeight}, {"views", 2},
-                          {"params", 2}};
+  nlohmann::json scene = {
+      {"mode", moves ? "demo2" : "demo1"}, {"width", kWidth}, {"height", kHeight}, {"views", 2}, {"params", 2}};
   scene["objects"]["thing"] = {{"triangles", 1}, {"object_to_world", shifted(0.0, 0.0, 0.0)}};
   for (int view = 0; view < 2; ++view) {
     for (int param = 0; param < 2; ++param) {
@@ -148,8 +149,8 @@ void write_demo_folder(const std::string& folder, bool moves) {
     }
     ExrPart geometry{"", {"Z", "CryptoObject00.r", "CryptoObject00.g", "CryptoObject00.b", "CryptoObject00.a"}, {}, {}};
     geometry.planes = {std::vector<float>(plane.size(), 2.0f),
-                       std::vector<float>(plane.size(), std::bit_cast<float>(0x3f400000u)), std::vector<float>(12, 1.0f),
-                       std::vector<float>(12, 0.0f), std::vector<float>(12, 0.0f)};
+                       std::vector<float>(plane.size(), std::bit_cast<float>(0x3f400000u)),
+                       std::vector<float>(12, 1.0f), std::vector<float>(12, 0.0f), std::vector<float>(12, 0.0f)};
     geometry.attributes = {{"cryptomatte/1234567/name", "ViewLayer.CryptoObject"},
                            {"cryptomatte/1234567/hash", "MurmurHash3_32"},
                            {"cryptomatte/1234567/conversion", "uint32_to_float32"},

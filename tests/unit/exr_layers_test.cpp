@@ -73,7 +73,8 @@ TEST(ExrLayers, RefusalsNameFileAndChannel) {
 
   const Plane noise = [] {
     Plane values(64 * 64);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(std::sin(1e3 * static_cast<double>(i)));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<float>(std::sin(1e3 * static_cast<double>(i)));
     return values;
   }();
   write_exr(folder / "cut.exr", 64, 64, {{"", {"Z"}, {noise}, {}}});
@@ -104,7 +105,8 @@ TEST(ExrLayers, CropsAndPartsOfOtherSizesAreRefused) {
               output->open(folder / "sizes.exr", specs[1], OIIO::ImageOutput::AppendSubimage) &&
               output->write_image(OIIO::TypeDesc::FLOAT, plane.data()));
   ASSERT_TRUE(output->close());
-  expect_refused({"sizes.exr", "found a part of 4 x 4, expected 2 x 2"}, [&] { exr_channel_names(folder / "sizes.exr"); });
+  expect_refused({"sizes.exr", "found a part of 4 x 4, expected 2 x 2"},
+                 [&] { exr_channel_names(folder / "sizes.exr"); });
 }
 
 // Identifiers by the public test vectors of MurmurHash3: those of the names of Blender's manifests (lengths that leave
@@ -139,8 +141,8 @@ TEST(Cryptomatte, CoverageByManifestAndByHash) {
   set_rank(part, 2, 1, kVase, 0.75f);  // one object twice: its shares are added, up to 1
   part.attributes.emplace_back("cryptomatte/0a1b2c3/manifest", R"({"walls":"0810d53d","other":"11223344"})");
   write_exr(folder / "crypto.exr", 3, 1, {part});
-  const auto coverage =
-      read_cryptomatte_coverage(folder / "crypto.exr", "CryptoObject", {"vase", "walls", "other", "parfait", "table_top"});
+  const auto coverage = read_cryptomatte_coverage(folder / "crypto.exr", "CryptoObject",
+                                                  {"vase", "walls", "other", "parfait", "table_top"});
   EXPECT_EQ(coverage, (std::vector<Plane>{Plane{0.125f, 1.0f, 1.0f},  // by hash
                                           Plane{0.5f, 0.0f, 0.0f},    // by the manifest
                                           Plane{0.25f, 0.0f, 0.0f},   // whose identifier is no hash of the name
@@ -153,7 +155,7 @@ TEST(Cryptomatte, CoverageByManifestAndByHash) {
 TEST(Cryptomatte, HashesThatAreNoFloatsAreChangedAsTheSpecificationSays) {
   const TemporaryFolder folder;
   ExrPart part = cryptomatte_part();
-  set_rank(part, 0, 0, 0xffaf2b61u ^ 1u << 23, 0.5f);  // "leaf87", exponent 255
+  set_rank(part, 0, 0, 0xffaf2b61u ^ 1u << 23, 0.5f);   // "leaf87", exponent 255
   set_rank(part, 0, 1, 0x805f5b3bu ^ 1u << 23, 0.25f);  // "leaf177", exponent 0
   write_exr(folder / "crypto.exr", 3, 1, {part});
   const auto coverage = read_cryptomatte_coverage(folder / "crypto.exr", "CryptoObject", {"leaf87", "leaf177"});
@@ -170,8 +172,7 @@ TEST(Cryptomatte, CoverageThatIsNoShareCountsAsNone) {
   set_rank(part, 2, 0, kWalls, -0.5f);
   set_rank(part, 2, 1, kWalls, 0.25f);
   write_exr(folder / "crypto.exr", 3, 1, {part});
-  EXPECT_EQ(read_cryptomatte_coverage(folder / "crypto.exr", "CryptoObject", {"walls"})[0],
-            (Plane{0.0f, 0.0f, 0.25f}));
+  EXPECT_EQ(read_cryptomatte_coverage(folder / "crypto.exr", "CryptoObject", {"walls"})[0], (Plane{0.0f, 0.0f, 0.25f}));
 }
 
 TEST(Cryptomatte, Refusals) {
