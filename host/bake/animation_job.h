@@ -18,6 +18,7 @@ struct AnimationParameter {
   std::string name;
   int count = 1;         // of samples along it
   bool is_view = false;  // moves the camera
+  bool operator==(const AnimationParameter&) const = default;
 };
 
 /// A part of the radiance that is inferred by itself: "diffuse" from the diffuse pass, "view_dependent" from the glossy
@@ -26,6 +27,7 @@ struct AnimationLayer {
   std::string name;
   std::vector<std::string> passes;      // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "" is R G B themselves
   std::vector<std::string> depends_on;  // names of parameters; over the others one texture serves all samples
+  bool operator==(const AnimationLayer&) const = default;
 };
 
 /// How an object is textured. Defaults come from the job's [texture] table, and from here where that has none.
@@ -38,6 +40,7 @@ struct AnimationTexture {
   double anisotropy = 1.0;        // 1..16, of the sampler
   double pyramid_weight = 0.1;    // epsilon_f of pyramidal regularisation, >= 0
   double range_weight = 1e-3;     // epsilon_b of range regularisation, >= 0
+  bool operator==(const AnimationTexture&) const = default;
 };
 
 struct AnimationObject {
@@ -47,22 +50,26 @@ struct AnimationObject {
   int index = 0;                    // its number in object-index images, from 1; 0: none
   std::vector<std::string> layers;  // empty: all; a layer in which the object is black is left out anyway
   AnimationTexture texture;
+  bool operator==(const AnimationObject&) const = default;
 };
 
 struct AnimationCamera {
   std::string name;
   glm::dmat4 world_to_camera{1.0};  // right-handed, looks along -z
   glm::dmat4 projection{1.0};       // to OpenGL clip space: -w..w, y up
+  bool operator==(const AnimationCamera&) const = default;
 };
 
 struct AnimationSample {
   std::vector<int> at;       // index along each parameter
   std::string name;          // "v00_p03"
   std::string radiance;      // EXR with the layers' passes, path as resolved
-  std::string geometry;      // EXR with depth, and Cryptomatte; may be the same file
+  std::string geometry;      // EXR with depth, and Cryptomatte; may be the same file; empty: none, only where
+                             // object_index is given
   std::string object_index;  // PNG whose grey value is the object's number; empty: Cryptomatte is used
   int camera = 0;
   std::map<std::string, glm::dmat4> object_to_world;  // of objects that move, by mesh name
+  bool operator==(const AnimationSample&) const = default;
 };
 
 struct AnimationJob {
@@ -81,6 +88,7 @@ struct AnimationJob {
   std::vector<AnimationObject> objects;
   std::vector<AnimationCamera> cameras;
   std::vector<AnimationSample> samples;  // one for each point of the parameter grid, the last parameter fastest
+  bool operator==(const AnimationJob&) const = default;
 };
 
 /// Reads and validates a job: unknown keys, values out of range, names that nothing answers to, missing samples and

@@ -19,6 +19,9 @@ struct ExrLayers {
 /// those that are there; for a damaged file; for a data window that is not the display window.
 ExrLayers read_exr_channels(const std::string& path, const std::vector<std::string>& channels);
 
+/// The names of all channels of all parts, in the file's order.
+std::vector<std::string> exr_channel_names(const std::string& path);
+
 /// Whether the file has a channel of this name in any part.
 bool has_exr_channel(const std::string& path, const std::string& channel);
 

@@ -9,7 +9,6 @@
 #include <fstream>
 #include <future>
 #include <mutex>
-#include <new>
 #include <utility>
 
 #include <OpenImageIO/filesystem.h>
@@ -17,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/image/damaged_file.h"
 #include "host/image/file_ranges.h"
 #include "host/image/image_container.h"
 
@@ -183,22 +183,6 @@ int band_rows(const OIIO::ImageSpec& spec, const RawImageInfo& info, int asked_r
   const int block =
       std::clamp(asked_rows > 0 ? whole_block_rows(spec) : preferred_block_rows(spec, info), 1, info.height);
   return std::min(info.height, std::max(1, rows / block) * block);
-}
-
-// OpenEXR's own exceptions may pass through OpenImageIO.
-template <typename Body>
-auto with_damage_named(const std::string& path, const Body& body) {
-  try {
-    return body();
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kEnvironment, path + ": not enough memory to read it");
-  } catch (const Error&) {
-    throw;
-  } catch (const std::runtime_error& error) {
-    refuse(path, std::string("damaged: ") + error.what());
-  } catch (const std::logic_error& error) {
-    refuse(path, std::string("damaged: ") + error.what());
-  }
 }
 
 }  // namespace

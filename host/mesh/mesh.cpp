@@ -2,17 +2,12 @@
 #include "host/mesh/mesh.h"
 
 #include <cmath>
-#include <mutex>
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <assimp/DefaultLogger.hpp>
-#include <assimp/Importer.hpp>
-#include <assimp/LogStream.hpp>
 #include <glm/geometric.hpp>
 
-#include "host/base/error.h"
-#include "host/mesh/gltf_check.h"
+#include "host/mesh/mesh_import.h"
 
 namespace multum {
 namespace {
@@ -20,39 +15,6 @@ namespace {
 constexpr unsigned kSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                             aiProcess_CalcTangentSpace | aiProcess_JoinIdenticalVertices |
                             aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
-
-[[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kInput, path + ": " + what);
-}
-
-/// assimp drops triangles whose indices are out of range, and only its log says so. One import at a time may listen:
-/// the log belongs to the process.
-class ImportLog {
- public:
-  ImportLog() {
-    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
-    Assimp::DefaultLogger::get()->attachStream(new Listener(&warnings_), Assimp::Logger::Warn);  // the logger owns it
-  }
-  ~ImportLog() { Assimp::DefaultLogger::kill(); }
-  ImportLog(const ImportLog&) = delete;
-  ImportLog& operator=(const ImportLog&) = delete;
-  bool dropped_triangles() const { return warnings_.find("out-of-range indices") != std::string::npos; }
-
- private:
-  class Listener : public Assimp::LogStream {
-   public:
-    explicit Listener(std::string* warnings) : warnings_(warnings) {}
-    void write(const char* message) override { *warnings_ += message; }
-
-   private:
-    std::string* warnings_;
-  };
-  std::string warnings_;
-};
-
-glm::vec3 to_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
-
-bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 /// Any unit vector orthogonal to `n`, for vertices where u and v do not grow.
 glm::vec3 any_orthogonal(const glm::vec3& n) {
@@ -72,13 +34,14 @@ void append_vertices(TriangleMesh& mesh, const aiMesh& part, const std::string& 
   for (unsigned i = 0; i < part.mNumVertices; ++i) {
     const glm::vec3 position = to_vec3(part.mVertices[i]);
     if (!is_finite(position))
-      refuse(path, "vertex " + std::to_string(i) + " of mesh '" + part.mName.C_Str() + "' is not finite");
+      refuse_mesh(path, "vertex " + std::to_string(i) + " of mesh '" + part.mName.C_Str() + "' is not finite");
     glm::vec3 normal = part.HasNormals() ? to_vec3(part.mNormals[i]) : glm::vec3(0.0f);
     const float size = glm::length(normal);
     normal = size > 1e-12f && std::isfinite(size) ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f);
     const aiVector3D uv = part.mTextureCoords[0][i];
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
-      refuse(path, "texture coordinate " + std::to_string(i) + " of mesh '" + part.mName.C_Str() + "' is not finite");
+      refuse_mesh(path,
+                  "texture coordinate " + std::to_string(i) + " of mesh '" + part.mName.C_Str() + "' is not finite");
     const bool has_frame = part.HasTangentsAndBitangents();
     const glm::vec3 tangent = has_frame ? to_vec3(part.mTangents[i]) : glm::vec3(0.0f);
     const glm::vec3 bitangent = has_frame ? to_vec3(part.mBitangents[i]) : glm::vec3(0.0f);
@@ -92,16 +55,16 @@ void append_vertices(TriangleMesh& mesh, const aiMesh& part, const std::string& 
 void append_mesh(TriangleMesh& mesh, const aiMesh& part, const std::string& path) {
   if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) return;  // points and lines are not drawn
   if (!part.HasTextureCoords(0))
-    refuse(path,
-           std::string("mesh '") + part.mName.C_Str() + "' has no texture coordinates, so no map can be put on it");
+    refuse_mesh(
+        path, std::string("mesh '") + part.mName.C_Str() + "' has no texture coordinates, so no map can be put on it");
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());
   append_vertices(mesh, part, path);
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
     const aiFace& face = part.mFaces[f];
     for (unsigned k = 0; k < face.mNumIndices; ++k) {
       if (face.mIndices[k] >= part.mNumVertices)
-        refuse(path, "triangle " + std::to_string(f) + " of mesh '" + part.mName.C_Str() + "' names vertex " +
-                         std::to_string(face.mIndices[k]) + " of " + std::to_string(part.mNumVertices));
+        refuse_mesh(path, "triangle " + std::to_string(f) + " of mesh '" + part.mName.C_Str() + "' names vertex " +
+                              std::to_string(face.mIndices[k]) + " of " + std::to_string(part.mNumVertices));
       mesh.indices.push_back(base + face.mIndices[k]);
     }
   }
@@ -110,17 +73,11 @@ void append_mesh(TriangleMesh& mesh, const aiMesh& part, const std::string& path
 }  // namespace
 
 TriangleMesh read_mesh(const std::string& path) {
-  check_gltf_file(path);
-  static std::mutex log_mutex;
-  const std::lock_guard<std::mutex> lock(log_mutex);
-  const ImportLog log;
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path, kSteps);
-  if (log.dropped_triangles()) refuse(path, "has triangles whose indices are out of range");
-  if (scene == nullptr) refuse(path, std::string("cannot be read as a mesh: ") + importer.GetErrorString());
+  const MeshImport import(path, kSteps);
+  const aiScene& scene = import.scene();
   TriangleMesh mesh;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) append_mesh(mesh, *scene->mMeshes[i], path);
-  if (mesh.indices.empty()) refuse(path, "holds no triangles");
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) append_mesh(mesh, *scene.mMeshes[i], path);
+  if (mesh.indices.empty()) refuse_mesh(path, "holds no triangles");
   return mesh;
 }
 

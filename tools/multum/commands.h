@@ -18,6 +18,7 @@ struct CommonOptions {
 int apply(const CommonOptions& options);
 void add_common_options(CLI::App& command, CommonOptions& options);
 
+void add_animation_command(CLI::App& app, int* exit_code);
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);

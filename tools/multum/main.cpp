@@ -30,7 +30,8 @@ int run(int argc, char** argv) {
       "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
       "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
       "  multum-view bricks.ndf.exr -o frame.png             render it\n"
-      "  multum info bricks.ndf.exr                          look inside",
+      "  multum info bricks.ndf.exr                          look inside\n"
+      "  multum animation renders -o animation.toml          what a folder of ray-traced pictures holds, as a job",
       "multum");
   app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
   app.require_subcommand(1);
@@ -41,6 +42,7 @@ int run(int argc, char** argv) {
   add_verify_command(app, &exit_code);
   add_devices_command(app, &exit_code);
   add_testmap_command(app, &exit_code);
+  add_animation_command(app, &exit_code);
   set_program_cache_folder(program_cache_folder());
   try {
     app.parse(argc, argv);

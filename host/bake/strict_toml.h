@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// TOML read strictly: every key is known, every value is of the type and in the range that is expected, and every
+// refusal names the file, the line, the key, what was found and what was expected.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <toml++/toml.h>
+#include <glm/mat4x4.hpp>
+
+namespace multum {
+
+/// Parses the file. Throws Error(kInput) when it cannot be read or is no TOML.
+toml::table parse_toml(const std::string& path);
+
+struct NumberRange {
+  double low = 0.0, high = 0.0;
+  bool low_open = false, high_open = false;  // the end itself is not in the range
+  std::string text;                          // "a number above 0"
+};
+
+/// One table of a file; `file` and `table` outlive it.
+class StrictTable {
+ public:
+  /// `name`: how its keys are called in messages, as "texture": "texture.wrap"; empty at the top. Keys that are not
+  /// among `keys` are refused at once, with the known key that is nearest.
+  StrictTable(const std::string& file, const toml::table& table, std::string name,
+              const std::vector<std::string>& keys);
+
+  bool has(const std::string& key) const { return table_.contains(key); }
+  /// Keys that are there, in alphabetical order: for tables whose keys are names.
+  std::vector<std::string> keys() const;
+
+  /// The key's value, or what `fallback` says where the key is missing; without a fallback the key must be there.
+  std::string text(const std::string& key, const std::optional<std::string>& fallback = {}) const;
+  bool boolean(const std::string& key, bool fallback) const;
+  int whole(const std::string& key, int low, int high, std::optional<int> fallback = {}) const;
+  double number(const std::string& key, const NumberRange& range, double fallback) const;
+  std::vector<std::string> texts(const std::string& key, bool is_required) const;
+  std::vector<int> wholes(const std::string& key) const;
+  /// Four rows of four finite numbers, for column vectors.
+  glm::dmat4 matrix(const std::string& key) const;
+  /// The table of this key; empty where there is none.
+  const toml::table& table(const std::string& key) const;
+  /// The tables of [[key]]: at least one.
+  std::vector<const toml::table*> tables(const std::string& key) const;
+
+  /// Throws Error(kInput): "FILE:LINE: KEY is WHAT"; `key` may be empty, for the table itself.
+  [[noreturn]] void refuse(const std::string& key, const std::string& what) const;
+
+ private:
+  [[noreturn]] void refuse_value(const std::string& key, const toml::node& value, const std::string& expected) const;
+  std::string full_name(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
+  const toml::node* find(const std::string& key, bool is_required) const;
+
+  const std::string& file_;
+  const toml::table& table_;
+  std::string name_;
+};
+
+/// The known name that differs least from `name`, for "did you mean"; empty when none is near.
+std::string nearest_name(const std::string& name, const std::vector<std::string>& known);
+
+}  // namespace multum

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What image libraries throw at damaged files, as an error that names the file. OpenEXR's own exceptions may pass
+// through OpenImageIO.
+#pragma once
+
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "host/base/error.h"
+
+namespace multum {
+
+template <typename Body>
+auto with_damage_named(const std::string& path, const Body& body) {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kEnvironment, path + ": not enough memory to read it");
+  } catch (const Error&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw Error(ErrorCode::kInput, path + ": damaged: " + error.what());
+  } catch (const std::logic_error& error) {
+    throw Error(ErrorCode::kInput, path + ": damaged: " + error.what());
+  }
+}
+
+}  // namespace multum

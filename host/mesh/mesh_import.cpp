@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/mesh/mesh_import.h"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/DefaultLogger.hpp>
+#include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
+#include <cmath>
+#include <mutex>
+
+#include "host/base/error.h"
+#include "host/mesh/gltf_check.h"
+
+namespace multum {
+namespace {
+
+/// assimp drops triangles whose indices are out of range, and only its log says so. One import at a time may listen:
+/// the log belongs to the process.
+class ImportLog {
+ public:
+  ImportLog() {
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+    Assimp::DefaultLogger::get()->attachStream(new Listener(&warnings_), Assimp::Logger::Warn);  // the logger owns it
+  }
+  ~ImportLog() { Assimp::DefaultLogger::kill(); }
+  ImportLog(const ImportLog&) = delete;
+  ImportLog& operator=(const ImportLog&) = delete;
+  bool dropped_triangles() const { return warnings_.find("out-of-range indices") != std::string::npos; }
+
+ private:
+  class Listener : public Assimp::LogStream {
+   public:
+    explicit Listener(std::string* warnings) : warnings_(warnings) {}
+    void write(const char* message) override { *warnings_ += message; }
+
+   private:
+    std::string* warnings_;
+  };
+  std::string warnings_;
+};
+
+}  // namespace
+
+void refuse_mesh(const std::string& path, const std::string& what) {
+  throw Error(ErrorCode::kInput, path + ": " + what);
+}
+
+MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std::make_unique<Assimp::Importer>()) {
+  check_gltf_file(path);
+  static std::mutex log_mutex;
+  const std::lock_guard<std::mutex> lock(log_mutex);
+  const ImportLog log;
+  scene_ = importer_->ReadFile(path, steps);
+  if (log.dropped_triangles()) refuse_mesh(path, "has triangles whose indices are out of range");
+  if (scene_ == nullptr) refuse_mesh(path, std::string("cannot be read as a mesh: ") + importer_->GetErrorString());
+}
+
+MeshImport::~MeshImport() = default;
+
+bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace multum

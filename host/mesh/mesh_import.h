@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every reader of meshes needs of assimp: a file read with its complaints heard, and its numbers checked.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <assimp/vector3.h>
+#include <glm/vec3.hpp>
+
+struct aiScene;
+namespace Assimp {
+class Importer;
+}
+
+namespace multum {
+
+/// Throws Error(kInput): "PATH: WHAT".
+[[noreturn]] void refuse_mesh(const std::string& path, const std::string& what);
+
+/// A file as assimp understands it.
+class MeshImport {
+ public:
+  /// `steps`: aiProcess_ flags. Throws Error(kInput) naming the file: what check_gltf_file() refuses, what assimp
+  /// cannot read, indices out of range.
+  MeshImport(const std::string& path, unsigned steps);
+  ~MeshImport();
+  MeshImport(const MeshImport&) = delete;
+  MeshImport& operator=(const MeshImport&) = delete;
+  const aiScene& scene() const { return *scene_; }
+
+ private:
+  std::unique_ptr<Assimp::Importer> importer_;  // owns the scene
+  const aiScene* scene_;
+};
+
+inline glm::vec3 to_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+bool is_finite(const glm::vec3& v);
+
+}  // namespace multum

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum animation: a folder of renders to a job file, whole or not at all.
+#include "host/bake/animation_job.h"
+#include "tests/cli/program.h"
+#include "tests/unit/animation_test_scene.h"
+
+namespace multum::testing {
+namespace {
+
+constexpr int kUsage = 2, kInput = 3, kEnvironment = 4;
+
+class AnimationCommandTest : public CliTest {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directory(path("renders"));
+    write_demo_folder(path("renders"), false);
+  }
+  void expect_refused(const std::vector<std::string>& arguments, int code, const std::vector<std::string>& parts) {
+    const auto before = folder_.names();
+    std::vector<std::string> command = {"animation"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const ProgramResult result = multum(command);
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    for (const std::string& part : parts)
+      EXPECT_NE(result.err.find(part), std::string::npos) << "no \"" << part << "\" in: " << result.err;
+    EXPECT_EQ(result.out.find("written"), std::string::npos) << result.out;
+    EXPECT_EQ(folder_.names(), before);
+  }
+};
+
+TEST_F(AnimationCommandTest, WritesAJobThatIsRead) {
+  for (int i = 0; i < 2; ++i) {  // the second time over the first one's file
+    const ProgramResult result = multum({"animation", path("renders"), "-o", path("animation.toml")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.out.find("animation.toml: written: 4 samples (view 2 x light 2), 2 cameras, 1 objects, 2 layers, "
+                              "4 x 3 pixels"),
+              std::string::npos)
+        << result.out;
+    EXPECT_EQ(folder_.names(), (std::set<std::string>{"animation.toml", "renders"}));
+    const AnimationJob job = read_animation_job(path("animation.toml"));
+    EXPECT_EQ(job.samples.size(), 4u);
+    EXPECT_EQ(job.samples[3].radiance, path("renders/rad_v01_p01.exr"));
+    write_bytes(path("animation.toml"), "an older file");
+  }
+}
+
+TEST_F(AnimationCommandTest, FromWithinTheFolder) {
+  std::filesystem::current_path(path("renders"));
+  const ProgramResult result = multum({"animation", ".", "-o", "animation.toml"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(read_bytes("animation.toml").find("geometry = \"geometry.gltf\""), std::string::npos);
+  EXPECT_EQ(read_animation_job("animation.toml").samples.size(), 4u);
+  std::filesystem::current_path("/");
+}
+
+TEST_F(AnimationCommandTest, Refusals) {
+  const std::string output = path("animation.toml");
+  expect_refused({path("none"), "-o", output}, kInput, {"none", "is no folder", "scene.json beside"});
+  expect_refused({path("."), "-o", output}, kInput, {"holds no scene.json"});
+  expect_refused({path("renders")}, kUsage, {"--output"});
+  expect_refused({"-o", output}, kUsage, {"folder"});
+  expect_refused({path("renders"), "-o", path("none/animation.toml")}, kEnvironment, {"none"});
+  expect_refused({path("renders"), "-o", path("renders")}, kUsage, {"renders"});
+  const std::string scene = read_bytes(path("renders/scene.json"));
+  expect_refused({path("renders"), "-o", path("renders/scene.json")}, kUsage, {"scene.json"});
+  EXPECT_EQ(read_bytes(path("renders/scene.json")), scene);
+  std::filesystem::remove(path("renders/rad_v01_p00.exr"));
+  expect_refused({path("renders"), "-o", output}, kInput, {"has no rad_v01_p00.exr, which scene.json describes"});
+}
+
+}  // namespace
+}  // namespace multum::testing

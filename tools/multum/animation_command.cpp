@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum animation: the job file of a folder of renders, to be looked over and edited before textures are inferred.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "host/bake/animation_job.h"
+#include "host/base/atomic_file.h"
+#include "host/base/output_paths.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+struct AnimationOptions {
+  std::string folder, output;
+};
+
+// Never in the place of a render: none of them is TOML, but a name may be mistyped.
+void check_output(const AnimationJob& job, const AnimationOptions& o) {
+  std::vector<std::string> inputs = {o.folder + "/scene.json", job.geometry_file};
+  for (const AnimationSample& sample : job.samples)
+    for (const std::string& file : {sample.radiance, sample.geometry, sample.object_index}) inputs.push_back(file);
+  check_paths_differ(inputs, {o.output});
+  check_writable(o.output);
+}
+
+int run_animation(const AnimationOptions& o) {
+  const AnimationJob job = job_for_folder(o.folder);
+  check_output(job, o);
+  write_text_file(o.output, animation_job_text(job, std::filesystem::path(o.output).parent_path().string()));
+  std::printf("%s: written: %zu samples (%s %d x %s %d), %zu cameras, %zu objects, %zu layers, %d x %d pixels\n",
+              o.output.c_str(), job.samples.size(), job.parameters[0].name.c_str(), job.parameters[0].count,
+              job.parameters[1].name.c_str(), job.parameters[1].count, job.cameras.size(), job.objects.size(),
+              job.layers.size(), job.width, job.height);
+  return 0;
+}
+
+}  // namespace
+
+void add_animation_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<AnimationOptions>();
+  CLI::App* animation =
+      app.add_subcommand("animation", "write the job file of a folder of ray-traced pictures (docs/ANIMATION.md)");
+  animation->add_option("folder", options->folder, "scene.json beside a scene file and pictures by sample")->required();
+  animation->add_option("-o,--output", options->output, "job file to write, *.toml")->required();
+  animation->callback([options, exit_code] { *exit_code = run_animation(*options); });
+}
+
+}  // namespace multum
