@@ -5,7 +5,7 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
 #include <glm/mat2x2.hpp>
@@ -13,27 +13,11 @@
 #include <glm/vec2.hpp>
 
 #include "host/bake/animation_job.h"
+#include "host/bake/item_buffer.h"
 #include "host/base/wrap_mode.h"
 #include "host/mesh/object_mesh.h"
 
 namespace multum {
-
-/// What covers each pixel's centre, by a z-buffer in double precision: -1 where nothing does.
-struct ItemBuffer {
-  int width = 0, height = 0;
-  std::vector<std::int32_t> object;    // index into the objects
-  std::vector<std::int32_t> triangle;  // of that object
-  std::vector<float> depth;            // distance along -z of camera space
-};
-
-struct PlacedObject {
-  const ObjectMesh* mesh;
-  glm::dmat4 object_to_camera;
-};
-
-/// Row 0 at the top. Triangles that cross the near plane are clipped.
-ItemBuffer draw_item_buffer(const std::vector<PlacedObject>& objects, const glm::dmat4& projection, int width,
-                            int height);
 
 /// One picture in which the object is seen.
 struct MappingView {
