@@ -141,6 +141,7 @@ TEST(LayerSegmentationTest, DamagedPixelsAreRepairedFromTheirObjectAndCounted) {
   Picture picture = two_flat_objects();
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   picture.set(3, 12, {nan, 0.1f, 0.0f});
+  picture.set(11, 12, {nan, 0.1f, 0.0f});  // whole, beside mixed pixels that must not read it
   picture.set(20, 10, {0.1f, infinity, 0.9f});
   picture.set(20, 11, {0.1f, -infinity, 0.9f});
   picture.set(4, 17, {0.8f, -0.5f, 0.0f});
@@ -150,9 +151,12 @@ TEST(LayerSegmentationTest, DamagedPixelsAreRepairedFromTheirObjectAndCounted) {
   ASSERT_GT(picture.coverages[1][picture.at(11, 8)], 0.1f);
   SegmentationReport report;
   const std::vector<ObjectLayer> layers = picture.segment({}, &report);
-  EXPECT_EQ(report.not_finite_pixels, 5u);
+  ASSERT_EQ(picture.coverages[0][picture.at(11, 12)], 1.0f);
+  ASSERT_LT(picture.coverages[0][picture.at(12, 12)], 0.9f);
+  EXPECT_EQ(report.not_finite_pixels, 6u);
   EXPECT_EQ(report.negative_pixels, 1u);
-  EXPECT_EQ(report.repaired_pixels, 6u);
+  EXPECT_EQ(report.repaired_pixels, 7u);
+  expect_near(colour_of(layers[0], picture.at(12, 12)), kRed, 2e-6f);
   EXPECT_EQ(report.dropped_pixels, 0u);
   expect_near(colour_of(layers[0], picture.at(3, 12)), kRed, 2e-6f);
   expect_near(colour_of(layers[1], picture.at(20, 10)), kBlue, 2e-6f);

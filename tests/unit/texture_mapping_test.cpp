@@ -272,7 +272,7 @@ TEST(TextureMappingTest, PerspectivePlanesHoldTheThresholdAtEveryPixel) {
     // From low above: one leaves the screen at the near end, the last passes under the eye.
     for (const double distance : {2.2, 1.4, 0.9})
       views.add(glm::rotate(
-          glm::rotate(glm::translate(glm::dmat4(1.0), glm::dvec3(0.1, -0.3, -distance)), -1.2, glm::dvec3(1, 0, 0)),
+          glm::rotate(glm::translate(glm::dmat4(1.0), glm::dvec3(0.1, -0.3, -distance)), -1.2, glm::dvec3(1, 0.3, 0)),
           0.4, glm::dvec3(0, 0, 1)));
     AnimationTexture texture = settings_for();
     const TextureMapping mapping = optimise_texture_mapping(mesh, views.views, texture);
