@@ -5,7 +5,7 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
 #include <glm/mat2x2.hpp>
@@ -13,27 +13,11 @@
 #include <glm/vec2.hpp>
 
 #include "host/bake/animation_job.h"
+#include "host/bake/item_buffer.h"
 #include "host/base/wrap_mode.h"
 #include "host/mesh/object_mesh.h"
 
 namespace multum {
-
-/// What covers each pixel's centre, by a z-buffer in double precision: -1 where nothing does.
-struct ItemBuffer {
-  int width = 0, height = 0;
-  std::vector<std::int32_t> object;    // index into the objects
-  std::vector<std::int32_t> triangle;  // of that object
-  std::vector<float> depth;            // distance along -z of camera space
-};
-
-struct PlacedObject {
-  const ObjectMesh* mesh;
-  glm::dmat4 object_to_camera;
-};
-
-/// Row 0 at the top. Triangles that cross the near plane are clipped.
-ItemBuffer draw_item_buffer(const std::vector<PlacedObject>& objects, const glm::dmat4& projection, int width,
-                            int height);
 
 /// One picture in which the object is seen.
 struct MappingView {
@@ -55,13 +39,16 @@ struct TextureMapping {
   double stretch_max = 0.0;   // largest singular value of texels-to-pixels that remains over all visible pixels
   int stretch_rounds = 0;     // of scaling by it
   std::size_t visible_pixels = 0;
+  std::size_t degenerate_pixels =
+      0;  // of them, without a Jacobian: triangles that are a line in the texture or edge-on
 };
 
-/// The object's texture coordinates under the mapping, one per vertex and triangle corner: `indices` in their order
-/// where a cut may give a vertex two coordinates. Three per triangle.
+/// The object's texture coordinates under the mapping, three per triangle in the order of `indices`: a cut may give a
+/// vertex two. A triangle keeps its shape: where it straddles a cut, which no visible one does, it lies on one side
+/// whole.
 std::vector<glm::vec2> mapped_corners(const ObjectMesh& mesh, const TextureMapping& mapping);
 
-/// Unset width (0) when the object is visible in no view. `texture` gives wrap, stretch_max, resolution_scale,
+/// Width and height 0 when the object is visible in no view. `texture` gives wrap, stretch_max, resolution_scale,
 /// power_of_two and side_max.
 TextureMapping optimise_texture_mapping(const ObjectMesh& mesh, const std::vector<MappingView>& views,
                                         const AnimationTexture& texture);
