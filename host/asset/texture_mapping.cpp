@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/asset/texture_mapping.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -19,35 +20,32 @@ WrapMode wrap_from(const nlohmann::json& json) {
   return *mode;
 }
 
-// Moves the three coordinates of a triangle into the period that begins at the cut, without tearing it: they are
-// unwrapped around the first corner, and the triangle's middle decides.
-void unwrap(std::array<double, 3>& c, double cut) {
-  for (int i = 1; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    c[k] -= std::round(c[k] - c[0]);
-  }
-  const double shift = std::floor((c[0] + c[1] + c[2]) / 3.0 - cut);
-  for (double& value : c) value -= shift;
-}
-
 }  // namespace
+
+glm::dvec2 cut_shift(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices, std::size_t triangle,
+                     const TextureMapping& mapping) {
+  glm::dvec2 shift(0.0);
+  for (std::size_t d = 0; d < 2; ++d) {
+    if (!mapping.has_cut[d]) continue;
+    const auto axis = static_cast<glm::length_t>(d);
+    double low = static_cast<double>(uvs[indices[3 * triangle]][axis]), high = low;
+    for (std::size_t k = 1; k < 3; ++k) {
+      const double value = static_cast<double>(uvs[indices[3 * triangle + k]][axis]);
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+    shift[axis] = -std::floor(0.5 * (low + high) - mapping.cut[d]);
+  }
+  return shift;
+}
 
 std::vector<glm::vec2> mapped_corners(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices,
                                       const TextureMapping& mapping) {
   std::vector<glm::vec2> corners;
   corners.reserve(indices.size());
-  for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
-    std::array<std::array<double, 3>, 2> uv;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const glm::vec2& from = uvs[indices[t + k]];
-      uv[0][k] = static_cast<double>(from.x);
-      uv[1][k] = static_cast<double>(from.y);
-    }
-    for (std::size_t d = 0; d < 2; ++d)
-      if (mapping.has_cut[d]) unwrap(uv[d], mapping.cut[d]);
-    for (std::size_t k = 0; k < 3; ++k)
-      corners.emplace_back(mapping.linear * glm::dvec2(uv[0][k], uv[1][k]) + mapping.offset);
-  }
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    corners.emplace_back(mapping.linear * (glm::dvec2(uvs[indices[i]]) + cut_shift(uvs, indices, i / 3, mapping)) +
+                         mapping.offset);
   return corners;
 }
 
@@ -62,7 +60,8 @@ void to_json(nlohmann::json& json, const TextureMapping& m) {
           {"height", m.height},
           {"stretchMax", m.stretch_max},
           {"stretchRounds", m.stretch_rounds},
-          {"visiblePixels", m.visible_pixels}};
+          {"visiblePixels", m.visible_pixels},
+          {"degeneratePixels", m.degenerate_pixels}};
 }
 
 void from_json(const nlohmann::json& json, TextureMapping& m) {
@@ -79,6 +78,7 @@ void from_json(const nlohmann::json& json, TextureMapping& m) {
   m.stretch_max = json.at("stretchMax").get<double>();
   m.stretch_rounds = json.at("stretchRounds").get<int>();
   m.visible_pixels = json.at("visiblePixels").get<std::size_t>();
+  m.degenerate_pixels = json.at("degeneratePixels").get<std::size_t>();
   if (m.width < 1 || m.height < 1 || m.width > kSideMax || m.height > kSideMax)
     throw Error(ErrorCode::kInput, "a texture mapping is of " + std::to_string(m.width) + " x " +
                                        std::to_string(m.height) + " texels, expected 1 to 16384 a side");

@@ -23,14 +23,19 @@ struct TextureMapping {
   std::array<bool, 2> has_cut{false, false};
   std::array<double, 2> cut{0.0, 0.0};
   WrapMode wrap_s = WrapMode::kClamp, wrap_t = WrapMode::kClamp;
-  int width = 1, height = 1;       // texels
-  double stretch_max = 0.0;        // largest singular value of texels to pixels over all visible pixels
-  int stretch_rounds = 0;          // of scaling by it
-  std::size_t visible_pixels = 0;  // of all views together
+  int width = 1, height = 1;          // texels
+  double stretch_max = 0.0;           // largest singular value of texels to pixels over all visible pixels
+  int stretch_rounds = 0;             // of scaling by it
+  std::size_t visible_pixels = 0;     // of all views together
+  std::size_t degenerate_pixels = 0;  // of them, those of triangles that are a line in the texture or seen edge-on
 };
 
-/// Texture coordinates of every triangle's corners under the mapping, three a triangle: a cut may give a vertex two. A
-/// triangle across the cut keeps its corners together. `uvs` [vertices], `indices` three a triangle.
+/// Whole periods that bring a triangle to its side of the cuts: where it straddles one, which no visible triangle does,
+/// its middle decides. `uvs` [vertices], `indices` three a triangle.
+glm::dvec2 cut_shift(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices, std::size_t triangle,
+                     const TextureMapping& mapping);
+
+/// Texture coordinates of every triangle's corners under the mapping, three a triangle: a cut may give a vertex two.
 std::vector<glm::vec2> mapped_corners(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices,
                                       const TextureMapping& mapping);
 

@@ -14,7 +14,7 @@
 #include <glm/vec2.hpp>
 
 #include "host/bake/isometric_map.h"
-#include "host/bake/texture_mapping.h"
+#include "host/bake/texture_coordinates.h"
 
 namespace multum {
 

@@ -5,7 +5,7 @@
 // - Where the largest singular value is below the threshold after step 2, the map is made smaller until it is reached:
 //   the paper asks for as few samples as possible. Steps 3 and 4 only make it larger.
 // - Step 5 takes in what is visible, not whole triangles: most of a large wall may be hidden.
-#include "host/bake/texture_mapping.h"
+#include "host/bake/texture_coordinates.h"
 
 #include <algorithm>
 #include <cmath>
@@ -136,18 +136,6 @@ void cut_branch(const Scene& scene, std::size_t direction, TextureMapping* mappi
   } else if (all.high - all.low > 1.0 + kPeriodTolerance || is_joined(scene, axis)) {
     *wrap = WrapMode::kPeriodic;
   }
-}
-
-// Whole periods that bring a triangle to its side of the cuts.
-glm::dvec2 cut_shift(const ObjectMesh& mesh, const TextureMapping& mapping, std::uint32_t triangle) {
-  glm::dvec2 shift(0.0);
-  for (std::size_t direction = 0; direction < 2; ++direction) {
-    if (!mapping.has_cut[direction]) continue;
-    const auto axis = static_cast<glm::length_t>(direction);
-    const Interval extent = triangle_extent(mesh, triangle, axis);
-    shift[axis] = -std::floor(0.5 * (extent.low + extent.high) - mapping.cut[direction]);
-  }
-  return shift;
 }
 
 std::array<bool, 2> periodic_directions(const TextureMapping& mapping) {
@@ -343,8 +331,9 @@ std::vector<glm::dvec2> hull_of_views(const Scene& scene, const TextureMapping& 
   std::vector<std::vector<glm::dvec2>> hulls(scene.views.size());
   for_each_item(static_cast<int>(hulls.size()), 0, [&](int i) {
     const auto view = static_cast<std::size_t>(i);
-    hulls[view] = visible_hull(scene.mesh, scene.views[view], scene.pixels[view],
-                               [&](std::uint32_t triangle) { return cut_shift(scene.mesh, mapping, triangle); });
+    hulls[view] = visible_hull(scene.mesh, scene.views[view], scene.pixels[view], [&](std::uint32_t triangle) {
+      return cut_shift(scene.mesh.uvs, scene.mesh.indices, triangle, mapping);
+    });
   });
   std::vector<glm::dvec2> points;
   for (const auto& hull : hulls) points.insert(points.end(), hull.begin(), hull.end());
@@ -352,17 +341,6 @@ std::vector<glm::dvec2> hull_of_views(const Scene& scene, const TextureMapping& 
 }
 
 }  // namespace
-
-std::vector<glm::vec2> mapped_corners(const ObjectMesh& mesh, const TextureMapping& mapping) {
-  std::vector<glm::vec2> corners;
-  corners.reserve(mesh.indices.size());
-  for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
-    const glm::dvec2 shift = cut_shift(mesh, mapping, static_cast<std::uint32_t>(i / 3));
-    const glm::dvec2 uv = glm::dvec2(mesh.uvs[mesh.indices[i]]) + shift;
-    corners.emplace_back(mapping.linear * uv + mapping.offset);
-  }
-  return corners;
-}
 
 TextureMapping optimise_texture_mapping(const ObjectMesh& mesh, const std::vector<MappingView>& views,
                                         const AnimationTexture& texture) {

@@ -2,7 +2,7 @@
 // Texture coordinates for inference on scenes with closed forms: planes head-on and in perspective, cylinders whose
 // seam is seen; stretch against finite differences through ray casting; the gradient of eq. 7 against differences of
 // it.
-#include "host/bake/texture_mapping.h"
+#include "host/bake/texture_coordinates.h"
 
 #include <gtest/gtest.h>
 
@@ -107,7 +107,7 @@ struct Seen {
 
 // By mapped_corners() and finite differences alone, over all visible pixels.
 Seen look_at_pixels(const ObjectMesh& mesh, const Views& views, const TextureMapping& mapping) {
-  const std::vector<glm::vec2> corners = mapped_corners(mesh, mapping);
+  const std::vector<glm::vec2> corners = mapped_corners(mesh.uvs, mesh.indices, mapping);
   Seen seen;
   for (const MappingView& view : views.views)
     for (int y = 0; y < kSize; ++y)
@@ -309,7 +309,7 @@ TEST(TextureMappingTest, ACutThroughTheHiddenSideOfACylinderSavesTexels) {
     EXPECT_LE(cut.width * cut.height, (u_start == 0.0 ? 0.6 : 1.02) * uncut.width * uncut.height);
     expect_sound(mesh, views, cut, 1.25);
     // No triangle is torn: each keeps its shape, and a visible one lies inside the texture whole in s.
-    const std::vector<glm::vec2> corners = mapped_corners(mesh, cut);
+    const std::vector<glm::vec2> corners = mapped_corners(mesh.uvs, mesh.indices, cut);
     for (std::size_t i = 0; i < corners.size(); i += 3)
       for (const std::size_t k : {i + 1, i + 2}) {
         const glm::dvec2 uv(mesh.uvs[mesh.indices[k]] - mesh.uvs[mesh.indices[i]]);
