@@ -151,15 +151,17 @@ class FolderReader {
     }
   }
 
-  // Samples of one view share a camera.
-  int camera_of(const Json& sample, const std::string& name) {
+  // Samples of one view share a camera, unless it shakes.
+  int camera_of(const Json& sample, const std::string& name, int view) {
     AnimationCamera camera;
     camera.world_to_camera = matrix(member(sample, "world_to_camera", name), name + ": world_to_camera");
     camera.projection = matrix(member(sample, "projection", name), name + ": projection");
     for (std::size_t i = 0; i < job_.cameras.size(); ++i)
       if (job_.cameras[i].world_to_camera == camera.world_to_camera && job_.cameras[i].projection == camera.projection)
         return static_cast<int>(i);
-    camera.name = name;
+    const std::vector<std::string> taken = names_of(job_.cameras);
+    camera.name = fmt::format("v{:02}", view);
+    if (std::find(taken.begin(), taken.end(), camera.name) != taken.end()) camera.name = name;
     job_.cameras.push_back(camera);
     return static_cast<int>(job_.cameras.size()) - 1;
   }
@@ -174,7 +176,7 @@ class FolderReader {
     const std::string geometry = fmt::format("geom_v{:02}.exr", view);
     if (!has_index_ || (exists(geometry) && (!moves_ || param == 0))) sample.geometry = existing(geometry);
     if (has_index_) sample.object_index = existing("id_" + sample.name + ".png");
-    sample.camera = camera_of(json, sample.name);
+    sample.camera = camera_of(json, sample.name, view);
     const auto motion = json.find("object_to_world");
     if (motion != json.end()) read_motion(*motion, sample);
     job_.samples.push_back(sample);

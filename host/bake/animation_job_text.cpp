@@ -104,7 +104,7 @@ std::string layers_text(const AnimationJob& job) {
 }
 
 std::string objects_text(const AnimationJob& job) {
-  std::string text = "# What gets textures. layers = []: all that light it. [object.texture] changes [texture].\n";
+  std::string text = "# What gets textures. No layers: all of them. [object.texture] changes [texture].\n";
   for (const AnimationObject& object : job.objects) {
     text += fmt::format("[[object]]\nname = {}\nmesh = {}\ncryptomatte = {}\nindex = {}\nlayers = {}\n",
                         quoted(object.name), quoted(object.mesh), quoted(object.cryptomatte), object.index,

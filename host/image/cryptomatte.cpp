@@ -126,9 +126,9 @@ std::uint32_t identifier_of(const ExrFile& file, const Cryptomatte& cryptomatte,
   return as_identifier(murmur_hash3(name));
 }
 
-// The channels' prefix: the layer as it was asked for, else as the metadata names it.
+// The channels' prefix: the layer as it was asked for, else as the metadata names it, with or without the view layer.
 std::string channel_prefix(const ExrFile& file, const Cryptomatte& cryptomatte, const std::string& layer) {
-  for (const std::string& prefix : {layer, cryptomatte.name})
+  for (const std::string& prefix : {layer, cryptomatte.name, cryptomatte.name.substr(cryptomatte.name.rfind('.') + 1)})
     if (file.has_channel(prefix + "00.r")) return prefix;
   refuse(file.path(), fmt::format("has no channel \"{}00.r\" of its Cryptomatte; it has {}", layer,
                                   fmt::join(file.channels(), ", ")));

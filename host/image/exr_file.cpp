@@ -36,19 +36,14 @@ ExrFile::ExrFile(std::string path) : path_(std::move(path)) {
 
 void ExrFile::list_part(int part, const OIIO::ImageSpec& spec) {
   if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
-      spec.height != spec.full_height)
+      spec.height != spec.full_height || (part > 0 && (spec.width != width_ || spec.height != height_)))
     refuse(path_,
            fmt::format("found a data window of {} x {} at ({}, {}) in a frame of {} x {} at ({}, {}), expected the "
                        "whole frame: render without a crop",
                        spec.width, spec.height, spec.x, spec.y, spec.full_width, spec.full_height, spec.full_x,
                        spec.full_y));
-  if (part == 0) {
-    width_ = spec.width;
-    height_ = spec.height;
-  } else if (spec.width != width_ || spec.height != height_) {
-    refuse(path_, fmt::format("found a part of {} x {}, expected {} x {}, as the first part has", spec.width,
-                              spec.height, width_, height_));
-  }
+  width_ = spec.width;
+  height_ = spec.height;
   for (int i = 0; i < spec.nchannels; ++i) {
     const std::string& name = spec.channelnames[static_cast<std::size_t>(i)];
     if (places_.try_emplace(name, Place{part, i, spec.channelformat(i)}).second) channels_.push_back(name);

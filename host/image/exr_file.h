@@ -13,8 +13,8 @@ namespace multum {
 
 class ExrFile {
  public:
-  /// Throws Error(kInput) naming the file: missing, damaged, no EXR, deep, parts of different sizes, or a data window
-  /// that is not the display window (pixels would be in the wrong places).
+  /// Throws Error(kInput) naming the file: missing, damaged, no EXR, deep, or a part whose data
+  /// window is not the display window (pixels would be in the wrong places).
   explicit ExrFile(std::string path);
 
   int width() const { return width_; }

@@ -17,7 +17,7 @@ SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies",
 # What provides each find_package of the CMake files; nothing where the compiler or CMake itself does.
 PACKAGE_OF = {"glm": "libglm-dev", "spdlog": "libspdlog-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
               "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "OpenImageIO": "libopenimageio-dev",
-              "OpenCL": "ocl-icd-opencl-dev",
+              "OpenCL": "ocl-icd-opencl-dev", "tomlplusplus": "libtomlplusplus-dev",
               "nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "assimp": "libassimp-dev",
               "Python3": "python3", "GTest": "libgtest-dev", "OpenGL": "libgl-dev", "Threads": None, "OpenMP": None}
 VOID = {"meta", "img", "line", "circle", "rect", "polyline", "i", "br"}

@@ -125,8 +125,11 @@ Hit uv_at(const ObjectMesh& object, const glm::dvec3& point) {
   return hit;
 }
 
-// The renderer's own texture coordinates and depths, at pixels that an object covers wholly.
-void expect_uv_pass(const std::string& geometry, const std::string& mesh, const std::string& name) {
+// The renderer's own texture coordinates and depths, at pixels that an object covers wholly. The pass is the mean over
+// the pixel: where the object covers itself, or the chart has its seam, that is the mean of different places. All but a
+// share of `elsewhere` must be nearer than `tolerance`.
+void expect_uv_pass(const std::string& geometry, const std::string& mesh, const std::string& name, double tolerance,
+                    double elsewhere) {
   const std::string folder = shared_field();
   const ExrLayers layers = read_exr_channels(folder + "/geom_v00.exr", {"UV.U", "UV.V", "Z"});
   const std::vector<float> coverage =
@@ -143,22 +146,21 @@ void expect_uv_pass(const std::string& geometry, const std::string& mesh, const 
       const Hit hit = uv_at(object, glm::dvec3(world_to_object * glm::dvec4(world, 1.0)));
       ++checked;
       if (!hit.found) continue;
-      ++found;
-      // The pass is the mean over the pixel; the chart is bent where a pixel holds several triangles of a round body.
-      ASSERT_NEAR(hit.uv.x, static_cast<double>(layers.channels.at("UV.U")[i]), 5e-3) << name << ' ' << x << ' ' << y;
-      ASSERT_NEAR(hit.uv.y, static_cast<double>(layers.channels.at("UV.V")[i]), 5e-3) << name << ' ' << x << ' ' << y;
+      const glm::dvec2 expected(static_cast<double>(layers.channels.at("UV.U")[i]),
+                                static_cast<double>(layers.channels.at("UV.V")[i]));
+      found += glm::distance(hit.uv, expected) < tolerance ? 1 : 0;
     }
   }
   EXPECT_GT(checked, 100u);
-  EXPECT_GT(found, checked * 9 / 10);
+  EXPECT_GE(static_cast<double>(found), (1.0 - elsewhere) * static_cast<double>(checked)) << geometry << ' ' << name;
 }
 
 TEST(ObjectMesh, TextureCoordinatesAreThoseOfTheRenderersUvPass) {
   if (shared_field().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder with field_demo1";
-  expect_uv_pass("geometry.glb", "floor", "floor");
-  expect_uv_pass("geometry.obj", "floor_Mesh", "floor");
-  expect_uv_pass("geometry.glb", "vase", "vase");  // placed by its node
-  expect_uv_pass("geometry.obj", "vase_Mesh", "vase");
+  expect_uv_pass("geometry.glb", "floor", "floor", 1e-4, 0.0);
+  expect_uv_pass("geometry.obj", "floor_Mesh", "floor", 1e-4, 0.0);
+  expect_uv_pass("geometry.glb", "vase", "vase", 5e-3, 0.1);  // placed by its node
+  expect_uv_pass("geometry.obj", "vase_Mesh", "vase", 5e-3, 0.1);
 }
 
 }  // namespace
