@@ -17,6 +17,7 @@
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
+#include "tools/multum_view/modes.h"
 #include "tools/multum_view/view_options.h"
 #include "tools/multum_view/write_image.h"
 
@@ -243,7 +244,15 @@ void write_report(const ViewOptions& options, const std::string& context, const 
   write_text_file(options.report, report.dump(2) + "\n");
 }
 
+bool has_option(int argc, char** argv, std::string_view name) {
+  return std::any_of(argv + 1, argv + argc, [&](std::string_view argument) {
+    return argument == name || argument.substr(0, name.size() + 1) == std::string(name) + "=";
+  });
+}
+
 int run(int argc, char** argv) {
+  if (has_option(argc, argv, "--probe")) return run_probe(argc, argv);
+  if (has_option(argc, argv, "--sample")) return run_inferred(argc, argv);
   int exit_code = 0;
   std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
   if (!options.has_value()) return exit_code;

@@ -226,7 +226,8 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
       "multum-view renders a baked map without a window, in software or on a GPU.\n\n"
       "  multum-view bricks.ndf.exr -o frame.png\n"
       "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean -o sheet.png\n"
-      "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n\n"
+      "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
+      "  multum-view out/ --sample 3,5 -o frame.png          textures of `multum infer`; --sample --help says more\n\n"
       "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.",
       "multum-view");
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/asset/inferred_texture.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfStringAttribute.h>
+#include <ImfTiledInputFile.h>
+#include <ImfTiledOutputFile.h>
+#include <half.h>
+
+#include <array>
+#include <filesystem>
+
+#include "host/asset/exr_output.h"
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+constexpr const char* kProvenance = "multum:provenance";
+constexpr int kTile = 64;
+constexpr std::array<const char*, 3> kChannels = {"R", "G", "B"};
+
+// One level as three interleaved halfs a texel.
+Imf::FrameBuffer frame_of(half* texels, int width) {
+  Imf::FrameBuffer frame;
+  for (std::size_t c = 0; c < kChannels.size(); ++c)
+    frame.insert(kChannels[c], Imf::Slice(Imf::HALF, reinterpret_cast<char*>(texels + c), 3 * sizeof(half),
+                                          3 * sizeof(half) * static_cast<std::size_t>(width)));
+  return frame;
+}
+
+std::size_t value_count(const MipLevelPlace& level) {
+  return 3u * static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
+}
+
+[[noreturn]] void refuse(const std::string& path, const std::string& what) {
+  throw Error(ErrorCode::kInput, path + ": " + what);
+}
+
+void check_is_texture(const Imf::TiledInputFile& file, const std::string& path) {
+  const Imf::Header& header = file.header();
+  if (file.levelMode() != Imf::MIPMAP_LEVELS || file.levelRoundingMode() != Imf::ROUND_DOWN)
+    refuse(path, "is not mip-mapped as inferred textures are (MIPMAP_LEVELS, ROUND_DOWN)");
+  for (const char* channel : kChannels)
+    if (header.channels().findChannel(channel) == nullptr)
+      refuse(path, std::string("has no channel ") + channel + "; inferred textures have R, G and B");
+}
+
+}  // namespace
+
+void write_inferred_texture(const InferredTexture& texture, const std::string& path) {
+  const MipLayout layout(texture.width, texture.height);
+  MULTUM_CHECK(texture.texels.size() == 3u * static_cast<std::size_t>(layout.texel_count));
+  Imf::Header header(texture.width, texture.height);
+  for (const char* channel : kChannels) header.channels().insert(channel, Imf::Channel(Imf::HALF));
+  header.setTileDescription(Imf::TileDescription(kTile, kTile, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN));
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.insert(kProvenance, Imf::StringAttribute(texture.provenance));
+  AtomicFile file(path);
+  try {
+    ExrOutputStream stream(file.temporary_path(), path);
+    {
+      Imf::TiledOutputFile output(stream, header);
+      std::vector<half> values;
+      for (int l = 0; l < layout.level_count(); ++l) {
+        const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
+        const auto begin = texture.texels.begin() + 3 * level.offset;
+        values.assign(begin, begin + static_cast<std::ptrdiff_t>(value_count(level)));
+        output.setFrameBuffer(frame_of(values.data(), level.width));
+        output.writeTiles(0, output.numXTiles(l) - 1, 0, output.numYTiles(l) - 1, l);
+      }
+    }
+    stream.close();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kEnvironment, path + ": writing failed: " + error.what());
+  }
+  file.commit();
+}
+
+InferredTexture read_inferred_texture(const std::string& path) {
+  try {
+    Imf::TiledInputFile file(path.c_str());
+    check_is_texture(file, path);
+    InferredTexture texture;
+    texture.width = file.levelWidth(0);
+    texture.height = file.levelHeight(0);
+    const MipLayout layout(texture.width, texture.height);
+    if (file.numLevels() != layout.level_count()) refuse(path, "has too few mip levels");
+    texture.texels.reserve(3u * static_cast<std::size_t>(layout.texel_count));
+    std::vector<half> values;
+    for (int l = 0; l < layout.level_count(); ++l) {
+      const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
+      values.resize(value_count(level));
+      file.setFrameBuffer(frame_of(values.data(), level.width));
+      file.readTiles(0, file.numXTiles(l) - 1, 0, file.numYTiles(l) - 1, l);
+      texture.texels.insert(texture.texels.end(), values.begin(), values.end());
+    }
+    if (const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>(kProvenance))
+      texture.provenance = text->value();
+    return texture;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    refuse(path, std::string("cannot be read as a tiled EXR: ") + error.what());
+  }
+}
+
+std::string read_texture_provenance(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return "";
+  try {
+    const Imf::TiledInputFile file(path.c_str());
+    if (!file.isComplete()) return "";
+    const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>(kProvenance);
+    return text != nullptr ? text->value() : "";
+  } catch (const std::exception&) {  // not one of ours: it is written anew
+    return "";
+  }
+}
+
+}  // namespace multum

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view FOLDER --sample: one point of the parameter space, drawn with inferred textures.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "host/asset/inferred_texture.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/base/output_paths.h"
+#include "host/mesh/object_mesh.h"
+#include "runtime_gl/animation/textured_renderer.h"
+#include "runtime_gl/context/headless_context.h"
+#include "tools/command_line/usage_error.h"
+#include "tools/multum_view/modes.h"
+#include "tools/multum_view/object_meshes.h"
+#include "tools/multum_view/write_image.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InferredOptions {
+  std::string folder;
+  std::vector<std::string> samples;  // "3,5"
+  std::vector<std::string> outputs;
+  std::string context = "auto";
+  float exposure = 1.0f;
+};
+
+std::string join(const std::vector<int>& numbers) {
+  std::string text;
+  for (const int number : numbers) text += (text.empty() ? "" : ",") + std::to_string(number);
+  return text;
+}
+
+std::size_t find_sample(const InferredManifest& manifest, const std::string& text) {
+  for (std::size_t i = 0; i < manifest.samples.size(); ++i)
+    if (join(manifest.samples[i].at) == text || manifest.samples[i].name == text) return i;
+  std::string parameters;
+  for (const std::string& name : manifest.parameters) parameters += (parameters.empty() ? "" : ",") + name;
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("--sample '{}': expected the indices {} from {} to {}, or a sample's name, as {}", text, parameters,
+                  join(manifest.samples.front().at), join(manifest.samples.back().at), manifest.samples.front().name));
+}
+
+gl::Texture upload(const gl::GlFunctions& gl, const std::string& path, const InferredObject& object) {
+  const InferredTexture texture = read_inferred_texture(path);
+  if (texture.width != object.mapping.width || texture.height != object.mapping.height)
+    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels, the manifest says {} x {}", path, texture.width,
+                                               texture.height, object.mapping.width, object.mapping.height));
+  const MipLayout layout(texture.width, texture.height);
+  gl::Texture uploaded(gl, path, {texture.width, texture.height, layout.level_count(), gl::TexelFormat::kRgba16f},
+                       {object.mapping.wrap_s, object.mapping.wrap_t, true, object.anisotropy});
+  for (int l = 0; l < layout.level_count(); ++l) {
+    const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
+    std::vector<float> rgba;
+    for (int t = level.offset; t < level.offset + level.width * level.height; ++t) {
+      for (int c = 0; c < 3; ++c) rgba.push_back(texture.texels[static_cast<std::size_t>(3 * t + c)]);
+      rgba.push_back(1.0f);
+    }
+    uploaded.upload_level(l, rgba.data());
+  }
+  return uploaded;
+}
+
+// What stays from picture to picture.
+class InferredScene {
+ public:
+  InferredScene(const gl::GlFunctions& gl, const InferredManifest& manifest, const std::string& folder)
+      : gl_(gl),
+        manifest_(manifest),
+        folder_(folder),
+        renderer_(gl, manifest.width, manifest.height, manifest.supersampling) {
+    const std::string geometry = (fs::path(folder) / manifest.geometry_file).string();
+    if (hash_file(geometry) != manifest.geometry_hash)
+      throw Error(ErrorCode::kInput, geometry + ": is not the geometry that textures were inferred for (SHA-256 " +
+                                         manifest.geometry_hash + ")");
+    meshes_ = read_object_meshes(geometry, manifest.uv_set);
+    for (const InferredObject& object : manifest.objects) {
+      places_.push_back(find_object(meshes_, object.mesh, geometry));
+      drawn_.push_back(std::make_unique<gl::Mesh>(gl, mapped_mesh_data(meshes_[places_.back()], object.mapping)));
+    }
+  }
+
+  gl::FloatImage draw(std::size_t number) {
+    const InferredSample& sample = manifest_.samples[number];
+    std::vector<gl::Texture> textures;
+    std::size_t layer_count = 0;
+    for (const InferredObject& object : manifest_.objects) layer_count += object.layers.size();
+    textures.reserve(layer_count);
+    std::vector<gl::TexturedObject> objects;
+    for (std::size_t i = 0; i < manifest_.objects.size(); ++i) {
+      const InferredObject& object = manifest_.objects[i];
+      gl::TexturedObject textured{
+          {drawn_[i].get(),
+           object_to_clip(sample.world_to_clip, object_place(meshes_[places_[i]], sample.object_to_world))},
+          {}};
+      for (const InferredLayer& layer : object.layers) {
+        if (layer.textures[number].empty()) continue;
+        textures.push_back(upload(gl_, (fs::path(folder_) / layer.textures[number]).string(), object));
+        textured.layers.push_back(&textures.back());
+      }
+      objects.push_back(textured);
+    }
+    return renderer_.draw(objects);
+  }
+
+ private:
+  const gl::GlFunctions& gl_;
+  const InferredManifest& manifest_;
+  std::string folder_;
+  gl::TexturedRenderer renderer_;
+  std::vector<ObjectMesh> meshes_;
+  std::vector<std::size_t> places_;
+  std::vector<std::unique_ptr<gl::Mesh>> drawn_;
+};
+
+}  // namespace
+
+int run_inferred(int argc, char** argv) {
+  InferredOptions options;
+  CLI::App app(
+      "multum-view draws the objects of an animation with the textures that `multum infer` made.\n\n"
+      "  multum-view out/ --sample 3,5 -o frame.png\n"
+      "  multum-view out/ --sample 0,0 -o a.exr --sample 0,1 -o b.exr",
+      "multum-view");
+  app.failure_message(usage_error);
+  app.add_option("folder", options.folder, "what multum infer wrote, or its inferred.json")->required();
+  app.add_option("--sample", options.samples, "index along each parameter, or a sample's name; may be repeated")
+      ->required();
+  app.add_option("-o,--output", options.outputs, "picture of each sample: .png (sRGB) or .exr (linear floats)")
+      ->required();
+  app.add_option("--exposure", options.exposure, "brightness of a PNG")
+      ->check(CLI::Range(1e-6f, 1e6f))
+      ->capture_default_str();
+  app.add_option("--context", options.context, "auto, osmesa (software) or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : exit_code(ErrorCode::kUsage);
+  }
+  if (options.samples.size() != options.outputs.size())
+    throw Error(ErrorCode::kUsage, fmt::format("{} --sample and {} --output: expected one output for each sample",
+                                               options.samples.size(), options.outputs.size()));
+  for (const std::string& output : options.outputs) check_picture_path(output);
+  fs::path folder(options.folder);
+  if (folder.filename() == kInferredManifestName) folder = folder.parent_path();
+  const InferredManifest manifest = read_inferred_manifest((folder / kInferredManifestName).string());
+  check_paths_differ({}, options.outputs);
+  for (const std::string& output : options.outputs) check_writable(output);
+  std::vector<std::size_t> samples;
+  for (const std::string& sample : options.samples) samples.push_back(find_sample(manifest, sample));
+  const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
+  log_info(context->description());
+  InferredScene scene(context->functions(), manifest, folder.string());
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    write_picture(options.outputs[i], scene.draw(samples[i]), options.exposure);
+  return 0;
+}
+
+}  // namespace multum

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view --probe: the host's question in a file, filter matrices in files as the answer. A process of its own, so
+// that a driver's crash ends it alone.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "host/asset/filter_matrix.h"
+#include "host/asset/probe_request.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/mesh/object_mesh.h"
+#include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/probe/filter_probe.h"
+#include "tools/command_line/usage_error.h"
+#include "tools/multum_view/modes.h"
+#include "tools/multum_view/object_meshes.h"
+
+namespace multum {
+namespace {
+
+struct ProbeOptions {
+  std::string request;
+  std::string context = "auto";
+  int threads = 0;
+  bool matrix_market = false;
+};
+
+std::string matrices_hash(const std::vector<gl::PlacedMesh>& placed) {
+  ContentHash hash;
+  for (const gl::PlacedMesh& one : placed) hash.update(&one.object_to_clip, sizeof(one.object_to_clip));
+  return hash.finish();
+}
+
+void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
+  const std::vector<ObjectMesh> meshes = read_object_meshes(request.geometry_file, request.uv_set);
+  const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
+  log_info(context->description());
+  const gl::GlFunctions& gl = context->functions();
+  const gl::FilterProbe probe(gl, request.width, request.height, request.supersampling);
+  // The others only hide what is behind: their own coordinates do.
+  std::vector<std::unique_ptr<gl::Mesh>> plain;
+  std::vector<gl::PlacedMesh> placed;
+  for (const ObjectMesh& mesh : meshes) {
+    plain.push_back(std::make_unique<gl::Mesh>(gl, mapped_mesh_data(mesh, {})));
+    placed.push_back(
+        {plain.back().get(), object_to_clip(request.world_to_clip, object_place(mesh, request.object_to_world))});
+  }
+  for (const ProbeTask& task : request.tasks) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::size_t object = find_object(meshes, task.object, request.geometry_file);
+    const gl::MeshData data = mapped_mesh_data(meshes[object], task.mapping);
+    const gl::Mesh mapped(gl, data);
+    std::vector<gl::PlacedMesh> objects = placed;
+    objects[object].mesh = &mapped;
+    FilterMatrix matrix = probe.probe(objects, object, task.mapping, {task.anisotropy, task.has_mips}, options.threads);
+    matrix.provenance = {std::string("multum-view ") + MULTUM_VERSION,
+                         context->description(),
+                         request.view,
+                         task.object,
+                         mesh_data_hash(data),
+                         matrices_hash(placed)};
+    write_filter_matrix(matrix, task.output);
+    if (options.matrix_market) write_matrix_market(matrix, task.output + ".mtx");
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    fmt::print("{}: {} pixels, {} entries, {} rejected, {:.2f} s\n", task.object, matrix.row_count(),
+               matrix.columns.size(), matrix.rows_rejected, seconds);
+  }
+}
+
+}  // namespace
+
+int run_probe(int argc, char** argv) {
+  ProbeOptions options;
+  CLI::App app(
+      "multum-view --probe measures filter matrices for texture inference: what the GL's sampler makes of "
+      "every texel, pixel by pixel. `multum infer` starts it; docs/FORMAT.md describes the request.",
+      "multum-view");
+  app.failure_message(usage_error);
+  app.add_option("--probe", options.request, "request, JSON")->required();
+  app.add_option("--context", options.context, "auto, osmesa (software) or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "of decoding (default: all cores)")->check(CLI::Range(1, 1024));
+  app.add_flag("--matrix-market", options.matrix_market, "also write each matrix as Matrix Market text: OUTPUT.mtx");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : exit_code(ErrorCode::kUsage);
+  }
+  probe_all(read_probe_request(options.request), options);
+  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  return 0;
+}
+
+}  // namespace multum
