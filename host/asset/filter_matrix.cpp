@@ -56,6 +56,7 @@ nlohmann::json header_of(const FilterMatrix& m) {
           {"object", p.object},
           {"meshHash", p.mesh_hash},
           {"viewMatrixHash", p.view_matrix},
+          {"key", p.key},
           {"rowsRejected", m.rows_rejected},
           {"rows", m.row_count()},
           {"entries", m.columns.size()},
@@ -79,6 +80,7 @@ void read_header(const nlohmann::json& json, FilterMatrix& m) {
   p.object = json.at("object").get<std::string>();
   p.mesh_hash = json.at("meshHash").get<std::string>();
   p.view_matrix = json.at("viewMatrixHash").get<std::string>();
+  p.key = json.at("key").get<std::string>();
   m.rows_rejected = json.at("rowsRejected").get<std::uint64_t>();
 }
 
@@ -161,6 +163,14 @@ FilterMatrix read_filter_matrix(const std::string& path) {
   if (checksum_of(m) != checksum) refuse(path, "is damaged: its checksum is not that of its header");
   check_contents(m, path);
   return m;
+}
+
+std::string filter_matrix_key(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string first, header;
+  if (!std::getline(file, first) || first != kFirstLine || !std::getline(file, header)) return "";
+  const nlohmann::json json = nlohmann::json::parse(header, nullptr, false);
+  return json.is_object() && json.contains("key") && json["key"].is_string() ? json["key"].get<std::string>() : "";
 }
 
 void write_matrix_market(const FilterMatrix& matrix, const std::string& path) {

@@ -21,6 +21,7 @@ struct FilterMatrixProvenance {
   std::string object;
   std::string mesh_hash;    // SHA-256 of positions, coordinates and indices as drawn
   std::string view_matrix;  // SHA-256 of the matrices of every object as drawn
+  std::string key;          // of who asked for it: equal keys, equal matrices
 };
 
 struct FilterMatrix {
@@ -52,6 +53,9 @@ void write_filter_matrix(const FilterMatrix& matrix, const std::string& path);
 /// Throws Error(kInput) naming the file and what is wrong: another format or version, cut short, damaged, columns
 /// beyond the texture, weights that are not finite.
 FilterMatrix read_filter_matrix(const std::string& path);
+
+/// The key alone; empty when there is no such file, or no filter matrix in it.
+std::string filter_matrix_key(const std::string& path);
 
 /// Matrix Market coordinate format (Boisvert et al. 1996), real general, indices from 1; provenance as comments.
 void write_matrix_market(const FilterMatrix& matrix, const std::string& path);

@@ -16,7 +16,8 @@ void write_probe_request(const ProbeRequest& request, const std::string& path) {
                      {"mapping", task.mapping},
                      {"anisotropy", task.anisotropy},
                      {"hasMips", task.has_mips},
-                     {"output", task.output}});
+                     {"output", task.output},
+                     {"key", task.key}});
   nlohmann::json moved = nlohmann::json::object();
   for (const auto& [name, matrix] : request.object_to_world) moved[name] = matrix_json(matrix);
   const nlohmann::json json = {{"multumProbeRequest", 1},  {"geometry", request.geometry_file},
@@ -47,7 +48,7 @@ ProbeRequest read_probe_request(const std::string& path) {
     for (const nlohmann::json& task : json.at("tasks"))
       request.tasks.push_back({task.at("object").get<std::string>(), task.at("mapping").get<TextureMapping>(),
                                task.at("anisotropy").get<float>(), task.at("hasMips").get<bool>(),
-                               task.at("output").get<std::string>()});
+                               task.at("output").get<std::string>(), task.at("key").get<std::string>()});
     if (request.width < 1 || request.height < 1 || request.supersampling < 1 || request.supersampling > 8)
       throw Error(ErrorCode::kInput, path + ": the picture's size or its supersampling (1..8) is out of range");
     return request;

@@ -19,6 +19,7 @@ struct ProbeTask {
   float anisotropy = 1.0f;
   bool has_mips = true;
   std::string output;  // the matrix's file
+  std::string key;     // of the asker's making, kept in the matrix's provenance
 };
 
 struct ProbeRequest {

@@ -39,7 +39,7 @@ struct AnimationTexture {
   int side_max = 2048;            // texels, 1..16384
   double anisotropy = 1.0;        // 1..16, of the sampler
   double pyramid_weight = 0.1;    // epsilon_f of pyramidal regularisation, >= 0
-  double range_weight = 1e-3;     // epsilon_b of range regularisation, >= 0
+  double range_weight = 0.0;      // epsilon_b of range regularisation, >= 0; 0: the bounds alone hold texels
   bool operator==(const AnimationTexture&) const = default;
 };
 

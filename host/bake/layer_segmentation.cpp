@@ -272,11 +272,21 @@ std::vector<ObjectLayer> segment_layer(const SegmentationInput& input, const Seg
 }
 
 bool has_radiance(const ObjectLayer& layer, double radiance_max) {
-  constexpr double kShare = 1e-4;
-  for (std::size_t pixel = 0; pixel < layer.coverage.size(); ++pixel)
-    if (layer.coverage[pixel] > 0.0f)
-      for (std::size_t i = 0; i < 3; ++i)
-        if (static_cast<double>(layer.rgb[3 * pixel + i]) > kShare * radiance_max) return true;
+  constexpr float kWhole = 0.999f;
+  constexpr double kShare = 1.0 / 4096;
+  // Silhouettes may hold a little of what is beside: they count only where there is nothing else.
+  for (const float coverage_min : {kWhole, 0.0f}) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t pixel = 0; pixel < layer.coverage.size(); ++pixel) {
+      if (layer.coverage[pixel] <= 0.0f || layer.coverage[pixel] < coverage_min) continue;
+      ++count;
+      double largest = 0.0;
+      for (std::size_t i = 0; i < 3; ++i) largest = std::max(largest, static_cast<double>(layer.rgb[3 * pixel + i]));
+      sum += largest * largest;
+    }
+    if (count > 0) return std::sqrt(sum / static_cast<double>(count)) > kShare * radiance_max;
+  }
   return false;
 }
 

@@ -48,8 +48,9 @@ struct ObjectLayer {
 std::vector<ObjectLayer> segment_layer(const SegmentationInput& input, const SegmentationSettings& settings,
                                        SegmentationReport* report);
 
-/// Whether the object has the layer at all: some value above a ten-thousandth of radiance_max. Less is under half a
-/// step of the 12-bit values that a texture could be stored with.
+/// Whether the object has the layer at all: the root mean square over its wholly covered pixels is above 1/4096 of
+/// radiance_max, a step of 12 bits. A small highlight is well above it; what a renderer's lossy compression leaves
+/// where there was nothing is well below.
 bool has_radiance(const ObjectLayer& layer, double radiance_max);
 
 }  // namespace multum

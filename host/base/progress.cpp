@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/progress.h"
 
+#include <fmt/format.h>
+
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 
@@ -70,7 +73,8 @@ class TerminalBar {
     const int filled = static_cast<int>(fraction * kCells);
     const std::string bar =
         std::string(static_cast<size_t>(filled), '#') + std::string(static_cast<size_t>(kCells - filled), '.');
-    std::fprintf(stderr, "\r\033[K[%s] %3.0f%%  %s", bar.c_str(), fraction * 100.0, event.stage.c_str());
+    std::fprintf(stderr, "\r\033[K[%s] %3.0f%%  %s%s", bar.c_str(), fraction * 100.0, event.stage.c_str(),
+                 time_left(fraction, now).c_str());
     if (finished) clear();
     std::fflush(stderr);
   }
@@ -80,6 +84,16 @@ class TerminalBar {
     if (shown_) std::fprintf(stderr, "\r\033[K");
     shown_ = false;
   }
+  // By the pace so far; of short work, and of the beginning, nothing worth reading.
+  std::string time_left(double fraction, std::chrono::steady_clock::time_point now) const {
+    const double spent = std::chrono::duration<double>(now - start_).count();
+    if (spent < 5.0 || fraction < 0.02 || fraction >= 1.0) return "";
+    const long seconds = std::lround(spent * (1.0 - fraction) / fraction);
+    return seconds >= 60 ? fmt::format(", {} min {:02} s left", seconds / 60, seconds % 60)
+                         : fmt::format(", {} s left", seconds);
+  }
+
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point last_;
   bool shown_ = false;
 };

@@ -270,10 +270,23 @@ TEST(LayerSegmentationTest, AnyNumberOfThreadsGivesTheSameBytes) {
 }
 
 TEST(LayerSegmentationTest, AnObjectHasALayerOnlyIfSomeOfItIsLit) {
-  ObjectLayer layer{{0.0f, 1.0f}, {0.5f, 0.5f, 0.5f, 0.0f, 0.00015f, 0.0f}};
+  ObjectLayer layer{{0.0f, 1.0f}, {0.5f, 0.5f, 0.5f, 0.0f, 0.0003f, 0.0f}};
   EXPECT_TRUE(has_radiance(layer, 1.0));
   EXPECT_FALSE(has_radiance(layer, 2.0)) << "the bright pixel is not covered";
+  layer.coverage[0] = 0.5f;
+  EXPECT_FALSE(has_radiance(layer, 2.0)) << "nor is half of a silhouette worth anything beside whole pixels";
   layer.coverage[1] = 0.0f;
+  EXPECT_TRUE(has_radiance(layer, 1.0)) << "but alone it is";
+  layer.coverage[0] = 0.0f;
+  EXPECT_FALSE(has_radiance(layer, 1.0));
+}
+
+// One bright pixel in a thousand is a layer; traces of compression in as many are not.
+TEST(LayerSegmentationTest, SmallHighlightsAreALayerAndTracesAreNot) {
+  ObjectLayer layer{std::vector<float>(1000, 1.0f), std::vector<float>(3000, 0.0f)};
+  layer.rgb[1500] = 1.0f;
+  EXPECT_TRUE(has_radiance(layer, 1.0));
+  layer.rgb[1500] = 0.0015f;
   EXPECT_FALSE(has_radiance(layer, 1.0));
 }
 

@@ -20,6 +20,7 @@ void add_common_options(CLI::App& command, CommonOptions& options);
 
 void add_animation_command(CLI::App& app, int* exit_code);
 void add_bake_command(CLI::App& app, int* exit_code);
+void add_infer_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
 void add_verify_command(CLI::App& app, int* exit_code);

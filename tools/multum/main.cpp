@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
   add_devices_command(app, &exit_code);
   add_testmap_command(app, &exit_code);
   add_animation_command(app, &exit_code);
+  add_infer_command(app, &exit_code);
   set_program_cache_folder(program_cache_folder());
   try {
     app.parse(argc, argv);

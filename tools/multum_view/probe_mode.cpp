@@ -62,7 +62,8 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
                          request.view,
                          task.object,
                          mesh_data_hash(data),
-                         matrices_hash(placed)};
+                         matrices_hash(placed),
+                         task.key};
     write_filter_matrix(matrix, task.output);
     if (options.matrix_market) write_matrix_market(matrix, task.output + ".mtx");
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/animation_field.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "host/bake/camera_check.h"
+#include "host/bake/texture_coordinates.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/image/exr_layers.h"
+#include "host/image/object_index.h"
+
+namespace multum {
+namespace {
+
+std::string channel(const std::string& pass, char colour) {
+  return pass.empty() ? std::string(1, colour) : pass + "." + colour;
+}
+
+void check_size(const AnimationJob& job, const std::string& path, const ExrLayers& layers) {
+  if (layers.width != job.width || layers.height != job.height)
+    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} pixels, {} says {} x {}", path, layers.width,
+                                               layers.height, job.path, job.width, job.height));
+}
+
+}  // namespace
+
+AnimationField::AnimationField(AnimationJob job)
+    : job_(std::move(job)), meshes_(read_object_meshes(job_.geometry_file, job_.uv_set)) {
+  for (const AnimationObject& object : job_.objects) {
+    const auto found =
+        std::find_if(meshes_.begin(), meshes_.end(), [&](const ObjectMesh& mesh) { return mesh.name == object.mesh; });
+    MULTUM_CHECK(found != meshes_.end());  // the job was read against the same file
+    mesh_of_object_.push_back(static_cast<int>(found - meshes_.begin()));
+  }
+  find_poses();
+  check_cameras();
+}
+
+void AnimationField::find_poses() {
+  for (std::size_t s = 0; s < job_.samples.size(); ++s) {
+    const AnimationSample& sample = job_.samples[s];
+    auto pose = std::find_if(poses_.begin(), poses_.end(), [&](const AnimationPose& known) {
+      return known.camera == sample.camera && known.object_to_world == sample.object_to_world;
+    });
+    if (pose == poses_.end())
+      pose = poses_.insert(poses_.end(), {sample.name, sample.camera, sample.object_to_world, {}});
+    pose->samples.push_back(static_cast<int>(s));
+    pose_of_sample_.push_back(static_cast<int>(pose - poses_.begin()));
+  }
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    std::vector<PlacedObject> placed;
+    for (std::size_t m = 0; m < meshes_.size(); ++m)
+      placed.push_back({&meshes_[m], object_to_camera(static_cast<int>(m), static_cast<int>(p))});
+    const AnimationCamera& camera = job_.cameras[static_cast<std::size_t>(poses_[p].camera)];
+    items_.push_back(draw_item_buffer(placed, camera.projection, job_.width, job_.height));
+  }
+}
+
+void AnimationField::check_cameras() {
+  if (job_.depth.empty()) return;
+  for (const AnimationPose& pose : poses_) {
+    const auto with_depth = std::find_if(pose.samples.begin(), pose.samples.end(), [&](int s) {
+      return !job_.samples[static_cast<std::size_t>(s)].geometry.empty();
+    });
+    if (with_depth == pose.samples.end()) continue;
+    const AnimationSample& sample = job_.samples[static_cast<std::size_t>(*with_depth)];
+    ExrLayers layers = read_exr_channels(sample.geometry, {job_.depth});
+    check_size(job_, sample.geometry, layers);
+    const CameraCheck check = check_camera(job_, sample, meshes_, layers.channels[job_.depth], {});
+    nan_depths_ += check.nan_depths;
+    if (check.tested == 0)
+      log_warning(fmt::format("{}: has no usable depth, so that camera '{}' is not checked", sample.geometry,
+                              job_.cameras[static_cast<std::size_t>(sample.camera)].name));
+  }
+}
+
+glm::dmat4 AnimationField::object_to_camera(int mesh, int pose) const {
+  const ObjectMesh& object = meshes_[static_cast<std::size_t>(mesh)];
+  const AnimationPose& at = poses_[static_cast<std::size_t>(pose)];
+  const auto moved = at.object_to_world.find(object.name);
+  return job_.cameras[static_cast<std::size_t>(at.camera)].world_to_camera *
+         (moved != at.object_to_world.end() ? moved->second : object.object_to_world);
+}
+
+glm::dmat4 AnimationField::world_to_clip(int pose) const {
+  const AnimationCamera& camera = job_.cameras[static_cast<std::size_t>(poses_[static_cast<std::size_t>(pose)].camera)];
+  return camera.projection * camera.world_to_camera;
+}
+
+TextureMapping AnimationField::find_mapping(std::size_t object) const {
+  std::vector<MappingView> views;
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    const int mesh = mesh_of(object);
+    views.push_back({object_to_camera(mesh, static_cast<int>(p)),
+                     job_.cameras[static_cast<std::size_t>(poses_[p].camera)].projection, &items_[p], mesh});
+  }
+  return optimise_texture_mapping(meshes_[static_cast<std::size_t>(mesh_of(object))], views,
+                                  job_.objects[object].texture);
+}
+
+std::vector<std::vector<float>> AnimationField::coverages(int number) const {
+  const AnimationSample& sample = job_.samples[static_cast<std::size_t>(number)];
+  if (!sample.object_index.empty()) {
+    std::vector<int> indices;
+    for (const AnimationObject& object : job_.objects) indices.push_back(object.index);
+    return read_object_index_coverage(sample.object_index, job_.width, job_.height, indices);
+  }
+  std::vector<std::string> names;
+  for (const AnimationObject& object : job_.objects) names.push_back(object.cryptomatte);
+  auto coverages = read_cryptomatte_coverage(sample.geometry, job_.cryptomatte, names);
+  const std::size_t pixel_count = static_cast<std::size_t>(job_.width) * static_cast<std::size_t>(job_.height);
+  for (const auto& coverage : coverages)
+    if (coverage.size() != pixel_count)
+      throw Error(ErrorCode::kInput, fmt::format("{}: its Cryptomatte is not of {} x {} pixels as {} says",
+                                                 sample.geometry, job_.width, job_.height, job_.path));
+  return coverages;
+}
+
+std::vector<float> AnimationField::layer_picture(int number, const AnimationLayer& layer) const {
+  const AnimationSample& sample = job_.samples[static_cast<std::size_t>(number)];
+  std::vector<std::string> names;
+  for (const std::string& pass : layer.passes)
+    for (const char colour : {'R', 'G', 'B'}) names.push_back(channel(pass, colour));
+  const ExrLayers layers = read_exr_channels(sample.radiance, names);
+  check_size(job_, sample.radiance, layers);
+  std::vector<float> picture(3u * static_cast<std::size_t>(job_.width) * static_cast<std::size_t>(job_.height), 0.0f);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::vector<float>& plane = layers.channels.at(names[k]);
+    for (std::size_t i = 0; i < plane.size(); ++i) picture[3 * i + k % 3] += plane[i];
+  }
+  return picture;
+}
+
+std::vector<ObjectLayer> AnimationField::segment(int sample, const AnimationLayer& layer, int threads,
+                                                 SegmentationReport* report) const {
+  const std::vector<std::vector<float>> covered = coverages(sample);
+  const std::vector<float> picture = layer_picture(sample, layer);
+  SegmentationSettings settings;
+  settings.radiance_max = job_.radiance_max;
+  settings.coverage_min = job_.coverage_min;
+  settings.threads = threads;
+  return segment_layer({job_.width, job_.height, picture, {covered.begin(), covered.end()}}, settings, report);
+}
+
+}  // namespace multum

@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/animation_infer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/image/colour_map.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// The samples that one texture of a layer serves: those that agree in what the layer depends on.
+struct Block {
+  std::string name;          // "light3"
+  std::vector<int> samples;  // of the job
+};
+
+// Indices of the parameters that a layer depends on, those of views first: neighbours then share their filter matrices
+// as long as they can.
+std::vector<std::size_t> dimensions_of(const AnimationJob& job, const AnimationLayer& layer) {
+  std::vector<std::size_t> dimensions;
+  for (const bool wants_views : {true, false})
+    for (std::size_t d = 0; d < job.parameters.size(); ++d)
+      if (job.parameters[d].is_view == wants_views &&
+          std::find(layer.depends_on.begin(), layer.depends_on.end(), job.parameters[d].name) != layer.depends_on.end())
+        dimensions.push_back(d);
+  return dimensions;
+}
+
+// All blocks of a layer, each a neighbour of the one before: as an ox ploughs.
+std::vector<Block> blocks_of(const AnimationJob& job, const AnimationLayer& layer) {
+  const std::vector<std::size_t> dimensions = dimensions_of(job, layer);
+  std::size_t count = 1;
+  for (const std::size_t d : dimensions) count *= static_cast<std::size_t>(job.parameters[d].count);
+  std::vector<Block> blocks;
+  for (std::size_t number = 0; number < count; ++number) {
+    std::map<std::size_t, int> at;
+    std::size_t rest = number, below = count;
+    bool is_backwards = false;
+    for (const std::size_t d : dimensions) {
+      const auto steps = static_cast<std::size_t>(job.parameters[d].count);
+      below /= steps;
+      const std::size_t step = rest / below;
+      rest %= below;
+      at[d] = static_cast<int>(is_backwards ? steps - 1 - step : step);
+      is_backwards = (step % 2 == 1) != is_backwards;
+    }
+    Block block;
+    for (const auto& [d, index] : at)
+      block.name += fmt::format("{}{}{:02}", block.name.empty() ? "" : "_", job.parameters[d].name, index);
+    if (block.name.empty()) block.name = "all";
+    for (std::size_t s = 0; s < job.samples.size(); ++s)
+      if (std::all_of(at.begin(), at.end(),
+                      [&](const auto& one) { return job.samples[s].at[one.first] == one.second; }))
+        block.samples.push_back(static_cast<int>(s));
+    blocks.push_back(block);
+  }
+  return blocks;
+}
+
+// A linear system and what it was made of.
+struct ObjectSystem {
+  std::string key;
+  std::vector<FilterMatrix> matrices;
+  std::vector<InferenceView> views;
+  std::unique_ptr<TextureInference> inference;
+};
+
+class AnimationBaker {
+ public:
+  AnimationBaker(const AnimationField& field, const AnimationInferSettings& settings, Progress* progress)
+      : field_(field),
+        job_(field.job()),
+        settings_(settings),
+        progress_(progress),
+        device_(Device::open(settings.device)),
+        probe_(field, find_mappings(),
+               {settings.viewer, settings.context, settings.output + "/matrices", settings.threads}) {}
+
+  AnimationInferResult run() {
+    result_.device = device_.info().name;
+    result_.nan_depths = field_.nan_depths();
+    std::uint64_t units = probe_.unit_count();
+    for (const AnimationLayer& layer : job_.layers)
+      for (const Block& block : blocks_of(job_, layer)) units += block.samples.size() + job_.objects.size();
+    progress_start(progress_, units);
+    {
+      const Stopwatch watch(result_.seconds.probing);
+      probe_.run(progress_);
+    }
+    result_.matrices_measured = probe_.measured;
+    begin_manifest();
+    for (std::size_t l = 0; l < job_.layers.size(); ++l) infer_layer(l);
+    write_inferred_manifest(result_.manifest, settings_.output + "/" + kInferredManifestName);
+    return std::move(result_);
+  }
+
+ private:
+  std::vector<TextureMapping> find_mappings() {
+    const Stopwatch watch(result_.seconds.mapping);
+    std::vector<TextureMapping> mappings;
+    for (std::size_t k = 0; k < job_.objects.size(); ++k) {
+      mappings.push_back(field_.find_mapping(k));
+      if (mappings.back().width == 0)
+        log_warning(
+            fmt::format("{}: object '{}' is seen in no picture and gets no texture", job_.path, job_.objects[k].name));
+    }
+    result_.mappings = mappings;
+    return mappings;
+  }
+
+  void begin_manifest() {
+    InferredManifest& m = result_.manifest;
+    std::error_code error;
+    const fs::path relative = fs::relative(job_.geometry_file, settings_.output, error);
+    m.geometry_file = error || relative.empty() ? fs::absolute(job_.geometry_file).string() : relative.string();
+    m.geometry_hash = hash_file(job_.geometry_file);
+    m.uv_set = job_.uv_set;
+    m.width = job_.width;
+    m.height = job_.height;
+    m.supersampling = job_.supersampling;
+    for (const AnimationParameter& parameter : job_.parameters) m.parameters.push_back(parameter.name);
+    for (std::size_t s = 0; s < job_.samples.size(); ++s)
+      m.samples.push_back({job_.samples[s].name, job_.samples[s].at,
+                           field_.world_to_clip(field_.pose_of(static_cast<int>(s))), job_.samples[s].object_to_world});
+    for (std::size_t k = 0; k < job_.objects.size(); ++k) {
+      InferredObject object;
+      object.name = job_.objects[k].name;
+      object.mesh = job_.objects[k].mesh;
+      object.mapping = probe_.mapping(k);
+      object.mapping.width = std::max(1, object.mapping.width);  // of one that is never seen
+      object.mapping.height = std::max(1, object.mapping.height);
+      object.anisotropy = static_cast<float>(job_.objects[k].texture.anisotropy);
+      for (const AnimationLayer& layer : job_.layers)
+        if (has_layer(k, layer)) object.layers.push_back({layer.name, std::vector<std::string>(job_.samples.size())});
+      m.objects.push_back(object);
+    }
+  }
+
+  bool has_layer(std::size_t object, const AnimationLayer& layer) const {
+    const std::vector<std::string>& wanted = job_.objects[object].layers;
+    return probe_.is_seen(object) &&
+           (wanted.empty() || std::find(wanted.begin(), wanted.end(), layer.name) != wanted.end());
+  }
+
+  void infer_layer(std::size_t l) {
+    const AnimationLayer& layer = job_.layers[l];
+    systems_.clear();
+    starts_.clear();
+    for (const Block& block : blocks_of(job_, layer)) {
+      progress_stage(progress_, fmt::format("infer {} {}", layer.name, block.name));
+      std::vector<std::vector<ObjectLayer>> pictures;  // [sample of the block][object]
+      {
+        const Stopwatch watch(result_.seconds.segmentation);
+        for (const int sample : block.samples) {
+          pictures.push_back(field_.segment(sample, layer, settings_.threads, &result_.segmentation));
+          progress_advance(progress_, 1);
+        }
+      }
+      for (std::size_t k = 0; k < job_.objects.size(); ++k) {
+        if (has_layer(k, layer)) infer_texture(k, l, block, pictures);
+        progress_advance(progress_, 1);
+      }
+    }
+    // An object that is black in this layer in every sample has no such layer.
+    for (InferredObject& object : result_.manifest.objects)
+      std::erase_if(object.layers, [&](const InferredLayer& one) {
+        return one.name == layer.name &&
+               std::all_of(one.textures.begin(), one.textures.end(), [](const auto& file) { return file.empty(); });
+      });
+  }
+
+  // Held out are pictures of a view, where the layer has the same texture in others.
+  bool is_held_out(const AnimationLayer& layer, int sample) const {
+    if (settings_.hold_out < 2) return false;
+    for (std::size_t d = 0; d < job_.parameters.size(); ++d)
+      if (job_.parameters[d].is_view && std::find(layer.depends_on.begin(), layer.depends_on.end(),
+                                                  job_.parameters[d].name) == layer.depends_on.end())
+        return job_.samples[static_cast<std::size_t>(sample)].at[d] % settings_.hold_out == settings_.hold_out - 1;
+    return false;
+  }
+
+  void infer_texture(std::size_t k, std::size_t l, const Block& block,
+                     const std::vector<std::vector<ObjectLayer>>& pictures) {
+    const AnimationLayer& layer = job_.layers[l];
+    TextureResult texture{k, l, block.samples, {}, {}, {}, "", false, true, 0, {}};
+    for (const int sample : block.samples) texture.is_held_out.push_back(is_held_out(layer, sample));
+    const bool is_black = std::none_of(pictures.begin(), pictures.end(), [&](const std::vector<ObjectLayer>& objects) {
+      return has_radiance(objects[k], job_.radiance_max);
+    });
+    if (is_black) {
+      starts_.erase(k);
+      result_.textures.push_back(texture);
+      return;
+    }
+    ObjectSystem& system = system_of(k, block, pictures, texture.is_held_out);
+    const std::vector<float> colours = colours_of(k, system, pictures);
+    texture.file = fmt::format("textures/{}/{}_{}.exr", job_.objects[k].name, layer.name, block.name);
+    const std::string path = settings_.output + "/" + texture.file;
+    const std::string key = texture_key(k, layer, system, colours);
+    std::vector<float> texels;  // 0..1
+    if (!settings_.force && provenance_key(path) == key) {
+      texels = read_inferred_texture(path).texels;
+      for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
+      texture.was_there = true;
+    } else {
+      const Stopwatch watch(result_.seconds.solving);
+      InferenceResult solved = system.inference->solve(colours, starts_[k]);
+      texture.converged = solved.converged;
+      texture.iterations = solved.iterations;
+      texture.history = std::move(solved.history);
+      write_texture(path, k, key, texture, solved.texels);
+      texels = read_inferred_texture(path).texels;
+      for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
+    }
+    measure(system, colours, texels, texture);
+    starts_[k] = std::move(texels);
+    for (InferredLayer& one : result_.manifest.objects[k].layers)
+      if (one.name == layer.name)
+        for (const int sample : block.samples) one.textures[static_cast<std::size_t>(sample)] = texture.file;
+    result_.textures.push_back(std::move(texture));
+  }
+
+  // Coverage of each row: of the ray-traced picture and of the GL's, the less; 0 where either is too little.
+  std::vector<float> row_weights(const FilterMatrix& matrix, const ObjectLayer& layer) const {
+    std::vector<float> weights;
+    for (std::size_t r = 0; r < matrix.row_count(); ++r) {
+      const float weight = std::min(matrix.coverage[r], layer.coverage[matrix.pixels[r]]);
+      weights.push_back(static_cast<double>(weight) >= job_.coverage_min ? weight : 0.0f);
+    }
+    return weights;
+  }
+
+  ObjectSystem& system_of(std::size_t k, const Block& block, const std::vector<std::vector<ObjectLayer>>& pictures,
+                          const std::vector<bool>& is_held_out) {
+    const Stopwatch watch(result_.seconds.systems);
+    ObjectSystem& system = systems_[k];
+    std::string matrices_key;
+    for (const int sample : block.samples) matrices_key += probe_.key(field_.pose_of(sample), k);
+    // The same pixels count as before?
+    if (system.inference && system.key == matrices_key) {
+      bool is_same = true;
+      for (std::size_t i = 0; i < block.samples.size() && is_same; ++i)
+        is_same = is_held_out[i] || row_weights(system.matrices[i], pictures[i][k]) == system.views[i].row_weights;
+      if (is_same) return system;
+    }
+    system = ObjectSystem{};
+    system.key = matrices_key;
+    for (const int sample : block.samples) {
+      system.matrices.push_back(probe_.matrix(field_.pose_of(sample), k));
+      result_.renderer = system.matrices.back().provenance.renderer;
+    }
+    for (std::size_t i = 0; i < block.samples.size(); ++i) {
+      const FilterMatrix& matrix = system.matrices[i];
+      if (counted_.insert({field_.pose_of(block.samples[i]), k}).second) {
+        result_.rows += matrix.row_count();
+        result_.rows_rejected += matrix.rows_rejected;
+      }
+      system.views.push_back({&matrix, is_held_out[i] ? std::vector<float>(matrix.row_count(), 0.0f)
+                                                      : row_weights(matrix, pictures[i][k])});
+    }
+    InferenceSettings inference;
+    inference.pyramid_weight = job_.objects[k].texture.pyramid_weight;
+    inference.range_weight = job_.objects[k].texture.range_weight;
+    inference.gradient_tolerance = settings_.gradient_tolerance;
+    inference.iteration_max = settings_.iteration_max;
+    system.inference = std::make_unique<TextureInference>(device_, system.views, inference, settings_.threads);
+    (system.inference->uses_normal_form() ? result_.systems_normal : result_.systems_matrix) += 1;
+    return system;
+  }
+
+  // The pixels of all rows, 0..1.
+  std::vector<float> colours_of(std::size_t k, const ObjectSystem& system,
+                                const std::vector<std::vector<ObjectLayer>>& pictures) const {
+    std::vector<float> colours;
+    for (std::size_t i = 0; i < system.matrices.size(); ++i)
+      for (const std::uint32_t pixel : system.matrices[i].pixels)
+        for (std::size_t c = 0; c < 3; ++c)
+          colours.push_back(
+              static_cast<float>(static_cast<double>(pictures[i][k].rgb[3 * pixel + c]) / job_.radiance_max));
+    return colours;
+  }
+
+  std::string texture_key(std::size_t k, const AnimationLayer& layer, const ObjectSystem& system,
+                          const std::vector<float>& colours) const {
+    const AnimationTexture& texture = job_.objects[k].texture;
+    ContentHash hash;
+    hash.update(fmt::format("inference 1 {} {} {} {} {} {} {}", layer.name, system.key, texture.pyramid_weight,
+                            texture.range_weight, job_.radiance_max, settings_.gradient_tolerance,
+                            settings_.iteration_max));
+    for (const InferenceView& view : system.views)
+      hash.update(view.row_weights.data(), view.row_weights.size() * sizeof(float));
+    hash.update(colours.data(), colours.size() * sizeof(float));
+    return hash.finish();
+  }
+
+  static std::string provenance_key(const std::string& path) {
+    const nlohmann::json json = nlohmann::json::parse(read_texture_provenance(path), nullptr, false);
+    return json.is_object() && json.contains("key") && json["key"].is_string() ? json["key"].get<std::string>() : "";
+  }
+
+  void write_texture(const std::string& path, std::size_t k, const std::string& key, const TextureResult& texture,
+                     const std::vector<float>& texels) {
+    fs::create_directories(fs::path(path).parent_path());
+    InferredTexture file;
+    file.width = probe_.mapping(k).width;
+    file.height = probe_.mapping(k).height;
+    for (const float value : texels)
+      file.texels.push_back(static_cast<float>(static_cast<double>(value) * job_.radiance_max));
+    std::vector<std::string> samples;
+    for (std::size_t i = 0; i < texture.samples.size(); ++i)
+      if (!texture.is_held_out[i]) samples.push_back(job_.samples[static_cast<std::size_t>(texture.samples[i])].name);
+    file.provenance = nlohmann::json{{"key", key},
+                                     {"software", std::string("multum ") + MULTUM_VERSION},
+                                     {"object", job_.objects[k].name},
+                                     {"layer", job_.layers[texture.layer].name},
+                                     {"samples", samples},
+                                     {"renderer", result_.renderer},
+                                     {"radianceMax", job_.radiance_max},
+                                     {"pyramidWeight", job_.objects[k].texture.pyramid_weight},
+                                     {"rangeWeight", job_.objects[k].texture.range_weight},
+                                     {"iterations", texture.iterations},
+                                     {"converged", texture.converged}}
+                          .dump();
+    write_inferred_texture(file, path);
+  }
+
+  // A x against the layer's pixels, of the held-out samples too.
+  void measure(const ObjectSystem& system, const std::vector<float>& colours, const std::vector<float>& texels,
+               TextureResult& texture) const {
+    std::size_t row = 0;
+    for (std::size_t i = 0; i < system.matrices.size(); ++i) {
+      const FilterMatrix& m = system.matrices[i];
+      double sum = 0.0, count = 0.0;
+      for (std::size_t r = 0; r < m.row_count(); ++r, ++row) {
+        if (!texture.is_held_out[i] && !(system.views[i].row_weights[r] > 0.0f)) continue;
+        float value[3] = {0.0f, 0.0f, 0.0f};
+        for (std::uint32_t e = m.row_begin[r]; e < m.row_begin[r + 1]; ++e)
+          for (std::size_t c = 0; c < 3; ++c) value[c] += m.weights[e] * texels[3 * m.columns[e] + c];
+        sum += squared_error_8bit(value, &colours[3 * row]);
+        count += 1.0;
+      }
+      texture.squared_errors.push_back(count > 0.0 ? sum / count : 0.0);
+      texture.pixel_counts.push_back(count);
+    }
+  }
+
+  const AnimationField& field_;
+  const AnimationJob& job_;
+  const AnimationInferSettings& settings_;
+  Progress* progress_;
+  AnimationInferResult result_;
+  Device device_;
+  AnimationProbe probe_;
+  std::map<std::size_t, ObjectSystem> systems_;       // of the layer at hand, by object
+  std::map<std::size_t, std::vector<float>> starts_;  // the last block's texels, by object
+  std::set<std::pair<int, std::size_t>> counted_;     // poses and objects whose rows are in the result
+};
+
+}  // namespace
+
+double squared_error_8bit(const float* a, const float* b) {
+  double sum = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const double va = srgb_from_linear(std::clamp(static_cast<double>(a[c]), 0.0, 1.0));
+    const double vb = srgb_from_linear(std::clamp(static_cast<double>(b[c]), 0.0, 1.0));
+    sum += 255.0 * 255.0 * (va - vb) * (va - vb) / 3.0;
+  }
+  return sum;
+}
+
+AnimationInferResult infer_animation(const AnimationField& field, const AnimationInferSettings& settings,
+                                     Progress* progress) {
+  return AnimationBaker(field, settings, progress).run();
+}
+
+}  // namespace multum

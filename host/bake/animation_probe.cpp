@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/animation_probe.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/asset/matrix_json.h"
+#include "host/asset/probe_request.h"
+#include "host/base/child_process.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+
+namespace multum {
+namespace {
+
+constexpr std::uint64_t kUnitsAMatrix = 4;  // of progress: about as long as four solutions
+
+}  // namespace
+
+AnimationProbe::AnimationProbe(const AnimationField& field, std::vector<TextureMapping> mappings,
+                               ProbeSettings settings)
+    : field_(field),
+      mappings_(std::move(mappings)),
+      settings_(std::move(settings)),
+      geometry_hash_(hash_file(field.job().geometry_file)) {}
+
+std::string AnimationProbe::path(int pose, std::size_t object) const {
+  return fmt::format("{}/{}_{}.fmx", settings_.folder, field_.poses()[static_cast<std::size_t>(pose)].name,
+                     field_.job().objects[object].name);
+}
+
+std::uint64_t AnimationProbe::unit_count() const {
+  std::uint64_t seen = 0;
+  for (std::size_t k = 0; k < mappings_.size(); ++k) seen += is_seen(k) ? 1 : 0;
+  return kUnitsAMatrix * seen * field_.poses().size();
+}
+
+std::string AnimationProbe::key(int pose, std::size_t object) const {
+  const AnimationPose& at = field_.poses()[static_cast<std::size_t>(pose)];
+  nlohmann::json moved = nlohmann::json::object();
+  for (const auto& [name, matrix] : at.object_to_world) moved[name] = matrix_json(matrix);
+  const nlohmann::json json = {{"probe", 1},
+                               {"geometry", geometry_hash_},
+                               {"uvSet", field_.job().uv_set},
+                               {"width", field_.job().width},
+                               {"height", field_.job().height},
+                               {"supersampling", field_.job().supersampling},
+                               {"worldToClip", matrix_json(field_.world_to_clip(pose))},
+                               {"objectToWorld", moved},
+                               {"object", field_.job().objects[object].mesh},
+                               {"mapping", mappings_[object]},
+                               {"anisotropy", field_.job().objects[object].texture.anisotropy},
+                               {"context", settings_.context}};
+  return hash_text(json.dump());
+}
+
+void AnimationProbe::run(Progress* progress) {
+  const auto start = std::chrono::steady_clock::now();
+  std::filesystem::create_directories(settings_.folder);
+  for (std::size_t p = 0; p < field_.poses().size(); ++p) {
+    const int pose = static_cast<int>(p);
+    progress_stage(progress, fmt::format("probe {} of {}", p + 1, field_.poses().size()));
+    std::vector<std::size_t> wanted;
+    for (std::size_t k = 0; k < mappings_.size(); ++k)
+      if (is_seen(k) && filter_matrix_key(path(pose, k)) != key(pose, k)) wanted.push_back(k);
+    if (!wanted.empty()) measure(pose, wanted);
+    measured += static_cast<int>(wanted.size());
+    progress_advance(progress, unit_count() / field_.poses().size());
+  }
+  seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects) {
+  const AnimationPose& at = field_.poses()[static_cast<std::size_t>(pose)];
+  ProbeRequest request;
+  request.geometry_file = std::filesystem::absolute(field_.job().geometry_file).string();
+  request.uv_set = field_.job().uv_set;
+  request.width = field_.job().width;
+  request.height = field_.job().height;
+  request.supersampling = field_.job().supersampling;
+  request.view = at.name;
+  request.world_to_clip = field_.world_to_clip(pose);
+  request.object_to_world = at.object_to_world;
+  for (const std::size_t k : objects) {
+    const AnimationObject& object = field_.job().objects[k];
+    request.tasks.push_back(
+        {object.mesh, mappings_[k], static_cast<float>(object.texture.anisotropy), true, path(pose, k), key(pose, k)});
+  }
+  const std::string file = fmt::format("{}/{}.probe.json", settings_.folder, at.name);
+  write_probe_request(request, file);
+  std::vector<std::string> command = {settings_.viewer, "--probe", file, "--context", settings_.context};
+  if (settings_.threads > 0) {
+    command.push_back("--threads");
+    command.push_back(std::to_string(settings_.threads));
+  }
+  const ChildResult result = run_child(command);
+  if (result.exit_code != 0)
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("measuring the filter matrices of pose '{}' failed: {} {} {}:\n{}", at.name,
+                            settings_.viewer, result.signal != 0 ? "was ended by signal" : "ended with exit code",
+                            result.signal != 0 ? result.signal : result.exit_code, result.output));
+  log_verbose(result.output);
+  std::filesystem::remove(file);
+}
+
+FilterMatrix AnimationProbe::matrix(int pose, std::size_t object) const {
+  return read_filter_matrix(path(pose, object));
+}
+
+}  // namespace multum

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The filter matrices of an animation, one for each pose and object: measured by multum-view, a process of its own, and
+// kept as files. A matrix that is there already for the same geometry, pose, mapping and sampler is taken as it is.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/asset/filter_matrix.h"
+#include "host/bake/animation_field.h"
+#include "host/base/progress.h"
+
+namespace multum {
+
+struct ProbeSettings {
+  std::string viewer;            // the program
+  std::string context = "auto";  // its GL
+  std::string folder;            // of the matrices
+  int threads = 0;
+};
+
+class AnimationProbe {
+ public:
+  AnimationProbe(const AnimationField& field, std::vector<TextureMapping> mappings, ProbeSettings settings);
+
+  /// Measures what is not there yet. Throws Error(kEnvironment) when the program cannot be started or crashes, with
+  /// what it said.
+  void run(Progress* progress);
+  /// The matrix of one pose; `object` is one of the job's.
+  FilterMatrix matrix(int pose, std::size_t object) const;
+  /// What says which matrix it is.
+  std::string key(int pose, std::size_t object) const;
+
+  const TextureMapping& mapping(std::size_t object) const { return mappings_[object]; }
+  bool is_seen(std::size_t object) const { return mappings_[object].width > 0; }
+  /// Units of progress that run() counts.
+  std::uint64_t unit_count() const;
+
+  int measured = 0;  // matrices, by run()
+  double seconds = 0.0;
+  std::string renderer;    // of the last matrix
+  std::uint64_t rows = 0;  // of all matrices
+  std::uint64_t rows_rejected = 0;
+
+ private:
+  std::string path(int pose, std::size_t object) const;
+  void measure(int pose, const std::vector<std::size_t>& objects);
+
+  const AnimationField& field_;
+  std::vector<TextureMapping> mappings_;
+  ProbeSettings settings_;
+  std::string geometry_hash_;
+};
+
+}  // namespace multum

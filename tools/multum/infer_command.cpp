@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum infer: textures from ray-traced pictures (Hakura et al. 2000, section 3).
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "host/bake/animation_infer.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+struct InferOptions {
+  CommonOptions common;
+  AnimationInferSettings settings;
+  std::string job;
+};
+
+// multum-view lies beside multum, in the build folder and when installed.
+std::string find_viewer() {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path beside = self.parent_path() / "multum-view";
+  return !error && std::filesystem::exists(beside, error) ? beside.string() : "multum-view";
+}
+
+int run_infer(InferOptions& o) {
+  o.settings.threads = apply(o.common);
+  o.settings.viewer = find_viewer();
+  const std::unique_ptr<Progress> progress = make_terminal_progress(!o.common.quiet);
+  const AnimationField field(read_animation_job(o.job));
+  std::filesystem::create_directories(o.settings.output);
+  const AnimationInferResult result = infer_animation(field, o.settings, progress.get());
+  progress_finish(progress.get());
+  int there = 0, written = 0;
+  for (const TextureResult& texture : result.textures)
+    if (!texture.file.empty()) (texture.was_there ? there : written) += 1;
+  const StageSeconds& s = result.seconds;
+  std::printf(
+      "%s: %d textures written, %d there already; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
+      "systems %.1f s, solving %.1f s; %llu of %llu rows rejected\n",
+      o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving,
+      static_cast<unsigned long long>(result.rows_rejected), static_cast<unsigned long long>(result.rows));
+  return 0;
+}
+
+}  // namespace
+
+void add_infer_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<InferOptions>();
+  InferOptions& o = *options;
+  CLI::App* infer = app.add_subcommand("infer", "infer textures from ray-traced pictures (docs/ANIMATION.md)");
+  infer->add_option("job", o.job, "animation.toml, as `multum animation` writes it")->required();
+  infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
+  infer->add_option("--device", o.settings.device, "OpenCL device: a number of `multum devices` or part of a name");
+  infer->add_option("--context", o.settings.context, "GL to infer for: auto, osmesa (software) or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->capture_default_str();
+  infer->add_option("--tolerance", o.settings.gradient_tolerance, "relative gradient at which a texture is solved")
+      ->check(CLI::Range(1e-7, 1.0))
+      ->capture_default_str();
+  infer->add_option("--iterations", o.settings.iteration_max, "of conjugate gradient a texture, at most")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  infer
+      ->add_option("--hold-out", o.settings.hold_out,
+                   "leave every Nth view out of layers that do not depend on views, and report the error there")
+      ->check(CLI::Range(2, 1000));
+  infer->add_flag("--force", o.settings.force, "infer again what is there already");
+  add_common_options(*infer, o.common);
+  infer->callback([options, exit_code] { *exit_code = run_infer(*options); });
+}
+
+}  // namespace multum
