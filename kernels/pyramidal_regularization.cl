@@ -3,70 +3,70 @@
 // all levels but the coarsest, x' = the next coarser level, B = bilinear interpolation. Half its gradient is
 // R^T R x with R x = x - B x'. Every texel is defined then, and holes fill smoothly.
 
-#include "device/mip_pyramid.clh"
+#include "shared/mip_pyramid.h"
 
-// One work-item = one texel; global size pyramid.texel_count.
-//   x        [texels]   three colours and 0
-//   residual [texels]   written: R x; 0 in the coarsest level
+// One work-item = one strip of texels; global size strip_count.
+//   levels, taps, strips   tables
+//   x        [texels]      three colours and 0
+//   residual [texels]      written: R x; 0 in the coarsest level
 // Memory bound.
-__kernel void pyramid_residual(__global const MultumMipLevel* levels, __global const float4* x,
-                               __global float4* residual, MultumPyramid pyramid) {
-  const int texel = (int)get_global_id(0);
-  if (texel >= pyramid.texel_count) return;
-  const int l = level_of_texel(levels, pyramid.level_count, texel);
-  if (l + 1 == pyramid.level_count) {
-    residual[texel] = (float4)(0.0f);
+__kernel void pyramid_residual(__global const MultumMipLevel* levels, __global const MultumTap* taps,
+                               __global const MultumStrip* strips, __global const float4* x, __global float4* residual,
+                               int strip_count, int level_count) {
+  const int item = (int)get_global_id(0);
+  if (item >= strip_count) return;
+  const MultumStrip strip = strips[item];
+  const MultumMipLevel level = levels[strip.level];
+  const int row = level.offset + strip.y * level.width;
+  if (strip.level + 1 == level_count) {
+    for (int i = strip.x_begin; i < strip.x_end; ++i) residual[row + i] = (float4)(0.0f);
     return;
   }
-  const MultumMipLevel fine = levels[l], coarse = levels[l + 1];
-  const int i = texel - fine.offset;
-  const float at_x = coarse_position(i % fine.width, fine.width, coarse.width, pyramid.periodic_s);
-  const float at_y = coarse_position(i / fine.width, fine.height, coarse.height, pyramid.periodic_t);
-  const int x0 = (int)floor(at_x), y0 = (int)floor(at_y);
-  const float fx = at_x - (float)x0, fy = at_y - (float)y0;
-  const int left = pyramid.periodic_s ? wrapped_index(x0, coarse.width) : x0;
-  const int right = pyramid.periodic_s ? wrapped_index(x0 + 1, coarse.width) : min(x0 + 1, coarse.width - 1);
-  const int top = pyramid.periodic_t ? wrapped_index(y0, coarse.height) : y0;
-  const int bottom = pyramid.periodic_t ? wrapped_index(y0 + 1, coarse.height) : min(y0 + 1, coarse.height - 1);
-  __global const float4* from = x + coarse.offset;
-  const float4 upper = mix(from[top * coarse.width + left], from[top * coarse.width + right], fx);
-  const float4 lower = mix(from[bottom * coarse.width + left], from[bottom * coarse.width + right], fx);
-  residual[texel] = x[texel] - mix(upper, lower, fy);
+  const MultumMipLevel coarse = levels[strip.level + 1];
+  const MultumTap down = taps[level.taps_y + strip.y];
+  __global const float4* upper = x + coarse.offset + down.first * coarse.width;
+  __global const float4* lower = x + coarse.offset + down.second * coarse.width;
+  for (int i = strip.x_begin; i < strip.x_end; ++i) {
+    const MultumTap across = taps[level.taps_x + i];
+    const float4 left = mix(upper[across.first], lower[across.first], down.fraction);
+    const float4 right = mix(upper[across.second], lower[across.second], down.fraction);
+    residual[row + i] = x[row + i] - mix(left, right, across.fraction);
+  }
 }
 
 // Adds weight * R^T residual and diagonal * x to `sum`, and leaves out what is held at a bound.
-// One work-item = one texel; global size pyramid.texel_count.
+// One work-item = one strip of texels; global size strip_count.
+//   levels, gathers, entries, strips   tables
 //   residual [texels]   R x
 //   x        [texels]
 //   diagonal [texels]   of range regularisation's second derivative
 //   is_free  [texels]   1 a colour that may move, 0 one that is held
 //   sum      [texels]   read and written
 // Memory bound.
-__kernel void pyramid_gradient(__global const MultumMipLevel* levels, __global const float4* residual,
-                               __global const float4* x, __global const float4* diagonal,
-                               __global const float4* is_free, __global float4* sum, MultumPyramid pyramid,
-                               float weight) {
-  const int texel = (int)get_global_id(0);
-  if (texel >= pyramid.texel_count) return;
-  const int l = level_of_texel(levels, pyramid.level_count, texel);
-  float4 gathered = residual[texel];
-  if (l > 0) {
-    const MultumMipLevel fine = levels[l - 1], coarse = levels[l];
-    const int i = texel - coarse.offset, cx = i % coarse.width, cy = i / coarse.width;
-    const FineRange columns = fine_range(cx, fine.width, coarse.width, pyramid.periodic_s);
-    const FineRange rows = fine_range(cy, fine.height, coarse.height, pyramid.periodic_t);
-    for (int dy = 0; dy < rows.count; ++dy) {
-      const int y = wrapped_index(rows.first + dy, fine.height);
-      const float wy = coarse_weight(coarse_position(y, fine.height, coarse.height, pyramid.periodic_t), cy,
-                                     coarse.height, pyramid.periodic_t);
-      if (wy == 0.0f) continue;
-      for (int dx = 0; dx < columns.count; ++dx) {
-        const int fx = wrapped_index(columns.first + dx, fine.width);
-        const float wx = coarse_weight(coarse_position(fx, fine.width, coarse.width, pyramid.periodic_s), cx,
-                                       coarse.width, pyramid.periodic_s);
-        gathered -= wx * wy * residual[fine.offset + y * fine.width + fx];
+__kernel void pyramid_gradient(__global const MultumMipLevel* levels, __global const MultumGather* gathers,
+                               __global const MultumGatherEntry* entries, __global const MultumStrip* strips,
+                               __global const float4* residual, __global const float4* x,
+                               __global const float4* diagonal, __global const float4* is_free, __global float4* sum,
+                               int strip_count, float weight) {
+  const int item = (int)get_global_id(0);
+  if (item >= strip_count) return;
+  const MultumStrip strip = strips[item];
+  const MultumMipLevel level = levels[strip.level];
+  const int row = level.offset + strip.y * level.width;
+  for (int i = strip.x_begin; i < strip.x_end; ++i) {
+    const int texel = row + i;
+    float4 gathered = residual[texel];
+    if (strip.level > 0) {
+      const MultumMipLevel fine = levels[strip.level - 1];
+      const MultumGather down = gathers[level.gathers_y + strip.y], across = gathers[level.gathers_x + i];
+      for (int v = down.begin; v < down.begin + down.count; ++v) {
+        __global const float4* from = residual + fine.offset + entries[v].fine * fine.width;
+        float4 of_row = (float4)(0.0f);
+        for (int u = across.begin; u < across.begin + across.count; ++u)
+          of_row += entries[u].weight * from[entries[u].fine];
+        gathered -= entries[v].weight * of_row;
       }
     }
+    sum[texel] = is_free[texel] * (sum[texel] + weight * gathered + diagonal[texel] * x[texel]);
   }
-  sum[texel] = is_free[texel] * (sum[texel] + weight * gathered + diagonal[texel] * x[texel]);
 }

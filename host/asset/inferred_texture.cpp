@@ -82,6 +82,10 @@ void write_inferred_texture(const InferredTexture& texture, const std::string& p
   file.commit();
 }
 
+void round_to_half(std::vector<float>& values) {
+  for (float& value : values) value = half(value);
+}
+
 InferredTexture read_inferred_texture(const std::string& path) {
   try {
     Imf::TiledInputFile file(path.c_str());

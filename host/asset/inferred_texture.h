@@ -25,6 +25,9 @@ struct InferredTexture {
 /// Error(kEnvironment).
 void write_inferred_texture(const InferredTexture& texture, const std::string& path);
 
+/// What the file gives back of such values.
+void round_to_half(std::vector<float>& values);
+
 /// Throws Error(kInput) naming the file and what is wrong with it.
 InferredTexture read_inferred_texture(const std::string& path);
 

@@ -225,7 +225,6 @@ class AnimationBaker {
     std::vector<float> texels;  // 0..1
     if (!settings_.force && provenance_key(path) == key) {
       texels = read_inferred_texture(path).texels;
-      for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
       texture.was_there = true;
     } else {
       const Stopwatch watch(result_.seconds.solving);
@@ -233,10 +232,13 @@ class AnimationBaker {
       texture.converged = solved.converged;
       texture.iterations = solved.iterations;
       texture.history = std::move(solved.history);
-      write_texture(path, k, key, texture, solved.texels);
-      texels = read_inferred_texture(path).texels;
-      for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
+      texels = std::move(solved.texels);
+      for (float& value : texels) value = static_cast<float>(static_cast<double>(value) * job_.radiance_max);
+      // As the file has them: a run that goes on from it starts the next texture from the same values.
+      round_to_half(texels);
+      write_texture(path, k, key, texture, texels);
     }
+    for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
     measure(system, colours, texels, texture);
     starts_[k] = std::move(texels);
     for (InferredLayer& one : result_.manifest.objects[k].layers)
@@ -329,8 +331,7 @@ class AnimationBaker {
     InferredTexture file;
     file.width = probe_.mapping(k).width;
     file.height = probe_.mapping(k).height;
-    for (const float value : texels)
-      file.texels.push_back(static_cast<float>(static_cast<double>(value) * job_.radiance_max));
+    file.texels = texels;
     std::vector<std::string> samples;
     for (std::size_t i = 0; i < texture.samples.size(); ++i)
       if (!texture.is_held_out[i]) samples.push_back(job_.samples[static_cast<std::size_t>(texture.samples[i])].name);

@@ -14,23 +14,7 @@ namespace {
 
 constexpr int kBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products
-
-// Interpolation from a coarse level, in double: what kernels/device/mip_pyramid.clh does.
-struct Tap {
-  int index[2];
-  double weight[2];
-};
-
-Tap tap_of(int fine, int fine_count, int coarse_count, bool is_periodic) {
-  double at = (fine + 0.5) * coarse_count / fine_count - 0.5;
-  if (!is_periodic) at = std::clamp(at, 0.0, coarse_count - 1.0);
-  const int first = static_cast<int>(std::floor(at));
-  const double fraction = at - first;
-  const auto wrap = [&](int i) {
-    return is_periodic ? (i + coarse_count) % coarse_count : std::min(i, coarse_count - 1);
-  };
-  return {{wrap(first), wrap(first + 1)}, {1.0 - fraction, fraction}};
-}
+constexpr int kStripOnCpus = 64;          // texels a work-item of the pyramid kernels
 
 // g(0) - g(1/2) of eq. (5).
 double range_calibration() {
@@ -201,10 +185,6 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
   dot_product = device.kernel("conjugate_gradient", "dot_product", variant);
   advance_solution = device.kernel("conjugate_gradient", "advance_solution", variant);
   advance_direction = device.kernel("conjugate_gradient", "advance_direction", variant);
-  std::vector<MultumMipLevel> levels;
-  for (const MipLevelPlace& level : layout.levels) levels.push_back({level.offset, level.width, level.height, 0});
-  levels_ = device.make_buffer(levels.size() * sizeof(MultumMipLevel), "mip levels");
-  device.write(levels_, levels.data(), levels_.byte_count());
   residual_ = make_texels("pyramid residuals");
   std::vector<float> roots;
   for (const float root : root_weights_)
@@ -216,7 +196,7 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
       sums_[t] += columns.weights[i] * roots[columns.columns[i]];
       diagonal[t] += columns.weights[i] * columns.weights[i];
     }
-  make_diagonal();
+  upload_tables();
 }
 
 void TextureSystem::add_views(const std::vector<InferenceView>& views) {
@@ -244,25 +224,21 @@ void TextureSystem::add_views(const std::vector<InferenceView>& views) {
                                                first.provenance.object, views.size()));
 }
 
-// Adds pyramid_weight times the diagonal of R^T R: 1 for a texel that is interpolated, and the squares of the weights
-// with which it enters finer ones.
-void TextureSystem::make_diagonal() {
-  const auto weight = static_cast<float>(pyramid_weight);
-  for (std::size_t l = 0; l + 1 < layout.levels.size(); ++l) {
-    const MipLevelPlace &fine = layout.levels[l], &coarse = layout.levels[l + 1];
-    for (int y = 0; y < fine.height; ++y)
-      for (int x = 0; x < fine.width; ++x) {
-        diagonal[static_cast<std::size_t>(fine.offset + y * fine.width + x)] += weight;
-        const Tap tx = tap_of(x, fine.width, coarse.width, is_periodic_s);
-        const Tap ty = tap_of(y, fine.height, coarse.height, is_periodic_t);
-        for (int j = 0; j < 2; ++j)
-          for (int i = 0; i < 2; ++i) {
-            const auto share = static_cast<float>(tx.weight[i] * ty.weight[j]);
-            diagonal[static_cast<std::size_t>(coarse.offset + ty.index[j] * coarse.width + tx.index[i])] +=
-                weight * share * share;
-          }
-      }
-  }
+void TextureSystem::upload_tables() {
+  const int strip_length = device.info().is_cpu ? kStripOnCpus : 1;
+  const PyramidTables tables = make_pyramid_tables(layout, is_periodic_s, is_periodic_t, strip_length);
+  const auto upload = [&](DeviceBuffer& buffer, const auto& list) {
+    buffer = device.make_buffer(list.size() * sizeof(list[0]), "pyramid tables");
+    if (!list.empty()) device.write(buffer, list.data(), buffer.byte_count());
+  };
+  upload(levels_, tables.levels);
+  upload(taps_, tables.taps);
+  upload(gathers_, tables.gathers);
+  upload(gather_entries_, tables.entries);
+  upload(strips_, tables.strips);
+  strip_count_ = static_cast<int>(tables.strips.size());
+  for (std::size_t t = 0; t < diagonal.size(); ++t)
+    diagonal[t] += static_cast<float>(pyramid_weight) * tables.diagonal[t];
 }
 
 DeviceBuffer TextureSystem::make_texels(const char* what) {
@@ -277,11 +253,10 @@ void TextureSystem::apply(const DeviceBuffer& x, const DeviceBuffer& diagonal_of
     matrix_.multiply(spmv_, x, row_values_);
     transpose_.multiply(spmv_, row_values_, sum);
   }
-  const MultumPyramid pyramid{layout.level_count(), layout.texel_count, is_periodic_s ? 1 : 0, is_periodic_t ? 1 : 0};
-  const Kernel::WorkSize size{static_cast<std::size_t>(layout.texel_count), kRowsAnItem};
-  pyramid_residual_.launch(size, levels_, x, residual_, pyramid);
-  pyramid_gradient_.launch(size, levels_, residual_, x, diagonal_of_range, is_free, sum, pyramid,
-                           static_cast<float>(pyramid_weight));
+  const Kernel::WorkSize size{static_cast<std::size_t>(strip_count_), device.info().is_cpu ? 4u : 64u};
+  pyramid_residual_.launch(size, levels_, taps_, strips_, x, residual_, strip_count_, layout.level_count());
+  pyramid_gradient_.launch(size, levels_, gathers_, gather_entries_, strips_, residual_, x, diagonal_of_range, is_free,
+                           sum, strip_count_, static_cast<float>(pyramid_weight));
 }
 
 std::vector<Colour4> TextureSystem::projected(const std::vector<float>& colours, std::array<double, 3>* squares) {

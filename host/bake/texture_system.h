@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "host/asset/mip_layout.h"
+#include "host/bake/pyramid_tables.h"
 #include "host/bake/texture_inference.h"
 #include "host/opencl/device.h"
-#include "kernels/shared/mip_pyramid.h"
 
 namespace multum {
 
@@ -77,12 +77,13 @@ class TextureSystem {
 
  private:
   void add_views(const std::vector<InferenceView>& views);
-  void make_diagonal();
+  void upload_tables();
 
   SparseRows rows_;                  // weighted
   std::vector<float> root_weights_;  // of every row of every view, 0 of those left out
   DeviceRows matrix_, transpose_, normal_;
-  DeviceBuffer levels_, row_values_, residual_;
+  DeviceBuffer levels_, taps_, gathers_, gather_entries_, strips_, row_values_, residual_;
+  int strip_count_ = 0;
   Kernel spmv_, pyramid_residual_, pyramid_gradient_;
   std::vector<float> sums_;
 };

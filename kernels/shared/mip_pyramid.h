@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mip pyramid's texels in one list, as host/asset/mip_layout.h has them. Valid OpenCL C and C++.
+// A mip pyramid's texels in one list, as host/asset/mip_layout.h has them, with tables of the bilinear interpolation
+// between neighbouring levels and of its transpose (host/bake/pyramid_tables.h makes them). Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 #define MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 
@@ -7,14 +8,38 @@ typedef struct MultumMipLevel {
   int offset;  // of its first texel
   int width;
   int height;
+  int taps_x;     // first tap of its columns in the next coarser level; of the coarsest level meaningless
+  int taps_y;     // of its rows
+  int gathers_x;  // first gather of its columns from the next finer level; of the finest level meaningless
+  int gathers_y;  // of its rows
   int unused;
 } MultumMipLevel;
 
-typedef struct MultumPyramid {
-  int level_count;
-  int texel_count;
-  int periodic_s;  // 1: the texture repeats in this direction, 0: it is clamped
-  int periodic_t;
-} MultumPyramid;
+// Between which two texels of the next coarser level one lies, in one direction.
+typedef struct MultumTap {
+  int first;
+  int second;
+  float fraction;  // weight of the second
+  int unused;
+} MultumTap;
+
+// Which texels of the next finer level have a texel as one of their two, in one direction: a range of entries.
+typedef struct MultumGather {
+  int begin;
+  int count;
+} MultumGather;
+
+typedef struct MultumGatherEntry {
+  int fine;
+  float weight;
+} MultumGatherEntry;
+
+// Neighbouring texels of one row of a level, the work of one work-item: many on CPUs, one on GPUs.
+typedef struct MultumStrip {
+  int level;
+  int y;
+  int x_begin;
+  int x_end;
+} MultumStrip;
 
 #endif
