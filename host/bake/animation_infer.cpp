@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "host/bake/forward_mapping.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -207,7 +208,10 @@ class AnimationBaker {
   void infer_texture(std::size_t k, std::size_t l, const Block& block,
                      const std::vector<std::vector<ObjectLayer>>& pictures) {
     const AnimationLayer& layer = job_.layers[l];
-    TextureResult texture{k, l, block.samples, {}, {}, {}, "", false, true, 0, {}};
+    TextureResult texture;
+    texture.object = k;
+    texture.layer = l;
+    texture.samples = block.samples;
     for (const int sample : block.samples) texture.is_held_out.push_back(is_held_out(layer, sample));
     const bool is_black = std::none_of(pictures.begin(), pictures.end(), [&](const std::vector<ObjectLayer>& objects) {
       return has_radiance(objects[k], job_.radiance_max);
@@ -239,7 +243,11 @@ class AnimationBaker {
       write_texture(path, k, key, texture, texels);
     }
     for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
-    measure(system, colours, texels, texture);
+    texture.squared_errors = squared_errors(system, colours, texels, texture);
+    if (settings_.with_baseline) {
+      const Stopwatch watch(result_.seconds.baseline);
+      texture.forward_squared_errors = squared_errors(system, colours, forward_texels(k, block, pictures), texture);
+    }
     starts_[k] = std::move(texels);
     for (InferredLayer& one : result_.manifest.objects[k].layers)
       if (one.name == layer.name)
@@ -350,9 +358,11 @@ class AnimationBaker {
     write_inferred_texture(file, path);
   }
 
-  // A x against the layer's pixels, of the held-out samples too.
-  void measure(const ObjectSystem& system, const std::vector<float>& colours, const std::vector<float>& texels,
-               TextureResult& texture) const {
+  // A x against the layer's pixels, mean of each sample, of the held-out ones too.
+  std::vector<double> squared_errors(const ObjectSystem& system, const std::vector<float>& colours,
+                                     const std::vector<float>& texels, TextureResult& texture) const {
+    std::vector<double> errors;
+    texture.pixel_counts.clear();
     std::size_t row = 0;
     for (std::size_t i = 0; i < system.matrices.size(); ++i) {
       const FilterMatrix& m = system.matrices[i];
@@ -365,9 +375,27 @@ class AnimationBaker {
         sum += squared_error_8bit(value, &colours[3 * row]);
         count += 1.0;
       }
-      texture.squared_errors.push_back(count > 0.0 ? sum / count : 0.0);
+      errors.push_back(count > 0.0 ? sum / count : 0.0);
       texture.pixel_counts.push_back(count);
     }
+    return errors;
+  }
+
+  // Of all samples of the block, 0..1.
+  std::vector<float> forward_texels(std::size_t k, const Block& block,
+                                    const std::vector<std::vector<ObjectLayer>>& pictures) const {
+    const int mesh = field_.mesh_of(k);
+    std::vector<ForwardView> views;
+    for (std::size_t i = 0; i < block.samples.size(); ++i) {
+      const int pose = field_.pose_of(block.samples[i]);
+      const int camera = field_.poses()[static_cast<std::size_t>(pose)].camera;
+      views.push_back({job_.cameras[static_cast<std::size_t>(camera)].projection * field_.object_to_camera(mesh, pose),
+                       &field_.items(pose), mesh, &pictures[i][k]});
+    }
+    std::vector<float> texels =
+        forward_mapped(field_.meshes()[static_cast<std::size_t>(mesh)], probe_.mapping(k), views);
+    for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
+    return texels;
   }
 
   const AnimationField& field_;

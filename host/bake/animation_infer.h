@@ -27,22 +27,24 @@ struct AnimationInferSettings {
   std::string viewer;            // multum-view
   std::string context = "auto";  // its GL
   int threads = 1;
-  bool force = false;  // textures that are there already are inferred again
-  int hold_out = 0;    // 2 or more: every such sample along the views is left out of layers that do not
-                       // depend on them; 0: none
+  bool force = false;         // textures that are there already are inferred again
+  int hold_out = 0;           // 2 or more: every such sample along the views is left out of layers that do not
+                              // depend on them; 0: none
+  bool with_baseline = true;  // measure forward mapping beside
   double gradient_tolerance = 1e-3;
   int iteration_max = 400;
 };
 
 /// One texture, and how well it fits each sample that it serves.
 struct TextureResult {
-  std::size_t object;
-  std::size_t layer;
+  std::size_t object = 0;
+  std::size_t layer = 0;
   std::vector<int> samples;            // of the job
   std::vector<double> squared_errors;  // of each sample: mean over pixels of the layer, 8-bit sRGB units
   std::vector<double> pixel_counts;
-  std::vector<bool> is_held_out;  // not solved for
-  std::string file;               // relative to the output folder; empty: the layer is black
+  std::vector<double> forward_squared_errors;  // the same of forward mapping (forward_mapping.h); empty: not asked for
+  std::vector<bool> is_held_out;               // not solved for
+  std::string file;                            // relative to the output folder; empty: the layer is black
   bool was_there = false;
   bool converged = true;
   int iterations = 0;
@@ -50,7 +52,8 @@ struct TextureResult {
 };
 
 struct StageSeconds {
-  double mapping = 0.0, probing = 0.0, segmentation = 0.0, systems = 0.0, solving = 0.0, rendering = 0.0;
+  double mapping = 0.0, probing = 0.0, segmentation = 0.0, systems = 0.0, solving = 0.0, baseline = 0.0,
+         rendering = 0.0;
 };
 
 struct AnimationInferResult {

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// What choices cost, at one sample, as in figure 6 of Hakura et al. 2000: each object's layers inferred from that one
+// picture with bilinear, trilinear and anisotropic filtering, with and without pyramidal regularisation, against
+// forward mapping.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/bake/animation_infer.h"
+
+namespace multum {
+
+struct ComparisonRow {
+  std::string name;                    // "trilinear, regularisation 0.1"
+  std::vector<double> squared_errors;  // of each of the job's objects, all its layers added, wholly covered pixels,
+                                       // 8-bit sRGB units; negative: not seen
+};
+
+struct InferenceComparison {
+  std::string sample;
+  int supersampling = 1;
+  std::vector<double> pixel_counts;  // of each of the job's objects
+  std::vector<ComparisonRow> rows;
+};
+
+/// Measures the matrices that it needs in OUTPUT/comparison. `mappings`: of each of the job's objects.
+InferenceComparison compare_inference(const AnimationJob& job, int sample, int supersampling,
+                                      const std::vector<TextureMapping>& mappings,
+                                      const AnimationInferSettings& settings, Progress* progress);
+
+}  // namespace multum
