@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <set>
 
 #include "host/asset/inferred_texture.h"
 #include "host/base/content_hash.h"
@@ -45,6 +46,21 @@ std::size_t find_sample(const InferredManifest& manifest, const std::string& tex
       ErrorCode::kUsage,
       fmt::format("--sample '{}': expected the indices {} from {} to {}, or a sample's name, as {}", text, parameters,
                   join(manifest.samples.front().at), join(manifest.samples.back().at), manifest.samples.front().name));
+}
+
+// No picture takes the place of the manifest, the geometry or any texture, also of samples that are not drawn now.
+void check_outputs(const InferredManifest& manifest, const fs::path& folder, const std::vector<std::string>& outputs) {
+  std::set<std::string> names = {kInferredManifestName, manifest.geometry_file};
+  for (const InferredObject& object : manifest.objects)
+    for (const InferredLayer& layer : object.layers) names.insert(layer.textures.begin(), layer.textures.end());
+  std::set<fs::path> inputs;  // of one spelling each: a folder may hold as many textures as there are samples
+  for (const std::string& name : names)
+    if (!name.empty()) inputs.insert(fs::weakly_canonical(folder / name));
+  for (const std::string& output : outputs)
+    if (inputs.count(fs::weakly_canonical(output)) > 0)
+      throw Error(ErrorCode::kUsage, output + ": is read, expected the name of another file to write");
+  check_paths_differ({}, outputs);
+  for (const std::string& output : outputs) check_writable(output);
 }
 
 gl::Texture upload(const gl::GlFunctions& gl, const std::string& path, const InferredObject& object) {
@@ -153,8 +169,7 @@ int run_inferred(int argc, char** argv) {
   fs::path folder(options.folder);
   if (folder.filename() == kInferredManifestName) folder = folder.parent_path();
   const InferredManifest manifest = read_inferred_manifest((folder / kInferredManifestName).string());
-  check_paths_differ({}, options.outputs);
-  for (const std::string& output : options.outputs) check_writable(output);
+  check_outputs(manifest, folder, options.outputs);
   std::vector<std::size_t> samples;
   for (const std::string& sample : options.samples) samples.push_back(find_sample(manifest, sample));
   const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
