@@ -147,9 +147,11 @@ int run_inferred(int argc, char** argv) {
   app.failure_message(usage_error);
   app.add_option("folder", options.folder, "what multum infer wrote, or its inferred.json")->required();
   app.add_option("--sample", options.samples, "index along each parameter, or a sample's name; may be repeated")
-      ->required();
+      ->required()
+      ->allow_extra_args(false);  // or it takes the folder, where that comes last
   app.add_option("-o,--output", options.outputs, "picture of each sample: .png (sRGB) or .exr (linear floats)")
-      ->required();
+      ->required()
+      ->allow_extra_args(false);
   app.add_option("--exposure", options.exposure, "brightness of a PNG")
       ->check(CLI::Range(1e-6f, 1e6f))
       ->capture_default_str();
