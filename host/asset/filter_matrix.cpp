@@ -89,6 +89,10 @@ void check_contents(const FilterMatrix& m, const std::string& path) {
   constexpr int kSideMax = 16384;
   for (int side : {m.width, m.height, m.texture_width, m.texture_height})
     if (side < 1 || side > kSideMax) refuse(path, fmt::format("a side is {}, expected 1 to {}", side, kSideMax));
+  if (m.supersampling < 1 || m.supersampling > 8)
+    refuse(path, fmt::format("its supersampling is {}, expected 1 to 8", m.supersampling));
+  if (!(m.anisotropy >= 1.0f && m.anisotropy <= 16.0f))
+    refuse(path, fmt::format("its anisotropy is {}, expected 1 to 16", m.anisotropy));
   const auto texels = static_cast<std::uint32_t>(m.layout().texel_count);
   const auto pixel_count = static_cast<std::uint32_t>(m.width) * static_cast<std::uint32_t>(m.height);
   if (m.row_begin.front() != 0 || m.row_begin.back() != m.columns.size())
@@ -103,6 +107,13 @@ void check_contents(const FilterMatrix& m, const std::string& path) {
     if (m.columns[i] >= texels) refuse(path, fmt::format("entry {} is of texel {} of {}", i, m.columns[i], texels));
     if (!std::isfinite(m.weights[i])) refuse(path, fmt::format("entry {} is not finite", i));
   }
+}
+
+// A comment ends with its line, and names may hold whatever a glTF file's do.
+std::string in_one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  return text;
 }
 
 void put(std::FILE* file, const void* data, std::size_t bytes, const std::string& path) {
@@ -179,9 +190,9 @@ void write_matrix_market(const FilterMatrix& matrix, const std::string& path) {
       "% rows: pixels of {} x {} that '{}' covers in view '{}'; columns: texels of {} x {} and its mip levels\n"
       "% {}; {}\n"
       "{} {} {}\n",
-      matrix.width, matrix.height, matrix.provenance.object, matrix.provenance.view, matrix.texture_width,
-      matrix.texture_height, matrix.provenance.software, matrix.provenance.renderer, matrix.row_count(),
-      matrix.layout().texel_count, matrix.columns.size());
+      matrix.width, matrix.height, in_one_line(matrix.provenance.object), in_one_line(matrix.provenance.view),
+      matrix.texture_width, matrix.texture_height, in_one_line(matrix.provenance.software),
+      in_one_line(matrix.provenance.renderer), matrix.row_count(), matrix.layout().texel_count, matrix.columns.size());
   for (std::size_t r = 0; r < matrix.row_count(); ++r)
     for (std::uint32_t i = matrix.row_begin[r]; i < matrix.row_begin[r + 1]; ++i)
       fmt::format_to(std::back_inserter(text), "{} {} {:.9g}\n", r + 1, matrix.columns[i] + 1, matrix.weights[i]);

@@ -45,17 +45,18 @@ InferredObject object_from(const nlohmann::json& json) {
   object.name = json.at("name").get<std::string>();
   object.mesh = json.at("mesh").get<std::string>();
   object.mapping = json.at("mapping").get<TextureMapping>();
-  object.anisotropy = json.at("anisotropy").get<float>();
+  object.anisotropy = anisotropy_from_json(json.at("anisotropy"));
   for (const nlohmann::json& layer : json.at("layers"))
     object.layers.push_back(
         {layer.at("name").get<std::string>(), layer.at("textures").get<std::vector<std::string>>()});
   return object;
 }
 
-void check(const InferredManifest& manifest, const std::string& path) {
-  const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::kInput, path + ": " + what); };
-  if (manifest.width < 1 || manifest.height < 1 || manifest.supersampling < 1 || manifest.supersampling > 8)
-    refuse("the picture's size or its supersampling (1..8) is out of range");
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }
+
+void check(const InferredManifest& manifest) {
+  check_picture_size(manifest.width, manifest.height, manifest.supersampling);
+  if (manifest.samples.empty()) refuse("has no samples");
   for (const InferredSample& sample : manifest.samples)
     if (sample.at.size() != manifest.parameters.size())
       refuse("sample '" + sample.name + "' has " + std::to_string(sample.at.size()) + " indices, expected " +
@@ -66,6 +67,23 @@ void check(const InferredManifest& manifest, const std::string& path) {
         refuse("layer '" + layer.name + "' of object '" + object.name + "' has " +
                std::to_string(layer.textures.size()) + " textures for " + std::to_string(manifest.samples.size()) +
                " samples");
+}
+
+// Throws Error without the file's name, which the caller knows.
+InferredManifest manifest_from(const nlohmann::json& json) {
+  if (json.at("multumInferredTextures").get<int>() != 1) refuse("is a manifest of another version, expected 1");
+  InferredManifest manifest;
+  manifest.geometry_file = json.at("geometry").get<std::string>();
+  manifest.geometry_hash = json.at("geometryHash").get<std::string>();
+  manifest.uv_set = json.at("uvSet").get<int>();
+  manifest.width = json.at("width").get<int>();
+  manifest.height = json.at("height").get<int>();
+  manifest.supersampling = json.at("supersampling").get<int>();
+  manifest.parameters = json.at("parameters").get<std::vector<std::string>>();
+  for (const nlohmann::json& sample : json.at("samples")) manifest.samples.push_back(sample_from(sample));
+  for (const nlohmann::json& object : json.at("objects")) manifest.objects.push_back(object_from(object));
+  check(manifest);
+  return manifest;
 }
 
 }  // namespace
@@ -91,21 +109,9 @@ InferredManifest read_inferred_manifest(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw Error(ErrorCode::kInput, path + ": cannot be read");
   try {
-    const nlohmann::json json = nlohmann::json::parse(file);
-    if (json.at("multumInferredTextures").get<int>() != 1)
-      throw Error(ErrorCode::kInput, path + ": is a manifest of another version, expected 1");
-    InferredManifest manifest;
-    manifest.geometry_file = json.at("geometry").get<std::string>();
-    manifest.geometry_hash = json.at("geometryHash").get<std::string>();
-    manifest.uv_set = json.at("uvSet").get<int>();
-    manifest.width = json.at("width").get<int>();
-    manifest.height = json.at("height").get<int>();
-    manifest.supersampling = json.at("supersampling").get<int>();
-    manifest.parameters = json.at("parameters").get<std::vector<std::string>>();
-    for (const nlohmann::json& sample : json.at("samples")) manifest.samples.push_back(sample_from(sample));
-    for (const nlohmann::json& object : json.at("objects")) manifest.objects.push_back(object_from(object));
-    check(manifest, path);
-    return manifest;
+    return manifest_from(nlohmann::json::parse(file));
+  } catch (const Error& error) {
+    throw Error(error.code(), path + ": " + error.what());
   } catch (const nlohmann::json::exception& error) {
     throw Error(ErrorCode::kInput, path + ": is no manifest of inferred textures: " + error.what());
   }

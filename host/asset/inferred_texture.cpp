@@ -9,6 +9,7 @@
 #include <ImfTiledOutputFile.h>
 #include <half.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 
@@ -21,6 +22,8 @@ namespace {
 
 constexpr const char* kProvenance = "multum:provenance";
 constexpr int kTile = 64;
+constexpr int kSideMax = 16384;
+constexpr float kHalfMax = 65504.0f;
 constexpr std::array<const char*, 3> kChannels = {"R", "G", "B"};
 
 // One level as three interleaved halfs a texel.
@@ -44,9 +47,19 @@ void check_is_texture(const Imf::TiledInputFile& file, const std::string& path) 
   const Imf::Header& header = file.header();
   if (file.levelMode() != Imf::MIPMAP_LEVELS || file.levelRoundingMode() != Imf::ROUND_DOWN)
     refuse(path, "is not mip-mapped as inferred textures are (MIPMAP_LEVELS, ROUND_DOWN)");
-  for (const char* channel : kChannels)
-    if (header.channels().findChannel(channel) == nullptr)
-      refuse(path, std::string("has no channel ") + channel + "; inferred textures have R, G and B");
+  for (const char* name : kChannels) {
+    const Imf::Channel* channel = header.channels().findChannel(name);
+    if (channel == nullptr) refuse(path, std::string("has no channel ") + name + "; inferred textures have R, G and B");
+    // The library would round others, large ones to infinity.
+    if (channel->type != Imf::HALF) refuse(path, std::string("has a channel ") + name + " that is not of halfs");
+  }
+  // frame_of() begins at pixel (0, 0): of a window elsewhere the library would write beyond the texels.
+  if (header.dataWindow().min != Imath::V2i(0, 0))
+    refuse(path, "has a data window that does not begin at (0, 0), as those of inferred textures do");
+  const int width = file.levelWidth(0), height = file.levelHeight(0);
+  if (width > kSideMax || height > kSideMax)
+    refuse(path, "is " + std::to_string(width) + " x " + std::to_string(height) + " texels, expected up to " +
+                     std::to_string(kSideMax) + " a side");
 }
 
 }  // namespace
@@ -68,7 +81,10 @@ void write_inferred_texture(const InferredTexture& texture, const std::string& p
       for (int l = 0; l < layout.level_count(); ++l) {
         const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
         const auto begin = texture.texels.begin() + 3 * level.offset;
-        values.assign(begin, begin + static_cast<std::ptrdiff_t>(value_count(level)));
+        values.resize(value_count(level));
+        // Infinity would spread: of a texel that weighs nothing, the filter makes no number.
+        std::transform(begin, begin + static_cast<std::ptrdiff_t>(values.size()), values.begin(),
+                       [](float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)); });
         output.setFrameBuffer(frame_of(values.data(), level.width));
         output.writeTiles(0, output.numXTiles(l) - 1, 0, output.numYTiles(l) - 1, l);
       }

@@ -21,8 +21,8 @@ struct InferredTexture {
   std::string provenance;  // JSON: how it was inferred, and from what
 };
 
-/// A tiled, mip-mapped EXR of halfs, "multum:provenance" in its header. Appears whole, by rename. Throws
-/// Error(kEnvironment).
+/// A tiled, mip-mapped EXR of halfs, "multum:provenance" in its header; values beyond the largest half become that
+/// one, 65504. Appears whole, by rename. Throws Error(kEnvironment).
 void write_inferred_texture(const InferredTexture& texture, const std::string& path);
 
 /// What the file gives back of such values.

@@ -8,6 +8,31 @@
 #include "host/base/error.h"
 
 namespace multum {
+namespace {
+
+// Throws Error without the file's name, which the caller knows.
+ProbeRequest request_from(const nlohmann::json& json) {
+  if (json.at("multumProbeRequest").get<int>() != 1)
+    throw Error(ErrorCode::kInput, "is a probe request of another version, expected 1");
+  ProbeRequest request;
+  request.geometry_file = json.at("geometry").get<std::string>();
+  request.uv_set = json.at("uvSet").get<int>();
+  request.width = json.at("width").get<int>();
+  request.height = json.at("height").get<int>();
+  request.supersampling = json.at("supersampling").get<int>();
+  request.view = json.at("view").get<std::string>();
+  request.world_to_clip = matrix_from_json(json.at("worldToClip"));
+  for (const auto& [name, matrix] : json.at("objectToWorld").items())
+    request.object_to_world[name] = matrix_from_json(matrix);
+  for (const nlohmann::json& task : json.at("tasks"))
+    request.tasks.push_back({task.at("object").get<std::string>(), task.at("mapping").get<TextureMapping>(),
+                             anisotropy_from_json(task.at("anisotropy")), task.at("hasMips").get<bool>(),
+                             task.at("output").get<std::string>(), task.at("key").get<std::string>()});
+  check_picture_size(request.width, request.height, request.supersampling);
+  return request;
+}
+
+}  // namespace
 
 void write_probe_request(const ProbeRequest& request, const std::string& path) {
   nlohmann::json tasks = nlohmann::json::array();
@@ -32,26 +57,9 @@ ProbeRequest read_probe_request(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw Error(ErrorCode::kInput, path + ": cannot be read");
   try {
-    const nlohmann::json json = nlohmann::json::parse(file);
-    if (json.at("multumProbeRequest").get<int>() != 1)
-      throw Error(ErrorCode::kInput, path + ": is a probe request of another version, expected 1");
-    ProbeRequest request;
-    request.geometry_file = json.at("geometry").get<std::string>();
-    request.uv_set = json.at("uvSet").get<int>();
-    request.width = json.at("width").get<int>();
-    request.height = json.at("height").get<int>();
-    request.supersampling = json.at("supersampling").get<int>();
-    request.view = json.at("view").get<std::string>();
-    request.world_to_clip = matrix_from_json(json.at("worldToClip"));
-    for (const auto& [name, matrix] : json.at("objectToWorld").items())
-      request.object_to_world[name] = matrix_from_json(matrix);
-    for (const nlohmann::json& task : json.at("tasks"))
-      request.tasks.push_back({task.at("object").get<std::string>(), task.at("mapping").get<TextureMapping>(),
-                               task.at("anisotropy").get<float>(), task.at("hasMips").get<bool>(),
-                               task.at("output").get<std::string>(), task.at("key").get<std::string>()});
-    if (request.width < 1 || request.height < 1 || request.supersampling < 1 || request.supersampling > 8)
-      throw Error(ErrorCode::kInput, path + ": the picture's size or its supersampling (1..8) is out of range");
-    return request;
+    return request_from(nlohmann::json::parse(file));
+  } catch (const Error& error) {
+    throw Error(error.code(), path + ": " + error.what());
   } catch (const nlohmann::json::exception& error) {
     throw Error(ErrorCode::kInput, path + ": is no probe request: " + error.what());
   }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The baked file as strangers read it: OpenImageIO's oiiotool, and the Python of docs/FORMAT.md as it stands there.
+// The files as strangers read them: OpenImageIO's oiiotool, and the Python of docs/FORMAT.md as it stands there.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <sstream>
 
+#include "host/asset/filter_matrix.h"
+#include "host/asset/inferred_texture.h"
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/content_hash.h"
 #include "tests/cli/program.h"
@@ -187,6 +189,73 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
         {python, path("read.py"), path("map.ndf.exr"), path("values"), std::to_string(mipmap.first_level - 1), "7"});
     EXPECT_NE(finer.exit_code, 0);
     EXPECT_NE(finer.err.find("the file leaves this level to the normal map"), std::string::npos) << finer.err;
+  }
+}
+
+// Reads a filter matrix and a texture; writes the lists as they come, and A x.
+constexpr char kMatrixDriver[] = R"(
+import sys
+matrix = read_filter_matrix(sys.argv[1])
+with open(sys.argv[3], "wb") as out:
+    for values in matrix[1:]:
+        out.write(np.ascontiguousarray(values, dtype="<f4").tobytes())
+    out.write(np.ascontiguousarray(picture_of(matrix, read_texels(sys.argv[2])), dtype="<f4").tobytes())
+print(json.dumps(sorted(matrix[0])))
+)";
+
+// 3 pixels of 3 x 2; the texture of 3 x 2 has 7 texels.
+FilterMatrix three_pixels() {
+  FilterMatrix matrix;
+  matrix.width = 3;
+  matrix.height = 2;
+  matrix.texture_width = 3;
+  matrix.texture_height = 2;
+  matrix.pixels = {0, 2, 5};
+  matrix.coverage = {0.25f, 1.0f, 0.5f};
+  matrix.row_begin = {0, 1, 4, 6};
+  matrix.columns = {6, 0, 1, 5, 2, 6};
+  matrix.weights = {1.0f, 0.5f, 0.375f, 0.125f, 0.75f, 0.25f};
+  return matrix;
+}
+
+TEST_F(OtherReadersTest, ThePythonOfTheFormatPageMultipliesMatrixAndTexture) {
+  const std::string python = MULTUM_OIIO_PYTHON;
+  if (python.empty()) GTEST_SKIP() << "no Python that imports OpenImageIO and numpy when this was configured";
+  write_bytes(path("read.py"), python_of_format_page() + kMatrixDriver);
+  InferredTexture texture{3, 2, {}, "{}"};
+  for (int i = 0; i < 3 * 7; ++i) texture.texels.push_back(static_cast<float>(i));
+  write_inferred_texture(texture, path("t.exr"));
+  FilterMatrix empty = three_pixels();
+  empty.pixels.clear(), empty.coverage.clear(), empty.columns.clear(), empty.weights.clear();
+  empty.row_begin = {0};
+  for (const FilterMatrix& matrix : {three_pixels(), empty}) {
+    write_filter_matrix(matrix, path("a.filter"));
+    const std::vector<std::string> command = {python, path("read.py"), path("a.filter"), path("t.exr"), path("values")};
+    const ProgramResult read = run_program(command);
+    ASSERT_EQ(read.exit_code, 0) << read.err;
+    FloatStream values(read_bytes(path("values")));
+    for (const std::uint32_t value : matrix.pixels) EXPECT_EQ(values.next(), static_cast<float>(value));
+    for (const float value : matrix.coverage) EXPECT_EQ(values.next(), value);
+    for (const std::uint32_t value : matrix.row_begin) EXPECT_EQ(values.next(), static_cast<float>(value));
+    for (const std::uint32_t value : matrix.columns) EXPECT_EQ(values.next(), static_cast<float>(value));
+    for (const float value : matrix.weights) EXPECT_EQ(values.next(), value);
+    std::vector<float> picture(3 * 3 * 2);
+    for (std::size_t r = 0; r < matrix.row_count(); ++r)
+      for (std::uint32_t i = matrix.row_begin[r]; i < matrix.row_begin[r + 1]; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+          picture[3 * matrix.pixels[r] + c] +=
+              matrix.coverage[r] * matrix.weights[i] * texture.texels[3 * matrix.columns[i] + c];
+    for (const float value : picture) EXPECT_EQ(values.next(), value) << "these numbers are exact";
+    EXPECT_EQ(values.left(), 0u);
+    // The page's table names every key of the header.
+    const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/FORMAT.md");
+    std::istringstream keys(read.out);
+    for (std::string key; std::getline(keys, key, '"') && std::getline(keys, key, '"');)
+      EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << key;
+    std::string bytes = read_bytes(path("a.filter"));
+    bytes.back() = static_cast<char>(bytes.back() ^ 4);
+    write_bytes(path("a.filter"), bytes);
+    EXPECT_NE(run_program(command).err.find("damaged"), std::string::npos);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <set>
 
 #include "host/asset/inferred_texture.h"
 #include "host/base/content_hash.h"
@@ -45,6 +46,21 @@ std::size_t find_sample(const InferredManifest& manifest, const std::string& tex
       ErrorCode::kUsage,
       fmt::format("--sample '{}': expected the indices {} from {} to {}, or a sample's name, as {}", text, parameters,
                   join(manifest.samples.front().at), join(manifest.samples.back().at), manifest.samples.front().name));
+}
+
+// No picture takes the place of the manifest, the geometry or any texture, also of samples that are not drawn now.
+void check_outputs(const InferredManifest& manifest, const fs::path& folder, const std::vector<std::string>& outputs) {
+  std::set<std::string> names = {kInferredManifestName, manifest.geometry_file};
+  for (const InferredObject& object : manifest.objects)
+    for (const InferredLayer& layer : object.layers) names.insert(layer.textures.begin(), layer.textures.end());
+  std::set<fs::path> inputs;  // of one spelling each: a folder may hold as many textures as there are samples
+  for (const std::string& name : names)
+    if (!name.empty()) inputs.insert(fs::weakly_canonical(folder / name));
+  for (const std::string& output : outputs)
+    if (inputs.count(fs::weakly_canonical(output)) > 0)
+      throw Error(ErrorCode::kUsage, output + ": is read, expected the name of another file to write");
+  check_paths_differ({}, outputs);
+  for (const std::string& output : outputs) check_writable(output);
 }
 
 gl::Texture upload(const gl::GlFunctions& gl, const std::string& path, const InferredObject& object) {
@@ -131,9 +147,11 @@ int run_inferred(int argc, char** argv) {
   app.failure_message(usage_error);
   app.add_option("folder", options.folder, "what multum infer wrote, or its inferred.json")->required();
   app.add_option("--sample", options.samples, "index along each parameter, or a sample's name; may be repeated")
-      ->required();
+      ->required()
+      ->allow_extra_args(false);  // or it takes the folder, where that comes last
   app.add_option("-o,--output", options.outputs, "picture of each sample: .png (sRGB) or .exr (linear floats)")
-      ->required();
+      ->required()
+      ->allow_extra_args(false);
   app.add_option("--exposure", options.exposure, "brightness of a PNG")
       ->check(CLI::Range(1e-6f, 1e6f))
       ->capture_default_str();
@@ -153,8 +171,7 @@ int run_inferred(int argc, char** argv) {
   fs::path folder(options.folder);
   if (folder.filename() == kInferredManifestName) folder = folder.parent_path();
   const InferredManifest manifest = read_inferred_manifest((folder / kInferredManifestName).string());
-  check_paths_differ({}, options.outputs);
-  for (const std::string& output : options.outputs) check_writable(output);
+  check_outputs(manifest, folder, options.outputs);
   std::vector<std::size_t> samples;
   for (const std::string& sample : options.samples) samples.push_back(find_sample(manifest, sample));
   const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));

@@ -12,6 +12,7 @@
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/output_paths.h"
 #include "host/mesh/object_mesh.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/probe/filter_probe.h"
@@ -35,8 +36,25 @@ std::string matrices_hash(const std::vector<gl::PlacedMesh>& placed) {
   return hash.finish();
 }
 
+// The object of each task. Refuses, before anything is measured, what would end the run at a later task, and files that
+// would overwrite each other or what is read.
+std::vector<std::size_t> check_tasks(const ProbeRequest& request, const ProbeOptions& options,
+                                     const std::vector<ObjectMesh>& meshes) {
+  std::vector<std::size_t> objects;
+  std::vector<std::string> outputs;
+  for (const ProbeTask& task : request.tasks) {
+    objects.push_back(find_object(meshes, task.object, request.geometry_file));
+    outputs.push_back(task.output);
+    if (options.matrix_market) outputs.push_back(task.output + ".mtx");
+  }
+  check_paths_differ({options.request, request.geometry_file}, outputs);
+  for (const std::string& output : outputs) check_writable(output);
+  return objects;
+}
+
 void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
   const std::vector<ObjectMesh> meshes = read_object_meshes(request.geometry_file, request.uv_set);
+  const std::vector<std::size_t> task_objects = check_tasks(request, options, meshes);
   const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
   log_info(context->description());
   const gl::GlFunctions& gl = context->functions();
@@ -49,9 +67,10 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
     placed.push_back(
         {plain.back().get(), object_to_clip(request.world_to_clip, object_place(mesh, request.object_to_world))});
   }
-  for (const ProbeTask& task : request.tasks) {
+  for (std::size_t i = 0; i < request.tasks.size(); ++i) {
     const auto start = std::chrono::steady_clock::now();
-    const std::size_t object = find_object(meshes, task.object, request.geometry_file);
+    const ProbeTask& task = request.tasks[i];
+    const std::size_t object = task_objects[i];
     const gl::MeshData data = mapped_mesh_data(meshes[object], task.mapping);
     const gl::Mesh mapped(gl, data);
     std::vector<gl::PlacedMesh> objects = placed;
