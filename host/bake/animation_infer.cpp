@@ -243,10 +243,11 @@ class AnimationBaker {
       write_texture(path, k, key, texture, texels);
     }
     for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
-    texture.squared_errors = squared_errors(system, colours, texels, texture);
+    texture.squared_errors = squared_errors(k, system, pictures, colours, texels, texture.pixel_counts);
     if (settings_.with_baseline) {
       const Stopwatch watch(result_.seconds.baseline);
-      texture.forward_squared_errors = squared_errors(system, colours, forward_texels(k, block, pictures), texture);
+      texture.forward_squared_errors =
+          squared_errors(k, system, pictures, colours, forward_texels(k, block, pictures), texture.pixel_counts);
     }
     starts_[k] = std::move(texels);
     for (InferredLayer& one : result_.manifest.objects[k].layers)
@@ -358,25 +359,25 @@ class AnimationBaker {
     write_inferred_texture(file, path);
   }
 
-  // A x against the layer's pixels, mean of each sample, of the held-out ones too.
-  std::vector<double> squared_errors(const ObjectSystem& system, const std::vector<float>& colours,
-                                     const std::vector<float>& texels, TextureResult& texture) const {
+  // A x against the layer's pixels: the mean of each sample, of the held-out ones too, over pixels that the object
+  // covers wholly. What a mixed pixel shows of an object is a guess of the segmentation.
+  std::vector<double> squared_errors(std::size_t k, const ObjectSystem& system,
+                                     const std::vector<std::vector<ObjectLayer>>& pictures,
+                                     const std::vector<float>& colours, const std::vector<float>& texels,
+                                     std::vector<double>& pixel_counts) const {
     std::vector<double> errors;
-    texture.pixel_counts.clear();
+    pixel_counts.clear();
     std::size_t row = 0;
     for (std::size_t i = 0; i < system.matrices.size(); ++i) {
       const FilterMatrix& m = system.matrices[i];
       double sum = 0.0, count = 0.0;
       for (std::size_t r = 0; r < m.row_count(); ++r, ++row) {
-        if (!texture.is_held_out[i] && !(system.views[i].row_weights[r] > 0.0f)) continue;
-        float value[3] = {0.0f, 0.0f, 0.0f};
-        for (std::uint32_t e = m.row_begin[r]; e < m.row_begin[r + 1]; ++e)
-          for (std::size_t c = 0; c < 3; ++c) value[c] += m.weights[e] * texels[3 * m.columns[e] + c];
-        sum += squared_error_8bit(value, &colours[3 * row]);
+        if (std::min(m.coverage[r], pictures[i][k].coverage[m.pixels[r]]) < kWholeCoverage) continue;
+        sum += squared_error_8bit(filtered(m, r, texels).data(), &colours[3 * row]);
         count += 1.0;
       }
       errors.push_back(count > 0.0 ? sum / count : 0.0);
-      texture.pixel_counts.push_back(count);
+      pixel_counts.push_back(count);
     }
     return errors;
   }
@@ -411,6 +412,13 @@ class AnimationBaker {
 };
 
 }  // namespace
+
+std::array<float, 3> filtered(const FilterMatrix& matrix, std::size_t row, const std::vector<float>& texels) {
+  std::array<float, 3> value{0.0f, 0.0f, 0.0f};
+  for (std::uint32_t e = matrix.row_begin[row]; e < matrix.row_begin[row + 1]; ++e)
+    for (std::size_t c = 0; c < 3; ++c) value[c] += matrix.weights[e] * texels[3 * matrix.columns[e] + c];
+  return value;
+}
 
 double squared_error_8bit(const float* a, const float* b) {
   double sum = 0.0;

@@ -8,6 +8,7 @@
 // is taken as it is: a run that was stopped goes on where it was.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -40,7 +41,7 @@ struct TextureResult {
   std::size_t object = 0;
   std::size_t layer = 0;
   std::vector<int> samples;            // of the job
-  std::vector<double> squared_errors;  // of each sample: mean over pixels of the layer, 8-bit sRGB units
+  std::vector<double> squared_errors;  // of each sample: mean over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
   std::vector<double> forward_squared_errors;  // the same of forward mapping (forward_mapping.h); empty: not asked for
   std::vector<bool> is_held_out;               // not solved for
@@ -71,6 +72,12 @@ struct AnimationInferResult {
 /// Throws Error, Cancelled. What is finished stays.
 AnimationInferResult infer_animation(const AnimationField& field, const AnimationInferSettings& settings,
                                      Progress* progress);
+
+/// A pixel's share that an object covers, from which on it counts as covered wholly.
+constexpr float kWholeCoverage = 0.999f;
+
+/// One row of A x.
+std::array<float, 3> filtered(const FilterMatrix& matrix, std::size_t row, const std::vector<float>& texels);
 
 /// Mean squared difference of two colours in 8-bit sRGB units, clipped to what such a picture holds.
 double squared_error_8bit(const float* a, const float* b);

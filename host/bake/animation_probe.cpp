@@ -55,7 +55,8 @@ std::string AnimationProbe::key(int pose, std::size_t object) const {
                                {"object", field_.job().objects[object].mesh},
                                {"mapping", mappings_[object]},
                                {"anisotropy", field_.job().objects[object].texture.anisotropy},
-                               {"context", settings_.context}};
+                               {"context", settings_.context},
+                               {"hasMips", settings_.has_mips}};
   return hash_text(json.dump());
 }
 
@@ -88,8 +89,8 @@ void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects) 
   request.object_to_world = at.object_to_world;
   for (const std::size_t k : objects) {
     const AnimationObject& object = field_.job().objects[k];
-    request.tasks.push_back(
-        {object.mesh, mappings_[k], static_cast<float>(object.texture.anisotropy), true, path(pose, k), key(pose, k)});
+    request.tasks.push_back({object.mesh, mappings_[k], static_cast<float>(object.texture.anisotropy),
+                             settings_.has_mips, path(pose, k), key(pose, k)});
   }
   const std::string file = fmt::format("{}/{}.probe.json", settings_.folder, at.name);
   write_probe_request(request, file);

@@ -18,6 +18,7 @@ struct ProbeSettings {
   std::string context = "auto";  // its GL
   std::string folder;            // of the matrices
   int threads = 0;
+  bool has_mips = true;  // false: bilinear, level 0 alone
 };
 
 class AnimationProbe {

@@ -24,6 +24,7 @@ struct InferenceComparison {
   std::vector<ComparisonRow> rows;
 };
 
+/// Anisotropic filtering is compared without supersampling alone: its footprints take many draws to measure.
 /// Measures the matrices that it needs in OUTPUT/comparison. `mappings`: of each of the job's objects.
 InferenceComparison compare_inference(const AnimationJob& job, int sample, int supersampling,
                                       const std::vector<TextureMapping>& mappings,

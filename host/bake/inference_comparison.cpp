@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/inference_comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "host/bake/forward_mapping.h"
+
+namespace multum {
+namespace {
+
+struct Variant {
+  std::string name;
+  bool is_forward;
+  bool has_mips;
+  double anisotropy;
+  double pyramid_weight;
+};
+
+// Those of the paper's fig. 6, and what they are to be compared with in the same sampler.
+const std::vector<Variant> kVariants = {{"forward mapping, trilinear", true, true, 1.0, 0.0},
+                                        {"bilinear", false, false, 1.0, 0.0},
+                                        {"trilinear", false, true, 1.0, 0.0},
+                                        {"trilinear, regularisation 0.1", false, true, 1.0, 0.1},
+                                        {"trilinear, regularisation 0.5", false, true, 1.0, 0.5},
+                                        {"forward mapping, anisotropic", true, true, 4.0, 0.0},
+                                        {"anisotropic", false, true, 4.0, 0.0},
+                                        {"anisotropic, regularisation 0.1", false, true, 4.0, 0.1},
+                                        {"anisotropic, regularisation 0.5", false, true, 4.0, 0.5}};
+
+// The job with one sample alone.
+AnimationJob at_sample(AnimationJob job, int sample, int supersampling, double anisotropy) {
+  job.samples = {job.samples[static_cast<std::size_t>(sample)]};
+  for (int& index : job.samples.front().at) index = 0;
+  for (AnimationParameter& parameter : job.parameters) parameter.count = 1;
+  job.supersampling = supersampling;
+  job.depth.clear();  // the cameras are checked already
+  for (AnimationObject& object : job.objects) object.texture.anisotropy = anisotropy;
+  return job;
+}
+
+class Comparer {
+ public:
+  Comparer(const AnimationField& field, const AnimationInferSettings& settings)
+      : field_(field), settings_(settings), device_(Device::open(settings.device)) {
+    for (const AnimationLayer& layer : field.job().layers)
+      layers_.push_back(field.segment(0, layer, settings.threads, nullptr));
+  }
+
+  // Of every object, all its layers added.
+  std::vector<double> errors_of(const Variant& variant, const AnimationProbe& probe,
+                                std::vector<double>& pixel_counts) {
+    std::vector<double> errors;
+    pixel_counts.clear();
+    for (std::size_t k = 0; k < field_.job().objects.size(); ++k) {
+      pixel_counts.push_back(0.0);
+      errors.push_back(probe.is_seen(k) ? error_of(variant, probe, k, pixel_counts.back()) : -1.0);
+    }
+    return errors;
+  }
+
+ private:
+  double error_of(const Variant& variant, const AnimationProbe& probe, std::size_t k, double& pixel_count) {
+    const FilterMatrix matrix = probe.matrix(0, k);
+    std::vector<float> weights;
+    for (std::size_t r = 0; r < matrix.row_count(); ++r) {
+      const float weight = std::min(matrix.coverage[r], layers_[0][k].coverage[matrix.pixels[r]]);
+      weights.push_back(static_cast<double>(weight) >= field_.job().coverage_min ? weight : 0.0f);
+    }
+    if (std::none_of(weights.begin(), weights.end(), [](float w) { return w > 0.0f; })) return -1.0;
+    std::vector<float> expected(3 * matrix.row_count(), 0.0f), found(expected);
+    for (const std::vector<ObjectLayer>& layer : layers_) {
+      if (!has_radiance(layer[k], field_.job().radiance_max)) continue;
+      const std::vector<float> colours = colours_of(matrix, layer[k]);
+      const std::vector<float> texels =
+          variant.is_forward ? forward_texels(probe, k, layer[k]) : inferred_texels(variant, matrix, weights, colours);
+      for (std::size_t r = 0; r < matrix.row_count(); ++r) {
+        const std::array<float, 3> value = filtered(matrix, r, texels);
+        for (std::size_t c = 0; c < 3; ++c) {
+          found[3 * r + c] += value[c];
+          expected[3 * r + c] += colours[3 * r + c];
+        }
+      }
+    }
+    double sum = 0.0;
+    for (std::size_t r = 0; r < matrix.row_count(); ++r) {
+      if (weights[r] < kWholeCoverage) continue;
+      sum += squared_error_8bit(&found[3 * r], &expected[3 * r]);
+      pixel_count += 1.0;
+    }
+    return pixel_count > 0.0 ? sum / pixel_count : -1.0;
+  }
+
+  std::vector<float> colours_of(const FilterMatrix& matrix, const ObjectLayer& layer) const {
+    std::vector<float> colours;
+    for (const std::uint32_t pixel : matrix.pixels)
+      for (std::size_t c = 0; c < 3; ++c)
+        colours.push_back(
+            static_cast<float>(static_cast<double>(layer.rgb[3 * pixel + c]) / field_.job().radiance_max));
+    return colours;
+  }
+
+  std::vector<float> inferred_texels(const Variant& variant, const FilterMatrix& matrix,
+                                     const std::vector<float>& weights, const std::vector<float>& colours) {
+    InferenceSettings inference;
+    inference.pyramid_weight = variant.pyramid_weight;
+    inference.gradient_tolerance = settings_.gradient_tolerance;
+    inference.iteration_max = settings_.iteration_max;
+    return TextureInference(device_, {{&matrix, weights}}, inference, settings_.threads).solve(colours, {}).texels;
+  }
+
+  std::vector<float> forward_texels(const AnimationProbe& probe, std::size_t k, const ObjectLayer& layer) const {
+    const int mesh = field_.mesh_of(k);
+    const AnimationCamera& camera = field_.job().cameras[static_cast<std::size_t>(field_.poses()[0].camera)];
+    std::vector<float> texels =
+        forward_mapped(field_.meshes()[static_cast<std::size_t>(mesh)], probe.mapping(k),
+                       {{camera.projection * field_.object_to_camera(mesh, 0), &field_.items(0), mesh, &layer}});
+    for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / field_.job().radiance_max);
+    return texels;
+  }
+
+  const AnimationField& field_;
+  const AnimationInferSettings& settings_;
+  Device device_;
+  std::vector<std::vector<ObjectLayer>> layers_;  // [layer][object]
+};
+
+}  // namespace
+
+InferenceComparison compare_inference(const AnimationJob& job, int sample, int supersampling,
+                                      const std::vector<TextureMapping>& mappings,
+                                      const AnimationInferSettings& settings, Progress* progress) {
+  InferenceComparison comparison;
+  comparison.sample = job.samples[static_cast<std::size_t>(sample)].name;
+  comparison.supersampling = supersampling;
+  // One field and one set of matrices for each sampler: variants of one lie together.
+  std::unique_ptr<AnimationField> field;
+  std::unique_ptr<AnimationProbe> probe;
+  const Variant* last = nullptr;
+  for (const Variant& variant : kVariants) {
+    if (variant.anisotropy > 1.0 && supersampling > 1) continue;
+    if (last == nullptr || last->has_mips != variant.has_mips || last->anisotropy != variant.anisotropy) {
+      progress_stage(progress, "compare " + variant.name);
+      probe.reset();
+      field = std::make_unique<AnimationField>(at_sample(job, sample, supersampling, variant.anisotropy));
+      probe = std::make_unique<AnimationProbe>(
+          *field, mappings,
+          ProbeSettings{settings.viewer, settings.context,
+                        fmt::format("{}/comparison/{}_{}_{}", settings.output, supersampling,
+                                    variant.has_mips ? "mips" : "finest", variant.anisotropy),
+                        settings.threads, variant.has_mips});
+      probe->run(nullptr);
+    }
+    last = &variant;
+    comparison.rows.push_back(
+        {variant.name, Comparer(*field, settings).errors_of(variant, *probe, comparison.pixel_counts)});
+  }
+  return comparison;
+}
+
+}  // namespace multum
