@@ -34,18 +34,13 @@ __kernel void pyramid_residual(__global const MultumMipLevel* levels, __global c
   residual[texel] = x[texel] - mix(upper, lower, fy);
 }
 
-// Adds weight * R^T residual and diagonal * x to `sum`, and leaves out what is held at a bound.
+// Adds weight * R^T residual to `sum`.
 // One work-item = one texel; global size pyramid.texel_count.
 //   residual [texels]   R x
-//   x        [texels]
-//   diagonal [texels]   of range regularisation's second derivative
-//   is_free  [texels]   1 a colour that may move, 0 one that is held
 //   sum      [texels]   read and written
 // Memory bound.
 __kernel void pyramid_gradient(__global const MultumMipLevel* levels, __global const float4* residual,
-                               __global const float4* x, __global const float4* diagonal,
-                               __global const float4* is_free, __global float4* sum, MultumPyramid pyramid,
-                               float weight) {
+                               __global float4* sum, MultumPyramid pyramid, float weight) {
   const int texel = (int)get_global_id(0);
   if (texel >= pyramid.texel_count) return;
   const int l = level_of_texel(levels, pyramid.level_count, texel);
@@ -68,5 +63,5 @@ __kernel void pyramid_gradient(__global const MultumMipLevel* levels, __global c
       }
     }
   }
-  sum[texel] = is_free[texel] * (sum[texel] + weight * gathered + diagonal[texel] * x[texel]);
+  sum[texel] += weight * gathered;
 }

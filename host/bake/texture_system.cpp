@@ -165,6 +165,10 @@ DeviceRows::DeviceRows(Device& device, const SparseRows& rows, const char* what)
   upload(weights_, weights);
 }
 
+std::size_t DeviceRows::byte_count() const {
+  return block_begin_.byte_count() + columns_.byte_count() + weights_.byte_count();
+}
+
 void DeviceRows::multiply(Kernel& kernel, const DeviceBuffer& x, DeviceBuffer& y) const {
   kernel.launch({static_cast<std::size_t>(row_count_), kRowsAnItem}, block_begin_, columns_, weights_, x, y,
                 row_count_);
@@ -198,8 +202,8 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
   spmv_ = device.kernel("filter_matrix_spmv", "filter_matrix_spmv", variant);
   pyramid_residual_ = device.kernel("pyramidal_regularization", "pyramid_residual", variant);
   pyramid_gradient_ = device.kernel("pyramidal_regularization", "pyramid_gradient", variant);
-  dot_product = device.kernel("conjugate_gradient", "dot_product", variant);
-  advance_solution = device.kernel("conjugate_gradient", "advance_solution", variant);
+  curvature_product = device.kernel("conjugate_gradient", "curvature_product", variant);
+  advance_residual = device.kernel("conjugate_gradient", "advance_residual", variant);
   advance_direction = device.kernel("conjugate_gradient", "advance_direction", variant);
   std::vector<MultumMipLevel> levels;
   for (const MipLevelPlace& level : layout.levels) levels.push_back({level.offset, level.width, level.height, 0});
@@ -269,19 +273,18 @@ DeviceBuffer TextureSystem::make_texels(const char* what) {
   return device.make_buffer(static_cast<std::size_t>(layout.texel_count) * sizeof(Colour4), what);
 }
 
-void TextureSystem::apply(const DeviceBuffer& x, const DeviceBuffer& diagonal_of_range, const DeviceBuffer& is_free,
-                          DeviceBuffer& sum) {
+void TextureSystem::apply(const DeviceBuffer& x, DeviceBuffer& sum) {
   if (uses_normal) {
     normal_.multiply(spmv_, x, sum);
   } else {
     matrix_.multiply(spmv_, x, row_values_);
     transpose_.multiply(spmv_, row_values_, sum);
   }
+  if (pyramid_weight == 0.0) return;
   const MultumPyramid pyramid{layout.level_count(), layout.texel_count, is_periodic_s ? 1 : 0, is_periodic_t ? 1 : 0};
   const Kernel::WorkSize size{static_cast<std::size_t>(layout.texel_count), kRowsAnItem};
   pyramid_residual_.launch(size, levels_, x, residual_, pyramid);
-  pyramid_gradient_.launch(size, levels_, residual_, x, diagonal_of_range, is_free, sum, pyramid,
-                           static_cast<float>(pyramid_weight));
+  pyramid_gradient_.launch(size, levels_, residual_, sum, pyramid, static_cast<float>(pyramid_weight));
 }
 
 std::vector<Colour4> TextureSystem::projected(const std::vector<float>& colours, std::array<double, 3>* squares) {
