@@ -12,6 +12,11 @@
 namespace multum {
 namespace {
 
+// Entries of A^T A for one of A up to which products with A^T A are taken. A and its transpose are gone through once
+// each an iteration, A^T A once: times cross near 3 (docs/BENCHMARKS.md; eight entries in a block there and here). But
+// A^T A must be made first, which takes as long as hundreds of iterations near there: 2 leaves out what gains little.
+// The paper's rule, 2 n_s >= 4 n_t, compares rows, of eight entries each.
+constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products
 
@@ -185,10 +190,8 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
   entry_count = rows_.columns.size();
   const SparseRows columns = transposed(rows_, texel_count);
   normal_entry_count = estimated_normal_entries(rows_, columns);
-  // A and its transpose are gone through once each an iteration, A^T A once: the fewer entries win (the paper's rule
-  // compares rows with 2 n_s >= 4 n_t, eight entries each; measured in docs/BENCHMARKS.md).
   uses_normal = settings.form == InferenceForm::kNormal ||
-                (settings.form == InferenceForm::kAuto && normal_entry_count < 2 * entry_count);
+                (settings.form == InferenceForm::kAuto && normal_entry_count < kNormalEntriesMax * entry_count);
   if (uses_normal) {
     const SparseRows normal = normal_rows(rows_, columns, threads);
     normal_entry_count = normal.columns.size();

@@ -23,6 +23,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Stacks from one end of the rule to the other: rows of few entries share texels with many others when pictures are
+// stacked, and rows that were averaged have many entries, each beside all others in A^T A.
+struct StackShape {
+  int views, sub_pixels;
+};
+constexpr StackShape kStacks[] = {{1, 1}, {2, 1}, {4, 1}, {8, 1}, {1, 2}, {2, 2},
+                                  {4, 2}, {8, 2}, {1, 3}, {2, 3}, {1, 4}};
+// Of textures that solvers are timed on: what conjugate gradient makes of little-seen texels on its way, many times as
+// much, ends within the bounds, so that both sides do the same. And of those that iterations are counted on.
+constexpr double kTimedContrast = 0.02, kCountedContrast = 0.3;
 constexpr int kLaunchesATime = 4;  // of a product, so that the wait at the end counts little
 
 // Pictures of one texture, and their matrices one below the other.
@@ -30,7 +40,7 @@ struct Stack {
   std::vector<FilterMatrix> matrices;
   std::vector<InferenceView> views;
   SparseRows rows, columns;
-  std::vector<float> colours;  // of plane_texels()
+  std::vector<float> colours, contrasted_colours;  // of textures of both contrasts
 
   Stack(int texture_side, int view_count, int sub_pixels, int threads) {
     for (int v = 0; v < view_count; ++v)
@@ -41,7 +51,8 @@ struct Stack {
     }
     const MipLayout layout = matrices.front().layout();
     columns = transposed(rows, static_cast<std::size_t>(layout.texel_count));
-    colours = picture(plane_texels(layout));
+    colours = picture(plane_texels(layout, kTimedContrast));
+    contrasted_colours = picture(plane_texels(layout, kCountedContrast));
   }
   Stack(const Stack&) = delete;
 
@@ -136,14 +147,22 @@ Json run_solver(Device& device, const Stack& stack, InferenceForm form, const In
   const YardstickWay three{YardstickForm::kThreeColumns, options.threads};
   const auto eigen = make_inference_yardstick(stack.rows, stack.texel_count(), eigens);
   const auto three_columns = make_inference_yardstick(stack.rows, stack.texel_count(), three);
+  InferenceSettings regularised = plain_settings(many, form);
+  regularised.pyramid_weight = InferenceSettings().pyramid_weight;
+  TextureInference regularised_whole(device, stack.views, regularised, options.threads);
+  regularised.iteration_max = few;
+  TextureInference regularised_part(device, stack.views, regularised, options.threads);
   InferenceResult found;
   std::vector<float> expected;
-  SolveTimes ours, theirs, threes;
+  SolveTimes ours, theirs, threes, pyramids;
   for (int i = -1; i < options.repetitions; ++i) {
-    if (i == 0) ours = theirs = threes = SolveTimes();  // the first round warmed caches up
+    if (i == 0) ours = theirs = threes = pyramids = SolveTimes();  // the first round warmed caches up
     ours.add(few, many, [&](int count) { found = (count == many ? whole : part).solve(stack.colours, start); });
     theirs.add(few, many, [&](int count) { expected = eigen->solve(stack.colours, start, count); });
     threes.add(few, many, [&](int count) { three_columns->solve(stack.colours, start, count); });
+    pyramids.add(few, many, [&](int count) {
+      (count == many ? regularised_whole : regularised_part).solve(stack.colours, start);
+    });
     progress_advance(progress, 0);
   }
   MULTUM_CHECK(found.iterations == many);
@@ -158,6 +177,7 @@ Json run_solver(Device& device, const Stack& stack, InferenceForm form, const In
           {"solve_ratio", spread_json(spread_of(ratios_of(ours.solve, theirs.solve)))},
           {"three_columns_iteration_ms", spread_json(spread_of(threes.iteration))},
           {"three_columns_ratio", spread_json(spread_of(ratios_of(ours.iteration, threes.iteration)))},
+          {"regularised_iteration_ms", spread_json(spread_of(pyramids.iteration))},
           {"largest_difference", largest_difference(found.texels, expected)},
           {"at_bounds", count_at_bounds(found.texels)},
           {"residual", stack.residual(found.texels)},
@@ -216,7 +236,8 @@ Json run_convergence(Device& device, const Stack& stack, InferenceForm form, int
       settings.form = form;
       TextureInference inference(device, stack.views, settings, threads);
       for (const bool is_started : {true, false}) {
-        const InferenceResult found = inference.solve(stack.colours, is_started ? std::vector<float>() : zero);
+        const InferenceResult found =
+            inference.solve(stack.contrasted_colours, is_started ? std::vector<float>() : zero);
         result.push_back({{"pyramid_weight", pyramid_weight},
                           {"precondition", precondition},
                           {"start_texels", is_started},
@@ -230,25 +251,27 @@ double median_ms(const Json& products, std::size_t number) { return parse_spread
 
 Json run_forms(Device& device, const InferenceBenchmarkOptions& options, Progress* progress) {
   Json forms = Json::array();
-  for (const int sub_pixels : {1, 4})
-    for (int views = 1; views <= options.views; views += views < 4 ? 1 : views / 2) {
-      const Stack stack(options.size, views, sub_pixels, options.threads);
-      const SparseRows normal = normal_rows(stack.rows, stack.columns, options.threads);
-      const Json products = run_products(device, stack, normal, options.repetitions);
-      const double both = median_ms(products, 0) + median_ms(products, 1), one = median_ms(products, 2);
-      const double entries = static_cast<double>(stack.rows.columns.size());
-      forms.push_back({{"views", views},
-                       {"sub_pixels", sub_pixels},
-                       {"entries", stack.rows.columns.size()},
-                       {"normal_entries", normal.columns.size()},
-                       {"entry_ratio", static_cast<double>(normal.columns.size()) / entries},
-                       {"matrix_ms", both},
-                       {"normal_ms", one},
-                       {"time_ratio", one / both}});
-      fmt::print(stderr, "{} views, {} x {}: entries {}, time {}\n", views, sub_pixels, sub_pixels,
-                 rounded_text(forms.back()["entry_ratio"].get<double>()), rounded_text(one / both));
-      progress_advance(progress, 0);
-    }
+  for (const auto& [views, sub_pixels] : kStacks) {
+    if (views > options.views) continue;
+    const Stack stack(options.size, views, sub_pixels, options.threads);
+    SparseRows normal;
+    const double making = milliseconds_of([&] { normal = normal_rows(stack.rows, stack.columns, options.threads); });
+    const Json products = run_products(device, stack, normal, options.repetitions);
+    const double both = median_ms(products, 0) + median_ms(products, 1), one = median_ms(products, 2);
+    const double entries = static_cast<double>(stack.rows.columns.size());
+    forms.push_back({{"views", views},
+                     {"sub_pixels", sub_pixels},
+                     {"entries", stack.rows.columns.size()},
+                     {"normal_entries", normal.columns.size()},
+                     {"entry_ratio", static_cast<double>(normal.columns.size()) / entries},
+                     {"matrix_ms", both},
+                     {"normal_ms", one},
+                     {"time_ratio", one / both},
+                     {"making_ms", making}});
+    fmt::print(stderr, "{} views, {} x {}: entries {}, time {}\n", views, sub_pixels, sub_pixels,
+               rounded_text(forms.back()["entry_ratio"].get<double>()), rounded_text(one / both));
+    progress_advance(progress, 0);
+  }
   return forms;
 }
 
@@ -270,12 +293,12 @@ Json run_system(Device& device, const std::string& name, const Stack& stack, Inf
 
 std::string solver_table(const Json& systems) {
   MarkdownTable table({"system", "form", "an iteration, ms", "Eigen, ms", "ratio", "whole solve, ms", "ratio of solves",
-                       "three columns at once, ms", "ratio to that", "largest difference"});
+                       "three columns at once, ms", "ratio to that", "regularised, ms", "largest difference"});
   for (const Json& system : systems) {
     const Json& solver = system.at("solver");
     std::vector<std::string> row = {system.at("system"), solver.at("form")};
     for (const char* key : {"iteration_ms", "yardstick_iteration_ms", "iteration_ratio", "solve_ms", "solve_ratio",
-                            "three_columns_iteration_ms", "three_columns_ratio"})
+                            "three_columns_iteration_ms", "three_columns_ratio", "regularised_iteration_ms"})
       row.push_back(spread_text(parse_spread(solver.at(key))));
     row.push_back(fmt::format("{:.1e}", solver.at("largest_difference").get<double>()));
     table.add(row);
@@ -317,13 +340,14 @@ std::string convergence_table(const Json& systems) {
 
 std::string form_table(const Json& forms) {
   MarkdownTable table({"views", "sub-pixels", "entries of A", "of A^T A", "ratio of entries", "A and A^T, ms",
-                       "A^T A, ms", "ratio of times"});
+                       "A^T A, ms", "ratio of times", "A^T A made in, ms"});
   for (const Json& form : forms)
     table.add({std::to_string(form.at("views").get<int>()), fmt::format("{0} x {0}", form.at("sub_pixels").get<int>()),
                std::to_string(form.at("entries").get<std::size_t>()),
                std::to_string(form.at("normal_entries").get<std::size_t>()),
                rounded_text(form.at("entry_ratio").get<double>()), rounded_text(form.at("matrix_ms").get<double>()),
-               rounded_text(form.at("normal_ms").get<double>()), rounded_text(form.at("time_ratio").get<double>())});
+               rounded_text(form.at("normal_ms").get<double>()), rounded_text(form.at("time_ratio").get<double>()),
+               rounded_text(form.at("making_ms").get<double>())});
   return table.text();
 }
 
@@ -361,12 +385,15 @@ ResultView view_inference(const Json& result) {
       "Texture inference against Eigen",
       fmt::format(
           "Pictures of {0} x {1} pixels of a plane with a texture of {2} x {2}, three colours, single precision, no "
-          "regularisers, from 0.5; the pictures are the texture's own, so that no bound is met, and both sides take "
+          "regularisers, from 0.5; the pictures are the texture's own, of little contrast, so that no bound is met, "
+          "and both sides take "
           "the same steps of preconditioned conjugate gradient. Eigen: the fastest way of its "
           "`LeastSquaresConjugateGradient`, a solve a colour (its solve of three columns is that too), compiled for "
           "the machine at hand ({3}). An iteration: a solve of {4} iterations less one of {5}, by their difference; "
           "whole solve: {4} iterations and what comes before them. Three columns at once: the same iteration written "
-          "with Eigen's products, which it does not offer; for comparison. {6} pairs in turns, {7} threads, the ratio "
+          "with Eigen's products, which it does not offer; for comparison. Regularised: the solver's iteration with "
+          "the "
+          "default pyramid_weight, which Eigen does not have. {6} pairs in turns, {7} threads, the ratio "
           "is that of a pair; largest difference: of any texel, 0..1, after {4} iterations.",
           size * 5 / 4, size * 15 / 16, size, yardsticks, iterations, iterations / 4,
           result.at("repetitions").get<int>(), result.at("threads").get<int>()),
@@ -374,11 +401,12 @@ ResultView view_inference(const Json& result) {
           "\nProducts with three colours. GB/s: the matrix as it is stored, in blocks of 8 entries, and each vector "
           "once.\n\n" +
           product_table(systems) +
-          "\nIterations until the gradient is 1e-3 of that at 0, by the solver's own steps.\n\n" +
+          "\nIterations until the gradient is 1e-3 of that at 0, by the solver's own steps; textures of full "
+          "contrast.\n\n" +
           convergence_table(systems) +
           "\nWhich form: pictures stacked, products with A and A^T against those with A^T A. The solver takes A^T A "
-          "where its entries are fewer than a multiple of those of A (`kNormalEntriesMax`, "
-          "`host/bake/texture_system.cpp`): about where times cross.\n\n" +
+          "where its entries are fewer than twice those of A (`kNormalEntriesMax`, `host/bake/texture_system.cpp`): "
+          "times cross later, but A^T A must be made first.\n\n" +
           form_table(result.at("forms"))};
 }
 

@@ -15,7 +15,7 @@ constexpr double kHorizon = 0.15;  // above the picture, heights of it: distance
 constexpr double kScaleS = 1.6, kScaleT = 0.4;  // repetitions of the texture: a pixel of the foreground is a texel
 // Of the fractions between texels and levels. Every texel that is seen has weight enough then to be known in single
 // precision, without regularisers: bounds are not met.
-constexpr double kFractionMin = 1.0 / 16;
+constexpr double kFractionMin = 1.0 / 8;
 constexpr double kTurn = 2.3999632;  // of each camera to the one before, radians: no two look alike
 
 using Entry = std::pair<std::uint32_t, double>;
@@ -99,12 +99,12 @@ FilterMatrix plane_filter_matrix(const PlaneView& view, int threads) {
   return matrix;
 }
 
-std::vector<float> plane_texels(const MipLayout& layout) {
+std::vector<float> plane_texels(const MipLayout& layout, double contrast) {
   std::vector<float> texels;
   SplitMix64 random(3);
   const MipLevelPlace& finest = layout.levels.front();
   for (int i = 0; i < 3 * finest.width * finest.height; ++i)
-    texels.push_back(static_cast<float>(0.3 + 0.4 * random.uniform()));
+    texels.push_back(static_cast<float>(0.5 + contrast * (2.0 * random.uniform() - 1.0)));
   for (std::size_t l = 1; l < layout.levels.size(); ++l) {
     const MipLevelPlace &fine = layout.levels[l - 1], &coarse = layout.levels[l];
     for (int y = 0; y < coarse.height; ++y)

@@ -17,7 +17,7 @@ struct PlaneView {
 
 FilterMatrix plane_filter_matrix(const PlaneView& view, int threads);
 
-/// Three colours a texel, every level the mean of the finer one, 0.3..0.7: pictures of it are met without a bound.
-std::vector<float> plane_texels(const MipLayout& layout);
+/// Three colours a texel, noise within `contrast` of 0.5, every level the mean of the finer one.
+std::vector<float> plane_texels(const MipLayout& layout, double contrast);
 
 }  // namespace multum::bench
