@@ -20,7 +20,7 @@ constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products
 
-// Interpolation from a coarse level, in double: what kernels/device/mip_pyramid.clh does.
+// Interpolation from a coarse level.
 struct Tap {
   int index[2];
   double weight[2];
@@ -35,6 +35,36 @@ Tap tap_of(int fine, int fine_count, int coarse_count, bool is_periodic) {
     return is_periodic ? (i + coarse_count) % coarse_count : std::min(i, coarse_count - 1);
   };
   return {{wrap(first), wrap(first + 1)}, {1.0 - fraction, fraction}};
+}
+
+// Interpolation along one direction between two levels, and its transpose, appended to the pyramid's tables.
+struct PyramidTables {
+  std::vector<MultumCoarseTap> coarse;
+  std::vector<std::int32_t> fine_begin;
+  std::vector<MultumFineTap> fine;
+
+  void add(int fine_count, int coarse_count, bool is_periodic) {
+    std::vector<std::vector<MultumFineTap>> transposed(static_cast<std::size_t>(coarse_count));
+    for (int i = 0; i < fine_count; ++i) {
+      const Tap tap = tap_of(i, fine_count, coarse_count, is_periodic);
+      coarse.push_back({tap.index[0], tap.index[1], static_cast<float>(tap.weight[1]), 0});
+      for (int k = 0; k < 2; ++k)
+        if (tap.weight[k] > 0.0)
+          transposed[static_cast<std::size_t>(tap.index[k])].push_back({i, static_cast<float>(tap.weight[k])});
+    }
+    for (const std::vector<MultumFineTap>& taps : transposed) {
+      fine_begin.push_back(static_cast<std::int32_t>(fine.size()));
+      fine.insert(fine.end(), taps.begin(), taps.end());
+    }
+    fine_begin.push_back(static_cast<std::int32_t>(fine.size()));
+  }
+};
+
+template <typename Element>
+DeviceBuffer uploaded(Device& device, const std::vector<Element>& list, const char* what) {
+  DeviceBuffer buffer = device.make_buffer(list.size() * sizeof(Element), what);
+  device.write(buffer, list.data(), buffer.byte_count());
+  return buffer;
 }
 
 // g(0) - g(1/2) of eq. (5).
@@ -161,13 +191,9 @@ DeviceRows::DeviceRows(Device& device, const SparseRows& rows, const char* what)
     }
     begin.push_back(static_cast<std::uint32_t>(columns.size() / kBlock));
   }
-  const auto upload = [&](DeviceBuffer& buffer, const auto& list) {
-    buffer = device.make_buffer(list.size() * sizeof(list[0]), what);
-    device.write(buffer, list.data(), buffer.byte_count());
-  };
-  upload(block_begin_, begin);
-  upload(columns_, columns);
-  upload(weights_, weights);
+  block_begin_ = uploaded(device, begin, what);
+  columns_ = uploaded(device, columns, what);
+  weights_ = uploaded(device, weights, what);
 }
 
 std::size_t DeviceRows::byte_count() const {
@@ -208,11 +234,7 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
   curvature_product = device.kernel("conjugate_gradient", "curvature_product", variant);
   advance_residual = device.kernel("conjugate_gradient", "advance_residual", variant);
   advance_direction = device.kernel("conjugate_gradient", "advance_direction", variant);
-  std::vector<MultumMipLevel> levels;
-  for (const MipLevelPlace& level : layout.levels) levels.push_back({level.offset, level.width, level.height, 0});
-  levels_ = device.make_buffer(levels.size() * sizeof(MultumMipLevel), "mip levels");
-  device.write(levels_, levels.data(), levels_.byte_count());
-  residual_ = make_texels("pyramid residuals");
+  if (pyramid_weight > 0.0) make_pyramid();
   std::vector<float> roots;
   for (const float root : root_weights_)
     if (root > 0.0f) roots.push_back(root);
@@ -272,6 +294,28 @@ void TextureSystem::make_diagonal() {
   }
 }
 
+void TextureSystem::make_pyramid() {
+  static_assert(sizeof(MultumMipLevel) == 32 && sizeof(MultumCoarseTap) == 16 && sizeof(MultumFineTap) == 8);
+  std::vector<MultumMipLevel> levels;
+  for (const MipLevelPlace& level : layout.levels)
+    levels.push_back({level.offset, level.width, level.height, 0, 0, 0, 0, 0});
+  PyramidTables tables;
+  for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
+    MultumMipLevel &fine = levels[l], &coarse = levels[l + 1];
+    fine.coarse_columns = static_cast<int>(tables.coarse.size());
+    fine.coarse_rows = fine.coarse_columns + fine.width;
+    coarse.fine_columns = static_cast<int>(tables.fine_begin.size());
+    coarse.fine_rows = coarse.fine_columns + coarse.width + 1;
+    tables.add(fine.width, coarse.width, is_periodic_s);
+    tables.add(fine.height, coarse.height, is_periodic_t);
+  }
+  levels_ = uploaded(device, levels, "mip levels");
+  coarse_taps_ = uploaded(device, tables.coarse, "interpolation");
+  fine_begin_ = uploaded(device, tables.fine_begin, "interpolation");
+  fine_taps_ = uploaded(device, tables.fine, "interpolation");
+  residual_ = make_texels("pyramid residuals");
+}
+
 DeviceBuffer TextureSystem::make_texels(const char* what) {
   return device.make_buffer(static_cast<std::size_t>(layout.texel_count) * sizeof(Colour4), what);
 }
@@ -284,10 +328,11 @@ void TextureSystem::apply(const DeviceBuffer& x, DeviceBuffer& sum) {
     transpose_.multiply(spmv_, row_values_, sum);
   }
   if (pyramid_weight == 0.0) return;
-  const MultumPyramid pyramid{layout.level_count(), layout.texel_count, is_periodic_s ? 1 : 0, is_periodic_t ? 1 : 0};
   const Kernel::WorkSize size{static_cast<std::size_t>(layout.texel_count), kRowsAnItem};
-  pyramid_residual_.launch(size, levels_, x, residual_, pyramid);
-  pyramid_gradient_.launch(size, levels_, residual_, sum, pyramid, static_cast<float>(pyramid_weight));
+  const int level_count = layout.level_count(), texel_count = layout.texel_count;
+  pyramid_residual_.launch(size, levels_, coarse_taps_, x, residual_, level_count, texel_count);
+  pyramid_gradient_.launch(size, levels_, fine_begin_, fine_taps_, residual_, sum, level_count, texel_count,
+                           static_cast<float>(pyramid_weight));
 }
 
 std::vector<Colour4> TextureSystem::projected(const std::vector<float>& colours, std::array<double, 3>* squares) {

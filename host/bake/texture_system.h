@@ -79,11 +79,13 @@ class TextureSystem {
  private:
   void add_views(const std::vector<InferenceView>& views);
   void make_diagonal();
+  void make_pyramid();
 
   SparseRows rows_;                  // weighted
   std::vector<float> root_weights_;  // of every row of every view, 0 of those left out
   DeviceRows matrix_, transpose_, normal_;
-  DeviceBuffer levels_, row_values_, residual_;
+  DeviceBuffer row_values_, residual_;
+  DeviceBuffer levels_, coarse_taps_, fine_begin_, fine_taps_;  // kernels/shared/mip_pyramid.h
   Kernel spmv_, pyramid_residual_, pyramid_gradient_;
   std::vector<float> sums_;
 };
