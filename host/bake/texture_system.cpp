@@ -234,7 +234,7 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
   curvature_product = device.kernel("conjugate_gradient", "curvature_product", variant);
   advance_residual = device.kernel("conjugate_gradient", "advance_residual", variant);
   advance_direction = device.kernel("conjugate_gradient", "advance_direction", variant);
-  if (pyramid_weight > 0.0) make_pyramid();
+  if (has_pyramid()) make_pyramid();
   std::vector<float> roots;
   for (const float root : root_weights_)
     if (root > 0.0f) roots.push_back(root);
@@ -327,7 +327,7 @@ void TextureSystem::apply(const DeviceBuffer& x, DeviceBuffer& sum) {
     matrix_.multiply(spmv_, x, row_values_);
     transpose_.multiply(spmv_, row_values_, sum);
   }
-  if (pyramid_weight == 0.0) return;
+  if (!has_pyramid()) return;
   const Kernel::WorkSize size{static_cast<std::size_t>(layout.texel_count), kRowsAnItem};
   const int level_count = layout.level_count(), texel_count = layout.texel_count;
   pyramid_residual_.launch(size, levels_, coarse_taps_, x, residual_, level_count, texel_count);

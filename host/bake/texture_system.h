@@ -79,6 +79,7 @@ class TextureSystem {
  private:
   void add_views(const std::vector<InferenceView>& views);
   void make_diagonal();
+  bool has_pyramid() const { return pyramid_weight > 0.0 && layout.level_count() > 1; }
   void make_pyramid();
 
   SparseRows rows_;                  // weighted
