@@ -34,20 +34,15 @@ __kernel void pyramid_residual(__global const MultumMipLevel* levels, __global c
   }
 }
 
-// Adds weight * R^T residual and diagonal * x to `sum`, and leaves out what is held at a bound.
+// Adds weight * R^T residual to `sum`.
 // One work-item = one strip of texels; global size strip_count.
 //   levels, gathers, entries, strips   tables
 //   residual [texels]   R x
-//   x        [texels]
-//   diagonal [texels]   of range regularisation's second derivative
-//   is_free  [texels]   1 a colour that may move, 0 one that is held
 //   sum      [texels]   read and written
 // Memory bound.
 __kernel void pyramid_gradient(__global const MultumMipLevel* levels, __global const MultumGather* gathers,
                                __global const MultumGatherEntry* entries, __global const MultumStrip* strips,
-                               __global const float4* residual, __global const float4* x,
-                               __global const float4* diagonal, __global const float4* is_free, __global float4* sum,
-                               int strip_count, float weight) {
+                               __global const float4* residual, __global float4* sum, int strip_count, float weight) {
   const int item = (int)get_global_id(0);
   if (item >= strip_count) return;
   const MultumStrip strip = strips[item];
@@ -67,6 +62,6 @@ __kernel void pyramid_gradient(__global const MultumMipLevel* levels, __global c
         gathered -= entries[v].weight * of_row;
       }
     }
-    sum[texel] = is_free[texel] * (sum[texel] + weight * gathered + diagonal[texel] * x[texel]);
+    sum[texel] += weight * gathered;
   }
 }

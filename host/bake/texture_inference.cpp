@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "host/bake/texture_start.h"
 #include "host/bake/texture_system.h"
@@ -38,13 +40,9 @@ class Solver {
         device_(system.device),
         texel_count_(static_cast<std::size_t>(system.layout.texel_count)),
         target_(system.projected(colours, &colour_squares_)),
-        parts_(device_.make_buffer(kPartCount * sizeof(Colour4), "partial sums")),
-        norms_(device_.make_buffer(kPartCount * sizeof(Colour4), "partial sums")) {
-    for (DeviceBuffer* buffer :
-         {&x_, &gradient_, &free_, &ones_, &zeros_, &curvature_, &inverse_, &step_, &r_, &z_, &p_, &q_})
+        parts_(device_.make_buffer(2 * kPartCount * sizeof(Colour4), "partial sums")) {
+    for (DeviceBuffer* buffer : {&x_, &gradient_, &free_, &curvature_, &inverse_, &step_, &r_, &p_, &q_})
       *buffer = system.make_texels("vectors of conjugate gradient");
-    upload(ones_, std::vector<Colour4>(texel_count_, Colour4{1.0f, 1.0f, 1.0f, 0.0f}));
-    upload(zeros_, std::vector<Colour4>(texel_count_, Colour4{}));
     const std::vector<float> texels =
         start.empty() ? start_texels(system.layout, target_, system.column_sums()) : start;
     MULTUM_CHECK(texels.size() == 3 * texel_count_);
@@ -84,19 +82,21 @@ class Solver {
     device_.read(buffer, list.data(), buffer.byte_count());
     return list;
   }
-  Sums sum_of(const DeviceBuffer& parts) {
-    std::array<Colour4, kPartCount> list;
-    device_.read(parts, list.data(), parts.byte_count());
-    Sums sums{0.0, 0.0, 0.0};
-    for (const Colour4& part : list)
-      for (std::size_t c = 0; c < 3; ++c) sums[c] += static_cast<double>(part[c]);
+  // One or two lists of partial sums.
+  template <std::size_t kCount>
+  std::array<Sums, kCount> read_sums() {
+    std::array<Colour4, kCount * kPartCount> list;
+    device_.read(parts_, list.data(), sizeof(list));
+    std::array<Sums, kCount> sums{};
+    for (std::size_t i = 0; i < list.size(); ++i)
+      for (std::size_t c = 0; c < 3; ++c) sums[i / kPartCount][c] += static_cast<double>(list[i][c]);
     return sums;
   }
 
   // Half the gradient at x, and f(x) = x.(H x) - 2 x.(A^T b) + b.b plus the range terms: one product for both.
   double evaluate(const std::vector<Colour4>& x) {
     upload(x_, x);
-    system_.apply(x_, zeros_, ones_, gradient_);
+    system_.apply(x_, gradient_);
     half_gradient_ = download(gradient_);
     double objective = colour_squares_[0] + colour_squares_[1] + colour_squares_[2];
     for (std::size_t t = 0; t < texel_count_; ++t)
@@ -134,6 +134,7 @@ class Solver {
     upload(free_, is_free);
     upload(curvature_, curvature);
     upload(inverse_, inverse);
+    is_bounded_ = held > 0 || system_.range_weight > 0.0;
     free_values_ = std::move(is_free);
     return held;
   }
@@ -162,7 +163,7 @@ class Solver {
     const Sums before = projected_gradient_squares();
     Sums goal;
     for (std::size_t c = 0; c < 3; ++c) {
-      const double share = 0.03 * norm(before, c);
+      const double share = system_.settings.step_tolerance * norm(before, c);
       const double end = 0.5 * system_.settings.gradient_tolerance * norm(target_squares_, c);
       goal[c] = std::max(share, end) * std::max(share, end);
     }
@@ -170,27 +171,25 @@ class Solver {
     for (std::size_t t = 0; t < texel_count_; ++t)
       for (std::size_t c = 0; c < 3; ++c) r[t][c] = -free_values_[t][c] * half_gradient_[t][c];
     upload(r_, r);
-    upload(step_, std::vector<Colour4>(texel_count_, Colour4{}));
-    upload(q_, std::vector<Colour4>(texel_count_, Colour4{}));
-    upload(p_, std::vector<Colour4>(texel_count_, Colour4{}));
-    Sums norms, products = advance({}, &norms);  // z = M r
-    advance_direction({});                       // p = z
+    for (DeviceBuffer* buffer : {&step_, &p_, &q_}) device_.fill_zero(*buffer);
+    auto [products, norms] = advance_residual({});  // r.(M r) and r.r
+    advance_direction({}, {});                      // p = M r
     int iteration = 0;
     for (; iteration < iteration_max; ++iteration) {
       bool is_done = true;
       for (std::size_t c = 0; c < 3; ++c) is_done = is_done && norms[c] <= goal[c];
       if (is_done) break;
-      system_.apply(p_, curvature_, free_, q_);
-      const Sums curvatures = dot(p_, q_);
+      system_.apply(p_, q_);
+      const Sums curvatures = curvature_product();
       Sums alpha{0.0, 0.0, 0.0}, beta{0.0, 0.0, 0.0};
       // A colour that is solved, or of which nothing is left, stands still.
       for (std::size_t c = 0; c < 3; ++c)
         if (curvatures[c] > 0.0 && norms[c] > goal[c]) alpha[c] = products[c] / curvatures[c];
       const Sums last = products;
-      products = advance(alpha, &norms);
+      std::tie(products, norms) = advance_residual(alpha);
       for (std::size_t c = 0; c < 3; ++c)
         if (last[c] > 0.0) beta[c] = products[c] / last[c];
-      advance_direction(beta);
+      advance_direction(alpha, beta);
     }
     return iteration;
   }
@@ -198,19 +197,20 @@ class Solver {
   static Colour4 rounded(const Sums& values) {
     return {static_cast<float>(values[0]), static_cast<float>(values[1]), static_cast<float>(values[2]), 0.0f};
   }
-  Sums dot(const DeviceBuffer& a, const DeviceBuffer& b) {
-    system_.dot_product.launch({kPartCount, 1}, a, b, parts_, static_cast<int>(texel_count_),
-                               static_cast<int>(kPartCount));
-    return sum_of(parts_);
+  Sums curvature_product() {
+    system_.curvature_product.launch({kPartCount, 1}, p_, q_, curvature_, free_, parts_, is_bounded_ ? 1 : 0,
+                                     static_cast<int>(texel_count_), static_cast<int>(kPartCount));
+    return read_sums<1>()[0];
   }
-  Sums advance(const Sums& alpha, Sums* norms) {
-    system_.advance_solution.launch({kPartCount, 1}, step_, r_, z_, p_, q_, inverse_, parts_, norms_, rounded(alpha),
+  std::pair<Sums, Sums> advance_residual(const Sums& alpha) {
+    system_.advance_residual.launch({kPartCount, 1}, r_, q_, inverse_, parts_, rounded(alpha),
                                     static_cast<int>(texel_count_), static_cast<int>(kPartCount));
-    *norms = sum_of(norms_);
-    return sum_of(parts_);
+    const auto sums = read_sums<2>();
+    return {sums[0], sums[1]};
   }
-  void advance_direction(const Sums& beta) {
-    system_.advance_direction.launch({texel_count_, 256}, p_, z_, rounded(beta), static_cast<int>(texel_count_));
+  void advance_direction(const Sums& alpha, const Sums& beta) {
+    system_.advance_direction.launch({texel_count_, 256}, step_, p_, r_, inverse_, rounded(alpha), rounded(beta),
+                                     static_cast<int>(texel_count_));
   }
 
   // x = x + step, ended at the bounds; halved while it leads uphill. False when no step leads down any more.
@@ -240,8 +240,9 @@ class Solver {
   const std::vector<Colour4> target_;   // A^T b
   Sums target_squares_{0.0, 0.0, 0.0};
   std::vector<Colour4> values_, half_gradient_, free_values_;
-  DeviceBuffer parts_, norms_;
-  DeviceBuffer x_, gradient_, free_, ones_, zeros_, curvature_, inverse_, step_, r_, z_, p_, q_;
+  bool is_bounded_ = false;  // something is held at a bound, or the range term curves f
+  DeviceBuffer parts_;
+  DeviceBuffer x_, gradient_, free_, curvature_, inverse_, step_, r_, p_, q_;
 };
 
 }  // namespace

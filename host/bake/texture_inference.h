@@ -34,6 +34,7 @@ struct InferenceSettings {
   double pyramid_weight = 0.1;       // epsilon_f, >= 0
   double range_weight = 0.0;         // epsilon_b, >= 0
   double gradient_tolerance = 1e-3;  // ends when the projected gradient is below this share of that at x = 0
+  double step_tolerance = 0.03;      // a Newton step ends when its gradient is below this share of its first, [0, 1)
   int iteration_max = 400;           // of conjugate gradient, all Newton steps together
   int newton_max = 12;               // steps
   bool precondition = true;          // by the diagonal

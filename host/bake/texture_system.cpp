@@ -12,9 +12,21 @@
 namespace multum {
 namespace {
 
+// Entries of A^T A for one of A up to which products with A^T A are taken. A and its transpose are gone through once
+// each an iteration, A^T A once: times cross near 3 (docs/BENCHMARKS.md: 0.5 of the time at 2.2, about the same at 3.3
+// and 3.8). But A^T A must be made first, for what 20 iterations gain from it where pictures are stacked and 90 at 2.2:
+// 2 leaves out what few solves would pay for. The paper's rule, 2 n_s >= 4 n_t, compares rows, of eight entries each.
+constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products
 constexpr int kStripOnCpus = 64;          // texels a work-item of the pyramid kernels
+
+template <typename Element>
+DeviceBuffer uploaded(Device& device, const std::vector<Element>& list, const char* what) {
+  DeviceBuffer buffer = device.make_buffer(list.size() * sizeof(Element), what);
+  device.write(buffer, list.data(), buffer.byte_count());
+  return buffer;
+}
 
 // g(0) - g(1/2) of eq. (5).
 double range_calibration() {
@@ -140,13 +152,13 @@ DeviceRows::DeviceRows(Device& device, const SparseRows& rows, const char* what)
     }
     begin.push_back(static_cast<std::uint32_t>(columns.size() / kBlock));
   }
-  const auto upload = [&](DeviceBuffer& buffer, const auto& list) {
-    buffer = device.make_buffer(list.size() * sizeof(list[0]), what);
-    device.write(buffer, list.data(), buffer.byte_count());
-  };
-  upload(block_begin_, begin);
-  upload(columns_, columns);
-  upload(weights_, weights);
+  block_begin_ = uploaded(device, begin, what);
+  columns_ = uploaded(device, columns, what);
+  weights_ = uploaded(device, weights, what);
+}
+
+std::size_t DeviceRows::byte_count() const {
+  return block_begin_.byte_count() + columns_.byte_count() + weights_.byte_count();
 }
 
 void DeviceRows::multiply(Kernel& kernel, const DeviceBuffer& x, DeviceBuffer& y) const {
@@ -165,10 +177,8 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
   entry_count = rows_.columns.size();
   const SparseRows columns = transposed(rows_, texel_count);
   normal_entry_count = estimated_normal_entries(rows_, columns);
-  // A and its transpose are gone through once each an iteration, A^T A once: the fewer entries win (the paper's rule
-  // compares rows with 2 n_s >= 4 n_t, eight entries each; measured in docs/BENCHMARKS.md).
   uses_normal = settings.form == InferenceForm::kNormal ||
-                (settings.form == InferenceForm::kAuto && normal_entry_count < 2 * entry_count);
+                (settings.form == InferenceForm::kAuto && normal_entry_count < kNormalEntriesMax * entry_count);
   if (uses_normal) {
     const SparseRows normal = normal_rows(rows_, columns, threads);
     normal_entry_count = normal.columns.size();
@@ -182,10 +192,9 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
   spmv_ = device.kernel("filter_matrix_spmv", "filter_matrix_spmv", variant);
   pyramid_residual_ = device.kernel("pyramidal_regularization", "pyramid_residual", variant);
   pyramid_gradient_ = device.kernel("pyramidal_regularization", "pyramid_gradient", variant);
-  dot_product = device.kernel("conjugate_gradient", "dot_product", variant);
-  advance_solution = device.kernel("conjugate_gradient", "advance_solution", variant);
+  curvature_product = device.kernel("conjugate_gradient", "curvature_product", variant);
+  advance_residual = device.kernel("conjugate_gradient", "advance_residual", variant);
   advance_direction = device.kernel("conjugate_gradient", "advance_direction", variant);
-  residual_ = make_texels("pyramid residuals");
   std::vector<float> roots;
   for (const float root : root_weights_)
     if (root > 0.0f) roots.push_back(root);
@@ -196,7 +205,7 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
       sums_[t] += columns.weights[i] * roots[columns.columns[i]];
       diagonal[t] += columns.weights[i] * columns.weights[i];
     }
-  upload_tables();
+  if (has_pyramid()) make_pyramid();
 }
 
 void TextureSystem::add_views(const std::vector<InferenceView>& views) {
@@ -224,19 +233,16 @@ void TextureSystem::add_views(const std::vector<InferenceView>& views) {
                                                first.provenance.object, views.size()));
 }
 
-void TextureSystem::upload_tables() {
-  const int strip_length = device.info().is_cpu ? kStripOnCpus : 1;
-  const PyramidTables tables = make_pyramid_tables(layout, is_periodic_s, is_periodic_t, strip_length);
-  const auto upload = [&](DeviceBuffer& buffer, const auto& list) {
-    buffer = device.make_buffer(list.size() * sizeof(list[0]), "pyramid tables");
-    if (!list.empty()) device.write(buffer, list.data(), buffer.byte_count());
-  };
-  upload(levels_, tables.levels);
-  upload(taps_, tables.taps);
-  upload(gathers_, tables.gathers);
-  upload(gather_entries_, tables.entries);
-  upload(strips_, tables.strips);
+void TextureSystem::make_pyramid() {
+  const PyramidTables tables =
+      make_pyramid_tables(layout, is_periodic_s, is_periodic_t, device.info().is_cpu ? kStripOnCpus : 1);
+  levels_ = uploaded(device, tables.levels, "mip levels");
+  taps_ = uploaded(device, tables.taps, "interpolation");
+  gathers_ = uploaded(device, tables.gathers, "interpolation");
+  gather_entries_ = uploaded(device, tables.entries, "interpolation");
+  strips_ = uploaded(device, tables.strips, "strips of texels");
   strip_count_ = static_cast<int>(tables.strips.size());
+  residual_ = make_texels("pyramid residuals");
   for (std::size_t t = 0; t < diagonal.size(); ++t)
     diagonal[t] += static_cast<float>(pyramid_weight) * tables.diagonal[t];
 }
@@ -245,18 +251,18 @@ DeviceBuffer TextureSystem::make_texels(const char* what) {
   return device.make_buffer(static_cast<std::size_t>(layout.texel_count) * sizeof(Colour4), what);
 }
 
-void TextureSystem::apply(const DeviceBuffer& x, const DeviceBuffer& diagonal_of_range, const DeviceBuffer& is_free,
-                          DeviceBuffer& sum) {
+void TextureSystem::apply(const DeviceBuffer& x, DeviceBuffer& sum) {
   if (uses_normal) {
     normal_.multiply(spmv_, x, sum);
   } else {
     matrix_.multiply(spmv_, x, row_values_);
     transpose_.multiply(spmv_, row_values_, sum);
   }
+  if (!has_pyramid()) return;
   const Kernel::WorkSize size{static_cast<std::size_t>(strip_count_), device.info().is_cpu ? 4u : 64u};
   pyramid_residual_.launch(size, levels_, taps_, strips_, x, residual_, strip_count_, layout.level_count());
-  pyramid_gradient_.launch(size, levels_, gathers_, gather_entries_, strips_, residual_, x, diagonal_of_range, is_free,
-                           sum, strip_count_, static_cast<float>(pyramid_weight));
+  pyramid_gradient_.launch(size, levels_, gathers_, gather_entries_, strips_, residual_, sum, strip_count_,
+                           static_cast<float>(pyramid_weight));
 }
 
 std::vector<Colour4> TextureSystem::projected(const std::vector<float>& colours, std::array<double, 3>* squares) {

@@ -38,6 +38,7 @@ class DeviceRows {
   DeviceRows() = default;
   DeviceRows(Device& device, const SparseRows& rows, const char* what);
   int row_count() const { return row_count_; }
+  std::size_t byte_count() const;
   /// y = rows * x.
   void multiply(Kernel& kernel, const DeviceBuffer& x, DeviceBuffer& y) const;
 
@@ -54,8 +55,8 @@ class TextureSystem {
   TextureSystem(Device& device, const std::vector<InferenceView>& views, const InferenceSettings& settings,
                 int threads);
 
-  /// sum = (A^T A + pyramid_weight R^T R + diagonal) x, for what is free.
-  void apply(const DeviceBuffer& x, const DeviceBuffer& diagonal, const DeviceBuffer& is_free, DeviceBuffer& sum);
+  /// sum = (A^T A + pyramid_weight R^T R) x
+  void apply(const DeviceBuffer& x, DeviceBuffer& sum);
   /// A^T b, and the sums of b^2 by colour.
   std::vector<Colour4> projected(const std::vector<float>& colours, std::array<double, 3>* squares);
   std::vector<float> picture(const std::vector<float>& texels) const;
@@ -73,16 +74,18 @@ class TextureSystem {
   double pyramid_weight = 0.0, range_weight = 0.0;  // with everything that multiplies Gamma and sum g
   std::vector<float> diagonal;                      // of A^T A + pyramid_weight R^T R
   std::size_t entry_count = 0, normal_entry_count = 0;
-  Kernel dot_product, advance_solution, advance_direction;
+  Kernel curvature_product, advance_residual, advance_direction;
 
  private:
   void add_views(const std::vector<InferenceView>& views);
-  void upload_tables();
+  bool has_pyramid() const { return pyramid_weight > 0.0 && layout.level_count() > 1; }
+  void make_pyramid();
 
   SparseRows rows_;                  // weighted
   std::vector<float> root_weights_;  // of every row of every view, 0 of those left out
   DeviceRows matrix_, transpose_, normal_;
-  DeviceBuffer levels_, taps_, gathers_, gather_entries_, strips_, row_values_, residual_;
+  DeviceBuffer row_values_, residual_;
+  DeviceBuffer levels_, taps_, gathers_, gather_entries_, strips_;  // pyramid_tables.h
   int strip_count_ = 0;
   Kernel spmv_, pyramid_residual_, pyramid_gradient_;
   std::vector<float> sums_;

@@ -234,6 +234,20 @@ TEST(TextureInference, PyramidalRegularisationDefinesEveryTexel) {
   for (const float value : result.texels) ASSERT_NEAR(value, 0.6f, 2e-3f);
 }
 
+TEST(TextureInference, OneTexelIsTheMeanOfItsPixels) {
+  FilterMatrix matrix;
+  matrix.width = matrix.height = 2;
+  matrix.pixels = {0, 1, 2, 3};
+  matrix.coverage = matrix.weights = {1.0f, 1.0f, 1.0f, 1.0f};
+  matrix.row_begin = {0, 1, 2, 3, 4};
+  matrix.columns = {0, 0, 0, 0};
+  TextureInference inference(test_device(), {{&matrix, matrix.coverage}}, {}, 1);
+  const InferenceResult result =
+      inference.solve({0.1f, 0.2f, 0.3f, 0.3f, 0.4f, 0.5f, 0.1f, 0.2f, 0.3f, 0.3f, 0.4f, 0.5f}, {});
+  EXPECT_TRUE(result.converged);
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(result.texels[c], 0.2f + 0.1f * static_cast<float>(c), 1e-5f);
+}
+
 TEST(TextureInference, BlackPicturesAreBlackTextures) {
   const FilterMatrix matrix = random_matrix(8, 8, kClamp, 300, 3);
   TextureInference inference(test_device(), {{&matrix, std::vector<float>(matrix.row_count(), 1.0f)}}, {}, 1);

@@ -83,15 +83,45 @@ def check_load(text):
     assert files["half", "none"]["file_bytes"] < files["float", "none"]["file_bytes"]
 
 
+def check_infer(text):
+    result = parse_result(text, "infer")
+    assert [row["system"] for row in result["systems"]] == ["one view", "one view, 4 x 4 sub-pixels", "2 views"]
+    assert result["systems"][2]["solver"]["form"] == "A^T A"
+    for row in result["systems"]:
+        assert row["rows"] % (40 * 30) == 0 and row["texels"] == sum((32 >> level) ** 2 for level in range(6)), row
+        solver = row["solver"]
+        check_spread(solver["solve_ms"])
+        check_spread(solver["yardstick_solve_ms"])
+        assert solver["yardstick"].startswith("LSCG a colour"), solver
+        # The same steps on the same system: rounding apart, the same texels.
+        assert solver["at_bounds"] == 0 and solver["largest_difference"] < 1e-3, solver
+        assert abs(solver["residual"] / solver["yardstick_residual"] - 1) < 1e-3, solver
+        assert [product["product"] for product in row["products"]] == ["A", "A^T", "A^T A"]
+        for product in row["products"]:
+            check_spread(product["ms"])
+            # Blocks are padded: never less than 4 bytes a column and 4 a weight.
+            entries = row["normal_entries" if product["product"] == "A^T A" else "entries"]
+            assert product["bytes"] > 8 * entries and product["gb_per_s"] > 0, product
+        assert len(row["convergence"]) == 8
+        for count in row["convergence"]:
+            assert count["iterations"] is None or 0 <= count["iterations"] <= 400, count
+    assert {(row["views"], row["sub_pixels"]) for row in result["forms"]} >= {(1, 1), (2, 1), (1, 4)}
+    for row in result["forms"]:
+        assert row["entry_ratio"] == row["normal_entries"] / row["entries"] and row["time_ratio"] > 0, row
+
+
 def check_document(text):
     sections = re.split(r"^## ", text, flags=re.MULTILINE)
-    assert len(sections) == 5, f"{len(sections) - 1} sections, expected one for each of em, bake, scale and load"
+    assert len(sections) == 6, f"{len(sections) - 1} sections, expected one each: em, bake, scale, load and infer"
     assert "commit " in sections[0] and " cores, " in sections[0], "the same conditions: said once, at the top"
     assert "multum-bench document -o docs/BENCHMARKS.md --json em.json --json bake.json" in sections[0]
-    for name, section in zip(("em", "bake", "scale", "load"), sections[1:]):
+    for name, section in zip(("em", "bake", "scale", "load", "infer"), sections[1:]):
         assert section.count("\n`multum-bench ") == 1 and f"`multum-bench {name} --" in section, section
-        rows = [line for line in section.splitlines() if line.startswith("|")]
-        assert len(rows) >= 5 and len({row.count("|") for row in rows}) == 1, section
+        tables = re.findall(r"(?:^\|.*\n)+", section, re.MULTILINE)
+        assert len(tables) == (4 if name == "infer" else 1), section
+        for table in tables:
+            rows = table.splitlines()
+            assert len(rows) >= 5 and len({row.count("|") for row in rows}) == 1, table
     assert "/tmp" not in text and "nan" not in text, text
     assert not re.search(r"\b20\d\d-\d\d", text), "a date: the same figures must give the same document"
 
@@ -116,5 +146,5 @@ def check_accuracy(text):
 
 if __name__ == "__main__":
     checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "load": check_load,
-              "document": check_document, "accuracy": check_accuracy}
+              "infer": check_infer, "document": check_document, "accuracy": check_accuracy}
     checks[sys.argv[1]](open(sys.argv[2], encoding="utf-8").read())

@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 #include <omp.h>
 
-#include <chrono>
 #include <cmath>
-#include <functional>
 #include <vector>
 
 #include "host/asset/movmf_mipmap.h"
@@ -16,18 +14,13 @@
 #include "host/image/four_quarter_map.h"
 #include "host/opencl/device.h"
 #include "kernels/shared/vmf_lobe.h"
+#include "tools/bench/elapsed.h"
 #include "tools/bench/em_yardstick.h"
 #include "tools/bench/markdown_table.h"
 #include "tools/bench/statistics.h"
 
 namespace multum::bench {
 namespace {
-
-double milliseconds_of(const std::function<void()>& body) {
-  const auto start = std::chrono::steady_clock::now();
-  body();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 // One level, ready to be fitted by either program: all texels in one launch.
 class LevelBench {

@@ -15,6 +15,7 @@
 #include "tools/bench/build_info.h"
 #include "tools/bench/command_text.h"
 #include "tools/bench/em_benchmark.h"
+#include "tools/bench/inference_benchmark.h"
 #include "tools/bench/load_benchmark.h"
 #include "tools/bench/result_file.h"
 #include "tools/bench/scale_benchmark.h"
@@ -90,6 +91,23 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
           }};
 }
 
+Benchmark add_infer(CLI::App& app, InferenceBenchmarkOptions& infer) {
+  CLI::App* command = app.add_subcommand("infer", "texture inference's solver against Eigen's");
+  command->add_option("--size", infer.size, "side of the texture, a power of two")
+      ->check(CLI::IsMember({32, 64, 128, 256, 512, 1024, 2048}))
+      ->capture_default_str();
+  command->add_option("--views", infer.views, "of the largest stack")->check(CLI::Range(1, 64))->capture_default_str();
+  command->add_option("--iterations", infer.iterations, "of a timed solve")
+      ->check(CLI::Range(4, 400))
+      ->capture_default_str();
+  add_repetitions(*command, infer, "pairs of runs");
+  command->add_option("--threads", infer.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  return {command, "", [&infer](Progress* progress) {
+            set_device_threads(infer.threads);
+            return run_inference_benchmark(infer, progress);
+          }};
+}
+
 Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
   CLI::App* command = app.add_subcommand(
       "bake", "multum bake against maketx --bumpslopes, whole programs: time, processor time, memory");
@@ -135,7 +153,9 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
 CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
   CLI::App* command = app.add_subcommand("document", "make docs/BENCHMARKS.md of results: runs nothing");
   command->add_option("-o,--output", document.output, "Markdown file to write")->required();
-  command->add_option("--json", document.results, "a result of em, bake, scale or load; more than one in this order")
+  command
+      ->add_option("--json", document.results,
+                   "a result of em, bake, scale, load or infer; more than one in this order")
       ->required();
   return command;
 }
@@ -161,8 +181,9 @@ int run(int argc, char** argv) {
   BakeBenchmarkOptions bake;
   ScaleBenchmarkOptions scale;
   LoadBenchmarkOptions load;
-  std::vector<Benchmark> benchmarks = {add_em(app, em), add_bake(app, bake), add_scale(app, scale),
-                                       add_load(app, load)};
+  InferenceBenchmarkOptions infer;
+  std::vector<Benchmark> benchmarks = {add_em(app, em), add_bake(app, bake), add_scale(app, scale), add_load(app, load),
+                                       add_infer(app, infer)};
   for (Benchmark& benchmark : benchmarks)
     benchmark.command->add_option("--json", benchmark.json, "write the result here too, for multum-bench document");
   AccuracyDocumentOptions accuracy;
