@@ -15,6 +15,7 @@
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/output_paths.h"
 #include "host/image/colour_map.h"
 
 namespace multum {
@@ -336,7 +337,7 @@ class AnimationBaker {
 
   void write_texture(const std::string& path, std::size_t k, const std::string& key, const TextureResult& texture,
                      const std::vector<float>& texels) {
-    fs::create_directories(fs::path(path).parent_path());
+    make_folder(fs::path(path).parent_path().string());
     InferredTexture file;
     file.width = probe_.mapping(k).width;
     file.height = probe_.mapping(k).height;

@@ -14,6 +14,7 @@
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/output_paths.h"
 
 namespace multum {
 namespace {
@@ -62,7 +63,7 @@ std::string AnimationProbe::key(int pose, std::size_t object) const {
 
 void AnimationProbe::run(Progress* progress) {
   const auto start = std::chrono::steady_clock::now();
-  std::filesystem::create_directories(settings_.folder);
+  make_folder(settings_.folder);
   for (std::size_t p = 0; p < field_.poses().size(); ++p) {
     const int pose = static_cast<int>(p);
     progress_stage(progress, fmt::format("probe {} of {}", p + 1, field_.poses().size()));

@@ -33,6 +33,12 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
   }
 }
 
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
+}
+
 void check_writable(const std::string& path) {
   // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
   const AtomicFile probe(path);

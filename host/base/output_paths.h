@@ -11,6 +11,9 @@ namespace multum {
 /// place of a source, or of another result, would lose it without a word. Empty names stand for no file.
 void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
+/// Makes a folder, and those that it lies in, where it is not there yet. Throws Error(kEnvironment).
+void make_folder(const std::string& path);
+
 /// Throws Error(kEnvironment, or kUsage for a folder) when no file of this name can be written; creates none.
 void check_writable(const std::string& path);
 

@@ -7,6 +7,7 @@
 #include "host/bake/animation_infer.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/output_paths.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -31,7 +32,7 @@ int run_infer(InferOptions& o) {
   o.settings.viewer = find_viewer();
   const std::unique_ptr<Progress> progress = make_terminal_progress(!o.common.quiet);
   const AnimationField field(read_animation_job(o.job));
-  std::filesystem::create_directories(o.settings.output);
+  make_folder(o.settings.output);
   const AnimationInferResult result = infer_animation(field, o.settings, progress.get());
   progress_finish(progress.get());
   int there = 0, written = 0;

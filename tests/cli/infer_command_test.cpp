@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum infer, from a folder of ray-traced pictures to pictures by the GL: what is found, what is left out, what is
+// kept of an earlier run, and what is refused.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "host/asset/filter_matrix.h"
+#include "host/asset/inferred_texture.h"
+#include "host/image/exr_layers.h"
+#include "tests/cli/program.h"
+#include "tests/cli/traced_scene.h"
+
+namespace multum::testing {
+namespace {
+
+constexpr int kUsage = 2, kInput = 3, kEnvironment = 4;
+namespace fs = std::filesystem;
+
+class InferCommandTest : public CliTest {
+ protected:
+  void write_scene(const TracedScene& scene) {
+    fs::create_directory(path("renders"));
+    write_traced_folder(path("renders"), scene);
+    const ProgramResult result = multum({"animation", path("renders"), "-o", path("animation.toml")});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  // Puts a line of the job in another's place.
+  void change_job(const std::string& from, const std::string& to) {
+    std::string text = read_bytes(path("animation.toml"));
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    write_bytes(path("animation.toml"), text.replace(at, from.size(), to));
+  }
+  ProgramResult infer(std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments = {"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return multum(arguments);
+  }
+  void expect_refused(const ProgramResult& result, int code, const std::vector<std::string>& parts) const {
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    for (const std::string& part : parts)
+      EXPECT_NE(result.err.find(part), std::string::npos) << "no \"" << part << "\" in: " << result.err;
+  }
+  InferredManifest manifest() const { return read_inferred_manifest(path("out/inferred.json")); }
+  std::vector<std::string> textures() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(path("out/textures")))
+      if (entry.is_regular_file()) names.push_back(fs::relative(entry.path(), path("out")).string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  // Root mean square difference of the drawn frame and the ray-traced one, linear, where objects cover wholly.
+  double frame_error(const std::string& sample, const std::string& file) const {
+    const std::string frame = path("frame.exr");
+    const ProgramResult result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", path("out"), "--sample",
+                                              sample, "-o", frame, "--context", "osmesa"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const ExrLayers drawn = read_exr_channels(frame, {"R", "G", "B", "A"});
+    const ExrLayers traced = read_exr_channels(path("renders/" + file), {"R", "G", "B"});
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < drawn.channels.at("A").size(); ++i) {
+      if (drawn.channels.at("A")[i] < 0.999f) continue;
+      for (const char* c : {"R", "G", "B"}) {
+        const double difference = static_cast<double>(drawn.channels.at(c)[i] - traced.channels.at(c)[i]);
+        sum += difference * difference;
+        count += 1.0;
+      }
+    }
+    EXPECT_GT(count, 1000.0);
+    return std::sqrt(sum / count);
+  }
+};
+
+TEST_F(InferCommandTest, FramesLookAsTheyWereTraced) {
+  write_scene({});
+  const ProgramResult result = infer();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  // Textures are held to 1.25 pixels a texel: what is lost is the finest of the waves.
+  EXPECT_LT(frame_error("0,0", "rad_v00_p00.exr"), 0.01);
+  EXPECT_LT(frame_error("v01_p01", "rad_v01_p01.exr"), 0.01);
+  // The ground has no view-dependent layer; the diffuse one is solved once for all views.
+  EXPECT_EQ(textures(),
+            (std::vector<std::string>{
+                "textures/board/diffuse_light00.exr", "textures/board/diffuse_light01.exr",
+                "textures/board/view_dependent_view00_light00.exr", "textures/board/view_dependent_view00_light01.exr",
+                "textures/board/view_dependent_view01_light00.exr", "textures/board/view_dependent_view01_light01.exr",
+                "textures/ground/diffuse_light00.exr", "textures/ground/diffuse_light01.exr"}));
+  for (const InferredObject& object : manifest().objects)
+    EXPECT_EQ(object.layers.size(), object.name == "board" ? 2u : 1u) << object.name;
+  const FilterMatrix matrix = read_filter_matrix(path("out/matrices/v00_p00_ground.fmx"));
+  EXPECT_LE(matrix.rows_rejected, matrix.row_count() / 1000);
+}
+
+TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
+  write_scene({});
+  ASSERT_EQ(infer({"--no-frames"}).exit_code, 0);
+  const std::string kept = path("out/textures/ground/diffuse_light00.exr");
+  const std::string lost = path("out/textures/board/diffuse_light01.exr");
+  const std::string before = read_bytes(lost);
+  const auto kept_time = fs::last_write_time(kept);
+  fs::remove(lost);
+  write_bytes(path("out/matrices/v01_p00_board.fmx"), "damaged");
+  const ProgramResult again = infer({"--no-frames"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(fs::last_write_time(kept), kept_time);
+  EXPECT_EQ(read_inferred_texture(lost).texels.size() > 0, true);
+  EXPECT_EQ(read_bytes(lost), before);
+  // Another setting, and what depends on it is inferred again.
+  change_job("pyramid_weight = 0.1", "pyramid_weight = 0.5");
+  ASSERT_EQ(infer({"--no-frames"}).exit_code, 0);
+  EXPECT_NE(fs::last_write_time(kept), kept_time);
+}
+
+TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
+  write_scene({});
+  Program running(
+      multum_command({"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa", "--no-frames"}));
+  for (int i = 0; i < 600 && !fs::exists(path("out/textures/board/diffuse_light00.exr")) && running.running(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  running.send(SIGINT);
+  const ProgramResult stopped = running.wait();
+  EXPECT_TRUE(stopped.exit_code == 130 || stopped.exit_code == 0) << stopped.exit_code << stopped.err;
+  for (const std::string& texture : textures()) EXPECT_NO_THROW(read_inferred_texture(path("out/" + texture)));
+  ASSERT_EQ(infer({"--no-frames"}).exit_code, 0);
+  EXPECT_EQ(textures().size(), 8u);
+}
+
+TEST_F(InferCommandTest, PixelsThatAreNoNumbersAreRepairedAndCounted) {
+  TracedScene scene;
+  scene.has_bad_pixels = true;
+  scene.has_depth_holes = true;
+  write_scene(scene);
+  const ProgramResult result = infer();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(frame_error("0,1", "rad_v00_p01.exr"), 0.01);
+  const nlohmann::json report = nlohmann::json::parse(std::ifstream(path("out/report.json")));
+  // One of each in every one of the four pictures; both lie on one object each.
+  EXPECT_NE(report.dump().find("\"not_finite_pixels\""), std::string::npos) << "the report counts them";
+}
+
+TEST_F(InferCommandTest, AnObjectThatIsNeverSeenIsSaidAndLeftOut) {
+  TracedScene scene;
+  scene.has_hidden_object = true;
+  write_scene(scene);
+  const ProgramResult result = infer({"--no-frames"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("'hidden' is seen in no picture"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(path("out/textures/hidden")));
+}
+
+TEST_F(InferCommandTest, HeldOutViewsAreReported) {
+  TracedScene scene;
+  scene.lights = 1;
+  write_scene(scene);
+  const ProgramResult result = infer({"--no-frames", "--hold-out", "2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json provenance =
+      nlohmann::json::parse(read_texture_provenance(path("out/textures/ground/diffuse_light00.exr")));
+  EXPECT_EQ(provenance["samples"], (std::vector<std::string>{"v00_p00"}));
+}
+
+TEST_F(InferCommandTest, Refusals) {
+  write_scene({});
+  const std::string job = read_bytes(path("animation.toml"));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    write_bytes(path("animation.toml"), job);
+    change_job(from, to);
+    return infer();
+  };
+  expect_refused(with("passes = [\"diffuse\"]", "passes = [\"diffus\"]"), kInput, {"diffus", "rad_v00_p00.exr"});
+  expect_refused(with("width = 96", "width = 95"), kInput, {"95"});
+  write_bytes(path("animation.toml"), job);
+  expect_refused(multum({"infer", path("none.toml"), "-o", path("out")}), kInput, {"none.toml"});
+  expect_refused(multum({"infer", path("animation.toml")}), kUsage, {"--output"});
+  expect_refused(infer({"--hold-out", "1"}), kUsage, {"--hold-out"});
+  write_bytes(path("file"), "");
+  expect_refused(multum({"infer", path("animation.toml"), "-o", path("file/out")}), kEnvironment, {"file"});
+  const std::string radiance = path("renders/rad_v01_p00.exr");
+  const std::string bytes = read_bytes(radiance);
+  write_bytes(radiance, bytes.substr(0, bytes.size() / 2));
+  expect_refused(infer(), kInput, {"rad_v01_p00.exr"});
+  EXPECT_FALSE(fs::exists(path("out/inferred.json"))) << "no manifest of what is not whole";
+}
+
+TEST_F(InferCommandTest, CamerasThatDisagreeWithThePicturesAreRefused) {
+  TracedScene scene;
+  scene.camera_shift = 0.3;
+  write_scene(scene);
+  expect_refused(infer(), kInput, {"v00_p00", "depth"});
+  EXPECT_FALSE(fs::exists(path("out/textures")));
+}
+
+}  // namespace
+}  // namespace multum::testing
