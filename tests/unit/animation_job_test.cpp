@@ -210,7 +210,7 @@ TEST_F(AnimationJobTest, NumbersOutOfRange) {
   expect_refused("side_max = 2048", "side_max = 20000", {"texture.side_max is 20000", "1 to 16384"});
   expect_refused("anisotropy = 1", "anisotropy = 0.5", {"texture.anisotropy is 0.5, expected a number from 1 to 16"});
   expect_refused("pyramid_weight = 0.1", "pyramid_weight = -0.1", {"-0.1, expected a number of at least 0"});
-  expect_refused("range_weight = 0.001", "range_weight = \"a\"", {"texture.range_weight is \"a\""});
+  expect_refused("range_weight = 0", "range_weight = \"a\"", {"texture.range_weight is \"a\""});
   expect_refused("wrap = \"clamp\"", "wrap = \"mirror\"", {"is \"mirror\", expected \"clamp\" or \"periodic\""});
   expect_refused("count = 2", "count = 0", {"parameter.count is 0"});
   std::string many = text_;
