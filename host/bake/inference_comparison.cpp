@@ -127,15 +127,9 @@ class Comparer {
   std::vector<std::vector<ObjectLayer>> layers_;  // [layer][object]
 };
 
-}  // namespace
-
-InferenceComparison compare_inference(const AnimationJob& job, int sample, int supersampling,
-                                      const std::vector<TextureMapping>& mappings,
-                                      const AnimationInferSettings& settings, Progress* progress) {
-  InferenceComparison comparison;
-  comparison.sample = job.samples[static_cast<std::size_t>(sample)].name;
-  comparison.supersampling = supersampling;
-  // One field and one set of matrices for each sampler: variants of one lie together.
+// One field and one set of matrices for each sampler: variants of one lie together.
+void append_rows(const AnimationJob& job, int sample, int supersampling, const std::vector<TextureMapping>& mappings,
+                 const AnimationInferSettings& settings, Progress* progress, InferenceComparison& comparison) {
   std::unique_ptr<AnimationField> field;
   std::unique_ptr<AnimationProbe> probe;
   const Variant* last = nullptr;
@@ -154,9 +148,22 @@ InferenceComparison compare_inference(const AnimationJob& job, int sample, int s
       probe->run(nullptr);
     }
     last = &variant;
+    const std::string sub_pixels =
+        supersampling > 1 ? fmt::format(", {0} x {0} sub-pixels", supersampling) : ", one sample a pixel";
     comparison.rows.push_back(
-        {variant.name, Comparer(*field, settings).errors_of(variant, *probe, comparison.pixel_counts)});
+        {variant.name + sub_pixels, Comparer(*field, settings).errors_of(variant, *probe, comparison.pixel_counts)});
   }
+}
+
+}  // namespace
+
+InferenceComparison compare_inference(const AnimationJob& job, int sample, const std::vector<TextureMapping>& mappings,
+                                      const AnimationInferSettings& settings, Progress* progress) {
+  InferenceComparison comparison;
+  comparison.sample = job.samples[static_cast<std::size_t>(sample)].name;
+  comparison.supersampling = job.supersampling;
+  append_rows(job, sample, 1, mappings, settings, progress, comparison);
+  if (job.supersampling > 1) append_rows(job, sample, job.supersampling, mappings, settings, progress, comparison);
   return comparison;
 }
 

@@ -19,15 +19,15 @@ struct ComparisonRow {
 
 struct InferenceComparison {
   std::string sample;
-  int supersampling = 1;
+  int supersampling = 1;             // of the rows that have any
   std::vector<double> pixel_counts;  // of each of the job's objects
   std::vector<ComparisonRow> rows;
 };
 
-/// Anisotropic filtering is compared without supersampling alone: its footprints take many draws to measure.
-/// Measures the matrices that it needs in OUTPUT/comparison. `mappings`: of each of the job's objects.
-InferenceComparison compare_inference(const AnimationJob& job, int sample, int supersampling,
-                                      const std::vector<TextureMapping>& mappings,
+/// With one sample a pixel, as hardware draws without antialiasing, and with the job's supersampling, where anisotropic
+/// filtering is left out: its footprints take many draws to measure. Measures the matrices that it needs in
+/// OUTPUT/comparison. `mappings`: of each of the job's objects.
+InferenceComparison compare_inference(const AnimationJob& job, int sample, const std::vector<TextureMapping>& mappings,
                                       const AnimationInferSettings& settings, Progress* progress);
 
 }  // namespace multum

@@ -36,7 +36,8 @@ class InferCommandTest : public CliTest {
     write_bytes(path("animation.toml"), text.replace(at, from.size(), to));
   }
   ProgramResult infer(std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments = {"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa"};
+    std::vector<std::string> arguments = {"infer",  path("animation.toml"), "-o", path("out"), "--context",
+                                          "osmesa", "--no-comparison"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum(arguments);
   }
@@ -117,8 +118,8 @@ TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
 
 TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
   write_scene({});
-  Program running(
-      multum_command({"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa", "--no-frames"}));
+  Program running(multum_command(
+      {"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa", "--no-frames", "--no-comparison"}));
   for (int i = 0; i < 600 && !fs::exists(path("out/textures/board/diffuse_light00.exr")) && running.running(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   running.send(SIGINT);

@@ -3,8 +3,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 
 #include "host/bake/animation_infer.h"
+#include "host/bake/inference_comparison.h"
+#include "host/bake/inference_frames.h"
+#include "host/bake/inference_report.h"
+#include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
@@ -17,6 +22,9 @@ struct InferOptions {
   CommonOptions common;
   AnimationInferSettings settings;
   std::string job;
+  std::string report_sample;  // empty: the middle one
+  bool no_frames = false;
+  bool no_comparison = false;
 };
 
 // multum-view lies beside multum, in the build folder and when installed.
@@ -27,23 +35,52 @@ std::string find_viewer() {
   return !error && std::filesystem::exists(beside, error) ? beside.string() : "multum-view";
 }
 
+std::vector<int> all_samples(const AnimationJob& job) {
+  std::vector<int> samples(job.samples.size());
+  std::iota(samples.begin(), samples.end(), 0);
+  return samples;
+}
+
+void print_results(const InferOptions& o, const InferenceReport& report) {
+  int there = 0, written = 0;
+  for (const TextureResult& texture : report.result.textures)
+    if (!texture.file.empty()) (texture.was_there ? there : written) += 1;
+  const StageSeconds& s = report.result.seconds;
+  std::printf(
+      "%s: %d textures written, %d there already; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
+      "systems %.1f s, solving %.1f s, baseline %.1f s, frames %.1f s; %llu of %llu rows rejected\n",
+      o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving, s.baseline,
+      s.rendering, static_cast<unsigned long long>(report.result.rows_rejected),
+      static_cast<unsigned long long>(report.result.rows));
+  std::printf("%s%s/report.json: every figure\n", inference_report_text(report).c_str(), o.settings.output.c_str());
+}
+
 int run_infer(InferOptions& o) {
   o.settings.threads = apply(o.common);
   o.settings.viewer = find_viewer();
   const std::unique_ptr<Progress> progress = make_terminal_progress(!o.common.quiet);
   const AnimationField field(read_animation_job(o.job));
   make_folder(o.settings.output);
-  const AnimationInferResult result = infer_animation(field, o.settings, progress.get());
+  const int sample = o.report_sample.empty() ? middle_sample(field.job()) : find_sample(field.job(), o.report_sample);
+  AnimationInferResult result = infer_animation(field, o.settings, progress.get());
+  InferenceFrames frames;
+  if (!o.no_frames) {
+    frames = render_frames(field, {o.settings.output, o.settings.viewer, o.settings.context}, all_samples(field.job()),
+                           progress.get());
+    result.seconds.rendering = frames.seconds;
+  }
+  InferenceComparison comparison;
+  if (!o.no_comparison)
+    comparison = compare_inference(field.job(), sample, result.mappings, o.settings, progress.get());
   progress_finish(progress.get());
-  int there = 0, written = 0;
-  for (const TextureResult& texture : result.textures)
-    if (!texture.file.empty()) (texture.was_there ? there : written) += 1;
-  const StageSeconds& s = result.seconds;
-  std::printf(
-      "%s: %d textures written, %d there already; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
-      "systems %.1f s, solving %.1f s; %llu of %llu rows rejected\n",
-      o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving,
-      static_cast<unsigned long long>(result.rows_rejected), static_cast<unsigned long long>(result.rows));
+  const InferenceReport report = {field.job(),
+                                  o.settings,
+                                  result,
+                                  sample,
+                                  o.no_frames ? nullptr : &frames,
+                                  o.no_comparison ? nullptr : &comparison};
+  write_text_file(o.settings.output + "/report.json", inference_report_json(report));
+  if (!o.common.quiet) print_results(o, report);
   return 0;
 }
 
@@ -69,6 +106,11 @@ void add_infer_command(CLI::App& app, int* exit_code) {
       ->add_option("--hold-out", o.settings.hold_out,
                    "leave every Nth view out of layers that do not depend on views, and report the error there")
       ->check(CLI::Range(2, 1000));
+  infer->add_flag("--no-frames", o.no_frames, "draw no frames to measure and show");
+  infer->add_flag("--no-comparison", o.no_comparison,
+                  "do not compare samplers, regularisation and forward mapping at the report's sample");
+  infer->add_option("--report-sample", o.report_sample,
+                    "index along each parameter, or a name, of the sample that the report shows (default: the middle)");
   infer->add_flag("--force", o.settings.force, "infer again what is there already");
   add_common_options(*infer, o.common);
   infer->callback([options, exit_code] { *exit_code = run_infer(*options); });
