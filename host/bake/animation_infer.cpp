@@ -179,7 +179,9 @@ class AnimationBaker {
       {
         const Stopwatch watch(result_.seconds.segmentation);
         for (const int sample : block.samples) {
-          pictures.push_back(field_.segment(sample, layer, settings_.threads, &result_.segmentation));
+          SegmentationReport report;
+          pictures.push_back(field_.segment(sample, layer, settings_.threads, &report));
+          result_.segmentation.add(report);
           progress_advance(progress_, 1);
         }
       }

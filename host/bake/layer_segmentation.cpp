@@ -271,6 +271,17 @@ std::vector<ObjectLayer> segment_layer(const SegmentationInput& input, const Seg
   return layers;
 }
 
+void SegmentationReport::add(const SegmentationReport& other) {
+  not_finite_pixels += other.not_finite_pixels;
+  negative_pixels += other.negative_pixels;
+  repaired_pixels += other.repaired_pixels;
+  dropped_pixels += other.dropped_pixels;
+  mixed_pixels += other.mixed_pixels;
+  unguided_pixels += other.unguided_pixels;
+  clamped_values += other.clamped_values;
+  clipped_values += other.clipped_values;
+}
+
 bool has_radiance(const ObjectLayer& layer, double radiance_max) {
   constexpr float kWhole = 0.999f;
   constexpr double kShare = 1.0 / 4096;

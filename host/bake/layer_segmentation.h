@@ -37,6 +37,8 @@ struct SegmentationReport {
   std::size_t unguided_pixels = 0;    // of these, without a wholly covered pixel of the object in reach
   std::size_t clamped_values = 0;     // below 0 after taking apart, set to 0
   std::size_t clipped_values = 0;     // above radiance_max, set to it
+
+  void add(const SegmentationReport& other);
 };
 
 struct ObjectLayer {

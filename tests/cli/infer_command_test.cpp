@@ -139,8 +139,10 @@ TEST_F(InferCommandTest, PixelsThatAreNoNumbersAreRepairedAndCounted) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_LT(frame_error("0,1", "rad_v00_p01.exr"), 0.01);
   const nlohmann::json report = nlohmann::json::parse(std::ifstream(path("out/report.json")));
-  // One of each in every one of the four pictures; both lie on one object each.
-  EXPECT_NE(report.dump().find("\"not_finite_pixels\""), std::string::npos) << "the report counts them";
+  // Two in each of the four pictures.
+  EXPECT_EQ(report["segmentation"]["not_finite_pixels"], 8) << report["segmentation"];
+  EXPECT_EQ(report["segmentation"]["repaired_pixels"], 8);
+  EXPECT_GT(report["nan_depths"], 0);
 }
 
 TEST_F(InferCommandTest, AnObjectThatIsNeverSeenIsSaidAndLeftOut) {
