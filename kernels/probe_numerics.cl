@@ -2,6 +2,7 @@
 // What this device and driver make of the building blocks: for the tests, and for anyone who doubts a driver.
 
 #include "device/vmf_shading.clh"
+#include "shared/mip_pyramid.h"
 #include "shared/movmf_fit.h"
 #include "shared/vmf_lobe.h"
 
@@ -35,4 +36,13 @@ __kernel void probe_layout(__global int* sizes) {
   sizes[2] = (int)sizeof(MultumMovmfFit);
   sizes[3] = (int)((char*)&fit.kappa_cap_slope - (char*)&fit);
   sizes[4] = (int)((char*)&fit.total_weight_inverse - (char*)&fit);
+  MultumMipLevel level;
+  MultumTap tap;
+  sizes[5] = (int)sizeof(MultumMipLevel);
+  sizes[6] = (int)((char*)&level.gathers_y - (char*)&level);
+  sizes[7] = (int)sizeof(MultumTap);
+  sizes[8] = (int)((char*)&tap.fraction - (char*)&tap);
+  sizes[9] = (int)sizeof(MultumGather);
+  sizes[10] = (int)sizeof(MultumGatherEntry);
+  sizes[11] = (int)sizeof(MultumStrip);
 }

@@ -87,13 +87,16 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "1", "--lobes", "8", "--albedo",
         path("tiny_albedo.png"), "--scalar", "--no-rehearsal"});
 
-  // The kernels that only tests launch; oclgrind's counts name them.
-  const ProgramResult probes =
-      simulate({std::string(MULTUM_BIN_DIR) + "/kernel_test", "--gtest_filter=NumericsTest.*:SharedStructTest.*"},
-               {"--inst-counts"});
+  // The kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
   const std::regex counted("kernel '(\\w+)'");
-  for (std::sregex_iterator i(probes.out.begin(), probes.out.end(), counted), end; i != end; ++i)
-    launched_.insert((*i)[1]);
+  for (const auto& [program, filter] :
+       {std::pair("/kernel_test", "NumericsTest.*:SharedStructTest.*"),
+        std::pair("/inference_test", "*EndsWhereNothingLeadsDown/4:*FindsWhatEigenFinds/3")}) {
+    const ProgramResult tests =
+        simulate({std::string(MULTUM_BIN_DIR) + program, std::string("--gtest_filter=") + filter}, {"--inst-counts"});
+    for (std::sregex_iterator i(tests.out.begin(), tests.out.end(), counted), end; i != end; ++i)
+      launched_.insert((*i)[1]);
+  }
 
   const std::set<std::string> all = all_kernels();
   EXPECT_GE(all.size(), 11u);

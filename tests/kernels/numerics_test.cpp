@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "kernels/shared/mip_pyramid.h"
 #include "kernels/shared/movmf_fit.h"
 #include "tests/kernels/em_harness.h"
 
@@ -74,13 +75,22 @@ TEST(NumericsTest, DriverKeepsNanGuards) {
 
 TEST(SharedStructTest, DeviceAgreesOnSizesAndOffsets) {
   Device& device = test_device();
-  const DeviceBuffer sizes = device.make_buffer(5 * sizeof(int), "sizes");
+  const DeviceBuffer sizes = device.make_buffer(12 * sizeof(int), "sizes");
   device.kernel("probe_numerics", "probe_layout", {4, 1, false}).launch({1}, sizes);
-  std::vector<int> found(5);
+  std::vector<int> found(12);
   device.read(sizes, found.data(), sizeof(int) * found.size());
-  const std::vector<int> expected = {sizeof(MultumVmfLobe), offsetof(MultumVmfLobe, amplitude), sizeof(MultumMovmfFit),
+  const std::vector<int> expected = {sizeof(MultumVmfLobe),
+                                     offsetof(MultumVmfLobe, amplitude),
+                                     sizeof(MultumMovmfFit),
                                      offsetof(MultumMovmfFit, kappa_cap_slope),
-                                     offsetof(MultumMovmfFit, total_weight_inverse)};
+                                     offsetof(MultumMovmfFit, total_weight_inverse),
+                                     sizeof(MultumMipLevel),
+                                     offsetof(MultumMipLevel, gathers_y),
+                                     sizeof(MultumTap),
+                                     offsetof(MultumTap, fraction),
+                                     sizeof(MultumGather),
+                                     sizeof(MultumGatherEntry),
+                                     sizeof(MultumStrip)};
   EXPECT_EQ(found, expected);
 }
 
