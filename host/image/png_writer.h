@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG files of the project's own making: 16-bit RGB, row by row.
+// PNG files of the project's own making: 16-bit RGB, row by row, for maps; 8-bit, whole, for pictures to look at.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +23,20 @@ class Png16Writer {
   void finish();
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<class PngFile> file_;
 };
 
 /// `interleaved` holds width * height * 3 values.
 void write_png16(const std::string& path, int width, int height, const std::vector<std::uint16_t>& interleaved,
                  const std::string& colour_space);
+
+/// sRGB, row 0 at the top.
+struct Png8Image {
+  int width = 0, height = 0;
+  int channels = 3;  // 4: with alpha, which colours are not multiplied by
+  std::vector<std::uint8_t> interleaved;
+};
+
+void write_png8(const std::string& path, const Png8Image& image);
 
 }  // namespace multum

@@ -7,8 +7,7 @@
 
 #include "host/bake/animation_infer.h"
 #include "host/bake/inference_frames.h"
-#include "host/bake/inference_report.h"
-#include "host/base/atomic_file.h"
+#include "host/bake/inference_page.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "tools/multum/commands.h"
@@ -49,7 +48,8 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
       o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving, s.baseline,
       s.rendering, static_cast<unsigned long long>(report.result.rows_rejected),
       static_cast<unsigned long long>(report.result.rows));
-  std::printf("%s%s/report.json: every figure\n", inference_report_text(report).c_str(), o.settings.output.c_str());
+  std::printf("%s%s/report.html: pictures and tables; report.json beside it has every figure\n",
+              inference_report_text(report).c_str(), o.settings.output.c_str());
 }
 
 int run_infer(InferOptions& o) {
@@ -68,7 +68,7 @@ int run_infer(InferOptions& o) {
   }
   progress_finish(progress.get());
   const InferenceReport report = {field.job(), o.settings, result, sample, o.no_frames ? nullptr : &frames, nullptr};
-  write_text_file(o.settings.output + "/report.json", inference_report_json(report));
+  write_inference_report(field, report);
   if (!o.common.quiet) print_results(o, report);
   return 0;
 }
