@@ -27,7 +27,7 @@ body { margin: 0 auto; max-width: 76rem; padding: 1rem 1.2rem 3rem; background: 
 h1 { margin: .3em 0; font-size: 1.7rem; overflow-wrap: anywhere; } h2 { margin: 2.2rem 0 .4rem; }
 h3 { margin: 1.4rem 0 .3rem; overflow-wrap: anywhere; }
 p, ul { max-width: 46rem; margin: .4rem 0; } a { color: var(--link); } .soft, figcaption { color: var(--soft); }
-.three { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: .7rem; align-items: end; }
+.three { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: .7rem; align-items: start; }
 .thumbs { display: flex; flex-wrap: wrap; gap: .9rem; align-items: end; } 
 .thumbs figure { max-width: 24rem; } .thumbs figure img { image-rendering: auto; }
 .charts { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(21rem, 100%), 1fr)); gap: 1.2rem; }
@@ -36,7 +36,7 @@ figure img { display: block; max-width: 100%; height: auto; background: var(--bl
 figcaption { font-size: .88rem; margin-top: .2rem; overflow-wrap: anywhere; } figcaption b { color: var(--text); }
 .wide { overflow-x: auto; margin: .5rem 0; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
-th, td { padding: .22rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap;
+th, td { padding: .22rem .5rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap;
   vertical-align: bottom; }
 th.text, td.text { text-align: left; white-space: normal; }
 th { color: var(--soft); font-weight: 600; white-space: normal; } td.best { font-weight: 700; }
@@ -336,7 +336,12 @@ class InferencePage {
     std::string html =
         "<h2>Frames by sample</h2>\n<p>MSE of each frame over the grid of parameters, and of each object "
         "over its wholly covered pixels. Every map has its own scale; the frame that is shown above is "
-        "outlined.</p>\n<div class=\"charts\">\n";
+        "outlined.";
+    if (report_.settings.hold_out >= 2)
+      html +=
+          " Where views were held out, textures that serve several views are shown on one that they were not "
+          "solved for.";
+    html += "</p>\n<div class=\"charts\">\n";
     html += heat_map("whole frames",
                      [](const FrameErrors& frame) { return frame.pixel_count > 0.0 ? frame.squared_error : -1.0; });
     for (std::size_t k = 0; k < job_.objects.size(); ++k)

@@ -40,7 +40,7 @@ LayerSummary summarise(const std::vector<TextureResult>& textures, std::size_t o
   LayerSummary summary;
   summary.object = object;
   summary.layer = layer;
-  PixelMean solved, forward, held_out, held_out_forward;
+  PixelMean solved, forward, held_out;
   std::vector<int> iterations;
   for (const TextureResult& texture : textures) {
     if (texture.object != object || texture.layer != layer || texture.file.empty()) continue;
@@ -52,8 +52,8 @@ LayerSummary summarise(const std::vector<TextureResult>& textures, std::size_t o
       const double error = texture.squared_errors[i], pixels = texture.pixel_counts[i];
       const bool is_held_out = texture.is_held_out[i];
       (is_held_out ? held_out : solved).add(error, pixels);
-      if (!texture.forward_squared_errors.empty())
-        (is_held_out ? held_out_forward : forward).add(texture.forward_squared_errors[i], pixels);
+      if (!is_held_out && !texture.forward_squared_errors.empty())
+        forward.add(texture.forward_squared_errors[i], pixels);
       if (!is_held_out && pixels > 0.0 && error > summary.worst_squared_error) {
         summary.worst_squared_error = error;
         summary.worst_sample = texture.samples[i];
@@ -65,7 +65,6 @@ LayerSummary summarise(const std::vector<TextureResult>& textures, std::size_t o
   summary.forward_squared_error = forward.mean();
   summary.held_out_squared_error = held_out.mean();
   summary.held_out_pixel_count = held_out.pixels();
-  summary.held_out_forward_squared_error = held_out_forward.mean();
   summary.iterations_median = median(iterations);
   summary.iterations_max = iterations.empty() ? 0 : *std::max_element(iterations.begin(), iterations.end());
   return summary;
@@ -115,9 +114,7 @@ Json layer_json(const InferenceReport& report, const LayerSummary& one) {
                                     {"mse", one.worst_squared_error}};
   json["held_out"] = one.held_out_squared_error < 0.0
                          ? Json(nullptr)
-                         : Json{{"mse", one.held_out_squared_error},
-                                {"pixels", one.held_out_pixel_count},
-                                {"forward_mapping_mse", figure(one.held_out_forward_squared_error)}};
+                         : Json{{"mse", one.held_out_squared_error}, {"pixels", one.held_out_pixel_count}};
   json["iterations"] = one.textures_there == one.textures
                            ? Json(nullptr)
                            : Json{{"median", one.iterations_median}, {"max", one.iterations_max}};

@@ -29,9 +29,8 @@ struct LayerSummary {
   int textures_there = 0;  // of them, taken as they were found: their iterations are not known
   double squared_error = -1.0, pixel_count = 0.0;
   double forward_squared_error = -1.0;
-  double held_out_squared_error = -1.0, held_out_pixel_count = 0.0;
-  double held_out_forward_squared_error = -1.0;
-  double worst_squared_error = -1.0;  // of one sample that was solved for
+  double held_out_squared_error = -1.0, held_out_pixel_count = 0.0;  // forward mapping holds out nothing
+  double worst_squared_error = -1.0;                                 // of one sample that was solved for
   int worst_sample = -1;
   double iterations_median = 0.0;
   int iterations_max = 0;
