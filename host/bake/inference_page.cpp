@@ -324,10 +324,10 @@ class InferencePage {
     }
     return fmt::format(
                "<h2>What the choices cost</h2>\n<p>Each object's layers inferred from the one picture {} in "
-               "several ways, with {} samples a pixel, as in figure 6 of the paper: MSE of all layers added, "
+               "several ways, as in figure 6 of the paper: MSE of all layers added, "
                "over wholly covered pixels; the least is bold. Bilinear filtering fits best at the very view "
                "that it was inferred for and at no other.</p>\n",
-               escaped(c.sample), c.supersampling * c.supersampling) +
+               escaped(c.sample)) +
            table(columns, rows);
   }
 
