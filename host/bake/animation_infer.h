@@ -73,9 +73,6 @@ struct AnimationInferResult {
 AnimationInferResult infer_animation(const AnimationField& field, const AnimationInferSettings& settings,
                                      Progress* progress);
 
-/// A pixel's share that an object covers, from which on it counts as covered wholly.
-constexpr float kWholeCoverage = 0.999f;
-
 /// One row of A x.
 std::array<float, 3> filtered(const FilterMatrix& matrix, std::size_t row, const std::vector<float>& texels);
 

@@ -12,14 +12,14 @@
 #include <glm/mat2x2.hpp>
 #include <glm/matrix.hpp>
 
+#include "host/bake/layer_segmentation.h"
 #include "host/base/error.h"
 
 namespace multum {
 namespace {
 
-constexpr std::size_t kPixelsMax = 512;   // a share of 10 % is then known to 1.3 %
-constexpr double kOffShareMax = 0.1;      // silhouettes and geometry that was left out of the file
-constexpr float kCoveredWholly = 0.999f;  // coverages of renderers are sums of many shares
+constexpr std::size_t kPixelsMax = 512;  // a share of 10 % is then known to 1.3 %
+constexpr double kOffShareMax = 0.1;     // silhouettes and geometry that was left out of the file
 
 struct Triangle {
   glm::dvec3 a, b, c;
@@ -89,7 +89,7 @@ std::vector<std::size_t> tested_pixels(const std::vector<float>& depth, const st
   std::vector<std::size_t> usable, tested;
   for (std::size_t i = 0; i < depth.size(); ++i) {
     check.nan_depths += std::isnan(depth[i]) ? 1 : 0;
-    const bool is_covered = coverage.empty() || coverage[i] >= kCoveredWholly;
+    const bool is_covered = coverage.empty() || coverage[i] >= kWholeCoverage;
     if (is_covered && depth[i] > 0.0f && static_cast<double>(depth[i]) < far && std::isfinite(depth[i]))
       usable.push_back(i);
   }

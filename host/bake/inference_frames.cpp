@@ -102,7 +102,7 @@ FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFr
     const float* traced = &ray_traced[3 * i];
     const float* drawn = &frame.rgb[3 * i];
     // NaN is not below the limit, and goes on to be counted as what it is.
-    if (frame.alpha[i] < kFrameAlphaMin) {
+    if (frame.alpha[i] < kWholeCoverage) {
       errors.uncovered_pixels += 1.0;
       continue;
     }
@@ -116,7 +116,7 @@ FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFr
     const double error = squared_error_8bit(traced, drawn);
     whole.add(error, 1.0);
     for (std::size_t k = 0; k < coverages.size(); ++k)
-      if (coverages[k][i] >= kFrameCoverageMin) objects[k].add(error, 1.0);
+      if (coverages[k][i] >= kWholeCoverage) objects[k].add(error, 1.0);
   }
   errors.squared_error = whole.mean();
   errors.pixel_count = whole.count;

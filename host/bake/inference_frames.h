@@ -31,7 +31,7 @@ struct FrameErrors {
   int sample = 0;    // of the job
   std::string file;  // relative to the output folder
   double squared_error = 0.0, pixel_count = 0.0;
-  double uncovered_pixels = 0.0;                                   // left out: alpha below kFrameAlphaMin
+  double uncovered_pixels = 0.0;                                   // left out: alpha below kWholeCoverage
   double not_finite_pixels = 0.0;                                  // left out: NaN or infinite in either picture
   std::vector<double> object_squared_errors, object_pixel_counts;  // of each of the job's objects, where it covers
                                                                    // pixels wholly in the ray-traced picture
@@ -41,9 +41,6 @@ struct InferenceFrames {
   std::vector<FrameErrors> frames;
   double seconds = 0.0;  // of drawing, reading and comparing
 };
-
-constexpr float kFrameAlphaMin = 0.999f;     // Cryptomatte's and the GL's sums of shares end a little below 1
-constexpr float kFrameCoverageMin = 0.999f;  // as SegmentationSettings::coverage_whole
 
 /// The pixels' mean of all frames; count 0: none.
 struct FrameMean {

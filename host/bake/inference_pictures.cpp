@@ -102,7 +102,7 @@ PixelBox covered_box(const std::vector<float>& coverage, int width, int height) 
   int x_min = width, x_max = -1, y_min = height, y_max = -1;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      if (coverage[static_cast<std::size_t>(y * width + x)] < kFrameCoverageMin) continue;
+      if (coverage[static_cast<std::size_t>(y * width + x)] < kWholeCoverage) continue;
       x_min = std::min(x_min, x);
       x_max = std::max(x_max, x);
       y_min = std::min(y_min, y);
@@ -141,7 +141,7 @@ Png8Image cut_out(const Png8Image& image, const std::vector<float>& coverage, co
   for (int y = box.y; y < box.y + box.height; ++y)
     for (int x = box.x; x < box.x + box.width; ++x) {
       const auto pixel = static_cast<std::size_t>(y * image.width + x);
-      const bool is_covered = coverage[pixel] >= kFrameCoverageMin;
+      const bool is_covered = coverage[pixel] >= kWholeCoverage;
       for (std::size_t c = 0; c < 3; ++c)  // what is not seen is black, and costs no bytes
         cut.interleaved.push_back(is_covered ? image.interleaved[3 * pixel + c] : std::uint8_t{0});
       cut.interleaved.push_back(is_covered ? 255 : 0);

@@ -49,7 +49,7 @@ PixelBox covered_box(const std::vector<float>& coverage, int width, int height);
 Png8Image srgb_image(const std::vector<float>& rgb, int width, int height);
 /// |a - b| * kErrorScale, up to 255.
 Png8Image error_image(const Png8Image& a, const Png8Image& b);
-/// The box, with alpha: transparent where coverage is below kFrameCoverageMin.
+/// The box, with alpha: transparent where coverage is below kWholeCoverage.
 Png8Image cut_out(const Png8Image& image, const std::vector<float>& coverage, const PixelBox& box);
 
 }  // namespace multum

@@ -283,10 +283,9 @@ void SegmentationReport::add(const SegmentationReport& other) {
 }
 
 bool has_radiance(const ObjectLayer& layer, double radiance_max) {
-  constexpr float kWhole = 0.999f;
   constexpr double kShare = 1.0 / 4096;
   // Silhouettes may hold a little of what is beside: they count only where there is nothing else.
-  for (const float coverage_min : {kWhole, 0.0f}) {
+  for (const float coverage_min : {kWholeCoverage, 0.0f}) {
     double sum = 0.0;
     std::size_t count = 0;
     for (std::size_t pixel = 0; pixel < layer.coverage.size(); ++pixel) {

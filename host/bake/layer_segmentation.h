@@ -11,10 +11,14 @@
 
 namespace multum {
 
+/// Share of a pixel from which on it counts as covered wholly: renderers' and the GL's shares are sums of many, and end
+/// a little below 1.
+constexpr float kWholeCoverage = 0.999f;
+
 struct SegmentationSettings {
-  double sigma = 1.0;              // pixels, > 0, of the Gaussian; its radius is 3 sigma
-  double sigma_max = 16.0;         // pixels: doubled up to it where no wholly covered pixel is in reach
-  double coverage_whole = 0.999;   // (0.5, 1]: Cryptomatte's ranks leave out a little of what is whole
+  double sigma = 1.0;       // pixels, > 0, of the Gaussian; its radius is 3 sigma
+  double sigma_max = 16.0;  // pixels: doubled up to it where no wholly covered pixel is in reach
+  double coverage_whole = static_cast<double>(kWholeCoverage);  // (0.5, 1]
   double coverage_min = 1.0 / 64;  // [0, 1): less covered pixels are absent from the object's layer
   double radiance_max = 1.0;       // > 0
   double radiance_min = -1e-3;     // <= 0: below it a value is an error; up to 0, ringing of the renderer's filter
