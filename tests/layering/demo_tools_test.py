@@ -19,7 +19,8 @@ PACKAGE_OF = {"glm": "libglm-dev", "spdlog": "libspdlog-dev", "fmt": "libfmt-dev
               "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "OpenImageIO": "libopenimageio-dev",
               "OpenCL": "ocl-icd-opencl-dev", "tomlplusplus": "libtomlplusplus-dev",
               "nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "assimp": "libassimp-dev",
-              "Python3": "python3", "GTest": "libgtest-dev", "Eigen3": "libeigen3-dev", "OpenGL": "libgl-dev", "Threads": None, "OpenMP": None}
+              "Python3": "python3", "GTest": "libgtest-dev", "Eigen3": "libeigen3-dev",
+              "OpenGL": "libgl-dev", "Threads": None, "OpenMP": None}
 VOID = {"meta", "img", "line", "circle", "rect", "polyline", "i", "br"}
 
 
