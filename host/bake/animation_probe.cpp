@@ -5,15 +5,14 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/asset/matrix_json.h"
 #include "host/asset/probe_request.h"
-#include "host/base/child_process.h"
+#include "host/bake/viewer_process.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
-#include "host/base/log.h"
 #include "host/base/output_paths.h"
 
 namespace multum {
@@ -70,14 +69,14 @@ void AnimationProbe::run(Progress* progress) {
     std::vector<std::size_t> wanted;
     for (std::size_t k = 0; k < mappings_.size(); ++k)
       if (is_seen(k) && filter_matrix_key(path(pose, k)) != key(pose, k)) wanted.push_back(k);
-    if (!wanted.empty()) measure(pose, wanted);
+    if (!wanted.empty()) measure(pose, wanted, progress);
     measured += static_cast<int>(wanted.size());
     progress_advance(progress, unit_count() / field_.poses().size());
   }
   seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects) {
+void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects, Progress* progress) const {
   const AnimationPose& at = field_.poses()[static_cast<std::size_t>(pose)];
   ProbeRequest request;
   request.geometry_file = std::filesystem::absolute(field_.job().geometry_file).string();
@@ -94,20 +93,19 @@ void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects) 
                              settings_.has_mips, path(pose, k), key(pose, k)});
   }
   const std::string file = fmt::format("{}/{}.probe.json", settings_.folder, at.name);
+  // Gone at the end, however that comes.
+  const auto remove = [](const std::string* path) {
+    std::error_code ignored;
+    std::filesystem::remove(*path, ignored);
+  };
+  const std::unique_ptr<const std::string, decltype(remove)> request_file(&file, remove);
   write_probe_request(request, file);
   std::vector<std::string> command = {settings_.viewer, "--probe", file, "--context", settings_.context};
   if (settings_.threads > 0) {
     command.push_back("--threads");
     command.push_back(std::to_string(settings_.threads));
   }
-  const ChildResult result = run_child(command);
-  if (result.exit_code != 0)
-    throw Error(ErrorCode::kEnvironment,
-                fmt::format("measuring the filter matrices of pose '{}' failed: {} {} {}:\n{}", at.name,
-                            settings_.viewer, result.signal != 0 ? "was ended by signal" : "ended with exit code",
-                            result.signal != 0 ? result.signal : result.exit_code, result.output));
-  log_verbose(result.output);
-  std::filesystem::remove(file);
+  run_viewer(command, fmt::format("measuring the filter matrices of pose '{}'", at.name), progress);
 }
 
 FilterMatrix AnimationProbe::matrix(int pose, std::size_t object) const {

@@ -46,7 +46,7 @@ class AnimationProbe {
 
  private:
   std::string path(int pose, std::size_t object) const;
-  void measure(int pose, const std::vector<std::size_t>& objects);
+  void measure(int pose, const std::vector<std::size_t>& objects, Progress* progress) const;
 
   const AnimationField& field_;
   std::vector<TextureMapping> mappings_;

@@ -9,9 +9,9 @@
 #include <filesystem>
 
 #include "host/bake/animation_infer.h"
-#include "host/base/child_process.h"
+#include "host/bake/viewer_process.h"
 #include "host/base/error.h"
-#include "host/base/log.h"
+#include "host/base/output_paths.h"
 #include "host/image/exr_layers.h"
 
 namespace multum {
@@ -39,19 +39,14 @@ std::string frame_file(const AnimationJob& job, int sample) {
   return "frames/" + job.samples[static_cast<std::size_t>(sample)].name + ".exr";
 }
 
-void draw_frames(const AnimationJob& job, const FrameSettings& settings, const std::vector<int>& samples) {
+void draw_frames(const AnimationJob& job, const FrameSettings& settings, const std::vector<int>& samples,
+                 Progress* progress) {
   std::vector<std::string> command = {settings.viewer, settings.output, "--context", settings.context};
   for (const int sample : samples) {
     command.insert(command.end(), {"--sample", job.samples[static_cast<std::size_t>(sample)].name});
     command.insert(command.end(), {"-o", settings.output + "/" + frame_file(job, sample)});
   }
-  const ChildResult result = run_child(command);
-  if (result.exit_code != 0)
-    throw Error(ErrorCode::kEnvironment,
-                fmt::format("drawing {} frames from '{}' failed: {} {} {}:\n{}", samples.size(), settings.output,
-                            settings.viewer, result.signal != 0 ? "was ended by signal" : "ended with exit code",
-                            result.signal != 0 ? result.signal : result.exit_code, result.output));
-  log_verbose(result.output);
+  run_viewer(command, fmt::format("drawing {} frames from '{}'", samples.size(), settings.output), progress);
 }
 
 // A running mean's numerator and denominator.
@@ -132,14 +127,14 @@ InferenceFrames render_frames(const AnimationField& field, const FrameSettings& 
   const auto start = std::chrono::steady_clock::now();
   const AnimationJob& job = field.job();
   InferenceFrames result;
-  std::filesystem::create_directories(settings.output + "/frames");
+  make_folder(settings.output + "/frames");
   progress_start(progress, 2 * samples.size());  // a frame is drawn, and compared
   for (std::size_t begin = 0; begin < samples.size(); begin += kSamplesAChild) {
     const std::size_t end = std::min(samples.size(), begin + kSamplesAChild);
     const std::vector<int> some(samples.begin() + static_cast<std::ptrdiff_t>(begin),
                                 samples.begin() + static_cast<std::ptrdiff_t>(end));
     progress_stage(progress, "draw frames");
-    draw_frames(job, settings, some);
+    draw_frames(job, settings, some, progress);
     progress_advance(progress, some.size());
     progress_stage(progress, "compare frames");
     for (const int sample : some) {

@@ -21,7 +21,7 @@ int run_guarded(const char* program, int (*body)(int, char**), int argc, char** 
   try {
     return body(argc, argv);
   } catch (const Cancelled&) {
-    std::fprintf(stderr, "%s: cancelled, nothing was written\n", program);
+    std::fprintf(stderr, "%s: cancelled, nothing unfinished was kept\n", program);
     return 130;
   } catch (const Error& error) {
     std::fprintf(stderr, "%s: %s\n", program, error.what());

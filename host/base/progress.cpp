@@ -18,6 +18,7 @@ namespace multum {
 void Progress::start(std::uint64_t units_total) {
   event_.units_total = units_total;
   event_.units_done = 0;
+  event_.units_done = 0;
   report();
 }
 
@@ -61,6 +62,7 @@ class TerminalBar {
 
   void show(const ProgressEvent& event) {
     const auto now = std::chrono::steady_clock::now();
+    if (event.units_done == 0) start_ = now;
     const bool finished = event.units_total > 0 && event.units_done >= event.units_total;
     if (!finished && shown_ && now - last_ < std::chrono::milliseconds(80)) return;
     last_ = now;
@@ -93,7 +95,7 @@ class TerminalBar {
                          : fmt::format(", {} s left", seconds);
   }
 
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point last_;
   bool shown_ = false;
 };

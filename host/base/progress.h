@@ -22,7 +22,7 @@ class Progress {
 
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
 
-  /// Declares the whole work. Called once by the outermost long call.
+  /// Declares the whole work. Called once by the outermost long call; by the next of several, counting begins anew.
   void start(std::uint64_t units_total);
   /// Names what comes next. Throws Cancelled when the callback says so.
   void stage(const std::string& name);

@@ -138,6 +138,31 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
   EXPECT_EQ(textures().size(), 8u);
 }
 
+// Ctrl-C on a terminal reaches multum-view too: that is no failure of its.
+TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
+  write_scene({});
+  // A viewer that ends as Ctrl-C ends it, and tells multum of it as the terminal would.
+  fs::create_directory(path("bin"));
+  fs::copy_file(std::string(MULTUM_BIN_DIR) + "/multum", path("bin/multum"));
+  write_bytes(path("bin/multum-view"), "#!/bin/sh\nkill -INT $PPID\nkill -INT $$\n");
+  fs::permissions(path("bin/multum-view"), fs::perms::owner_all);
+  const ProgramResult result = run_program({path("bin/multum"), "infer", path("animation.toml"), "-o", path("out")});
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_EQ(result.err.find("failed"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(path("out/inferred.json")));
+}
+
+// A viewer that crashes ends the run with what it said, and multum goes on living to say so.
+TEST_F(InferCommandTest, AViewerThatCrashesIsAnErrorThatSaysSo) {
+  write_scene({});
+  fs::create_directory(path("bin"));
+  fs::copy_file(std::string(MULTUM_BIN_DIR) + "/multum", path("bin/multum"));
+  write_bytes(path("bin/multum-view"), "#!/bin/sh\necho the driver is unwell\nkill -SEGV $$\n");
+  fs::permissions(path("bin/multum-view"), fs::perms::owner_all);
+  expect_refused(run_program({path("bin/multum"), "infer", path("animation.toml"), "-o", path("out")}), kEnvironment,
+                 {"pose 'v00_p00'", "signal 11", "the driver is unwell"});
+}
+
 TEST_F(InferCommandTest, PixelsThatAreNoNumbersAreRepairedAndCounted) {
   TracedScene scene;
   scene.has_bad_pixels = true;

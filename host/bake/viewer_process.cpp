@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/viewer_process.h"
+
+#include <fmt/format.h>
+
+#include "host/base/child_process.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+
+namespace multum {
+
+void run_viewer(const std::vector<std::string>& command, const std::string& what, Progress* progress) {
+  const ChildResult result = run_child(command);
+  progress_advance(progress, 0);
+  if (result.exit_code != 0)
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{} failed: {} {} {}:\n{}", what, command.front(),
+                            result.signal != 0 ? "was ended by signal" : "ended with exit code",
+                            result.signal != 0 ? result.signal : result.exit_code, result.output));
+  log_verbose(result.output);
+}
+
+}  // namespace multum
