@@ -81,9 +81,7 @@ void AnimationField::check_cameras() {
 glm::dmat4 AnimationField::object_to_camera(int mesh, int pose) const {
   const ObjectMesh& object = meshes_[static_cast<std::size_t>(mesh)];
   const AnimationPose& at = poses_[static_cast<std::size_t>(pose)];
-  const auto moved = at.object_to_world.find(object.name);
-  return job_.cameras[static_cast<std::size_t>(at.camera)].world_to_camera *
-         (moved != at.object_to_world.end() ? moved->second : object.object_to_world);
+  return job_.cameras[static_cast<std::size_t>(at.camera)].world_to_camera * object_place(object, at.object_to_world);
 }
 
 glm::dmat4 AnimationField::world_to_clip(int pose) const {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -61,7 +60,6 @@ std::string AnimationProbe::key(int pose, std::size_t object) const {
 }
 
 void AnimationProbe::run(Progress* progress) {
-  const auto start = std::chrono::steady_clock::now();
   make_folder(settings_.folder);
   for (std::size_t p = 0; p < field_.poses().size(); ++p) {
     const int pose = static_cast<int>(p);
@@ -73,7 +71,6 @@ void AnimationProbe::run(Progress* progress) {
     measured += static_cast<int>(wanted.size());
     progress_advance(progress, unit_count() / field_.poses().size());
   }
-  seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects, Progress* progress) const {

@@ -39,10 +39,6 @@ class AnimationProbe {
   std::uint64_t unit_count() const;
 
   int measured = 0;  // matrices, by run()
-  double seconds = 0.0;
-  std::string renderer;    // of the last matrix
-  std::uint64_t rows = 0;  // of all matrices
-  std::uint64_t rows_rejected = 0;
 
  private:
   std::string path(int pose, std::size_t object) const;

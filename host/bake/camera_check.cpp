@@ -30,8 +30,7 @@ struct Triangle {
 std::vector<Triangle> placed_triangles(const std::vector<ObjectMesh>& objects, const AnimationSample& sample) {
   std::vector<Triangle> triangles;
   for (const ObjectMesh& object : objects) {
-    const auto moved = sample.object_to_world.find(object.name);
-    const glm::dmat4& placement = moved != sample.object_to_world.end() ? moved->second : object.object_to_world;
+    const glm::dmat4& placement = object_place(object, sample.object_to_world);
     const auto corner = [&](std::size_t i) {
       return glm::dvec3(placement * glm::dvec4(glm::dvec3(object.positions[object.indices[i]]), 1.0));
     };

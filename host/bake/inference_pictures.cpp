@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 
 #include "host/base/error.h"
+#include "host/base/output_paths.h"
 #include "host/image/colour_map.h"
 
 namespace multum {
@@ -30,7 +30,7 @@ class PictureWriter {
       : field_(field), report_(report), job_(report.job) {}
 
   ReportPictures run() {
-    std::filesystem::create_directories(report_.settings.output + "/report");
+    make_folder(report_.settings.output + "/report");
     if (report_.frames != nullptr) {
       const auto frame = std::find_if(report_.frames->frames.begin(), report_.frames->frames.end(),
                                       [&](const FrameErrors& one) { return one.sample == report_.sample; });

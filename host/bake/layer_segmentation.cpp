@@ -222,17 +222,6 @@ void Segmentation::repair_object(std::size_t object, ObjectLayer* layer, Segment
     }
 }
 
-void add(const SegmentationReport& part, SegmentationReport* sum) {
-  sum->not_finite_pixels += part.not_finite_pixels;
-  sum->negative_pixels += part.negative_pixels;
-  sum->repaired_pixels += part.repaired_pixels;
-  sum->dropped_pixels += part.dropped_pixels;
-  sum->mixed_pixels += part.mixed_pixels;
-  sum->unguided_pixels += part.unguided_pixels;
-  sum->clamped_values += part.clamped_values;
-  sum->clipped_values += part.clipped_values;
-}
-
 std::vector<ObjectLayer> Segmentation::layers(SegmentationReport* report) const {
   std::vector<ObjectLayer> layers(input_.coverages.size());
   const std::size_t count = state_.size();
@@ -252,8 +241,8 @@ std::vector<ObjectLayer> Segmentation::layers(SegmentationReport* report) const 
     const auto object = static_cast<std::size_t>(i);
     repair_object(object, &layers[object], &objects[object]);
   });
-  for (const SegmentationReport& part : rows) add(part, report);
-  for (const SegmentationReport& part : objects) add(part, report);
+  for (const SegmentationReport& part : rows) report->add(part);
+  for (const SegmentationReport& part : objects) report->add(part);
   return layers;
 }
 

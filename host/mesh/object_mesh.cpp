@@ -104,6 +104,11 @@ class ObjectReader {
 
 }  // namespace
 
+const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::string, glm::dmat4>& moved) {
+  const auto found = moved.find(mesh.name);
+  return found != moved.end() ? found->second : mesh.object_to_world;
+}
+
 std::vector<ObjectMesh> read_object_meshes(const std::string& path, int uv_set) {
   if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
     refuse_mesh(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct ObjectMesh {
   std::vector<std::uint32_t> indices;  // three a triangle
   glm::dmat4 object_to_world{1.0};     // as the file places it; an OBJ's is the identity
 };
+
+/// Where the object is: as `moved` says by its name, else as its file does.
+const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::string, glm::dmat4>& moved);
 
 /// Every object with triangles, in the file's order; meshes of one node are one object. `uv_set`: 0 is TEXCOORD_0.
 /// Throws Error(kInput) naming the file, the object and what is wrong: no texture coordinates of that set, indices out

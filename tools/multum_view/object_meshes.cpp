@@ -29,11 +29,6 @@ std::string mesh_data_hash(const gl::MeshData& data) {
   return hash.finish();
 }
 
-const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::string, glm::dmat4>& moved) {
-  const auto found = moved.find(mesh.name);
-  return found != moved.end() ? found->second : mesh.object_to_world;
-}
-
 glm::mat4 object_to_clip(const glm::dmat4& world_to_clip, const glm::dmat4& object_to_world) {
   return glm::mat4(world_to_clip * object_to_world);
 }

@@ -20,9 +20,6 @@ gl::MeshData mapped_mesh_data(const ObjectMesh& mesh, const TextureMapping& mapp
 /// SHA-256 of what is drawn: positions, coordinates, order.
 std::string mesh_data_hash(const gl::MeshData& data);
 
-/// An object's place: as `moved` says, else as its file does.
-const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::string, glm::dmat4>& moved);
-
 /// In single precision, as the GL gets it: multiplied in double, so that every program rounds alike.
 glm::mat4 object_to_clip(const glm::dmat4& world_to_clip, const glm::dmat4& object_to_world);
 
