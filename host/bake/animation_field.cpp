@@ -55,8 +55,7 @@ void AnimationField::find_poses() {
     std::vector<PlacedObject> placed;
     for (std::size_t m = 0; m < meshes_.size(); ++m)
       placed.push_back({&meshes_[m], object_to_camera(static_cast<int>(m), static_cast<int>(p))});
-    const AnimationCamera& camera = job_.cameras[static_cast<std::size_t>(poses_[p].camera)];
-    items_.push_back(draw_item_buffer(placed, camera.projection, job_.width, job_.height));
+    items_.push_back(draw_item_buffer(placed, camera(static_cast<int>(p)).projection, job_.width, job_.height));
   }
 }
 
@@ -78,23 +77,24 @@ void AnimationField::check_cameras() {
   }
 }
 
+const AnimationCamera& AnimationField::camera(int pose) const {
+  return job_.cameras[static_cast<std::size_t>(poses_[static_cast<std::size_t>(pose)].camera)];
+}
+
 glm::dmat4 AnimationField::object_to_camera(int mesh, int pose) const {
-  const ObjectMesh& object = meshes_[static_cast<std::size_t>(mesh)];
-  const AnimationPose& at = poses_[static_cast<std::size_t>(pose)];
-  return job_.cameras[static_cast<std::size_t>(at.camera)].world_to_camera * object_place(object, at.object_to_world);
+  return camera(pose).world_to_camera *
+         object_place(meshes_[static_cast<std::size_t>(mesh)], poses_[static_cast<std::size_t>(pose)].object_to_world);
 }
 
 glm::dmat4 AnimationField::world_to_clip(int pose) const {
-  const AnimationCamera& camera = job_.cameras[static_cast<std::size_t>(poses_[static_cast<std::size_t>(pose)].camera)];
-  return camera.projection * camera.world_to_camera;
+  return camera(pose).projection * camera(pose).world_to_camera;
 }
 
 TextureMapping AnimationField::find_mapping(std::size_t object) const {
   std::vector<MappingView> views;
   for (std::size_t p = 0; p < poses_.size(); ++p) {
-    const int mesh = mesh_of(object);
-    views.push_back({object_to_camera(mesh, static_cast<int>(p)),
-                     job_.cameras[static_cast<std::size_t>(poses_[p].camera)].projection, &items_[p], mesh});
+    const int mesh = mesh_of(object), pose = static_cast<int>(p);
+    views.push_back({object_to_camera(mesh, pose), camera(pose).projection, &items_[p], mesh});
   }
   return optimise_texture_mapping(meshes_[static_cast<std::size_t>(mesh_of(object))], views,
                                   job_.objects[object].texture);

@@ -36,6 +36,7 @@ class AnimationField {
   const ItemBuffer& items(int pose) const { return items_[static_cast<std::size_t>(pose)]; }
   /// Index into meshes() of the job's object.
   int mesh_of(std::size_t object) const { return mesh_of_object_[object]; }
+  const AnimationCamera& camera(int pose) const;
   glm::dmat4 object_to_camera(int mesh, int pose) const;
   glm::dmat4 world_to_clip(int pose) const;
 

@@ -12,11 +12,11 @@
 #include <set>
 
 #include "host/bake/forward_mapping.h"
+#include "host/bake/inference_rows.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
-#include "host/image/colour_map.h"
 
 namespace multum {
 namespace {
@@ -140,7 +140,7 @@ class AnimationBaker {
     std::error_code error;
     const fs::path relative = fs::relative(job_.geometry_file, settings_.output, error);
     m.geometry_file = error || relative.empty() ? fs::absolute(job_.geometry_file).string() : relative.string();
-    m.geometry_hash = hash_file(job_.geometry_file);
+    m.geometry_hash = probe_.geometry_hash();
     m.uv_set = job_.uv_set;
     m.width = job_.width;
     m.height = job_.height;
@@ -245,7 +245,7 @@ class AnimationBaker {
       round_to_half(texels);
       write_texture(path, k, key, texture, texels);
     }
-    for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
+    divide(texels, job_.radiance_max);
     texture.squared_errors = squared_errors(k, system, pictures, colours, texels, texture.pixel_counts);
     if (settings_.with_baseline) {
       const Stopwatch watch(result_.seconds.baseline);
@@ -259,16 +259,6 @@ class AnimationBaker {
     result_.textures.push_back(std::move(texture));
   }
 
-  // Coverage of each row: of the ray-traced picture and of the GL's, the less; 0 where either is too little.
-  std::vector<float> row_weights(const FilterMatrix& matrix, const ObjectLayer& layer) const {
-    std::vector<float> weights;
-    for (std::size_t r = 0; r < matrix.row_count(); ++r) {
-      const float weight = std::min(matrix.coverage[r], layer.coverage[matrix.pixels[r]]);
-      weights.push_back(static_cast<double>(weight) >= job_.coverage_min ? weight : 0.0f);
-    }
-    return weights;
-  }
-
   ObjectSystem& system_of(std::size_t k, const Block& block, const std::vector<std::vector<ObjectLayer>>& pictures,
                           const std::vector<bool>& is_held_out) {
     const Stopwatch watch(result_.seconds.systems);
@@ -279,7 +269,8 @@ class AnimationBaker {
     if (system.inference && system.key == matrices_key) {
       bool is_same = true;
       for (std::size_t i = 0; i < block.samples.size() && is_same; ++i)
-        is_same = is_held_out[i] || row_weights(system.matrices[i], pictures[i][k]) == system.views[i].row_weights;
+        is_same = is_held_out[i] ||
+                  row_weights(system.matrices[i], pictures[i][k], job_.coverage_min) == system.views[i].row_weights;
       if (is_same) return system;
     }
     system = ObjectSystem{};
@@ -295,7 +286,7 @@ class AnimationBaker {
         result_.rows_rejected += matrix.rows_rejected;
       }
       system.views.push_back({&matrix, is_held_out[i] ? std::vector<float>(matrix.row_count(), 0.0f)
-                                                      : row_weights(matrix, pictures[i][k])});
+                                                      : row_weights(matrix, pictures[i][k], job_.coverage_min)});
     }
     InferenceSettings inference;
     inference.pyramid_weight = job_.objects[k].texture.pyramid_weight;
@@ -312,10 +303,7 @@ class AnimationBaker {
                                 const std::vector<std::vector<ObjectLayer>>& pictures) const {
     std::vector<float> colours;
     for (std::size_t i = 0; i < system.matrices.size(); ++i)
-      for (const std::uint32_t pixel : system.matrices[i].pixels)
-        for (std::size_t c = 0; c < 3; ++c)
-          colours.push_back(
-              static_cast<float>(static_cast<double>(pictures[i][k].rgb[3 * pixel + c]) / job_.radiance_max));
+      append_row_colours(system.matrices[i], pictures[i][k], job_.radiance_max, colours);
     return colours;
   }
 
@@ -363,7 +351,7 @@ class AnimationBaker {
   }
 
   // A x against the layer's pixels: the mean of each sample, of the held-out ones too, over pixels that the object
-  // covers wholly. What a mixed pixel shows of an object is a guess of the segmentation.
+  // covers wholly.
   std::vector<double> squared_errors(std::size_t k, const ObjectSystem& system,
                                      const std::vector<std::vector<ObjectLayer>>& pictures,
                                      const std::vector<float>& colours, const std::vector<float>& texels,
@@ -375,7 +363,7 @@ class AnimationBaker {
       const FilterMatrix& m = system.matrices[i];
       double sum = 0.0, count = 0.0;
       for (std::size_t r = 0; r < m.row_count(); ++r, ++row) {
-        if (std::min(m.coverage[r], pictures[i][k].coverage[m.pixels[r]]) < kWholeCoverage) continue;
+        if (!is_whole_row(m, r, pictures[i][k])) continue;
         sum += squared_error_8bit(filtered(m, r, texels).data(), &colours[3 * row]);
         count += 1.0;
       }
@@ -392,13 +380,12 @@ class AnimationBaker {
     std::vector<ForwardView> views;
     for (std::size_t i = 0; i < block.samples.size(); ++i) {
       const int pose = field_.pose_of(block.samples[i]);
-      const int camera = field_.poses()[static_cast<std::size_t>(pose)].camera;
-      views.push_back({job_.cameras[static_cast<std::size_t>(camera)].projection * field_.object_to_camera(mesh, pose),
-                       &field_.items(pose), mesh, &pictures[i][k]});
+      views.push_back({field_.camera(pose).projection * field_.object_to_camera(mesh, pose), &field_.items(pose), mesh,
+                       &pictures[i][k]});
     }
     std::vector<float> texels =
         forward_mapped(field_.meshes()[static_cast<std::size_t>(mesh)], probe_.mapping(k), views);
-    for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
+    divide(texels, job_.radiance_max);
     return texels;
   }
 
@@ -415,23 +402,6 @@ class AnimationBaker {
 };
 
 }  // namespace
-
-std::array<float, 3> filtered(const FilterMatrix& matrix, std::size_t row, const std::vector<float>& texels) {
-  std::array<float, 3> value{0.0f, 0.0f, 0.0f};
-  for (std::uint32_t e = matrix.row_begin[row]; e < matrix.row_begin[row + 1]; ++e)
-    for (std::size_t c = 0; c < 3; ++c) value[c] += matrix.weights[e] * texels[3 * matrix.columns[e] + c];
-  return value;
-}
-
-double squared_error_8bit(const float* a, const float* b) {
-  double sum = 0.0;
-  for (int c = 0; c < 3; ++c) {
-    const double va = srgb_from_linear(std::clamp(static_cast<double>(a[c]), 0.0, 1.0));
-    const double vb = srgb_from_linear(std::clamp(static_cast<double>(b[c]), 0.0, 1.0));
-    sum += 255.0 * 255.0 * (va - vb) * (va - vb) / 3.0;
-  }
-  return sum;
-}
 
 AnimationInferResult infer_animation(const AnimationField& field, const AnimationInferSettings& settings,
                                      Progress* progress) {

@@ -73,10 +73,4 @@ struct AnimationInferResult {
 AnimationInferResult infer_animation(const AnimationField& field, const AnimationInferSettings& settings,
                                      Progress* progress);
 
-/// One row of A x.
-std::array<float, 3> filtered(const FilterMatrix& matrix, std::size_t row, const std::vector<float>& texels);
-
-/// Mean squared difference of two colours in 8-bit sRGB units, clipped to what such a picture holds.
-double squared_error_8bit(const float* a, const float* b);
-
 }  // namespace multum

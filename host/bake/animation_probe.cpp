@@ -33,6 +33,14 @@ std::string AnimationProbe::path(int pose, std::size_t object) const {
                      field_.job().objects[object].name);
 }
 
+int AnimationProbe::supersampling() const {
+  return settings_.supersampling > 0 ? settings_.supersampling : field_.job().supersampling;
+}
+
+double AnimationProbe::anisotropy(std::size_t object) const {
+  return settings_.anisotropy > 0.0 ? settings_.anisotropy : field_.job().objects[object].texture.anisotropy;
+}
+
 std::uint64_t AnimationProbe::unit_count() const {
   std::uint64_t seen = 0;
   for (std::size_t k = 0; k < mappings_.size(); ++k) seen += is_seen(k) ? 1 : 0;
@@ -48,12 +56,12 @@ std::string AnimationProbe::key(int pose, std::size_t object) const {
                                {"uvSet", field_.job().uv_set},
                                {"width", field_.job().width},
                                {"height", field_.job().height},
-                               {"supersampling", field_.job().supersampling},
+                               {"supersampling", supersampling()},
                                {"worldToClip", matrix_json(field_.world_to_clip(pose))},
                                {"objectToWorld", moved},
                                {"object", field_.job().objects[object].mesh},
                                {"mapping", mappings_[object]},
-                               {"anisotropy", field_.job().objects[object].texture.anisotropy},
+                               {"anisotropy", anisotropy(object)},
                                {"context", settings_.context},
                                {"hasMips", settings_.has_mips}};
   return hash_text(json.dump());
@@ -80,13 +88,12 @@ void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects, 
   request.uv_set = field_.job().uv_set;
   request.width = field_.job().width;
   request.height = field_.job().height;
-  request.supersampling = field_.job().supersampling;
+  request.supersampling = supersampling();
   request.view = at.name;
   request.world_to_clip = field_.world_to_clip(pose);
   request.object_to_world = at.object_to_world;
   for (const std::size_t k : objects) {
-    const AnimationObject& object = field_.job().objects[k];
-    request.tasks.push_back({object.mesh, mappings_[k], static_cast<float>(object.texture.anisotropy),
+    request.tasks.push_back({field_.job().objects[k].mesh, mappings_[k], static_cast<float>(anisotropy(k)),
                              settings_.has_mips, path(pose, k), key(pose, k)});
   }
   const std::string file = fmt::format("{}/{}.probe.json", settings_.folder, at.name);

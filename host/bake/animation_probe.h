@@ -18,7 +18,9 @@ struct ProbeSettings {
   std::string context = "auto";  // its GL
   std::string folder;            // of the matrices
   int threads = 0;
-  bool has_mips = true;  // false: bilinear, level 0 alone
+  bool has_mips = true;     // false: bilinear, level 0 alone
+  int supersampling = 0;    // 0: the job's
+  double anisotropy = 0.0;  // of all objects; 0: as the job says of each
 };
 
 class AnimationProbe {
@@ -33,6 +35,7 @@ class AnimationProbe {
   /// What says which matrix it is.
   std::string key(int pose, std::size_t object) const;
 
+  const std::string& geometry_hash() const { return geometry_hash_; }  // SHA-256
   const TextureMapping& mapping(std::size_t object) const { return mappings_[object]; }
   bool is_seen(std::size_t object) const { return mappings_[object].width > 0; }
   /// Units of progress that run() counts.
@@ -42,6 +45,8 @@ class AnimationProbe {
 
  private:
   std::string path(int pose, std::size_t object) const;
+  int supersampling() const;
+  double anisotropy(std::size_t object) const;
   void measure(int pose, const std::vector<std::size_t>& objects, Progress* progress) const;
 
   const AnimationField& field_;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "host/bake/forward_mapping.h"
+#include "host/bake/inference_rows.h"
 
 namespace multum {
 namespace {
@@ -31,22 +32,53 @@ const std::vector<Variant> kVariants = {{"forward mapping, trilinear", true, tru
                                         {"anisotropic, regularisation 0.5", false, true, 4.0, 0.5}};
 
 // The job with one sample alone.
-AnimationJob at_sample(AnimationJob job, int sample, int supersampling, double anisotropy) {
+AnimationJob at_sample(AnimationJob job, int sample) {
   job.samples = {job.samples[static_cast<std::size_t>(sample)]};
   for (int& index : job.samples.front().at) index = 0;
   for (AnimationParameter& parameter : job.parameters) parameter.count = 1;
-  job.supersampling = supersampling;
   job.depth.clear();  // the cameras are checked already
-  for (AnimationObject& object : job.objects) object.texture.anisotropy = anisotropy;
   return job;
 }
 
 class Comparer {
  public:
-  Comparer(const AnimationField& field, const AnimationInferSettings& settings)
-      : field_(field), settings_(settings), device_(Device::open(settings.device)) {
+  Comparer(const AnimationField& field, const std::vector<TextureMapping>& mappings,
+           const AnimationInferSettings& settings, Progress* progress)
+      : field_(field),
+        mappings_(mappings),
+        settings_(settings),
+        progress_(progress),
+        device_(Device::open(settings.device)) {
     for (const AnimationLayer& layer : field.job().layers)
       layers_.push_back(field.segment(0, layer, settings.threads, nullptr));
+  }
+
+  // One set of matrices for each sampler: variants of one lie together.
+  void append_rows(int supersampling, InferenceComparison& comparison) {
+    std::unique_ptr<AnimationProbe> probe;
+    const Variant* last = nullptr;
+    for (const Variant& variant : kVariants) {
+      if (variant.anisotropy > 1.0 && supersampling > 1) continue;
+      if (last == nullptr || last->has_mips != variant.has_mips || last->anisotropy != variant.anisotropy)
+        probe = probe_of(variant, supersampling);
+      last = &variant;
+      const std::string sub_pixels =
+          supersampling > 1 ? fmt::format(", {0} x {0} sub-pixels", supersampling) : ", one sample a pixel";
+      comparison.rows.push_back({variant.name + sub_pixels, errors_of(variant, *probe, comparison.pixel_counts)});
+    }
+  }
+
+ private:
+  std::unique_ptr<AnimationProbe> probe_of(const Variant& variant, int supersampling) {
+    progress_stage(progress_, "compare " + variant.name);
+    auto probe = std::make_unique<AnimationProbe>(
+        field_, mappings_,
+        ProbeSettings{settings_.viewer, settings_.context,
+                      fmt::format("{}/comparison/{}_{}_{}", settings_.output, supersampling,
+                                  variant.has_mips ? "mips" : "finest", variant.anisotropy),
+                      settings_.threads, variant.has_mips, supersampling, variant.anisotropy});
+    probe->run(nullptr);
+    return probe;
   }
 
   // Of every object, all its layers added.
@@ -61,19 +93,15 @@ class Comparer {
     return errors;
   }
 
- private:
   double error_of(const Variant& variant, const AnimationProbe& probe, std::size_t k, double& pixel_count) {
     const FilterMatrix matrix = probe.matrix(0, k);
-    std::vector<float> weights;
-    for (std::size_t r = 0; r < matrix.row_count(); ++r) {
-      const float weight = std::min(matrix.coverage[r], layers_[0][k].coverage[matrix.pixels[r]]);
-      weights.push_back(static_cast<double>(weight) >= field_.job().coverage_min ? weight : 0.0f);
-    }
+    const std::vector<float> weights = row_weights(matrix, layers_[0][k], field_.job().coverage_min);
     if (std::none_of(weights.begin(), weights.end(), [](float w) { return w > 0.0f; })) return -1.0;
     std::vector<float> expected(3 * matrix.row_count(), 0.0f), found(expected);
     for (const std::vector<ObjectLayer>& layer : layers_) {
       if (!has_radiance(layer[k], field_.job().radiance_max)) continue;
-      const std::vector<float> colours = colours_of(matrix, layer[k]);
+      std::vector<float> colours;
+      append_row_colours(matrix, layer[k], field_.job().radiance_max, colours);
       const std::vector<float> texels =
           variant.is_forward ? forward_texels(probe, k, layer[k]) : inferred_texels(variant, matrix, weights, colours);
       for (std::size_t r = 0; r < matrix.row_count(); ++r) {
@@ -86,20 +114,11 @@ class Comparer {
     }
     double sum = 0.0;
     for (std::size_t r = 0; r < matrix.row_count(); ++r) {
-      if (weights[r] < kWholeCoverage) continue;
+      if (!is_whole_row(matrix, r, layers_[0][k])) continue;
       sum += squared_error_8bit(&found[3 * r], &expected[3 * r]);
       pixel_count += 1.0;
     }
     return pixel_count > 0.0 ? sum / pixel_count : -1.0;
-  }
-
-  std::vector<float> colours_of(const FilterMatrix& matrix, const ObjectLayer& layer) const {
-    std::vector<float> colours;
-    for (const std::uint32_t pixel : matrix.pixels)
-      for (std::size_t c = 0; c < 3; ++c)
-        colours.push_back(
-            static_cast<float>(static_cast<double>(layer.rgb[3 * pixel + c]) / field_.job().radiance_max));
-    return colours;
   }
 
   std::vector<float> inferred_texels(const Variant& variant, const FilterMatrix& matrix,
@@ -113,47 +132,20 @@ class Comparer {
 
   std::vector<float> forward_texels(const AnimationProbe& probe, std::size_t k, const ObjectLayer& layer) const {
     const int mesh = field_.mesh_of(k);
-    const AnimationCamera& camera = field_.job().cameras[static_cast<std::size_t>(field_.poses()[0].camera)];
-    std::vector<float> texels =
-        forward_mapped(field_.meshes()[static_cast<std::size_t>(mesh)], probe.mapping(k),
-                       {{camera.projection * field_.object_to_camera(mesh, 0), &field_.items(0), mesh, &layer}});
-    for (float& value : texels) value = static_cast<float>(static_cast<double>(value) / field_.job().radiance_max);
+    std::vector<float> texels = forward_mapped(
+        field_.meshes()[static_cast<std::size_t>(mesh)], probe.mapping(k),
+        {{field_.camera(0).projection * field_.object_to_camera(mesh, 0), &field_.items(0), mesh, &layer}});
+    divide(texels, field_.job().radiance_max);
     return texels;
   }
 
   const AnimationField& field_;
+  const std::vector<TextureMapping>& mappings_;
   const AnimationInferSettings& settings_;
+  Progress* progress_;
   Device device_;
   std::vector<std::vector<ObjectLayer>> layers_;  // [layer][object]
 };
-
-// One field and one set of matrices for each sampler: variants of one lie together.
-void append_rows(const AnimationJob& job, int sample, int supersampling, const std::vector<TextureMapping>& mappings,
-                 const AnimationInferSettings& settings, Progress* progress, InferenceComparison& comparison) {
-  std::unique_ptr<AnimationField> field;
-  std::unique_ptr<AnimationProbe> probe;
-  const Variant* last = nullptr;
-  for (const Variant& variant : kVariants) {
-    if (variant.anisotropy > 1.0 && supersampling > 1) continue;
-    if (last == nullptr || last->has_mips != variant.has_mips || last->anisotropy != variant.anisotropy) {
-      progress_stage(progress, "compare " + variant.name);
-      probe.reset();
-      field = std::make_unique<AnimationField>(at_sample(job, sample, supersampling, variant.anisotropy));
-      probe = std::make_unique<AnimationProbe>(
-          *field, mappings,
-          ProbeSettings{settings.viewer, settings.context,
-                        fmt::format("{}/comparison/{}_{}_{}", settings.output, supersampling,
-                                    variant.has_mips ? "mips" : "finest", variant.anisotropy),
-                        settings.threads, variant.has_mips});
-      probe->run(nullptr);
-    }
-    last = &variant;
-    const std::string sub_pixels =
-        supersampling > 1 ? fmt::format(", {0} x {0} sub-pixels", supersampling) : ", one sample a pixel";
-    comparison.rows.push_back(
-        {variant.name + sub_pixels, Comparer(*field, settings).errors_of(variant, *probe, comparison.pixel_counts)});
-  }
-}
 
 }  // namespace
 
@@ -162,8 +154,10 @@ InferenceComparison compare_inference(const AnimationJob& job, int sample, const
   InferenceComparison comparison;
   comparison.sample = job.samples[static_cast<std::size_t>(sample)].name;
   comparison.supersampling = job.supersampling;
-  append_rows(job, sample, 1, mappings, settings, progress, comparison);
-  if (job.supersampling > 1) append_rows(job, sample, job.supersampling, mappings, settings, progress, comparison);
+  const AnimationField field(at_sample(job, sample));
+  Comparer comparer(field, mappings, settings, progress);
+  comparer.append_rows(1, comparison);
+  if (job.supersampling > 1) comparer.append_rows(job.supersampling, comparison);
   return comparison;
 }
 

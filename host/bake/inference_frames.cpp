@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "host/bake/animation_infer.h"
+#include "host/bake/inference_rows.h"
 #include "host/bake/viewer_process.h"
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
@@ -75,7 +76,7 @@ std::vector<float> ray_traced_picture(const AnimationField& field, int sample) {
       picture.resize(one.size(), 0.0f);
       std::transform(one.begin(), one.end(), picture.begin(), picture.begin(), std::plus<>());
     }
-    for (float& value : picture) value = static_cast<float>(static_cast<double>(value) / job.radiance_max);
+    divide(picture, job.radiance_max);
   }
   for (float& value : picture) value = std::clamp(value, 0.0f, 1.0f);  // leaves NaN, which comparing counts
   return picture;

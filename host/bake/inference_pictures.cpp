@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "host/bake/inference_rows.h"
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
 #include "host/image/colour_map.h"
@@ -74,7 +75,7 @@ class PictureWriter {
       MULTUM_CHECK(found != job_.layers.end());
       InferredTexture texture = read_inferred_texture(report_.settings.output + "/" + file);
       texture.texels.resize(3u * static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height));
-      for (float& value : texture.texels) value = static_cast<float>(static_cast<double>(value) / job_.radiance_max);
+      divide(texture.texels, job_.radiance_max);
       pictures_.textures.push_back({k, static_cast<std::size_t>(found - job_.layers.begin()),
                                     write(file_name(k, job_.objects[k].name, "texture_" + layer.name),
                                           srgb_image(texture.texels, texture.width, texture.height))});
