@@ -25,7 +25,8 @@ nlohmann::json object_json(const InferredObject& object) {
     layers.push_back({{"name", layer.name}, {"textures", layer.textures}});
   return {{"name", object.name},
           {"mesh", object.mesh},
-          {"mapping", object.mapping},
+          {"mappings", object.mappings},
+          {"mappingOfSample", object.mapping_of_sample},
           {"anisotropy", object.anisotropy},
           {"layers", layers}};
 }
@@ -44,7 +45,8 @@ InferredObject object_from(const nlohmann::json& json) {
   InferredObject object;
   object.name = json.at("name").get<std::string>();
   object.mesh = json.at("mesh").get<std::string>();
-  object.mapping = json.at("mapping").get<TextureMapping>();
+  object.mappings = json.at("mappings").get<std::vector<TextureMapping>>();
+  object.mapping_of_sample = json.at("mappingOfSample").get<std::vector<int>>();
   object.anisotropy = anisotropy_from_json(json.at("anisotropy"));
   for (const nlohmann::json& layer : json.at("layers"))
     object.layers.push_back(
@@ -54,6 +56,17 @@ InferredObject object_from(const nlohmann::json& json) {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
+void check_mappings(const InferredManifest& manifest, const InferredObject& object) {
+  const std::vector<int>& of_sample = object.mapping_of_sample;
+  if (of_sample.size() != manifest.samples.size())
+    refuse("object '" + object.name + "' has mappingOfSample for " + std::to_string(of_sample.size()) + " of " +
+           std::to_string(manifest.samples.size()) + " samples");
+  for (const int number : of_sample)
+    if (number < 0 || number >= std::ssize(object.mappings))
+      refuse("object '" + object.name + "' has mapping " + std::to_string(number) +
+             " at a sample, expected one of its " + std::to_string(object.mappings.size()));
+}
+
 void check(const InferredManifest& manifest) {
   check_picture_size(manifest.width, manifest.height, manifest.supersampling);
   if (manifest.samples.empty()) refuse("has no samples");
@@ -61,12 +74,14 @@ void check(const InferredManifest& manifest) {
     if (sample.at.size() != manifest.parameters.size())
       refuse("sample '" + sample.name + "' has " + std::to_string(sample.at.size()) + " indices, expected " +
              std::to_string(manifest.parameters.size()));
-  for (const InferredObject& object : manifest.objects)
+  for (const InferredObject& object : manifest.objects) {
+    check_mappings(manifest, object);
     for (const InferredLayer& layer : object.layers)
       if (layer.textures.size() != manifest.samples.size())
         refuse("layer '" + layer.name + "' of object '" + object.name + "' has " +
                std::to_string(layer.textures.size()) + " textures for " + std::to_string(manifest.samples.size()) +
                " samples");
+  }
 }
 
 // Throws Error without the file's name, which the caller knows.

@@ -42,7 +42,8 @@ struct InferredLayer {
 struct InferredObject {
   std::string name;
   std::string mesh;  // object of the geometry file
-  TextureMapping mapping;
+  std::vector<TextureMapping> mappings;
+  std::vector<int> mapping_of_sample;  // index into mappings, for each sample
   float anisotropy = 1.0f;
   std::vector<InferredLayer> layers;
 };

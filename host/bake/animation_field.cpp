@@ -29,29 +29,19 @@ void check_size(const AnimationJob& job, const std::string& path, const ExrLayer
 }  // namespace
 
 AnimationField::AnimationField(AnimationJob job)
-    : job_(std::move(job)), meshes_(read_object_meshes(job_.geometry_file, job_.uv_set)) {
+    : job_(std::move(job)), grid_(job_), meshes_(read_object_meshes(job_.geometry_file, job_.uv_set)) {
   for (const AnimationObject& object : job_.objects) {
     const auto found =
         std::find_if(meshes_.begin(), meshes_.end(), [&](const ObjectMesh& mesh) { return mesh.name == object.mesh; });
     MULTUM_CHECK(found != meshes_.end());  // the job was read against the same file
     mesh_of_object_.push_back(static_cast<int>(found - meshes_.begin()));
   }
-  find_poses();
+  draw_items();
   check_cameras();
 }
 
-void AnimationField::find_poses() {
-  for (std::size_t s = 0; s < job_.samples.size(); ++s) {
-    const AnimationSample& sample = job_.samples[s];
-    auto pose = std::find_if(poses_.begin(), poses_.end(), [&](const AnimationPose& known) {
-      return known.camera == sample.camera && known.object_to_world == sample.object_to_world;
-    });
-    if (pose == poses_.end())
-      pose = poses_.insert(poses_.end(), {sample.name, sample.camera, sample.object_to_world, {}});
-    pose->samples.push_back(static_cast<int>(s));
-    pose_of_sample_.push_back(static_cast<int>(pose - poses_.begin()));
-  }
-  for (std::size_t p = 0; p < poses_.size(); ++p) {
+void AnimationField::draw_items() {
+  for (std::size_t p = 0; p < poses().size(); ++p) {
     std::vector<PlacedObject> placed;
     for (std::size_t m = 0; m < meshes_.size(); ++m)
       placed.push_back({&meshes_[m], object_to_camera(static_cast<int>(m), static_cast<int>(p))});
@@ -61,7 +51,7 @@ void AnimationField::find_poses() {
 
 void AnimationField::check_cameras() {
   if (job_.depth.empty()) return;
-  for (const AnimationPose& pose : poses_) {
+  for (const AnimationPose& pose : poses()) {
     const auto with_depth = std::find_if(pose.samples.begin(), pose.samples.end(), [&](int s) {
       return !job_.samples[static_cast<std::size_t>(s)].geometry.empty();
     });
@@ -78,21 +68,22 @@ void AnimationField::check_cameras() {
 }
 
 const AnimationCamera& AnimationField::camera(int pose) const {
-  return job_.cameras[static_cast<std::size_t>(poses_[static_cast<std::size_t>(pose)].camera)];
+  return job_.cameras[static_cast<std::size_t>(poses()[static_cast<std::size_t>(pose)].camera)];
 }
 
 glm::dmat4 AnimationField::object_to_camera(int mesh, int pose) const {
   return camera(pose).world_to_camera *
-         object_place(meshes_[static_cast<std::size_t>(mesh)], poses_[static_cast<std::size_t>(pose)].object_to_world);
+         object_place(meshes_[static_cast<std::size_t>(mesh)], poses()[static_cast<std::size_t>(pose)].object_to_world);
 }
 
 glm::dmat4 AnimationField::world_to_clip(int pose) const {
   return camera(pose).projection * camera(pose).world_to_camera;
 }
 
-TextureMapping AnimationField::find_mapping(std::size_t object) const {
+TextureMapping AnimationField::find_mapping(std::size_t object, int block) const {
   std::vector<MappingView> views;
-  for (std::size_t p = 0; p < poses_.size(); ++p) {
+  for (std::size_t p = 0; p < poses().size(); ++p) {
+    if (poses()[p].block != block) continue;
     const int mesh = mesh_of(object), pose = static_cast<int>(p);
     views.push_back({object_to_camera(mesh, pose), camera(pose).projection, &items_[p], mesh});
   }

@@ -3,7 +3,6 @@
 // layers of each sample (Hakura et al. 2000, section 3.1). Pictures are read when asked for, not kept.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -11,17 +10,10 @@
 #include "host/bake/animation_job.h"
 #include "host/bake/item_buffer.h"
 #include "host/bake/layer_segmentation.h"
+#include "host/bake/parameter_grid.h"
 #include "host/mesh/object_mesh.h"
 
 namespace multum {
-
-/// A camera and where the objects are: samples of one pose share their filter matrices, whatever the light does.
-struct AnimationPose {
-  std::string name;  // of its first sample
-  int camera = 0;
-  std::map<std::string, glm::dmat4> object_to_world;
-  std::vector<int> samples;
-};
 
 class AnimationField {
  public:
@@ -31,8 +23,9 @@ class AnimationField {
 
   const AnimationJob& job() const { return job_; }
   const std::vector<ObjectMesh>& meshes() const { return meshes_; }
-  const std::vector<AnimationPose>& poses() const { return poses_; }
-  int pose_of(int sample) const { return pose_of_sample_[static_cast<std::size_t>(sample)]; }
+  const ParameterGrid& grid() const { return grid_; }
+  const std::vector<AnimationPose>& poses() const { return grid_.poses(); }
+  int pose_of(int sample) const { return grid_.pose_of(sample); }
   const ItemBuffer& items(int pose) const { return items_[static_cast<std::size_t>(pose)]; }
   /// Index into meshes() of the job's object.
   int mesh_of(std::size_t object) const { return mesh_of_object_[object]; }
@@ -40,8 +33,8 @@ class AnimationField {
   glm::dmat4 object_to_camera(int mesh, int pose) const;
   glm::dmat4 world_to_clip(int pose) const;
 
-  /// An affine map of the object's texture coordinates for all poses; width 0: it is never seen.
-  TextureMapping find_mapping(std::size_t object) const;
+  /// An affine map of the object's texture coordinates for the poses of one block; width 0: it is not seen there.
+  TextureMapping find_mapping(std::size_t object, int block) const;
 
   /// Share of every pixel that each of the job's objects covers.
   std::vector<std::vector<float>> coverages(int sample) const;
@@ -55,14 +48,13 @@ class AnimationField {
   int nan_depths() const { return nan_depths_; }
 
  private:
-  void find_poses();
+  void draw_items();
   void check_cameras();
 
   AnimationJob job_;
+  ParameterGrid grid_;
   std::vector<ObjectMesh> meshes_;
   std::vector<int> mesh_of_object_;
-  std::vector<AnimationPose> poses_;
-  std::vector<int> pose_of_sample_;
   std::vector<ItemBuffer> items_;
   int nan_depths_ = 0;
 };

@@ -32,6 +32,15 @@ constexpr const char* kExpected =
   throw Error(ErrorCode::kInput, path + ": " + what);
 }
 
+// Samples along a parameter that share texture coordinates: all, or blocks as even as may be of at most 8, the size of
+// Hakura et al. (sec. 4).
+int even_block(int count) {
+  constexpr int kBlockMax = 8;
+  if (count <= kBlockMax) return 0;
+  const int blocks = (count + kBlockMax - 1) / kBlockMax;
+  return (count + blocks - 1) / blocks;
+}
+
 class FolderReader {
  public:
   explicit FolderReader(const std::string& folder) : folder_(folder), scene_path_(path("scene.json")) {
@@ -58,6 +67,7 @@ class FolderReader {
     const char* other = moves_ ? "motion" : samples.front().contains("light_swing_deg") ? "light" : "parameter";
     job_.parameters = {{"view", whole(scene_, "views", "the scene"), true},
                        {other, whole(scene_, "params", "the scene"), false}};
+    for (AnimationParameter& parameter : job_.parameters) parameter.block = even_block(parameter.count);
     read_objects();
     for (const Json& sample : samples) read_sample(sample);
     std::sort(job_.samples.begin(), job_.samples.end(),

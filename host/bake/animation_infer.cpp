@@ -35,55 +35,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// The samples that one texture of a layer serves: those that agree in what the layer depends on.
-struct Block {
-  std::string name;          // "light3"
-  std::vector<int> samples;  // of the job
-};
-
-// Indices of the parameters that a layer depends on, those of views first: neighbours then share their filter matrices
-// as long as they can.
-std::vector<std::size_t> dimensions_of(const AnimationJob& job, const AnimationLayer& layer) {
-  std::vector<std::size_t> dimensions;
-  for (const bool wants_views : {true, false})
-    for (std::size_t d = 0; d < job.parameters.size(); ++d)
-      if (job.parameters[d].is_view == wants_views &&
-          std::find(layer.depends_on.begin(), layer.depends_on.end(), job.parameters[d].name) != layer.depends_on.end())
-        dimensions.push_back(d);
-  return dimensions;
-}
-
-// All blocks of a layer, each a neighbour of the one before: as an ox ploughs.
-std::vector<Block> blocks_of(const AnimationJob& job, const AnimationLayer& layer) {
-  const std::vector<std::size_t> dimensions = dimensions_of(job, layer);
-  std::size_t count = 1;
-  for (const std::size_t d : dimensions) count *= static_cast<std::size_t>(job.parameters[d].count);
-  std::vector<Block> blocks;
-  for (std::size_t number = 0; number < count; ++number) {
-    std::map<std::size_t, int> at;
-    std::size_t rest = number, below = count;
-    bool is_backwards = false;
-    for (const std::size_t d : dimensions) {
-      const auto steps = static_cast<std::size_t>(job.parameters[d].count);
-      below /= steps;
-      const std::size_t step = rest / below;
-      rest %= below;
-      at[d] = static_cast<int>(is_backwards ? steps - 1 - step : step);
-      is_backwards = (step % 2 == 1) != is_backwards;
-    }
-    Block block;
-    for (const auto& [d, index] : at)
-      block.name += fmt::format("{}{}{:02}", block.name.empty() ? "" : "_", job.parameters[d].name, index);
-    if (block.name.empty()) block.name = "all";
-    for (std::size_t s = 0; s < job.samples.size(); ++s)
-      if (std::all_of(at.begin(), at.end(),
-                      [&](const auto& one) { return job.samples[s].at[one.first] == one.second; }))
-        block.samples.push_back(static_cast<int>(s));
-    blocks.push_back(block);
-  }
-  return blocks;
-}
-
 // A linear system and what it was made of.
 struct ObjectSystem {
   std::string key;
@@ -108,7 +59,8 @@ class AnimationBaker {
     result_.nan_depths = field_.nan_depths();
     std::uint64_t units = probe_.unit_count();
     for (const AnimationLayer& layer : job_.layers)
-      for (const Block& block : blocks_of(job_, layer)) units += block.samples.size() + job_.objects.size();
+      for (const ParameterPoint& point : field_.grid().points(layer))
+        units += point.samples.size() + job_.objects.size();
     progress_start(progress_, units);
     {
       const Stopwatch watch(result_.seconds.probing);
@@ -122,15 +74,21 @@ class AnimationBaker {
   }
 
  private:
-  std::vector<TextureMapping> find_mappings() {
+  ObjectMappings find_mappings() {
     const Stopwatch watch(result_.seconds.mapping);
-    std::vector<TextureMapping> mappings;
+    ObjectMappings mappings(job_.objects.size());
     for (std::size_t k = 0; k < job_.objects.size(); ++k) {
-      mappings.push_back(field_.find_mapping(k));
-      if (mappings.back().width == 0)
+      bool is_seen = false;
+      for (int block = 0; block < field_.grid().block_count(); ++block) {
+        mappings[k].push_back(field_.find_mapping(k, block));
+        is_seen = is_seen || mappings[k].back().width > 0;
+      }
+      if (!is_seen)
         log_warning(
             fmt::format("{}: object '{}' is seen in no picture and gets no texture", job_.path, job_.objects[k].name));
     }
+    for (int block = 0; block < field_.grid().block_count(); ++block)
+      result_.blocks.push_back(field_.grid().block_name(block));
     result_.mappings = mappings;
     return mappings;
   }
@@ -153,32 +111,38 @@ class AnimationBaker {
       InferredObject object;
       object.name = job_.objects[k].name;
       object.mesh = job_.objects[k].mesh;
-      object.mapping = probe_.mapping(k);
-      object.mapping.width = std::max(1, object.mapping.width);  // of one that is never seen
-      object.mapping.height = std::max(1, object.mapping.height);
+      for (TextureMapping mapping : result_.mappings[k]) {
+        mapping.width = std::max(1, mapping.width);  // where it is not seen
+        mapping.height = std::max(1, mapping.height);
+        object.mappings.push_back(mapping);
+      }
+      for (std::size_t s = 0; s < job_.samples.size(); ++s)
+        object.mapping_of_sample.push_back(field_.grid().block_of(static_cast<int>(s)));
       object.anisotropy = static_cast<float>(job_.objects[k].texture.anisotropy);
       for (const AnimationLayer& layer : job_.layers)
-        if (has_layer(k, layer)) object.layers.push_back({layer.name, std::vector<std::string>(job_.samples.size())});
+        if (wants_layer(k, layer)) object.layers.push_back({layer.name, std::vector<std::string>(job_.samples.size())});
       m.objects.push_back(object);
     }
   }
 
-  bool has_layer(std::size_t object, const AnimationLayer& layer) const {
+  bool wants_layer(std::size_t object, const AnimationLayer& layer) const {
     const std::vector<std::string>& wanted = job_.objects[object].layers;
-    return probe_.is_seen(object) &&
-           (wanted.empty() || std::find(wanted.begin(), wanted.end(), layer.name) != wanted.end());
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), layer.name) != wanted.end();
   }
 
   void infer_layer(std::size_t l) {
     const AnimationLayer& layer = job_.layers[l];
     systems_.clear();
     starts_.clear();
-    for (const Block& block : blocks_of(job_, layer)) {
-      progress_stage(progress_, fmt::format("infer {} {}", layer.name, block.name));
-      std::vector<std::vector<ObjectLayer>> pictures;  // [sample of the block][object]
+    int block = 0;
+    for (const ParameterPoint& point : field_.grid().points(layer)) {
+      progress_stage(progress_, fmt::format("infer {} {}", layer.name, point.name));
+      if (point.block != block) starts_.clear();  // textures of another block have other coordinates
+      block = point.block;
+      std::vector<std::vector<ObjectLayer>> pictures;  // [sample of the point][object]
       {
         const Stopwatch watch(result_.seconds.segmentation);
-        for (const int sample : block.samples) {
+        for (const int sample : point.samples) {
           SegmentationReport report;
           pictures.push_back(field_.segment(sample, layer, settings_.threads, &report));
           result_.segmentation.add(report);
@@ -186,7 +150,7 @@ class AnimationBaker {
         }
       }
       for (std::size_t k = 0; k < job_.objects.size(); ++k) {
-        if (has_layer(k, layer)) infer_texture(k, l, block, pictures);
+        if (wants_layer(k, layer) && probe_.is_seen(k, block)) infer_texture(k, l, point, pictures);
         progress_advance(progress_, 1);
       }
     }
@@ -208,14 +172,15 @@ class AnimationBaker {
     return false;
   }
 
-  void infer_texture(std::size_t k, std::size_t l, const Block& block,
+  void infer_texture(std::size_t k, std::size_t l, const ParameterPoint& point,
                      const std::vector<std::vector<ObjectLayer>>& pictures) {
     const AnimationLayer& layer = job_.layers[l];
     TextureResult texture;
     texture.object = k;
     texture.layer = l;
-    texture.samples = block.samples;
-    for (const int sample : block.samples) texture.is_held_out.push_back(is_held_out(layer, sample));
+    texture.block = point.block;
+    texture.samples = point.samples;
+    for (const int sample : point.samples) texture.is_held_out.push_back(is_held_out(layer, sample));
     const bool is_black = std::none_of(pictures.begin(), pictures.end(), [&](const std::vector<ObjectLayer>& objects) {
       return has_radiance(objects[k], job_.radiance_max);
     });
@@ -224,16 +189,14 @@ class AnimationBaker {
       result_.textures.push_back(texture);
       return;
     }
-    ObjectSystem& system = system_of(k, block, pictures, texture.is_held_out);
+    ObjectSystem& system = system_of(k, point, pictures, texture.is_held_out);
     const std::vector<float> colours = colours_of(k, system, pictures);
-    texture.file = fmt::format("textures/{}/{}_{}.exr", job_.objects[k].name, layer.name, block.name);
+    texture.file = fmt::format("textures/{}/{}_{}.exr", job_.objects[k].name, layer.name, point.name);
     const std::string path = settings_.output + "/" + texture.file;
     const std::string key = texture_key(k, layer, system, colours);
-    std::vector<float> texels;  // 0..1
-    if (!settings_.force && provenance_key(path) == key) {
-      texels = read_inferred_texture(path).texels;
-      texture.was_there = true;
-    } else {
+    std::vector<float> texels = texels_there(path, key);
+    texture.was_there = !texels.empty();
+    if (!texture.was_there) {
       const Stopwatch watch(result_.seconds.solving);
       InferenceResult solved = system.inference->solve(colours, starts_[k]);
       texture.converged = solved.converged;
@@ -250,38 +213,38 @@ class AnimationBaker {
     if (settings_.with_baseline) {
       const Stopwatch watch(result_.seconds.baseline);
       texture.forward_squared_errors =
-          squared_errors(k, system, pictures, colours, forward_texels(k, block, pictures), texture.pixel_counts);
+          squared_errors(k, system, pictures, colours, forward_texels(k, point, pictures), texture.pixel_counts);
     }
     starts_[k] = std::move(texels);
     for (InferredLayer& one : result_.manifest.objects[k].layers)
       if (one.name == layer.name)
-        for (const int sample : block.samples) one.textures[static_cast<std::size_t>(sample)] = texture.file;
+        for (const int sample : point.samples) one.textures[static_cast<std::size_t>(sample)] = texture.file;
     result_.textures.push_back(std::move(texture));
   }
 
-  ObjectSystem& system_of(std::size_t k, const Block& block, const std::vector<std::vector<ObjectLayer>>& pictures,
-                          const std::vector<bool>& is_held_out) {
+  ObjectSystem& system_of(std::size_t k, const ParameterPoint& point,
+                          const std::vector<std::vector<ObjectLayer>>& pictures, const std::vector<bool>& is_held_out) {
     const Stopwatch watch(result_.seconds.systems);
     ObjectSystem& system = systems_[k];
     std::string matrices_key;
-    for (const int sample : block.samples) matrices_key += probe_.key(field_.pose_of(sample), k);
+    for (const int sample : point.samples) matrices_key += probe_.key(field_.pose_of(sample), k);
     // The same pixels count as before?
     if (system.inference && system.key == matrices_key) {
       bool is_same = true;
-      for (std::size_t i = 0; i < block.samples.size() && is_same; ++i)
+      for (std::size_t i = 0; i < point.samples.size() && is_same; ++i)
         is_same = is_held_out[i] ||
                   row_weights(system.matrices[i], pictures[i][k], job_.coverage_min) == system.views[i].row_weights;
       if (is_same) return system;
     }
     system = ObjectSystem{};
     system.key = matrices_key;
-    for (const int sample : block.samples) {
+    for (const int sample : point.samples) {
       system.matrices.push_back(probe_.matrix(field_.pose_of(sample), k));
       result_.renderer = system.matrices.back().provenance.renderer;
     }
-    for (std::size_t i = 0; i < block.samples.size(); ++i) {
+    for (std::size_t i = 0; i < point.samples.size(); ++i) {
       const FilterMatrix& matrix = system.matrices[i];
-      if (counted_.insert({field_.pose_of(block.samples[i]), k}).second) {
+      if (counted_.insert({field_.pose_of(point.samples[i]), k}).second) {
         result_.rows += matrix.row_count();
         result_.rows_rejected += matrix.rows_rejected;
       }
@@ -320,6 +283,17 @@ class AnimationBaker {
     return hash.finish();
   }
 
+  // Of the texture that an earlier run made with this key; empty when it is to be inferred.
+  std::vector<float> texels_there(const std::string& path, const std::string& key) const {
+    if (settings_.force || provenance_key(path) != key) return {};
+    try {
+      return read_inferred_texture(path).texels;
+    } catch (const Error& damage) {
+      log_warning(fmt::format("{}; it is inferred again", damage.what()));
+      return {};
+    }
+  }
+
   static std::string provenance_key(const std::string& path) {
     const nlohmann::json json = nlohmann::json::parse(read_texture_provenance(path), nullptr, false);
     return json.is_object() && json.contains("key") && json["key"].is_string() ? json["key"].get<std::string>() : "";
@@ -329,8 +303,8 @@ class AnimationBaker {
                      const std::vector<float>& texels) {
     make_folder(fs::path(path).parent_path().string());
     InferredTexture file;
-    file.width = probe_.mapping(k).width;
-    file.height = probe_.mapping(k).height;
+    file.width = probe_.mapping(k, texture.block).width;
+    file.height = probe_.mapping(k, texture.block).height;
     file.texels = texels;
     std::vector<std::string> samples;
     for (std::size_t i = 0; i < texture.samples.size(); ++i)
@@ -373,18 +347,18 @@ class AnimationBaker {
     return errors;
   }
 
-  // Of all samples of the block, 0..1.
-  std::vector<float> forward_texels(std::size_t k, const Block& block,
+  // Of all samples of the point, 0..1.
+  std::vector<float> forward_texels(std::size_t k, const ParameterPoint& point,
                                     const std::vector<std::vector<ObjectLayer>>& pictures) const {
     const int mesh = field_.mesh_of(k);
     std::vector<ForwardView> views;
-    for (std::size_t i = 0; i < block.samples.size(); ++i) {
-      const int pose = field_.pose_of(block.samples[i]);
+    for (std::size_t i = 0; i < point.samples.size(); ++i) {
+      const int pose = field_.pose_of(point.samples[i]);
       views.push_back({field_.camera(pose).projection * field_.object_to_camera(mesh, pose), &field_.items(pose), mesh,
                        &pictures[i][k]});
     }
     std::vector<float> texels =
-        forward_mapped(field_.meshes()[static_cast<std::size_t>(mesh)], probe_.mapping(k), views);
+        forward_mapped(field_.meshes()[static_cast<std::size_t>(mesh)], probe_.mapping(k, point.block), views);
     divide(texels, job_.radiance_max);
     return texels;
   }
@@ -397,7 +371,7 @@ class AnimationBaker {
   Device device_;
   AnimationProbe probe_;
   std::map<std::size_t, ObjectSystem> systems_;       // of the layer at hand, by object
-  std::map<std::size_t, std::vector<float>> starts_;  // the last block's texels, by object
+  std::map<std::size_t, std::vector<float>> starts_;  // the last point's texels, by object
   std::set<std::pair<int, std::size_t>> counted_;     // poses and objects whose rows are in the result
 };
 

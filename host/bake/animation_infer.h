@@ -40,6 +40,7 @@ struct AnimationInferSettings {
 struct TextureResult {
   std::size_t object = 0;
   std::size_t layer = 0;
+  int block = 0;                       // of the grid: it says which of the object's mappings the texture has
   std::vector<int> samples;            // of the job
   std::vector<double> squared_errors;  // of each sample: mean over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
@@ -60,8 +61,9 @@ struct StageSeconds {
 struct AnimationInferResult {
   InferredManifest manifest;
   std::vector<TextureResult> textures;
-  std::vector<TextureMapping> mappings;  // of each of the job's objects; width 0: never seen
-  SegmentationReport segmentation;       // of all pictures together
+  std::vector<std::string> blocks;  // names of the grid's blocks
+  ObjectMappings mappings;          // of each object in each block
+  SegmentationReport segmentation;  // of all pictures together
   StageSeconds seconds;
   std::string renderer, device;
   std::uint64_t rows = 0, rows_rejected = 0;

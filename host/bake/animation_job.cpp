@@ -84,11 +84,12 @@ AnimationTexture read_texture(const StrictTable& table, const AnimationTexture& 
 void read_parameters(const StrictTable& job_table, AnimationJob& job) {
   int sample_count = 1;
   for (const toml::table* entry : job_table.tables("parameter")) {
-    const StrictTable table(job.path, *entry, "parameter", {"name", "count", "view"});
+    const StrictTable table(job.path, *entry, "parameter", {"name", "count", "view", "block"});
     AnimationParameter parameter;
     parameter.name = checked_name(table);
     parameter.count = table.whole("count", 1, kSampleCountMax);
     parameter.is_view = table.boolean("view", false);
+    parameter.block = table.whole("block", 0, kSampleCountMax, 0);
     if (parameter.count > kSampleCountMax / sample_count)
       table.refuse("count", fmt::format("is {}, expected at most {} samples in all", parameter.count, kSampleCountMax));
     sample_count *= parameter.count;

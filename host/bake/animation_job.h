@@ -18,6 +18,7 @@ struct AnimationParameter {
   std::string name;
   int count = 1;         // of samples along it
   bool is_view = false;  // moves the camera
+  int block = 0;         // neighbouring samples that share texture coordinates, where it moves anything; 0: all
   bool operator==(const AnimationParameter&) const = default;
 };
 

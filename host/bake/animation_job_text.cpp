@@ -88,8 +88,10 @@ std::string texture_text(const AnimationTexture& t, const AnimationTexture& usua
 std::string parameters_text(const AnimationJob& job) {
   std::string text = "\n# The dimensions of the parameter space.\n";
   for (const AnimationParameter& parameter : job.parameters)
-    text += fmt::format("[[parameter]]\nname = {}\ncount = {}  # samples along it\nview = {}  # moves the camera\n\n",
-                        quoted(parameter.name), parameter.count, parameter.is_view);
+    text += fmt::format(
+        "[[parameter]]\nname = {}\ncount = {}  # samples along it\nview = {}  # moves the camera\n"
+        "block = {}  # neighbouring samples that share texture coordinates, where it moves anything; 0: all\n\n",
+        quoted(parameter.name), parameter.count, parameter.is_view, parameter.block);
   return text;
 }
 

@@ -12,6 +12,7 @@
 #include "host/bake/viewer_process.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/log.h"
 #include "host/base/output_paths.h"
 
 namespace multum {
@@ -21,8 +22,7 @@ constexpr std::uint64_t kUnitsAMatrix = 4;  // of progress: about as long as fou
 
 }  // namespace
 
-AnimationProbe::AnimationProbe(const AnimationField& field, std::vector<TextureMapping> mappings,
-                               ProbeSettings settings)
+AnimationProbe::AnimationProbe(const AnimationField& field, ObjectMappings mappings, ProbeSettings settings)
     : field_(field),
       mappings_(std::move(mappings)),
       settings_(std::move(settings)),
@@ -42,9 +42,19 @@ double AnimationProbe::anisotropy(std::size_t object) const {
 }
 
 std::uint64_t AnimationProbe::unit_count() const {
+  std::uint64_t units = 0;
+  for (std::size_t p = 0; p < field_.poses().size(); ++p) units += unit_count(static_cast<int>(p));
+  return units;
+}
+
+std::uint64_t AnimationProbe::unit_count(int pose) const {
   std::uint64_t seen = 0;
-  for (std::size_t k = 0; k < mappings_.size(); ++k) seen += is_seen(k) ? 1 : 0;
-  return kUnitsAMatrix * seen * field_.poses().size();
+  for (std::size_t k = 0; k < mappings_.size(); ++k) seen += mapping_at(pose, k).width > 0 ? 1 : 0;
+  return kUnitsAMatrix * seen;
+}
+
+const TextureMapping& AnimationProbe::mapping_at(int pose, std::size_t object) const {
+  return mapping(object, field_.poses()[static_cast<std::size_t>(pose)].block);
 }
 
 std::string AnimationProbe::key(int pose, std::size_t object) const {
@@ -60,7 +70,7 @@ std::string AnimationProbe::key(int pose, std::size_t object) const {
                                {"worldToClip", matrix_json(field_.world_to_clip(pose))},
                                {"objectToWorld", moved},
                                {"object", field_.job().objects[object].mesh},
-                               {"mapping", mappings_[object]},
+                               {"mapping", mapping_at(pose, object)},
                                {"anisotropy", anisotropy(object)},
                                {"context", settings_.context},
                                {"hasMips", settings_.has_mips}};
@@ -74,10 +84,21 @@ void AnimationProbe::run(Progress* progress) {
     progress_stage(progress, fmt::format("probe {} of {}", p + 1, field_.poses().size()));
     std::vector<std::size_t> wanted;
     for (std::size_t k = 0; k < mappings_.size(); ++k)
-      if (is_seen(k) && filter_matrix_key(path(pose, k)) != key(pose, k)) wanted.push_back(k);
+      if (mapping_at(pose, k).width > 0 && !is_there(pose, k)) wanted.push_back(k);
     if (!wanted.empty()) measure(pose, wanted, progress);
     measured += static_cast<int>(wanted.size());
-    progress_advance(progress, unit_count() / field_.poses().size());
+    progress_advance(progress, unit_count(pose));
+  }
+}
+
+bool AnimationProbe::is_there(int pose, std::size_t object) const {
+  if (filter_matrix_key(path(pose, object)) != key(pose, object)) return false;
+  try {
+    matrix(pose, object);  // checks that it is whole
+    return true;
+  } catch (const Error& damage) {
+    log_warning(fmt::format("{}; it is measured again", damage.what()));
+    return false;
   }
 }
 
@@ -93,7 +114,7 @@ void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects, 
   request.world_to_clip = field_.world_to_clip(pose);
   request.object_to_world = at.object_to_world;
   for (const std::size_t k : objects) {
-    request.tasks.push_back({field_.job().objects[k].mesh, mappings_[k], static_cast<float>(anisotropy(k)),
+    request.tasks.push_back({field_.job().objects[k].mesh, mapping_at(pose, k), static_cast<float>(anisotropy(k)),
                              settings_.has_mips, path(pose, k), key(pose, k)});
   }
   const std::string file = fmt::format("{}/{}.probe.json", settings_.folder, at.name);

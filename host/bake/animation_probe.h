@@ -13,6 +13,8 @@
 
 namespace multum {
 
+using ObjectMappings = std::vector<std::vector<TextureMapping>>;  // [object of the job][block]; width 0: not seen
+
 struct ProbeSettings {
   std::string viewer;            // the program
   std::string context = "auto";  // its GL
@@ -25,7 +27,7 @@ struct ProbeSettings {
 
 class AnimationProbe {
  public:
-  AnimationProbe(const AnimationField& field, std::vector<TextureMapping> mappings, ProbeSettings settings);
+  AnimationProbe(const AnimationField& field, ObjectMappings mappings, ProbeSettings settings);
 
   /// Measures what is not there yet. Throws Error(kEnvironment) when the program cannot be started or crashes, with
   /// what it said.
@@ -36,21 +38,26 @@ class AnimationProbe {
   std::string key(int pose, std::size_t object) const;
 
   const std::string& geometry_hash() const { return geometry_hash_; }  // SHA-256
-  const TextureMapping& mapping(std::size_t object) const { return mappings_[object]; }
-  bool is_seen(std::size_t object) const { return mappings_[object].width > 0; }
+  const TextureMapping& mapping(std::size_t object, int block) const {
+    return mappings_[object][static_cast<std::size_t>(block)];
+  }
+  bool is_seen(std::size_t object, int block) const { return mapping(object, block).width > 0; }
   /// Units of progress that run() counts.
   std::uint64_t unit_count() const;
 
   int measured = 0;  // matrices, by run()
 
  private:
+  std::uint64_t unit_count(int pose) const;
   std::string path(int pose, std::size_t object) const;
+  const TextureMapping& mapping_at(int pose, std::size_t object) const;
   int supersampling() const;
   double anisotropy(std::size_t object) const;
+  bool is_there(int pose, std::size_t object) const;
   void measure(int pose, const std::vector<std::size_t>& objects, Progress* progress) const;
 
   const AnimationField& field_;
-  std::vector<TextureMapping> mappings_;
+  ObjectMappings mappings_;
   ProbeSettings settings_;
   std::string geometry_hash_;
 };

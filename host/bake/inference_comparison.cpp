@@ -42,8 +42,8 @@ AnimationJob at_sample(AnimationJob job, int sample) {
 
 class Comparer {
  public:
-  Comparer(const AnimationField& field, const std::vector<TextureMapping>& mappings,
-           const AnimationInferSettings& settings, Progress* progress)
+  Comparer(const AnimationField& field, const ObjectMappings& mappings, const AnimationInferSettings& settings,
+           Progress* progress)
       : field_(field),
         mappings_(mappings),
         settings_(settings),
@@ -88,7 +88,7 @@ class Comparer {
     pixel_counts.clear();
     for (std::size_t k = 0; k < field_.job().objects.size(); ++k) {
       pixel_counts.push_back(0.0);
-      errors.push_back(probe.is_seen(k) ? error_of(variant, probe, k, pixel_counts.back()) : -1.0);
+      errors.push_back(probe.is_seen(k, 0) ? error_of(variant, probe, k, pixel_counts.back()) : -1.0);
     }
     return errors;
   }
@@ -133,14 +133,14 @@ class Comparer {
   std::vector<float> forward_texels(const AnimationProbe& probe, std::size_t k, const ObjectLayer& layer) const {
     const int mesh = field_.mesh_of(k);
     std::vector<float> texels = forward_mapped(
-        field_.meshes()[static_cast<std::size_t>(mesh)], probe.mapping(k),
+        field_.meshes()[static_cast<std::size_t>(mesh)], probe.mapping(k, 0),
         {{field_.camera(0).projection * field_.object_to_camera(mesh, 0), &field_.items(0), mesh, &layer}});
     divide(texels, field_.job().radiance_max);
     return texels;
   }
 
   const AnimationField& field_;
-  const std::vector<TextureMapping>& mappings_;
+  const ObjectMappings& mappings_;
   const AnimationInferSettings& settings_;
   Progress* progress_;
   Device device_;
@@ -149,13 +149,17 @@ class Comparer {
 
 }  // namespace
 
-InferenceComparison compare_inference(const AnimationJob& job, int sample, const std::vector<TextureMapping>& mappings,
+InferenceComparison compare_inference(const AnimationField& field, int sample, const ObjectMappings& mappings,
                                       const AnimationInferSettings& settings, Progress* progress) {
+  const AnimationJob& job = field.job();
   InferenceComparison comparison;
   comparison.sample = job.samples[static_cast<std::size_t>(sample)].name;
   comparison.supersampling = job.supersampling;
-  const AnimationField field(at_sample(job, sample));
-  Comparer comparer(field, mappings, settings, progress);
+  const auto block = static_cast<std::size_t>(field.grid().block_of(sample));
+  ObjectMappings mappings_there;
+  for (const std::vector<TextureMapping>& of_blocks : mappings) mappings_there.push_back({of_blocks[block]});
+  const AnimationField field_there(at_sample(job, sample));
+  Comparer comparer(field_there, mappings_there, settings, progress);
   comparer.append_rows(1, comparison);
   if (job.supersampling > 1) comparer.append_rows(job.supersampling, comparison);
   return comparison;

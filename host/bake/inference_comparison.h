@@ -26,8 +26,8 @@ struct InferenceComparison {
 
 /// With one sample a pixel, as hardware draws without antialiasing, and with the job's supersampling, where anisotropic
 /// filtering is left out: its footprints take many draws to measure. Measures the matrices that it needs in
-/// OUTPUT/comparison. `mappings`: of each of the job's objects.
-InferenceComparison compare_inference(const AnimationJob& job, int sample, const std::vector<TextureMapping>& mappings,
+/// OUTPUT/comparison.
+InferenceComparison compare_inference(const AnimationField& field, int sample, const ObjectMappings& mappings,
                                       const AnimationInferSettings& settings, Progress* progress);
 
 }  // namespace multum

@@ -271,13 +271,12 @@ class InferencePage {
     if (report_.frames != nullptr) columns.push_back({"in frames"});
     std::vector<Row> rows;
     for (const LayerSummary& one : layers_) {
-      const TextureMapping& mapping = report_.result.mappings[one.object];
       const bool is_first = rows.empty() || layers_[rows.size() - 1].object != one.object;
       const bool is_known = one.textures_there < one.textures;
       Row row = {is_first ? object_name(one.object) : "",
                  escaped(job_.layers[one.layer].name),
                  std::to_string(one.textures),
-                 fmt::format("{} &times; {}", mapping.width, mapping.height),
+                 texel_count_text(report_, one, " &times; "),
                  mse_text(one.squared_error),
                  mse_text(one.forward_squared_error),
                  one.forward_squared_error > 0.0 && one.squared_error >= 0.0
@@ -437,30 +436,36 @@ class InferencePage {
 
   std::string mappings() const {
     std::vector<Row> rows;
-    for (std::size_t k = 0; k < job_.objects.size(); ++k) {
-      const TextureMapping& m = report_.result.mappings[k];
-      if (m.width == 0) {
-        rows.push_back({object_name(k), "seen in no picture"});
-        continue;
+    for (std::size_t k = 0; k < job_.objects.size(); ++k)
+      for (std::size_t block = 0; block < report_.result.mappings[k].size(); ++block) {
+        const TextureMapping& m = report_.result.mappings[k][block];
+        Row row = {block == 0 ? object_name(k) : ""};
+        if (report_.result.blocks.size() > 1) row.push_back(escaped(report_.result.blocks[block]));
+        const Row figures = mapping_figures(m);
+        row.insert(row.end(), figures.begin(), figures.end());
+        rows.push_back(row);
       }
-      std::vector<std::string> cuts;
-      for (std::size_t d = 0; d < 2; ++d)
-        if (m.has_cut[d]) cuts.push_back(fmt::format("{} = {:.3f}", d == 0 ? "u" : "v", m.cut[d]));
-      rows.push_back({object_name(k), fmt::format("{} &times; {}", m.width, m.height),
-                      fmt::format("{:.3f}", m.stretch_max), std::to_string(m.stretch_rounds),
-                      cuts.empty() ? "none" : fmt::format("{}", fmt::join(cuts, ", ")),
-                      std::to_string(m.visible_pixels), std::to_string(m.degenerate_pixels)});
-    }
-    return "<h2>Texture coordinates</h2>\n<p>An affine map of each object's own coordinates, for all views. Stretch is "
-           "how many pixels a texel becomes at most.</p>\n" +
-           table({{"object", true},
-                  {"texels"},
-                  {"stretch"},
-                  {"rounds of scaling"},
-                  {"cut at"},
-                  {"visible pixels"},
-                  {"degenerate"}},
-                 rows);
+    std::vector<Column> columns = {{"object", true}};
+    if (report_.result.blocks.size() > 1) columns.push_back({"samples", true});
+    columns.insert(columns.end(),
+                   {{"texels"}, {"stretch"}, {"rounds of scaling"}, {"cut at"}, {"visible pixels"}, {"degenerate"}});
+    return "<h2>Texture coordinates</h2>\n<p>An affine map of each object's own coordinates, for all samples that "
+           "share "
+           "it. Stretch is how many pixels a texel becomes at most.</p>\n" +
+           table(columns, rows);
+  }
+
+  static Row mapping_figures(const TextureMapping& m) {
+    if (m.width == 0) return {"not seen"};
+    std::vector<std::string> cuts;
+    for (std::size_t d = 0; d < 2; ++d)
+      if (m.has_cut[d]) cuts.push_back(fmt::format("{} = {:.3f}", d == 0 ? "u" : "v", m.cut[d]));
+    return {fmt::format("{} &times; {}", m.width, m.height),
+            fmt::format("{:.3f}", m.stretch_max),
+            std::to_string(m.stretch_rounds),
+            cuts.empty() ? "none" : fmt::format("{}", fmt::join(cuts, ", ")),
+            std::to_string(m.visible_pixels),
+            std::to_string(m.degenerate_pixels)};
   }
 
   std::string doubtful() const {

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
 
 #include "host/base/error.h"
 
@@ -139,8 +141,9 @@ Json objects_json(const InferenceReport& report) {
                    {"anisotropy", t.anisotropy},
                    {"pyramid_weight", t.pyramid_weight},
                    {"range_weight", t.range_weight}}},
-                 {"mapping", mapping_json(report.result.mappings[k])},
+                 {"mappings", Json::array()},
                  {"layers", Json::array()}};
+    for (const TextureMapping& mapping : report.result.mappings[k]) json["mappings"].push_back(mapping_json(mapping));
     for (const LayerSummary& layer : layers)
       if (layer.object == k) json["layers"].push_back(layer_json(report, layer));
     if (report.frames != nullptr) {
@@ -153,9 +156,11 @@ Json objects_json(const InferenceReport& report) {
   return list;
 }
 
-Json texture_json(const AnimationJob& job, const TextureResult& texture) {
+Json texture_json(const InferenceReport& report, const TextureResult& texture) {
+  const AnimationJob& job = report.job;
   Json json = {{"object", job.objects[texture.object].name},
                {"layer", job.layers[texture.layer].name},
+               {"block", report.result.blocks[static_cast<std::size_t>(texture.block)]},
                {"file", texture.file},
                {"was_there", texture.was_there},
                {"converged", texture.converged},
@@ -268,10 +273,25 @@ std::string inference_report_json(const InferenceReport& report) {
   json["seconds"] = seconds_json(result.seconds);
   json["frames"] = report.frames != nullptr ? frames_json(job, *report.frames) : Json(nullptr);
   json["comparison"] = report.comparison != nullptr ? comparison_json(job, *report.comparison) : Json(nullptr);
+  json["blocks"] = result.blocks;
   json["textures"] = Json::array();
   for (const TextureResult& texture : result.textures)
-    if (!texture.file.empty()) json["textures"].push_back(texture_json(job, texture));
+    if (!texture.file.empty()) json["textures"].push_back(texture_json(report, texture));
   return json.dump(1) + "\n";
+}
+
+std::string texel_count_text(const InferenceReport& report, const LayerSummary& layer, const std::string& times) {
+  std::set<std::tuple<int, int, int>> sizes;  // by area
+  for (const TextureResult& texture : report.result.textures) {
+    if (texture.object != layer.object || texture.layer != layer.layer || texture.file.empty()) continue;
+    const TextureMapping& m = report.result.mappings[layer.object][static_cast<std::size_t>(texture.block)];
+    sizes.insert({m.width * m.height, m.width, m.height});
+  }
+  const auto text = [&](const std::tuple<int, int, int>& size) {
+    return fmt::format("{}{}{}", std::get<1>(size), times, std::get<2>(size));
+  };
+  if (sizes.empty()) return "";
+  return sizes.size() == 1 ? text(*sizes.begin()) : text(*sizes.begin()) + " to " + text(*sizes.rbegin());
 }
 
 std::string inference_report_text(const InferenceReport& report) {
@@ -282,9 +302,8 @@ std::string inference_report_text(const InferenceReport& report) {
                         std::max(0.0, one.squared_error));
     if (one.forward_squared_error >= 0.0) text += fmt::format(" (forward mapping {:.1f})", one.forward_squared_error);
     if (one.held_out_squared_error >= 0.0) text += fmt::format(", held out {:.1f}", one.held_out_squared_error);
-    const TextureMapping& mapping = report.result.mappings[one.object];
-    text += fmt::format(", {} texture{} of {} x {}", one.textures, one.textures == 1 ? "" : "s", mapping.width,
-                        mapping.height);
+    text += fmt::format(", {} texture{} of {}", one.textures, one.textures == 1 ? "" : "s",
+                        texel_count_text(report, one, " x "));
     if (one.not_converged > 0) text += fmt::format(", {} not converged", one.not_converged);
     text += "\n";
   }

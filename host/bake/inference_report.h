@@ -40,6 +40,10 @@ struct LayerSummary {
 /// In the order of objects, then layers; a layer without textures is left out.
 std::vector<LayerSummary> summarise_layers(const InferenceReport& report);
 
+/// Sides of the layer's textures, "148 x 96" with " x " for `times`; of blocks that differ, the smallest and the
+/// largest.
+std::string texel_count_text(const InferenceReport& report, const LayerSummary& layer, const std::string& times);
+
 /// report.json.
 std::string inference_report_json(const InferenceReport& report);
 

@@ -104,6 +104,44 @@ TEST_F(InferCommandTest, FramesLookAsTheyWereTraced) {
     EXPECT_LT(ground.at(name), 0.5 * ground.at("forward mapping, " + name)) << name;
 }
 
+// Every two views have texture coordinates of their own, and textures that serve them alone.
+TEST_F(InferCommandTest, BlocksOfViewsAreInferredApartAndDrawnTogether) {
+  TracedScene scene;
+  scene.views = 3;
+  scene.lights = 1;
+  write_scene(scene);
+  change_job("view = true  # moves the camera\nblock = 0", "view = true\nblock = 2");
+  const ProgramResult result = infer({"--report-sample", "2,0"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(frame_error("0,0", "rad_v00_p00.exr"), 0.01);
+  EXPECT_LT(frame_error("1,0", "rad_v01_p00.exr"), 0.01);
+  EXPECT_LT(frame_error("2,0", "rad_v02_p00.exr"), 0.01);
+  EXPECT_EQ(textures(),
+            (std::vector<std::string>{
+                "textures/board/diffuse_view00-01_light00.exr", "textures/board/diffuse_view02-02_light00.exr",
+                "textures/board/view_dependent_view00_light00.exr", "textures/board/view_dependent_view01_light00.exr",
+                "textures/board/view_dependent_view02_light00.exr", "textures/ground/diffuse_view00-01_light00.exr",
+                "textures/ground/diffuse_view02-02_light00.exr"}));
+  for (const InferredObject& object : manifest().objects) {
+    SCOPED_TRACE(object.name);
+    EXPECT_EQ(object.mapping_of_sample, (std::vector<int>{0, 0, 1}));
+    ASSERT_EQ(object.mappings.size(), 2u);
+    EXPECT_NE(object.mappings[0].linear, object.mappings[1].linear);
+    const std::vector<std::string>& files = object.layers[0].textures;
+    EXPECT_EQ(files[0], files[1]);
+    const InferredTexture last = read_inferred_texture(path("out/" + files[2]));
+    EXPECT_EQ(last.width, object.mappings[1].width);
+    EXPECT_EQ(last.height, object.mappings[1].height);
+  }
+  const nlohmann::json report = nlohmann::json::parse(std::ifstream(path("out/report.json")));
+  EXPECT_EQ(report["blocks"], (std::vector<std::string>{"view00-01", "view02-02"}));
+  // What is there of a run with other blocks is not taken.
+  change_job("block = 2", "block = 1");
+  ASSERT_EQ(infer({"--no-frames", "--no-comparison"}).exit_code, 0);
+  EXPECT_EQ(manifest().objects[0].mapping_of_sample, (std::vector<int>{0, 1, 2}));
+  EXPECT_LT(frame_error("1,0", "rad_v01_p00.exr"), 0.01);
+}
+
 TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
   write_scene({});
   ASSERT_EQ(infer({"--no-frames", "--no-comparison"}).exit_code, 0);
@@ -113,8 +151,17 @@ TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
   const auto kept_time = fs::last_write_time(kept);
   fs::remove(lost);
   write_bytes(path("out/matrices/v01_p00_board.fmx"), "damaged");
+  // Cut short, but with their keys.
+  const std::string cut = path("out/textures/board/diffuse_light00.exr"), whole = read_bytes(cut);
+  write_bytes(cut, whole.substr(0, whole.size() - 100));
+  const std::string cut_matrix = path("out/matrices/v00_p00_board.fmx"), whole_matrix = read_bytes(cut_matrix);
+  write_bytes(cut_matrix, whole_matrix.substr(0, whole_matrix.size() - 100));
   const ProgramResult again = infer({"--no-frames", "--no-comparison"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.err.find("diffuse_light00.exr"), std::string::npos) << again.err;
+  EXPECT_NE(again.err.find("v00_p00_board.fmx"), std::string::npos) << again.err;
+  EXPECT_EQ(read_bytes(cut), whole);
+  EXPECT_EQ(read_bytes(cut_matrix), whole_matrix);
   EXPECT_EQ(fs::last_write_time(kept), kept_time);
   EXPECT_EQ(read_inferred_texture(lost).texels.size() > 0, true);
   EXPECT_EQ(read_bytes(lost), before);

@@ -58,13 +58,16 @@ std::string scene_obj() {
   return out.str();
 }
 
-TextureMapping mapping_of(const std::string& object) {
+// The waves have other coordinates when the board has moved, as in another block of the parameter space.
+TextureMapping mapping_of(const std::string& object, const std::string& view = "still") {
   TextureMapping mapping;
   if (object == "waves") {  // turned, smaller than the texture; sides that are no powers of two
     mapping.linear = glm::dmat2(0.0, 0.875, 0.75, 0.0);
     mapping.offset = {0.125, 0.0625};
     mapping.width = 77;
     mapping.height = 41;
+    if (view == "moved") mapping.linear *= 0.75;
+    if (view == "moved") mapping.width = 50;
   } else {  // beyond the border on all sides
     mapping.linear = glm::dmat2(2.5, 0.0, 0.0, 2.5);
     mapping.wrap_s = WrapMode::kPeriodic;
@@ -98,7 +101,7 @@ class InferredViewTest : public ::testing::Test {
     request.world_to_clip = glm::dmat4(gl::probe_camera(kWidth, kHeight));
     if (view == "moved") request.object_to_world["board"] = moved_board();
     for (const char* object : {"waves", "board"})
-      request.tasks.push_back({object, mapping_of(object), 1.0f, true, path(view + "_" + object + ".filter"),
+      request.tasks.push_back({object, mapping_of(object, view), 1.0f, true, path(view + "_" + object + ".filter"),
                                std::string("key of ") + object});
     return request;
   }
@@ -242,8 +245,7 @@ TEST_F(InferredViewTest, RequestsThatCannotBeMetLeaveNothing) {
 // ---- --sample
 
 // Random halfs.
-InferredTexture random_texture(const std::string& object, std::uint64_t seed) {
-  const TextureMapping mapping = mapping_of(object);
+InferredTexture random_texture(const TextureMapping& mapping, std::uint64_t seed) {
   InferredTexture texture{mapping.width, mapping.height, {}, "{}"};
   SplitMix64 random(seed);
   for (int i = 0; i < 3 * MipLayout(mapping.width, mapping.height).texel_count; ++i)
@@ -278,7 +280,7 @@ class InferredPictureTest : public InferredViewTest {
     std::uint64_t seed = 77;
     for (const char* name : {"waves_0", "waves_1", "waves_shine_0", "board_0"}) {
       const std::string object = std::string(name).substr(0, 5);
-      textures_[name] = random_texture(object, seed++);
+      textures_[name] = random_texture(mapping_of(object, name == std::string("waves_1") ? "moved" : "still"), seed++);
       write_inferred_texture(textures_[name], path(name + std::string(".exr")));
     }
     manifest_.geometry_file = "scene.obj";
@@ -289,12 +291,14 @@ class InferredPictureTest : public InferredViewTest {
     manifest_.parameters = {"view", "motion"};
     const glm::dmat4 camera(gl::probe_camera(kWidth, kHeight));
     manifest_.samples = {{"still", {2, 0}, camera, {}}, {"moved", {2, 1}, camera, {{"board", moved_board()}}}};
-    manifest_.objects = {{"the waves",
-                          "waves",
-                          mapping_of("waves"),
-                          1.0f,
-                          {{"diffuse", {"waves_0.exr", "waves_1.exr"}}, {"shine", {"waves_shine_0.exr", ""}}}},
-                         {"the board", "board", mapping_of("board"), 1.0f, {{"diffuse", {"board_0.exr", ""}}}}};
+    manifest_.objects = {
+        {"the waves",
+         "waves",
+         {mapping_of("waves", "moved"), mapping_of("waves")},
+         {1, 0},
+         1.0f,
+         {{"diffuse", {"waves_0.exr", "waves_1.exr"}}, {"shine", {"waves_shine_0.exr", ""}}}},
+        {"the board", "board", {mapping_of("board")}, {0, 0}, 1.0f, {{"diffuse", {"board_0.exr", ""}}}}};
     write_inferred_manifest(manifest_, path("inferred.json"));
   }
   ChildResult draw(std::vector<std::string> arguments) const {

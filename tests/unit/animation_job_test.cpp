@@ -120,6 +120,7 @@ TEST_F(AnimationJobTest, IsReadBackEqual) {
     job.radiance_max = 1e21;
     job.coverage_min = 0.0;
     job.supersampling = 8;
+    job.parameters[0].block = 2;
     job.objects[0].name = "a \"b\" c";
     job.objects[0].layers = {"diffuse"};
     job.objects[0].texture = {"periodic", 1.0 / 3.0, 8.0, true, 1, 16.0, 0.0, 1e-300};
@@ -213,6 +214,7 @@ TEST_F(AnimationJobTest, NumbersOutOfRange) {
   expect_refused("range_weight = 0", "range_weight = \"a\"", {"texture.range_weight is \"a\""});
   expect_refused("wrap = \"clamp\"", "wrap = \"mirror\"", {"is \"mirror\", expected \"clamp\" or \"periodic\""});
   expect_refused("count = 2", "count = 0", {"parameter.count is 0"});
+  expect_refused("block = 0", "block = -1", {"parameter.block is -1, expected a whole number from 0 to 65536"});
   std::string many = text_;
   replace_once(many, "count = 2", "count = 300");
   text_ = many;

@@ -114,8 +114,8 @@ InferredManifest unusual_manifest() {
   manifest.samples = {{"noon", {3, 0}, unusual_matrix(1.25), {{"cup", unusual_matrix(9.0)}}},
                       {"night", {2, 1}, unusual_matrix(-1.75), {}}};
   InferredLayer diffuse{"diffuse", {"a/0.exr", "a/1.exr"}}, other{"other", {"", "b/1.exr"}};
-  manifest.objects = {{"the cup", "cup", unusual_mapping(), 2.5f, {diffuse, other}},
-                      {"the floor", "floor", {}, 1.0f, {}}};
+  manifest.objects = {{"the cup", "cup", {{}, unusual_mapping()}, {1, 0}, 2.5f, {diffuse, other}},
+                      {"the floor", "floor", {{}}, {0, 0}, 1.0f, {}}};
   return manifest;
 }
 
@@ -143,7 +143,9 @@ TEST(InferredManifestTest, EveryFieldComesBack) {
     const InferredObject &a = found.objects[i], &b = expected.objects[i];
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.mesh, b.mesh);
-    expect_same(a.mapping, b.mapping);
+    ASSERT_EQ(a.mappings.size(), b.mappings.size());
+    for (std::size_t m = 0; m < a.mappings.size(); ++m) expect_same(a.mappings[m], b.mappings[m]);
+    EXPECT_EQ(a.mapping_of_sample, b.mapping_of_sample);
     EXPECT_EQ(a.anisotropy, b.anisotropy);
     ASSERT_EQ(a.layers.size(), b.layers.size());
     for (std::size_t l = 0; l < a.layers.size(); ++l) {
@@ -180,7 +182,12 @@ TEST(InferredManifestTest, WhatIsOutOfRangeIsRefused) {
   refuse("/parameters", {"view"}, "sample 'noon' has 2 indices, expected 1");
   refuse("/objects/0/layers/1/textures", {"b/0.exr"}, "layer 'other' of object 'the cup' has 1 textures for 2 samples");
   refuse("/objects/1/anisotropy", 17, "expected 1 to 16");
-  refuse("/objects/1/mapping/height", 16385, "a texture mapping is of 1 x 16385 texels");
+  refuse("/objects/0/mappingOfSample", {0}, "object 'the cup' has mappingOfSample for 1 of 2 samples");
+  for (const int value : {-1, 2})
+    refuse("/objects/0/mappingOfSample/1", value,
+           "object 'the cup' has mapping " + std::to_string(value) + " at a sample, expected one of its 2");
+  refuse("/objects/1/mappings", nlohmann::json::array(), "object 'the floor' has mapping 0 at a sample");
+  refuse("/objects/1/mappings/0/height", 16385, "a texture mapping is of 1 x 16385 texels");
   expect_error(ErrorCode::kInput, {folder / "none.json", "cannot be read"},
                [&] { read_inferred_manifest(folder / "none.json"); });
 }

@@ -48,10 +48,8 @@ struct Scene {
         sample.name = "v" + std::to_string(v) + "_p" + std::to_string(p);
         job.samples.push_back(sample);
       }
-    result.mappings.resize(2);
-    result.mappings[0].width = 148;
-    result.mappings[0].height = 96;
-    result.mappings[1].width = 0;
+    result.blocks = {"all"};
+    result.mappings = {{sized(148, 96)}, {sized(0, 0)}};
     result.textures = {texture({0, 3}, {10.0, 40.0}, {100.0, 50.0}, {20.0, 80.0}, {false, false}, 7),
                        texture({1, 4}, {1.0, 5.0}, {50.0, 100.0}, {2.0, 10.0}, {false, true}, 11)};
     result.textures[1].converged = false;
@@ -63,6 +61,13 @@ struct Scene {
     frames.frames = {{0, "frames/v0_p0.exr", 4.0, 30.0, 2.0, 0.0, {6.0, 0.0}, {10.0, 0.0}},
                      {5, "frames/v1_p2.exr", 8.0, 10.0, 0.0, 1.0, {1.0, 0.0}, {30.0, 0.0}}};
     comparison = {"v0_p1", 4, {20.0, 0.0}, {{"bilinear <1>", {3.25, -1.0}}, {"trilinear", {4.5, -1.0}}}};
+  }
+
+  static TextureMapping sized(int width, int height) {
+    TextureMapping mapping;
+    mapping.width = width;
+    mapping.height = height;
+    return mapping;
   }
 
   static TextureResult texture(std::vector<int> samples, std::vector<double> errors, std::vector<double> pixels,
@@ -156,6 +161,21 @@ TEST(InferenceReport, TextHasALineForEachLayer) {
   EXPECT_EQ(inference_report_text(scene.report()),
             "vase diffuse: MSE 15.2 (forward mapping 30.5), held out 5.0, 2 textures of 148 x 96, 1 not converged\n"
             "frames: MSE 5.0 over 2 samples, at most 8.0 (v1_p2)\n");
+}
+
+TEST(InferenceReport, BlocksHaveTheirOwnTextureCoordinates) {
+  Scene scene;
+  scene.result.blocks = {"view00-00", "view01-01"};
+  scene.result.mappings = {{Scene::sized(148, 96), Scene::sized(9, 200)}, {Scene::sized(0, 0), Scene::sized(5, 6)}};
+  scene.result.textures[1].block = 1;
+  EXPECT_NE(inference_report_text(scene.report()).find(", 2 textures of 9 x 200 to 148 x 96,"), std::string::npos);
+  const nlohmann::json json = nlohmann::json::parse(inference_report_json(scene.report()));
+  EXPECT_EQ(json["blocks"][1], "view01-01");
+  EXPECT_EQ(json["objects"][0]["mappings"][1]["width"], 9);
+  EXPECT_EQ(json["textures"][1]["block"], "view01-01");
+  const std::string page = inference_page(scene.report(), {});
+  for (const char* part : {"9 &times; 200 to 148 &times; 96", ">view01-01</td>", "5 &times; 6", "not seen"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
 }
 
 TEST(InferenceReport, SamplesAreFoundByIndicesAndByName) {

@@ -70,8 +70,7 @@ int run_infer(InferOptions& o) {
     result.seconds.rendering = frames.seconds;
   }
   InferenceComparison comparison;
-  if (!o.no_comparison)
-    comparison = compare_inference(field.job(), sample, result.mappings, o.settings, progress.get());
+  if (!o.no_comparison) comparison = compare_inference(field, sample, result.mappings, o.settings, progress.get());
   progress_finish(progress.get());
   const InferenceReport report = {field.job(),
                                   o.settings,

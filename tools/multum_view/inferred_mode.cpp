@@ -63,14 +63,15 @@ void check_outputs(const InferredManifest& manifest, const fs::path& folder, con
   for (const std::string& output : outputs) check_writable(output);
 }
 
-gl::Texture upload(const gl::GlFunctions& gl, const std::string& path, const InferredObject& object) {
+gl::Texture upload(const gl::GlFunctions& gl, const std::string& path, const TextureMapping& mapping,
+                   float anisotropy) {
   const InferredTexture texture = read_inferred_texture(path);
-  if (texture.width != object.mapping.width || texture.height != object.mapping.height)
+  if (texture.width != mapping.width || texture.height != mapping.height)
     throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels, the manifest says {} x {}", path, texture.width,
-                                               texture.height, object.mapping.width, object.mapping.height));
+                                               texture.height, mapping.width, mapping.height));
   const MipLayout layout(texture.width, texture.height);
   gl::Texture uploaded(gl, path, {texture.width, texture.height, layout.level_count(), gl::TexelFormat::kRgba16f},
-                       {object.mapping.wrap_s, object.mapping.wrap_t, true, object.anisotropy});
+                       {mapping.wrap_s, mapping.wrap_t, true, anisotropy});
   for (int l = 0; l < layout.level_count(); ++l) {
     const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
     std::vector<float> rgba;
@@ -98,7 +99,9 @@ class InferredScene {
     meshes_ = read_object_meshes(geometry, manifest.uv_set);
     for (const InferredObject& object : manifest.objects) {
       places_.push_back(find_object(meshes_, object.mesh, geometry));
-      drawn_.push_back(std::make_unique<gl::Mesh>(gl, mapped_mesh_data(meshes_[places_.back()], object.mapping)));
+      drawn_.emplace_back();
+      for (const TextureMapping& mapping : object.mappings)
+        drawn_.back().push_back(std::make_unique<gl::Mesh>(gl, mapped_mesh_data(meshes_[places_.back()], mapping)));
     }
   }
 
@@ -111,13 +114,15 @@ class InferredScene {
     std::vector<gl::TexturedObject> objects;
     for (std::size_t i = 0; i < manifest_.objects.size(); ++i) {
       const InferredObject& object = manifest_.objects[i];
+      const auto mapping = static_cast<std::size_t>(object.mapping_of_sample[number]);
       gl::TexturedObject textured{
-          {drawn_[i].get(),
+          {drawn_[i][mapping].get(),
            object_to_clip(sample.world_to_clip, object_place(meshes_[places_[i]], sample.object_to_world))},
           {}};
       for (const InferredLayer& layer : object.layers) {
         if (layer.textures[number].empty()) continue;
-        textures.push_back(upload(gl_, (fs::path(folder_) / layer.textures[number]).string(), object));
+        textures.push_back(upload(gl_, (fs::path(folder_) / layer.textures[number]).string(), object.mappings[mapping],
+                                  object.anisotropy));
         textured.layers.push_back(&textures.back());
       }
       objects.push_back(textured);
@@ -132,7 +137,7 @@ class InferredScene {
   gl::TexturedRenderer renderer_;
   std::vector<ObjectMesh> meshes_;
   std::vector<std::size_t> places_;
-  std::vector<std::unique_ptr<gl::Mesh>> drawn_;
+  std::vector<std::vector<std::unique_ptr<gl::Mesh>>> drawn_;  // [object][mapping]
 };
 
 }  // namespace
