@@ -33,6 +33,17 @@ struct MipLayout {
     while (levels[static_cast<std::size_t>(l)].offset > texel) --l;
     return l;
   }
+  /// Calls visit(parent, texel) for every texel of a level but the coarsest, row by row: the parent is the texel of the
+  /// next coarser level over it, where an odd side has left the last without one its neighbour's.
+  template <typename Visit>
+  void for_each_child(std::size_t level, const Visit& visit) const {
+    const MipLevelPlace &fine = levels[level], &coarse = levels[level + 1];
+    for (int y = 0; y < fine.height; ++y)
+      for (int x = 0; x < fine.width; ++x)
+        visit(static_cast<std::size_t>(coarse.offset + std::min(y / 2, coarse.height - 1) * coarse.width +
+                                       std::min(x / 2, coarse.width - 1)),
+              static_cast<std::size_t>(fine.offset + y * fine.width + x));
+  }
 };
 
 }  // namespace multum

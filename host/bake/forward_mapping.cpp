@@ -90,24 +90,12 @@ class Splatter {
       }
   }
 
-  // Calls visit(parent, texel) for every texel of a level, its parent being the texel of the next coarser one over it.
-  template <typename Visit>
-  void for_each_child(std::size_t l, const Visit& visit) {
-    const MipLevelPlace &fine = layout_.levels[l], &coarse = layout_.levels[l + 1];
-    for (int y = 0; y < fine.height; ++y)
-      for (int x = 0; x < fine.width; ++x) {
-        const int parent = std::min(y / 2, coarse.height - 1) * coarse.width + std::min(x / 2, coarse.width - 1);
-        visit(sums_[static_cast<std::size_t>(coarse.offset + parent)],
-              sums_[static_cast<std::size_t>(fine.offset + y * fine.width + x)]);
-      }
-  }
-
   // Pull: coarse texels add up what is known; push: what is unknown is interpolated from the coarser level. Then the
   // coarse levels are made anew, as boxes of the filled finest.
   void fill_holes() {
     for (std::size_t l = 0; l + 1 < layout_.levels.size(); ++l)
-      for_each_child(l, [](Sum& parent, const Sum& texel) {
-        for (std::size_t c = 0; c < 4; ++c) parent[c] += texel[c];
+      layout_.for_each_child(l, [&](std::size_t parent, std::size_t texel) {
+        for (std::size_t c = 0; c < 4; ++c) sums_[parent][c] += sums_[texel][c];
       });
     const PyramidTables tables =
         make_pyramid_tables(layout_, mapping_.wrap_s == WrapMode::kPeriodic, mapping_.wrap_t == WrapMode::kPeriodic, 1);
@@ -116,9 +104,9 @@ class Splatter {
       const MipLevelPlace& coarse = layout_.levels[l + 1];
       for (int t = coarse.offset; t < coarse.offset + coarse.width * coarse.height; ++t)
         sums_[static_cast<std::size_t>(t)] = Sum{};
-      for_each_child(l, [](Sum& parent, const Sum& texel) {
-        for (std::size_t c = 0; c < 3; ++c) parent[c] += texel[c];
-        parent[3] += 1.0;
+      layout_.for_each_child(l, [&](std::size_t parent, std::size_t texel) {
+        for (std::size_t c = 0; c < 3; ++c) sums_[parent][c] += sums_[texel][c];
+        sums_[parent][3] += 1.0;
       });
       for (int t = coarse.offset; t < coarse.offset + coarse.width * coarse.height; ++t) {
         Sum& sum = sums_[static_cast<std::size_t>(t)];

@@ -10,6 +10,7 @@
 
 #include "host/bake/animation_infer.h"
 #include "host/bake/inference_rows.h"
+#include "host/bake/pixel_mean.h"
 #include "host/bake/viewer_process.h"
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
@@ -21,6 +22,8 @@ namespace {
 // Samples that one run of the viewer draws: it sets up the GL and reads the geometry once, and its command line stays
 // far below the 128 KiB that every system takes.
 constexpr std::size_t kSamplesAChild = 256;
+
+const std::vector<std::string> kRgb = {"R", "G", "B"};
 
 void check_frame_size(const AnimationJob& job, const std::string& path, const ExrLayers& layers) {
   if (layers.width != job.width || layers.height != job.height)
@@ -50,15 +53,12 @@ void draw_frames(const AnimationJob& job, const FrameSettings& settings, const s
   run_viewer(command, fmt::format("drawing {} frames from '{}'", samples.size(), settings.output), progress);
 }
 
-// A running mean's numerator and denominator.
-struct Sum {
-  double value = 0.0, count = 0.0;
-  void add(double mean, double weight) {
-    value += mean * weight;
-    count += weight;
-  }
-  double mean() const { return count > 0.0 ? value / count : 0.0; }
-};
+bool has_rgb(const std::string& path) {
+  const std::vector<std::string> channels = exr_channel_names(path);
+  return std::all_of(kRgb.begin(), kRgb.end(), [&](const std::string& channel) {
+    return std::find(channels.begin(), channels.end(), channel) != channels.end();
+  });
+}
 
 }  // namespace
 
@@ -66,8 +66,8 @@ std::vector<float> ray_traced_picture(const AnimationField& field, int sample) {
   const AnimationJob& job = field.job();
   const std::string& path = job.samples[static_cast<std::size_t>(sample)].radiance;
   std::vector<float> picture;
-  if (has_exr_channel(path, "R") && has_exr_channel(path, "G") && has_exr_channel(path, "B")) {
-    const ExrLayers layers = read_exr_channels(path, {"R", "G", "B"});
+  if (has_rgb(path)) {
+    const ExrLayers layers = read_exr_channels(path, kRgb);
     check_frame_size(job, path, layers);
     picture = interleaved(layers, job.radiance_max);
   } else {
@@ -92,8 +92,8 @@ FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFr
                           const std::vector<std::vector<float>>& coverages) {
   MULTUM_CHECK(ray_traced.size() == frame.rgb.size() && frame.rgb.size() == 3 * frame.alpha.size());
   FrameErrors errors;
-  Sum whole;
-  std::vector<Sum> objects(coverages.size());
+  PixelMean whole;
+  std::vector<PixelMean> objects(coverages.size());
   for (std::size_t i = 0; i < frame.alpha.size(); ++i) {
     const float* traced = &ray_traced[3 * i];
     const float* drawn = &frame.rgb[3 * i];
@@ -114,11 +114,11 @@ FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFr
     for (std::size_t k = 0; k < coverages.size(); ++k)
       if (coverages[k][i] >= kWholeCoverage) objects[k].add(error, 1.0);
   }
-  errors.squared_error = whole.mean();
-  errors.pixel_count = whole.count;
-  for (const Sum& object : objects) {
-    errors.object_squared_errors.push_back(object.mean());
-    errors.object_pixel_counts.push_back(object.count);
+  errors.squared_error = whole.mean(0.0);
+  errors.pixel_count = whole.pixels();
+  for (const PixelMean& object : objects) {
+    errors.object_squared_errors.push_back(object.mean(0.0));
+    errors.object_pixel_counts.push_back(object.pixels());
   }
   return errors;
 }
@@ -152,16 +152,16 @@ InferenceFrames render_frames(const AnimationField& field, const FrameSettings& 
 }
 
 FrameMean mean_frame_error(const InferenceFrames& frames) {
-  Sum sum;
+  PixelMean sum;
   for (const FrameErrors& frame : frames.frames) sum.add(frame.squared_error, frame.pixel_count);
-  return {sum.mean(), sum.count};
+  return {sum.mean(0.0), sum.pixels()};
 }
 
 FrameMean mean_object_error(const InferenceFrames& frames, std::size_t object) {
-  Sum sum;
+  PixelMean sum;
   for (const FrameErrors& frame : frames.frames)
     sum.add(frame.object_squared_errors[object], frame.object_pixel_counts[object]);
-  return {sum.mean(), sum.count};
+  return {sum.mean(0.0), sum.pixels()};
 }
 
 }  // namespace multum

@@ -10,26 +10,14 @@
 #include <set>
 #include <tuple>
 
-#include "host/base/error.h"
+#include "host/asset/find_sample.h"
+#include "host/bake/animation_samples.h"
+#include "host/bake/pixel_mean.h"
 
 namespace multum {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Means of pixels, over samples.
-class PixelMean {
- public:
-  void add(double mean, double pixels) {
-    sum_ += mean * pixels;
-    pixels_ += pixels;
-  }
-  double pixels() const { return pixels_; }
-  double mean() const { return pixels_ > 0.0 ? sum_ / pixels_ : -1.0; }
-
- private:
-  double sum_ = 0.0, pixels_ = 0.0;
-};
 
 double median(std::vector<int> values) {
   if (values.empty()) return 0.0;
@@ -62,10 +50,10 @@ LayerSummary summarise(const std::vector<TextureResult>& textures, std::size_t o
       }
     }
   }
-  summary.squared_error = solved.mean();
+  summary.squared_error = solved.mean(-1.0);
   summary.pixel_count = solved.pixels();
-  summary.forward_squared_error = forward.mean();
-  summary.held_out_squared_error = held_out.mean();
+  summary.forward_squared_error = forward.mean(-1.0);
+  summary.held_out_squared_error = held_out.mean(-1.0);
   summary.held_out_pixel_count = held_out.pixels();
   summary.iterations_median = median(iterations);
   summary.iterations_max = iterations.empty() ? 0 : *std::max_element(iterations.begin(), iterations.end());
@@ -91,6 +79,7 @@ Json settings_json(const InferenceReport& report) {
 }
 
 Json mapping_json(const TextureMapping& mapping) {
+  if (mapping.width == 0) return nullptr;
   Json cut = Json::array();
   for (std::size_t d = 0; d < 2; ++d) cut.push_back(mapping.has_cut[d] ? Json(mapping.cut[d]) : Json(nullptr));
   return {{"width", mapping.width},
@@ -263,6 +252,7 @@ std::string inference_report_json(const InferenceReport& report) {
   for (const AnimationParameter& parameter : job.parameters)
     json["parameters"].push_back({{"name", parameter.name}, {"count", parameter.count}, {"view", parameter.is_view}});
   json["report_sample"] = job.samples[static_cast<std::size_t>(report.sample)].name;
+  json["blocks"] = result.blocks;
   json["objects"] = objects_json(report);
   json["segmentation"] = segmentation_json(result.segmentation);
   json["nan_depths"] = result.nan_depths;
@@ -273,7 +263,6 @@ std::string inference_report_json(const InferenceReport& report) {
   json["seconds"] = seconds_json(result.seconds);
   json["frames"] = report.frames != nullptr ? frames_json(job, *report.frames) : Json(nullptr);
   json["comparison"] = report.comparison != nullptr ? comparison_json(job, *report.comparison) : Json(nullptr);
-  json["blocks"] = result.blocks;
   json["textures"] = Json::array();
   for (const TextureResult& texture : result.textures)
     if (!texture.file.empty()) json["textures"].push_back(texture_json(report, texture));
@@ -327,13 +316,8 @@ int middle_sample(const AnimationJob& job) {
   return 0;
 }
 
-int find_sample(const AnimationJob& job, const std::string& text) {
-  const auto indices = [](const AnimationSample& sample) { return fmt::format("{}", fmt::join(sample.at, ",")); };
-  for (std::size_t s = 0; s < job.samples.size(); ++s)
-    if (job.samples[s].name == text || indices(job.samples[s]) == text) return static_cast<int>(s);
-  throw Error(ErrorCode::kUsage,
-              fmt::format("sample '{}': expected indices from {} to {}, or a sample's name, as {}", text,
-                          indices(job.samples.front()), indices(job.samples.back()), job.samples.front().name));
+int sample_named(const AnimationJob& job, const std::string& text) {
+  return static_cast<int>(find_sample(job.samples, names_of(job.parameters), text));
 }
 
 }  // namespace multum

@@ -52,7 +52,7 @@ std::string inference_report_text(const InferenceReport& report);
 
 /// The sample in the middle of every parameter.
 int middle_sample(const AnimationJob& job);
-/// "3,5", the index along each parameter, or a sample's name. Throws Error(kUsage) naming what there is.
-int find_sample(const AnimationJob& job, const std::string& text);
+/// By "3,5", the index along each parameter, or by its name. Throws Error(kUsage) naming what there is.
+int sample_named(const AnimationJob& job, const std::string& text);
 
 }  // namespace multum

@@ -39,6 +39,8 @@ class Solver {
       : system_(system),
         device_(system.device),
         texel_count_(static_cast<std::size_t>(system.layout.texel_count)),
+        range_weight_(system.settings.range_weight * static_cast<double>(system.row_count()) /
+                      static_cast<double>(texel_count_) / (range_term(0.0).value - range_term(0.5).value)),
         target_(system.projected(colours, &colour_squares_)),
         parts_(device_.make_buffer(2 * kPartCount * sizeof(Colour4), "partial sums")) {
     for (DeviceBuffer* buffer : {&x_, &gradient_, &free_, &curvature_, &inverse_, &step_, &r_, &p_, &q_})
@@ -104,10 +106,10 @@ class Solver {
         const double value = static_cast<double>(x[t][c]);
         objective += value * (static_cast<double>(half_gradient_[t][c]) - 2.0 * static_cast<double>(target_[t][c]));
         half_gradient_[t][c] -= target_[t][c];
-        if (system_.range_weight == 0.0) continue;
+        if (range_weight_ == 0.0) continue;
         const RangeTerm range = range_term(value);
-        objective += system_.range_weight * range.value;
-        half_gradient_[t][c] += static_cast<float>(0.5 * system_.range_weight * range.slope);
+        objective += range_weight_ * range.value;
+        half_gradient_[t][c] += static_cast<float>(0.5 * range_weight_ * range.slope);
       }
     return objective;
   }
@@ -123,9 +125,8 @@ class Solver {
         const bool is_held = (x <= 0.0f && g > 0.0f) || (x >= 1.0f && g < 0.0f);
         held += is_held ? 1 : 0;
         is_free[t][c] = is_held ? 0.0f : 1.0f;
-        if (system_.range_weight > 0.0)
-          curvature[t][c] =
-              static_cast<float>(0.5 * system_.range_weight * range_term(static_cast<double>(x)).curvature);
+        if (range_weight_ > 0.0)
+          curvature[t][c] = static_cast<float>(0.5 * range_weight_ * range_term(static_cast<double>(x)).curvature);
         const float diagonal = system_.diagonal[t] + curvature[t][c];
         // Texels that nothing looks at, without pyramidal regularisation: they stay as they are.
         if (is_held || !(diagonal > 0.0f)) continue;
@@ -134,7 +135,7 @@ class Solver {
     upload(free_, is_free);
     upload(curvature_, curvature);
     upload(inverse_, inverse);
-    is_bounded_ = held > 0 || system_.range_weight > 0.0;
+    is_bounded_ = held > 0 || range_weight_ > 0.0;
     free_values_ = std::move(is_free);
     return held;
   }
@@ -236,6 +237,7 @@ class Solver {
   TextureSystem& system_;
   Device& device_;
   const std::size_t texel_count_;
+  double range_weight_;                 // with everything that multiplies the sum of g
   Sums colour_squares_{0.0, 0.0, 0.0};  // b.b
   const std::vector<Colour4> target_;   // A^T b
   Sums target_squares_{0.0, 0.0, 0.0};

@@ -28,12 +28,6 @@ DeviceBuffer uploaded(Device& device, const std::vector<Element>& list, const ch
   return buffer;
 }
 
-// g(0) - g(1/2) of eq. (5).
-double range_calibration() {
-  constexpr double d = 1.0 / 512;
-  return 1.0 / (d * (1.0 + d)) - 1.0 / ((0.5 + d) * (0.5 + d));
-}
-
 }  // namespace
 
 void append_weighted_rows(const InferenceView& view, SparseRows& rows) {
@@ -173,7 +167,6 @@ TextureSystem::TextureSystem(Device& the_device, const std::vector<InferenceView
   const auto texel_count = static_cast<std::size_t>(layout.texel_count);
   const auto rows = static_cast<double>(rows_.row_count());
   pyramid_weight = settings.pyramid_weight * rows / static_cast<double>(texel_count);
-  range_weight = settings.range_weight * rows / static_cast<double>(texel_count) / range_calibration();
   entry_count = rows_.columns.size();
   const SparseRows columns = transposed(rows_, texel_count);
   normal_entry_count = estimated_normal_entries(rows_, columns);

@@ -71,8 +71,8 @@ class TextureSystem {
   MipLayout layout;
   bool is_periodic_s = false, is_periodic_t = false;
   bool uses_normal = false;
-  double pyramid_weight = 0.0, range_weight = 0.0;  // with everything that multiplies Gamma and sum g
-  std::vector<float> diagonal;                      // of A^T A + pyramid_weight R^T R
+  double pyramid_weight = 0.0;  // with everything that multiplies Gamma
+  std::vector<float> diagonal;  // of A^T A + pyramid_weight R^T R
   std::size_t entry_count = 0, normal_entry_count = 0;
   Kernel curvature_product, advance_residual, advance_direction;
 

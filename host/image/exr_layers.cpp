@@ -16,6 +16,4 @@ ExrLayers read_exr_channels(const std::string& path, const std::vector<std::stri
 
 std::vector<std::string> exr_channel_names(const std::string& path) { return ExrFile(path).channels(); }
 
-bool has_exr_channel(const std::string& path, const std::string& channel) { return ExrFile(path).has_channel(channel); }
-
 }  // namespace multum

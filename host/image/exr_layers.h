@@ -22,9 +22,6 @@ ExrLayers read_exr_channels(const std::string& path, const std::vector<std::stri
 /// The names of all channels of all parts, in the file's order.
 std::vector<std::string> exr_channel_names(const std::string& path);
 
-/// Whether the file has a channel of this name in any part.
-bool has_exr_channel(const std::string& path, const std::string& channel);
-
 /// Share of each pixel that each of `names` covers, 0..1, in the order of `names`: width * height floats, row 0 at the
 /// top. `layer`: the Cryptomatte's name, as "CryptoObject". Names that the manifest lacks are looked for by their
 /// MurmurHash3. Throws Error(kInput): no such Cryptomatte in the file, a manifest that cannot be read.

@@ -401,7 +401,7 @@ TEST_F(InferredPictureTest, WrongCommandLinesAreUsageErrors) {
   for (const char* sample : {"9,9", "2", "2,0,0", "2, 0", "", "STILL"})
     refuse({"--sample", sample, "-o", a},
            "expected the indices view,motion from 2,0 to 2,1, or a sample's name, as still");
-  refuse({"--sample", "2,0", "-o", a, "--sample", "7,7", "-o", path("b.exr")}, "--sample '7,7'");
+  refuse({"--sample", "2,0", "-o", a, "--sample", "7,7", "-o", path("b.exr")}, "sample '7,7'");
   refuse({"--sample", "2,0", "--sample", "2,1", "-o", a}, "2 --sample and 1 --output: expected one output for each");
   refuse({"--sample", "2,0", "-o", a, "-o", path("b.exr")}, "1 --sample and 2 --output");
   refuse({"--sample", "2,0"}, "--output is required");

@@ -5,6 +5,7 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numeric>
@@ -40,9 +41,9 @@ TEST(ExrLayers, ChannelsOfAnyPartAreReadRowZeroAtTheTop) {
   EXPECT_EQ(layers.channels.at("Z")[0], 0.1f);
   EXPECT_TRUE(std::isnan(layers.channels.at("Z")[1]));
   EXPECT_EQ(layers.channels.at("Z")[2], HUGE_VALF);
-  EXPECT_TRUE(has_exr_channel(file, "Z"));
-  EXPECT_FALSE(has_exr_channel(file, "z"));
-  EXPECT_EQ(exr_channel_names(file).size(), 5u);
+  std::vector<std::string> names = exr_channel_names(file);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "Z", "diffuse.R"}));
 }
 
 // The limit on channels that reading maps sets for the process must not be in the way of renders of many passes.
@@ -65,7 +66,7 @@ TEST(ExrLayers, RefusalsNameFileAndChannel) {
   expect_refused({file, "no channel \"X\"", "it has Y, Z"}, [&] { read_exr_channels(file, {"Z", "X"}); });
   expect_refused({folder / "none.exr", "no such file"}, [&] { read_exr_channels(folder / "none.exr", {"Z"}); });
   write_test_image(folder / "map.png", normal_image(8, 8));
-  expect_refused({"map.png", "found png, expected OpenEXR"}, [&] { has_exr_channel(folder / "map.png", "R"); });
+  expect_refused({"map.png", "found png, expected OpenEXR"}, [&] { exr_channel_names(folder / "map.png"); });
 
   write_exr(folder / "whole.exr", 1, 1, {{"", {"object"}, {Plane{1}}, {}, "uint"}});
   expect_refused({"whole.exr", "channel \"object\" holds integers", "expected half or float"},

@@ -7,8 +7,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "host/bake/inference_frames.h"
 #include "host/bake/inference_page.h"
@@ -145,6 +148,28 @@ TEST(InferenceReport, JsonHoldsTheFigures) {
   EXPECT_TRUE(json["comparison"]["rows"][0]["mse"][kOddName].is_null());
 }
 
+// Names of objects are keys too where figures are of each.
+void expect_documented(const nlohmann::json& json, const std::string& page, const std::set<std::string>& names) {
+  if (json.is_object()) {
+    for (const auto& [key, value] : json.items())
+      EXPECT_TRUE(names.count(key) > 0 || page.find("`" + key + "`") != std::string::npos) << key;
+  }
+  if (!json.is_structured()) return;
+  for (const nlohmann::json& value : json) expect_documented(value, page, names);
+}
+
+TEST(InferenceReport, EveryKeyIsDocumented) {
+  std::ifstream file(std::string(MULTUM_SOURCE_DIR) + "/docs/ANIMATION.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t begin = page.find("### report.json"), end = page.find("## An example");
+  const std::size_t texture = page.find("`[texture]`"), parameter = page.find("`[[parameter]]`: one");
+  ASSERT_LT(texture, parameter);
+  ASSERT_LT(begin, end);
+  // An object's texture has the job's keys.
+  expect_documented(nlohmann::json::parse(inference_report_json(Scene().report())),
+                    page.substr(begin, end - begin) + page.substr(texture, parameter - texture), {"vase", kOddName});
+}
+
 TEST(InferenceReport, WithoutFramesAndComparisonJsonSaysSo) {
   const Scene scene;
   const InferenceReport report = {scene.job, scene.settings, scene.result, 0};
@@ -172,6 +197,7 @@ TEST(InferenceReport, BlocksHaveTheirOwnTextureCoordinates) {
   const nlohmann::json json = nlohmann::json::parse(inference_report_json(scene.report()));
   EXPECT_EQ(json["blocks"][1], "view01-01");
   EXPECT_EQ(json["objects"][0]["mappings"][1]["width"], 9);
+  EXPECT_TRUE(json["objects"][1]["mappings"][0].is_null());
   EXPECT_EQ(json["textures"][1]["block"], "view01-01");
   const std::string page = inference_page(scene.report(), {});
   for (const char* part : {"9 &times; 200 to 148 &times; 96", ">view01-01</td>", "5 &times; 6", "not seen"})
@@ -180,10 +206,10 @@ TEST(InferenceReport, BlocksHaveTheirOwnTextureCoordinates) {
 
 TEST(InferenceReport, SamplesAreFoundByIndicesAndByName) {
   const Scene scene;
-  EXPECT_EQ(find_sample(scene.job, "1,0"), 3);
-  EXPECT_EQ(find_sample(scene.job, "v1_p0"), 3);
+  EXPECT_EQ(sample_named(scene.job, "1,0"), 3);
+  EXPECT_EQ(sample_named(scene.job, "v1_p0"), 3);
   EXPECT_EQ(middle_sample(scene.job), 4);
-  expect_error(ErrorCode::kUsage, {"'2,0'", "0,0", "1,2", "v0_p0"}, [&] { find_sample(scene.job, "2,0"); });
+  expect_error(ErrorCode::kUsage, {"'2,0'", "0,0", "1,2", "v0_p0"}, [&] { sample_named(scene.job, "2,0"); });
 }
 
 TEST(InferencePage, HasEveryObjectAndEscapesNames) {

@@ -61,7 +61,7 @@ int run_infer(InferOptions& o) {
   const std::unique_ptr<Progress> progress = make_terminal_progress(!o.common.quiet);
   const AnimationField field(read_animation_job(o.job));
   make_folder(o.settings.output);
-  const int sample = o.report_sample.empty() ? middle_sample(field.job()) : find_sample(field.job(), o.report_sample);
+  const int sample = o.report_sample.empty() ? middle_sample(field.job()) : sample_named(field.job(), o.report_sample);
   AnimationInferResult result = infer_animation(field, o.settings, progress.get());
   InferenceFrames frames;
   if (!o.no_frames) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "host/asset/find_sample.h"
 #include "host/asset/inferred_texture.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
@@ -30,23 +31,6 @@ struct InferredOptions {
   std::string context = "auto";
   float exposure = 1.0f;
 };
-
-std::string join(const std::vector<int>& numbers) {
-  std::string text;
-  for (const int number : numbers) text += (text.empty() ? "" : ",") + std::to_string(number);
-  return text;
-}
-
-std::size_t find_sample(const InferredManifest& manifest, const std::string& text) {
-  for (std::size_t i = 0; i < manifest.samples.size(); ++i)
-    if (join(manifest.samples[i].at) == text || manifest.samples[i].name == text) return i;
-  std::string parameters;
-  for (const std::string& name : manifest.parameters) parameters += (parameters.empty() ? "" : ",") + name;
-  throw Error(
-      ErrorCode::kUsage,
-      fmt::format("--sample '{}': expected the indices {} from {} to {}, or a sample's name, as {}", text, parameters,
-                  join(manifest.samples.front().at), join(manifest.samples.back().at), manifest.samples.front().name));
-}
 
 // No picture takes the place of the manifest, the geometry or any texture, also of samples that are not drawn now.
 void check_outputs(const InferredManifest& manifest, const fs::path& folder, const std::vector<std::string>& outputs) {
@@ -178,7 +162,8 @@ int run_inferred(int argc, char** argv) {
   const InferredManifest manifest = read_inferred_manifest((folder / kInferredManifestName).string());
   check_outputs(manifest, folder, options.outputs);
   std::vector<std::size_t> samples;
-  for (const std::string& sample : options.samples) samples.push_back(find_sample(manifest, sample));
+  for (const std::string& sample : options.samples)
+    samples.push_back(find_sample(manifest.samples, manifest.parameters, sample));
   const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
   log_info(context->description());
   InferredScene scene(context->functions(), manifest, folder.string());
