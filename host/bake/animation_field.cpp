@@ -41,12 +41,15 @@ AnimationField::AnimationField(AnimationJob job)
 }
 
 void AnimationField::draw_items() {
-  for (std::size_t p = 0; p < poses().size(); ++p) {
-    std::vector<PlacedObject> placed;
-    for (std::size_t m = 0; m < meshes_.size(); ++m)
-      placed.push_back({&meshes_[m], object_to_camera(static_cast<int>(m), static_cast<int>(p))});
-    items_.push_back(draw_item_buffer(placed, camera(static_cast<int>(p)).projection, job_.width, job_.height));
-  }
+  for (int p = 0; p < static_cast<int>(poses().size()); ++p)
+    items_.push_back(draw_item_buffer(placed(p), camera(p).projection, job_.width, job_.height));
+}
+
+std::vector<PlacedObject> AnimationField::placed(int pose) const {
+  std::vector<PlacedObject> placed;
+  for (std::size_t m = 0; m < meshes_.size(); ++m)
+    placed.push_back({&meshes_[m], object_to_camera(static_cast<int>(m), pose)});
+  return placed;
 }
 
 void AnimationField::check_cameras() {
@@ -96,7 +99,9 @@ std::vector<std::vector<float>> AnimationField::coverages(int number) const {
   if (!sample.object_index.empty()) {
     std::vector<int> indices;
     for (const AnimationObject& object : job_.objects) indices.push_back(object.index);
-    return read_object_index_coverage(sample.object_index, job_.width, job_.height, indices);
+    auto coverages = read_object_index_coverage(sample.object_index, job_.width, job_.height, indices);
+    unmix_silhouettes(pose_of(number), coverages);
+    return coverages;
   }
   std::vector<std::string> names;
   for (const AnimationObject& object : job_.objects) names.push_back(object.cryptomatte);
@@ -107,6 +112,24 @@ std::vector<std::vector<float>> AnimationField::coverages(int number) const {
       throw Error(ErrorCode::kInput, fmt::format("{}: its Cryptomatte is not of {} x {} pixels as {} says",
                                                  sample.geometry, job_.width, job_.height, job_.path));
   return coverages;
+}
+
+// An object-index image says of each pixel what its middle shows. Where the geometry has that object in the pixel too,
+// the geometry says how much of it, and of what else; where it has not, as with displaced or unlisted things, the image
+// is taken at its word.
+void AnimationField::unmix_silhouettes(int pose, std::vector<std::vector<float>>& coverages) const {
+  constexpr int kSubPixels = 4;  // along each side of a pixel: steps of 1/16
+  const int factor = std::clamp(kItemBufferSideMax / std::max(job_.width, job_.height), 1, kSubPixels);
+  const std::vector<std::vector<float>> drawn =
+      item_coverage(draw_item_buffer(placed(pose), camera(pose).projection, factor * job_.width, factor * job_.height),
+                    factor, static_cast<int>(meshes_.size()));
+  for (std::size_t i = 0; i < drawn.front().size(); ++i)
+    for (std::size_t k = 0; k < coverages.size(); ++k) {
+      if (!(coverages[k][i] > 0.0f) || !(drawn[static_cast<std::size_t>(mesh_of(k))][i] > 0.0f)) continue;
+      for (std::size_t other = 0; other < coverages.size(); ++other)
+        coverages[other][i] = drawn[static_cast<std::size_t>(mesh_of(other))][i];
+      break;
+    }
 }
 
 std::vector<float> AnimationField::layer_picture(int number, const AnimationLayer& layer) const {

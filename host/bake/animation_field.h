@@ -49,6 +49,8 @@ class AnimationField {
 
  private:
   void draw_items();
+  std::vector<PlacedObject> placed(int pose) const;
+  void unmix_silhouettes(int pose, std::vector<std::vector<float>>& coverages) const;
   void check_cameras();
 
   AnimationJob job_;

@@ -153,4 +153,20 @@ ItemBuffer draw_item_buffer(const std::vector<PlacedObject>& objects, const glm:
   return std::move(buffer.items);
 }
 
+std::vector<std::vector<float>> item_coverage(const ItemBuffer& items, int factor, int object_count) {
+  MULTUM_CHECK(factor >= 1 && items.width % factor == 0 && items.height % factor == 0);
+  const auto width = static_cast<std::size_t>(items.width / factor);
+  const auto height = static_cast<std::size_t>(items.height / factor);
+  std::vector<std::vector<float>> coverage(static_cast<std::size_t>(object_count),
+                                           std::vector<float>(width * height, 0.0f));
+  const auto step = static_cast<std::size_t>(factor);
+  for (std::size_t i = 0; i < items.object.size(); ++i) {
+    const std::size_t x = i % (width * step) / step, y = i / (width * step) / step;
+    if (items.object[i] >= 0) coverage[static_cast<std::size_t>(items.object[i])][y * width + x] += 1.0f;
+  }
+  for (std::vector<float>& of_object : coverage)
+    for (float& share : of_object) share /= static_cast<float>(factor * factor);
+  return coverage;
+}
+
 }  // namespace multum

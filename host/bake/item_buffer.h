@@ -33,4 +33,8 @@ constexpr int kItemBufferSideMax = 16384;
 ItemBuffer draw_item_buffer(const std::vector<PlacedObject>& objects, const glm::dmat4& projection, int width,
                             int height);
 
+/// Share of each pixel that each of `object_count` objects covers: width / factor * height / factor floats of each, of
+/// an item buffer that is `factor` times as wide and as high as the picture.
+std::vector<std::vector<float>> item_coverage(const ItemBuffer& items, int factor, int object_count);
+
 }  // namespace multum

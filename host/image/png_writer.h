@@ -33,7 +33,7 @@ void write_png16(const std::string& path, int width, int height, const std::vect
 /// sRGB, row 0 at the top.
 struct Png8Image {
   int width = 0, height = 0;
-  int channels = 3;  // 4: with alpha, which colours are not multiplied by
+  int channels = 3;  // 1: grey; 4: with alpha, which colours are not multiplied by
   std::vector<std::uint8_t> interleaved;
 };
 

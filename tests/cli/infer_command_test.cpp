@@ -225,6 +225,22 @@ TEST_F(InferCommandTest, PixelsThatAreNoNumbersAreRepairedAndCounted) {
   EXPECT_GT(report["nan_depths"], 0);
 }
 
+// Such images say nothing of how much of a pixel an object covers: the geometry does. Otherwise the board's gloss would
+// be the ground's too, where their pixels meet.
+TEST_F(InferCommandTest, ObjectIndexImagesAreUnmixedByTheGeometry) {
+  TracedScene scene;
+  scene.has_object_index = true;
+  write_scene(scene);
+  ASSERT_NE(read_bytes(path("animation.toml")).find("object_index = "), std::string::npos);
+  const ProgramResult result = infer();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(frame_error("0,0", "rad_v00_p00.exr"), 0.01);
+  for (const InferredObject& object : manifest().objects)
+    EXPECT_EQ(object.layers.size(), object.name == "board" ? 2u : 1u) << object.name;
+  const nlohmann::json report = nlohmann::json::parse(std::ifstream(path("out/report.json")));
+  EXPECT_GT(report["segmentation"]["mixed_pixels"], 100);
+}
+
 TEST_F(InferCommandTest, AnObjectThatIsNeverSeenIsSaidAndLeftOut) {
   TracedScene scene;
   scene.has_hidden_object = true;

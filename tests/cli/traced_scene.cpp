@@ -15,6 +15,7 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
+#include "host/image/png_writer.h"
 #include "tests/unit/animation_test_scene.h"
 #include "tests/unit/test_folder.h"
 
@@ -109,10 +110,8 @@ class View {
       }
     return sum / static_cast<double>(kSubPixels * kSubPixels);
   }
-  double depth(int x, int y) const {
-    const Sub& centre = centres_[static_cast<std::size_t>(y * scene_.width + x)];
-    return centre.object < 0 ? 1e10 : centre.hit.distance;
-  }
+  const Sub& middle(int x, int y) const { return centres_[static_cast<std::size_t>(y * scene_.width + x)]; }
+  double depth(int x, int y) const { return middle(x, y).object < 0 ? 1e10 : middle(x, y).hit.distance; }
   const glm::dmat4& projection() const { return projection_; }
   int number() const { return number_; }
 
@@ -191,6 +190,16 @@ void write_geometry(const std::string& path, const TracedScene& scene, const Vie
   write_exr(path, scene.width, scene.height, {part});
 }
 
+// What the middle of each pixel shows. scene.json has the objects in alphabetical order: the board is 1, the ground 2.
+void write_object_index(const std::string& path, const TracedScene& scene, const View& view) {
+  Png8Image image{scene.width, scene.height, 1, {}};
+  for (int y = 0; y < scene.height; ++y)
+    for (int x = 0; x < scene.width; ++x)
+      image.interleaved.push_back(
+          static_cast<std::uint8_t>(view.middle(x, y).object < 0 ? 0 : 2 - view.middle(x, y).object));
+  write_png8(path, image);
+}
+
 void append_quad(const Quad& quad, int number, std::string& obj) {
   obj += std::string("o ") + quad.name + "_Mesh\n";
   for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
@@ -233,6 +242,7 @@ void write_traced_folder(const std::string& folder, const TracedScene& scene) {
                                  {"projection", matrix_rows(view.projection())},
                                  {"world_to_clip", matrix_rows(view.projection() * world_to_camera)}});
       write_radiance(folder + "/rad_" + name + ".exr", scene, view, p);
+      if (scene.has_object_index) write_object_index(folder + "/id_" + name + ".png", scene, view);
     }
     write_geometry(folder + "/geom_v0" + std::to_string(v) + ".exr", scene, view);
   }

@@ -15,6 +15,7 @@ struct TracedScene {
   bool has_hidden_object = false;  // a third one, below the ground
   double camera_shift = 0.0;       // sideways: where scene.json says that cameras are, not where they were
   bool has_depth_holes = false;    // NaN in the depth of some pixels
+  bool has_object_index = false;   // id_vVV_pPP.png beside the geometry passes
   bool has_bad_pixels = false;     // NaN and infinity in some radiances of the diffuse pass
 };
 

@@ -213,5 +213,17 @@ TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
   EXPECT_LE(different, 2);  // corners on the rim are rounded to 2^-14 of a pixel, each by itself
 }
 
+TEST(ItemBufferTest, CoverageIsTheShareOfSubPixels) {
+  // Two pixels side by side, 2 x 2 sub-pixels of each.
+  ItemBuffer items;
+  items.width = 4;
+  items.height = 2;
+  items.object = {0, 1, 1,  1,  //
+                  0, 0, -1, 1};
+  const std::vector<std::vector<float>> coverage = item_coverage(items, 2, 3);
+  EXPECT_EQ(coverage, (std::vector<std::vector<float>>{{0.75f, 0.0f}, {0.25f, 0.75f}, {0.0f, 0.0f}}));
+  EXPECT_EQ(item_coverage(items, 1, 1 + 1)[0], (std::vector<float>{1, 0, 0, 0, 1, 1, 0, 0}));
+}
+
 }  // namespace
 }  // namespace multum
