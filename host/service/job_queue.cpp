@@ -1,0 +1,569 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/job_queue.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+constexpr std::int64_t kSchemaVersion = 1;
+
+// States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered.
+constexpr const char* kSchema = R"sql(
+CREATE TABLE jobs (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,  -- a number is never used again
+  type TEXT NOT NULL,
+  parameters TEXT NOT NULL,
+  queue TEXT NOT NULL,
+  label TEXT NOT NULL,
+  priority INTEGER NOT NULL,
+  attempt_max INTEGER NOT NULL,
+  deadline INTEGER,
+  memory_bytes INTEGER NOT NULL,
+  device TEXT NOT NULL,
+  output TEXT NOT NULL,
+  key TEXT NOT NULL,
+  state INTEGER NOT NULL CHECK (state BETWEEN 0 AND 6),
+  attempt INTEGER NOT NULL DEFAULT 0,
+  attempts_counted INTEGER NOT NULL DEFAULT 0,  -- against attempt_max
+  owner TEXT NOT NULL DEFAULT '',
+  needs_left INTEGER NOT NULL,
+  created INTEGER NOT NULL,
+  not_before INTEGER,
+  started INTEGER,
+  finished INTEGER,
+  exit_code INTEGER,
+  message TEXT NOT NULL DEFAULT '',
+  reused_from INTEGER,
+  result_identity TEXT NOT NULL DEFAULT '');
+CREATE INDEX jobs_next ON jobs (queue, state, priority DESC, id);
+CREATE INDEX jobs_state ON jobs (state, finished);
+CREATE INDEX jobs_key ON jobs (key, id) WHERE key <> '';
+CREATE INDEX jobs_deadline ON jobs (deadline) WHERE deadline IS NOT NULL AND state < 4;
+CREATE INDEX jobs_back_off ON jobs (not_before) WHERE not_before IS NOT NULL AND state = 1;
+CREATE TABLE needs (
+  job INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
+  needs INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
+  PRIMARY KEY (job, needs)) WITHOUT ROWID;
+CREATE INDEX needs_of ON needs (needs);
+CREATE TABLE attempts (
+  job INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  owner TEXT NOT NULL,
+  outcome INTEGER NOT NULL,
+  started INTEGER NOT NULL,
+  ended INTEGER,
+  exit_code INTEGER,
+  message TEXT NOT NULL DEFAULT '',
+  PRIMARY KEY (job, number)) WITHOUT ROWID;
+PRAGMA user_version = 1;
+)sql";
+
+constexpr const char* kColumns =
+    "id, type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, output, key, state, "
+    "attempt, owner, needs_left, created, not_before, started, finished, exit_code, message, reused_from";
+
+std::string select(const char* rest) { return fmt::format("SELECT {} FROM jobs {}", kColumns, rest); }
+
+std::optional<int> to_int(std::optional<std::int64_t> value) {
+  return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
+}
+
+constexpr int number_of(JobState state) { return static_cast<int>(state); }
+
+}  // namespace
+
+JobQueue::JobQueue(const std::string& path, RetryPolicy policy) : database_(path), policy_(policy) {
+  SqliteStatement version(database_, "PRAGMA user_version");
+  version.step();
+  const std::int64_t found = version.integer(0);
+  version.reset();
+  if (found > kSchemaVersion)
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: is of a newer multum: version {} of the database, this one knows {}", path, found,
+                            kSchemaVersion));
+  if (found == 0) {
+    SqliteTransaction transaction(database_);
+    database_.execute(kSchema);
+    transaction.commit();
+  }
+  if (const std::string damage = database_.damage(); !damage.empty())
+    throw Error(ErrorCode::kInput, fmt::format("{}: is damaged: {}", path, damage));
+  resync();
+}
+
+SqliteStatement& JobQueue::statement(const char* sql) {
+  std::unique_ptr<SqliteStatement>& kept = statements_[sql];
+  if (!kept) kept = std::make_unique<SqliteStatement>(database_, sql);
+  kept->reset();
+  return *kept;
+}
+
+Job JobQueue::job_from_row(const SqliteStatement& row) {
+  Job job;
+  int c = 0;
+  job.id = row.integer(c++);
+  job.type = row.text(c++);
+  job.parameters = row.text(c++);
+  job.queue = row.text(c++);
+  job.label = row.text(c++);
+  job.priority = static_cast<int>(row.integer(c++));
+  job.attempt_max = static_cast<int>(row.integer(c++));
+  job.deadline = row.optional_integer(c++);
+  job.memory_bytes = row.integer(c++);
+  job.device = row.text(c++);
+  job.output = row.text(c++);
+  job.key = row.text(c++);
+  job.state = static_cast<JobState>(row.integer(c++));
+  job.attempt = static_cast<int>(row.integer(c++));
+  job.owner = row.text(c++);
+  job.needs_left = static_cast<int>(row.integer(c++));
+  job.created = row.integer(c++);
+  job.not_before = row.optional_integer(c++);
+  job.started = row.optional_integer(c++);
+  job.finished = row.optional_integer(c++);
+  job.exit_code = to_int(row.optional_integer(c++));
+  job.message = row.text(c++);
+  job.reused_from = row.optional_integer(c++);
+  return job;
+}
+
+std::vector<std::int64_t> JobQueue::ids(SqliteStatement& query) {
+  std::vector<std::int64_t> list;
+  while (query.step()) list.push_back(query.integer(0));
+  return list;
+}
+
+void JobQueue::count_use(const Job& job, int sign) {
+  for (Use* use : {&use_, &queue_use_[job.queue], &device_use_[job.device]}) {
+    use->jobs += sign;
+    use->memory += sign * job.memory_bytes;
+  }
+}
+
+void JobQueue::resync() {
+  queue_use_.clear();
+  device_use_.clear();
+  use_ = Use{};
+  static const std::string sql = select("WHERE state IN (2, 3)");
+  SqliteStatement& query = statement(sql.c_str());
+  while (query.step()) count_use(job_from_row(query), 1);
+}
+
+// ---- In
+
+SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact, TimeMs now) {
+  if (!s.key.empty()) {
+    static const std::string sql =
+        select("WHERE key = ? AND output = ? AND state < 5 AND key <> '' ORDER BY id DESC LIMIT 1");
+    SqliteStatement& same = statement(sql.c_str());
+    same.bind(1, s.key).bind(2, s.output);
+    if (same.step()) {
+      const Job job = job_from_row(same);
+      same.reset();
+      if (job.state != JobState::kSucceeded || is_intact(job)) return {job.id, false};
+    }
+  }
+  std::set<std::int64_t> needs(s.needs.begin(), s.needs.end());
+  int needs_left = 0;
+  for (const std::int64_t id : needs) {
+    const std::optional<Job> needed = find(id);
+    if (!needed) throw Error(ErrorCode::kUsage, fmt::format("needs job {}, which does not exist", id));
+    if (needed->state == JobState::kDead || needed->state == JobState::kCancelled)
+      throw Error(ErrorCode::kUsage, fmt::format("needs job {}, which is {}", id, job_state_name(needed->state)));
+    needs_left += needed->state != JobState::kSucceeded ? 1 : 0;
+  }
+  SqliteStatement& insert = statement(
+      "INSERT INTO jobs (type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, "
+      "output, "
+      "key, state, needs_left, created) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  insert.bind(1, s.type).bind(2, s.parameters).bind(3, s.queue).bind(4, s.label).bind(5, s.priority);
+  insert.bind(6, s.attempt_max).bind(7, s.deadline).bind(8, s.memory_bytes).bind(9, s.device).bind(10, s.output);
+  insert.bind(11, s.key).bind(12, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
+  insert.bind(13, needs_left).bind(14, now).run();
+  const std::int64_t id = database_.last_insert_id();
+  for (const std::int64_t needed : needs)
+    statement("INSERT INTO needs (job, needs) VALUES (?, ?)").bind(1, id).bind(2, needed).run();
+  changed_.insert(id);
+  return {id, true};
+}
+
+// ---- Leases
+
+std::optional<Job> JobQueue::first_candidate(const std::string& queue, const QueueLimits& limits,
+                                             const ClaimLimits& all, TimeMs now) {
+  const Use& used = queue_use_[queue];
+  if (limits.is_paused || used.jobs >= limits.jobs_max) return std::nullopt;
+  static const std::string sql =
+      select("WHERE queue = ? AND state = 1 AND (not_before IS NULL OR not_before <= ?) ORDER BY priority DESC, id");
+  SqliteStatement& query = statement(sql.c_str());
+  query.bind(1, queue).bind(2, now);
+  std::optional<Job> found;
+  while (!found && query.step()) {
+    Job job = job_from_row(query);
+    // A device that is busy is passed by; memory is waited for, or the large jobs would starve. What exceeds a limit by
+    // itself runs when nothing else does.
+    const auto device = all.device_jobs_max.find(job.device);
+    if (device != all.device_jobs_max.end() && device_use_[job.device].jobs >= device->second) continue;
+    const auto fits = [&](const Use& use, std::int64_t memory_max) {
+      return memory_max <= 0 || use.jobs == 0 || use.memory + job.memory_bytes <= memory_max;
+    };
+    if (!fits(used, limits.memory_max) || !fits(use_, all.memory_max)) break;
+    found = std::move(job);
+  }
+  query.reset();
+  return found;
+}
+
+std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string& owner, TimeMs now) {
+  std::optional<Job> best;
+  int best_priority = 0;
+  for (const auto& [name, of_queue] : limits.queues) {
+    std::optional<Job> job = first_candidate(name, of_queue, limits, now);
+    if (!job) continue;
+    const auto rank = [](int queue, const Job& of) { return std::tuple(-queue, -of.priority, of.id); };
+    if (best && rank(best_priority, *best) < rank(of_queue.priority, *job)) continue;
+    best = std::move(job);
+    best_priority = of_queue.priority;
+  }
+  if (!best) return std::nullopt;
+  best->state = JobState::kRunning;
+  best->owner = owner;
+  ++best->attempt;
+  best->started = now;
+  statement(
+      "UPDATE jobs SET state = 2, owner = ?, attempt = ?, attempts_counted = attempts_counted + 1, started = ?, "
+      "not_before = NULL, message = '', exit_code = NULL WHERE id = ?")
+      .bind(1, owner)
+      .bind(2, best->attempt)
+      .bind(3, now)
+      .bind(4, best->id)
+      .run();
+  statement("INSERT INTO attempts (job, number, owner, outcome, started) VALUES (?, ?, ?, 0, ?)")
+      .bind(1, best->id)
+      .bind(2, best->attempt)
+      .bind(3, owner)
+      .bind(4, now)
+      .run();
+  count_use(*best, 1);
+  changed_.insert(best->id);
+  return best;
+}
+
+std::optional<TimeMs> JobQueue::next_due() const {
+  auto& self = const_cast<JobQueue&>(*this);  // statements are kept
+  SqliteStatement& query = self.statement(
+      "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs WHERE not_before IS NOT NULL AND state = 1 "
+      "UNION ALL SELECT MIN(deadline) FROM jobs WHERE deadline IS NOT NULL AND state < 4)");
+  query.step();
+  const std::optional<TimeMs> due = query.optional_integer(0);
+  query.reset();
+  return due;
+}
+
+bool JobQueue::has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const {
+  return job && job->state == JobState::kRunning && job->owner == owner && job->attempt == attempt;
+}
+
+bool JobQueue::begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity,
+                                TimeMs) {
+  if (!has_lease(find(id), owner, attempt)) return false;
+  statement("UPDATE jobs SET state = 3, result_identity = ? WHERE id = ?").bind(1, identity).bind(2, id).run();
+  changed_.insert(id);
+  return true;
+}
+
+std::string JobQueue::result_identity(std::int64_t id) {
+  SqliteStatement& query = statement("SELECT result_identity FROM jobs WHERE id = ?");
+  query.bind(1, id);
+  const std::string identity = query.step() ? query.text(0) : "";
+  query.reset();
+  return identity;
+}
+
+void JobQueue::published(std::int64_t id, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  MULTUM_CHECK(job && job->state == JobState::kPublishing);
+  close_attempt(*job, {AttemptOutcome::kSucceeded, 0, ""}, now);
+  finish(id, JobState::kSucceeded, "", now);
+  release_dependents(id);
+}
+
+void JobQueue::publishing_failed(std::int64_t id, const std::string& message, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  MULTUM_CHECK(job && job->state == JobState::kPublishing);
+  close_attempt(*job, {AttemptOutcome::kFailed, 4, message}, now);
+  requeue_or_die(*job, {AttemptOutcome::kFailed, 4, message}, now);
+}
+
+bool JobQueue::ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  if (!has_lease(job, owner, attempt)) return false;
+  close_attempt(*job, result, now);
+  switch (result.outcome) {
+    case AttemptOutcome::kSucceeded:
+      finish(id, JobState::kSucceeded, result.message, now);
+      release_dependents(id);
+      break;
+    case AttemptOutcome::kCancelled:
+      finish(id, JobState::kCancelled, result.message, now);
+      fail_dependents(id, now);
+      break;
+    default: requeue_or_die(*job, result, now);
+  }
+  return true;
+}
+
+void JobQueue::close_attempt(const Job& job, const AttemptResult& result, TimeMs now) {
+  count_use(job, -1);
+  statement("UPDATE attempts SET outcome = ?, ended = ?, exit_code = ?, message = ? WHERE job = ? AND number = ?")
+      .bind(1, static_cast<int>(result.outcome))
+      .bind(2, now)
+      .bind(3, result.exit_code)
+      .bind(4, result.message)
+      .bind(5, job.id)
+      .bind(6, job.attempt)
+      .run();
+  statement("UPDATE jobs SET exit_code = ? WHERE id = ?").bind(1, result.exit_code).bind(2, job.id).run();
+}
+
+void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now) {
+  const bool is_counted = result.outcome != AttemptOutcome::kReturned;
+  if (!is_counted)
+    statement("UPDATE jobs SET attempts_counted = attempts_counted - 1 WHERE id = ?").bind(1, job.id).run();
+  SqliteStatement& query = statement("SELECT attempts_counted FROM jobs WHERE id = ?");
+  query.bind(1, job.id).step();
+  const auto counted = static_cast<int>(query.integer(0));
+  query.reset();
+  if (result.outcome == AttemptOutcome::kRefused || counted >= job.attempt_max) {
+    finish(job.id, JobState::kDead, result.message, now);
+    fail_dependents(job.id, now);
+    return;
+  }
+  std::optional<TimeMs> not_before;
+  if (is_counted) {
+    const int doublings = std::min(counted - 1, 30);
+    not_before = now + std::min(policy_.back_off_max, policy_.back_off_first << doublings);
+  }
+  statement("UPDATE jobs SET state = 1, owner = '', not_before = ?, message = ? WHERE id = ?")
+      .bind(1, not_before)
+      .bind(2, result.message)
+      .bind(3, job.id)
+      .run();
+  changed_.insert(job.id);
+}
+
+// ---- Out
+
+void JobQueue::set_state(std::int64_t id, JobState state, const std::string& message) {
+  statement("UPDATE jobs SET state = ?, owner = '', message = ? WHERE id = ?")
+      .bind(1, number_of(state))
+      .bind(2, message)
+      .bind(3, id)
+      .run();
+  changed_.insert(id);
+}
+
+void JobQueue::finish(std::int64_t id, JobState state, const std::string& message, TimeMs now) {
+  set_state(id, state, message);
+  statement("UPDATE jobs SET finished = ?, not_before = NULL WHERE id = ?").bind(1, now).bind(2, id).run();
+}
+
+void JobQueue::release_dependents(std::int64_t id) {
+  SqliteStatement& waiting =
+      statement("SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 0");
+  waiting.bind(1, id);
+  for (const std::int64_t job : ids(waiting)) {
+    statement(
+        "UPDATE jobs SET needs_left = needs_left - 1, state = CASE needs_left WHEN 1 THEN 1 ELSE 0 END WHERE id = ?")
+        .bind(1, job)
+        .run();
+    changed_.insert(job);
+  }
+}
+
+void JobQueue::fail_dependents(std::int64_t id, TimeMs now) {
+  std::vector<std::int64_t> failed = {id};
+  while (!failed.empty()) {
+    const std::int64_t cause = failed.back();
+    failed.pop_back();
+    SqliteStatement& waiting =
+        statement("SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 0");
+    waiting.bind(1, cause);
+    const std::string why = fmt::format("needs job {}, which is {}", cause, job_state_name(find(cause)->state));
+    for (const std::int64_t job : ids(waiting)) {
+      finish(job, JobState::kDead, why, now);
+      failed.push_back(job);
+    }
+  }
+}
+
+CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  if (!job) return CancelResult::kUnknown;
+  if (job->state == JobState::kRunning) return CancelResult::kStopWorker;
+  if (job->state == JobState::kPublishing || is_final(job->state)) return CancelResult::kTooLate;
+  finish(id, JobState::kCancelled, why, now);
+  fail_dependents(id, now);
+  return CancelResult::kCancelled;
+}
+
+bool JobQueue::retry(std::int64_t id, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  if (!job || (job->state != JobState::kDead && job->state != JobState::kCancelled)) return false;
+  SqliteStatement& query = statement(
+      "SELECT COUNT(*) FROM needs JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND jobs.state <> 4");
+  query.bind(1, id).step();
+  const auto needs_left = static_cast<int>(query.integer(0));
+  query.reset();
+  statement(
+      "UPDATE jobs SET state = ?, needs_left = ?, attempts_counted = 0, not_before = NULL, finished = NULL, deadline = "
+      "CASE WHEN deadline <= ? THEN NULL ELSE deadline END, message = '', exit_code = NULL, reused_from = NULL, "
+      "result_identity = '' WHERE id = ?")
+      .bind(1, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued))
+      .bind(2, needs_left)
+      .bind(3, now)
+      .bind(4, id)
+      .run();
+  changed_.insert(id);
+  // Those that never ran, for want of this one, wait for it again.
+  SqliteStatement& dependents = statement(
+      "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
+      "jobs.attempts_counted = 0");
+  dependents.bind(1, id);
+  for (const std::int64_t dependent : ids(dependents)) retry(dependent, now);
+  return true;
+}
+
+std::vector<std::int64_t> JobQueue::retry_dead(const std::string& queue, TimeMs now) {
+  SqliteStatement& dead = statement("SELECT id FROM jobs WHERE state = 5 AND (?1 = '' OR queue = ?1) ORDER BY id");
+  dead.bind(1, queue);
+  std::vector<std::int64_t> retried;
+  for (const std::int64_t id : ids(dead)) {
+    retry(id, now);  // false: it was queued with one that it needs
+    retried.push_back(id);
+  }
+  return retried;
+}
+
+JobQueue::Overdue JobQueue::expire_deadlines(TimeMs now) {
+  Overdue overdue;
+  SqliteStatement& query =
+      statement("SELECT id FROM jobs WHERE deadline IS NOT NULL AND state < 4 AND deadline <= ? AND state <> 3");
+  query.bind(1, now);
+  for (const std::int64_t id : ids(query)) {
+    const std::optional<Job> job = find(id);
+    if (job->state == JobState::kRunning) {
+      overdue.running.push_back(id);
+      continue;
+    }
+    if (is_final(job->state)) continue;  // with one that it needs
+    finish(id, JobState::kDead, "its deadline passed before it could be started", now);
+    fail_dependents(id, now);
+    overdue.dead.push_back(id);
+  }
+  return overdue;
+}
+
+std::vector<std::int64_t> JobQueue::purge(const std::vector<std::int64_t>& wanted) {
+  std::vector<std::int64_t> purged;
+  for (const std::int64_t id : wanted) {
+    SqliteStatement& query = statement(
+        "DELETE FROM jobs WHERE id = ?1 AND state >= 4 AND NOT EXISTS (SELECT 1 FROM needs JOIN jobs AS other ON "
+        "other.id = needs.job WHERE needs.needs = ?1 AND other.state < 4)");
+    query.bind(1, id);
+    if (query.run() > 0) {
+      purged.push_back(id);
+      changed_.insert(id);
+    }
+  }
+  return purged;
+}
+
+std::vector<std::int64_t> JobQueue::purge_finished_before(TimeMs time, int limit) {
+  SqliteStatement& query = statement("SELECT id FROM jobs WHERE state >= 4 AND finished < ? ORDER BY finished LIMIT ?");
+  query.bind(1, time).bind(2, limit);
+  return purge(ids(query));
+}
+
+// ---- Looking
+
+std::optional<Job> JobQueue::find(std::int64_t id) {
+  static const std::string sql = select("WHERE id = ?");
+  SqliteStatement& query = statement(sql.c_str());
+  query.bind(1, id);
+  if (!query.step()) return std::nullopt;
+  Job job = job_from_row(query);
+  query.reset();
+  SqliteStatement& needs = statement("SELECT needs FROM needs WHERE job = ? ORDER BY needs");
+  needs.bind(1, id);
+  job.needs = ids(needs);
+  return job;
+}
+
+std::vector<Job> JobQueue::list(const JobFilter& filter) {
+  static const std::string sql = select(
+      "WHERE (?1 IS NULL OR state = ?1) AND (?2 = '' OR queue = ?2) AND (?3 IS NULL OR id < ?3) ORDER BY id DESC LIMIT "
+      "?4");
+  SqliteStatement& query = statement(sql.c_str());
+  query.bind(1, filter.state ? std::optional<std::int64_t>(number_of(*filter.state)) : std::nullopt);
+  query.bind(2, filter.queue).bind(3, filter.before).bind(4, std::clamp(filter.limit, 1, 1000));
+  std::vector<Job> jobs;
+  while (query.step()) jobs.push_back(job_from_row(query));
+  return jobs;
+}
+
+std::vector<JobAttempt> JobQueue::attempts(std::int64_t id) {
+  SqliteStatement& query = statement(
+      "SELECT number, owner, outcome, started, ended, exit_code, message FROM attempts WHERE job = ? ORDER BY number");
+  query.bind(1, id);
+  std::vector<JobAttempt> attempts;
+  while (query.step())
+    attempts.push_back({static_cast<int>(query.integer(0)), query.text(1),
+                        static_cast<AttemptOutcome>(query.integer(2)), query.integer(3), query.optional_integer(4),
+                        to_int(query.optional_integer(5)), query.text(6)});
+  return attempts;
+}
+
+std::map<std::string, std::map<JobState, std::int64_t>> JobQueue::counts() {
+  SqliteStatement& query = statement("SELECT queue, state, COUNT(*) FROM jobs GROUP BY queue, state");
+  std::map<std::string, std::map<JobState, std::int64_t>> counts;
+  while (query.step()) counts[query.text(0)][static_cast<JobState>(query.integer(1))] = query.integer(2);
+  return counts;
+}
+
+std::vector<Job> JobQueue::succeeded_with_key(const std::string& key) {
+  static const std::string sql = select("WHERE key = ? AND key <> '' AND state = 4 ORDER BY id DESC LIMIT 10");
+  SqliteStatement& query = statement(sql.c_str());
+  query.bind(1, key);
+  std::vector<Job> jobs;
+  while (query.step()) jobs.push_back(job_from_row(query));
+  return jobs;
+}
+
+void JobQueue::set_reused_from(std::int64_t id, std::int64_t from) {
+  statement("UPDATE jobs SET reused_from = ? WHERE id = ?").bind(1, from).bind(2, id).run();
+}
+
+JobQueue::Recovered JobQueue::recover(TimeMs now) {
+  Recovered recovered;
+  SqliteStatement& query = statement("SELECT id FROM jobs WHERE state IN (2, 3) ORDER BY id");
+  for (const std::int64_t id : ids(query)) {
+    const Job job = *find(id);
+    if (job.state == JobState::kPublishing) {
+      recovered.publishing.emplace_back(job, result_identity(id));
+      continue;
+    }
+    const AttemptResult lost = {AttemptOutcome::kLost, -1, "the daemon ended while it ran"};
+    close_attempt(job, lost, now);
+    requeue_or_die(job, lost, now);
+    recovered.lost.push_back(id);
+  }
+  return recovered;
+}
+
+}  // namespace multum

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ledger of jobs: what was accepted is there until it is purged, and each result is published once. Pure state: it
+// starts nothing, waits for nothing, and is told the time. One thread uses it (queue_thread.h).
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/service/job.h"
+#include "host/service/sqlite_database.h"
+
+namespace multum {
+
+/// What may run beside what is running already.
+struct QueueLimits {
+  int priority = 0;             // of the queue: before that of its jobs
+  int jobs_max = 1 << 30;       // running at once
+  std::int64_t memory_max = 0;  // of its running jobs together, bytes; 0: any
+  bool is_paused = false;
+};
+
+struct ClaimLimits {
+  std::map<std::string, QueueLimits> queues;  // jobs of others are not claimed
+  std::map<std::string, int> device_jobs_max;
+  std::int64_t memory_max = 0;  // of all running jobs together; 0: any
+};
+
+struct RetryPolicy {
+  TimeMs back_off_first = 1000;  // before the second attempt; doubled before each one after
+  TimeMs back_off_max = 300000;
+};
+
+struct SubmitResult {
+  std::int64_t id = 0;
+  bool is_new = true;  // false: a job of this key and output was there
+};
+
+/// What came of an attempt.
+struct AttemptResult {
+  AttemptOutcome outcome = AttemptOutcome::kSucceeded;
+  int exit_code = 0;
+  std::string message;
+};
+
+enum class CancelResult { kCancelled, kStopWorker, kTooLate, kUnknown };
+
+struct JobFilter {
+  std::optional<JobState> state;
+  std::string queue;                   // "": any
+  std::optional<std::int64_t> before;  // ids below
+  int limit = 100;                     // 1..1000
+};
+
+class JobQueue {
+ public:
+  /// Opens or creates the database. Throws as SqliteDatabase does; Error(kInput) for one of a newer version.
+  JobQueue(const std::string& path, RetryPolicy policy);
+
+  /// A job of the same key and output that waits, runs, or whose result `is_intact`, is taken for the new one. Throws
+  /// Error(kUsage) for needs that do not exist, or have failed for good.
+  using IsIntact = std::function<bool(const Job& succeeded)>;
+  SubmitResult submit(const JobSubmission& submission, const IsIntact& is_intact, TimeMs now);
+
+  /// The job that comes first of those that may run, now running under a lease of `owner`'s; none: nothing may.
+  std::optional<Job> claim(const ClaimLimits& limits, const std::string& owner, TimeMs now);
+  /// When the next back-off or deadline of a job that does not run is over.
+  std::optional<TimeMs> next_due() const;
+
+  /// The lease's holder says that the result lies ready under its staging name. False: it is not the holder any more.
+  bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity,
+                        TimeMs now);
+  /// The result has its name. Queues those that needed it.
+  void published(std::int64_t id, TimeMs now);
+  /// As begin_publishing() was told; empty: none was published.
+  std::string result_identity(std::int64_t id);
+  /// An attempt ended otherwise, or without a result to publish. False: the holder is not the holder any more.
+  bool ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now);
+
+  CancelResult cancel(std::int64_t id, const std::string& why, TimeMs now);
+  /// Of dead and cancelled jobs; those that died because of them are queued again too. False: the job is neither.
+  bool retry(std::int64_t id, TimeMs now);
+  /// All dead ones, of one queue or of all; returns their ids.
+  std::vector<std::int64_t> retry_dead(const std::string& queue, TimeMs now);
+  /// Jobs that may not start any more die; returns their ids, and those of running ones that are to be stopped.
+  struct Overdue {
+    std::vector<std::int64_t> dead, running;
+  };
+  Overdue expire_deadlines(TimeMs now);
+  /// Forgets finished jobs that nothing unfinished needs. Returns their ids.
+  std::vector<std::int64_t> purge(const std::vector<std::int64_t>& ids);
+  std::vector<std::int64_t> purge_finished_before(TimeMs time, int limit);
+
+  std::optional<Job> find(std::int64_t id);
+  std::vector<Job> list(const JobFilter& filter);
+  std::vector<JobAttempt> attempts(std::int64_t id);
+  /// "default" -> {queued -> 12, ...}.
+  std::map<std::string, std::map<JobState, std::int64_t>> counts();
+  /// A job that succeeded with this key, newest first; its output may have been changed since.
+  std::vector<Job> succeeded_with_key(const std::string& key);
+  void set_reused_from(std::int64_t id, std::int64_t from);
+
+  /// After what was done was undone, by an error: what is kept beside the database is read from it again.
+  void resync();
+
+  /// After a start: what ran is lost and counts as an attempt; what was being published is returned, with the identity
+  /// of its staged result, to be looked after.
+  struct Recovered {
+    std::vector<std::int64_t> lost;
+    std::vector<std::pair<Job, std::string>> publishing;
+  };
+  Recovered recover(TimeMs now);
+  /// A job whose result was not found where it was to be published from is tried again.
+  void publishing_failed(std::int64_t id, const std::string& message, TimeMs now);
+
+  SqliteDatabase& database() { return database_; }
+  /// Jobs whose state has changed since the last call.
+  std::set<std::int64_t> take_changed() { return std::exchange(changed_, {}); }
+
+ private:
+  void requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now);
+  void set_state(std::int64_t id, JobState state, const std::string& message);
+  void finish(std::int64_t id, JobState state, const std::string& message, TimeMs now);
+  void fail_dependents(std::int64_t id, TimeMs now);
+  void release_dependents(std::int64_t id);
+  void close_attempt(const Job& job, const AttemptResult& result, TimeMs now);
+  bool has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const;
+  std::optional<Job> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
+                                     TimeMs now);
+  SqliteStatement& statement(const char* sql);
+  Job job_from_row(const SqliteStatement& row);
+  std::vector<std::int64_t> ids(SqliteStatement& query);
+
+  /// Of running and publishing jobs, kept beside the database, which has the same.
+  struct Use {
+    int jobs = 0;
+    std::int64_t memory = 0;
+  };
+  void count_use(const Job& job, int sign);
+
+  SqliteDatabase database_;
+  RetryPolicy policy_;
+  std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
+  std::map<std::string, Use> queue_use_, device_use_;
+  Use use_;
+  std::set<std::int64_t> changed_;
+};
+
+}  // namespace multum

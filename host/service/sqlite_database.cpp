@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/sqlite_database.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "host/base/error.h"
+#include "host/base/log.h"
+
+namespace multum {
+
+SqliteStatement::SqliteStatement(SqliteDatabase& database, std::string_view sql) : database_(database) {
+  check(sqlite3_prepare_v3(database.handle_, sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
+                           &statement_, nullptr));
+}
+
+SqliteStatement::~SqliteStatement() { sqlite3_finalize(statement_); }
+
+void SqliteStatement::check(int result) const {
+  if (result != SQLITE_OK) database_.fail(result);
+}
+
+SqliteStatement& SqliteStatement::bind(int number, std::int64_t value) {
+  check(sqlite3_bind_int64(statement_, number, value));
+  return *this;
+}
+
+SqliteStatement& SqliteStatement::bind(int number, std::string_view text) {
+  check(sqlite3_bind_text64(statement_, number, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+  return *this;
+}
+
+SqliteStatement& SqliteStatement::bind(int number, std::optional<std::int64_t> value) {
+  if (value) return bind(number, *value);
+  check(sqlite3_bind_null(statement_, number));
+  return *this;
+}
+
+bool SqliteStatement::step() {
+  const int result = sqlite3_step(statement_);
+  if (result == SQLITE_ROW) return true;
+  sqlite3_reset(statement_);
+  if (result != SQLITE_DONE) database_.fail(result);
+  return false;
+}
+
+int SqliteStatement::run() {
+  MULTUM_CHECK(!step());
+  return sqlite3_changes(database_.handle_);
+}
+
+void SqliteStatement::reset() { sqlite3_reset(statement_); }
+
+std::int64_t SqliteStatement::integer(int column) const { return sqlite3_column_int64(statement_, column); }
+
+std::optional<std::int64_t> SqliteStatement::optional_integer(int column) const {
+  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::nullopt;
+  return integer(column);
+}
+
+std::string SqliteStatement::text(int column) const {
+  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+  return text == nullptr ? std::string()
+                         : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)));
+}
+
+SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
+  const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  const int result = sqlite3_open_v2(path_.c_str(), &handle_, flags, nullptr);
+  try {
+    if (result != SQLITE_OK) fail(result);
+    // Exclusive before the log is opened: without shared memory, and refused where another process is at it.
+    execute(
+        "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;"
+        "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF");
+    execute("BEGIN IMMEDIATE; COMMIT");  // takes the lock now
+  } catch (...) {
+    sqlite3_close(handle_);
+    throw;
+  }
+}
+
+SqliteDatabase::~SqliteDatabase() {
+  if (sqlite3_close(handle_) != SQLITE_OK) log_warning(path_ + ": was closed with statements that are still in use");
+}
+
+void SqliteDatabase::execute(const std::string& sql) {
+  const int result = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
+  if (result != SQLITE_OK) fail(result);
+}
+
+std::int64_t SqliteDatabase::last_insert_id() const { return sqlite3_last_insert_rowid(handle_); }
+
+std::string SqliteDatabase::damage() {
+  SqliteStatement check(*this, "PRAGMA quick_check(10)");
+  std::string found;
+  while (check.step())
+    if (check.text(0) != "ok") found += (found.empty() ? "" : "; ") + check.text(0);
+  return found;
+}
+
+void SqliteDatabase::fail(int result) const {
+  const std::string what = handle_ != nullptr ? sqlite3_errmsg(handle_) : sqlite3_errstr(result);
+  switch (result & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED: throw Error(ErrorCode::kEnvironment, path_ + ": is in use by another process");
+    case SQLITE_NOTADB:
+    case SQLITE_CORRUPT:
+      throw Error(ErrorCode::kInput, fmt::format("{}: is damaged or no database of jobs: {}", path_, what));
+    default: throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what));
+  }
+}
+
+SqliteTransaction::~SqliteTransaction() {
+  if (!is_open_) return;
+  try {
+    database_.execute("ROLLBACK");
+  } catch (const Error& error) {  // a failed commit may have rolled back by itself
+    log_verbose(error.what());
+  }
+}
+
+void SqliteTransaction::commit() {
+  database_.execute("COMMIT");
+  is_open_ = false;
+}
+
+SqliteSavepoint::~SqliteSavepoint() {
+  if (!is_open_) return;
+  try {
+    database_.execute("ROLLBACK TO part; RELEASE part");
+  } catch (const Error& error) {
+    log_verbose(error.what());
+  }
+}
+
+void SqliteSavepoint::release() {
+  database_.execute("RELEASE part");
+  is_open_ = false;
+}
+
+}  // namespace multum

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// SQLite with errors as exceptions: the only code that includes its header. One thread uses a database at a time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace multum {
+
+class SqliteDatabase;
+
+/// A statement that is prepared once and run often: bind everything, then step() until it is false, or run().
+class SqliteStatement {
+ public:
+  SqliteStatement(SqliteDatabase& database, std::string_view sql);
+  ~SqliteStatement();
+  SqliteStatement(const SqliteStatement&) = delete;
+  SqliteStatement& operator=(const SqliteStatement&) = delete;
+
+  /// Numbers of `?` from 1. A text is copied.
+  SqliteStatement& bind(int number, std::int64_t value);
+  SqliteStatement& bind(int number, int value) { return bind(number, static_cast<std::int64_t>(value)); }
+  SqliteStatement& bind(int number, std::string_view text);
+  SqliteStatement& bind(int number, const char* text) { return bind(number, std::string_view(text)); }
+  SqliteStatement& bind(int number, std::optional<std::int64_t> value);
+
+  /// The next row, false after the last: then it may be bound anew.
+  bool step();
+  /// Of a statement without rows. Returns how many rows it changed.
+  int run();
+  void reset();
+
+  /// Columns from 0, of the row that step() has reached.
+  std::int64_t integer(int column) const;
+  std::optional<std::int64_t> optional_integer(int column) const;
+  std::string text(int column) const;
+
+ private:
+  void check(int result) const;
+  SqliteDatabase& database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+class SqliteDatabase {
+ public:
+  /// Opens or creates the file: write-ahead log, synchronous FULL (what is committed outlives a power cut), foreign
+  /// keys, locked for this process alone. Throws Error(kEnvironment): another process has it, the disk; Error(kInput):
+  /// not a database, or a damaged one.
+  explicit SqliteDatabase(std::string path);
+  ~SqliteDatabase();
+  SqliteDatabase(const SqliteDatabase&) = delete;
+  SqliteDatabase& operator=(const SqliteDatabase&) = delete;
+
+  /// One or more statements without results.
+  void execute(const std::string& sql);
+  std::int64_t last_insert_id() const;
+  /// What `PRAGMA quick_check` finds, empty when all is well.
+  std::string damage();
+  const std::string& path() const { return path_; }
+
+ private:
+  friend class SqliteStatement;
+  [[noreturn]] void fail(int result) const;
+  std::string path_;
+  sqlite3* handle_ = nullptr;
+};
+
+/// Everything until commit() is done wholly or not at all: undone when it goes out of scope before.
+class SqliteTransaction {
+ public:
+  explicit SqliteTransaction(SqliteDatabase& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }
+  ~SqliteTransaction();
+  SqliteTransaction(const SqliteTransaction&) = delete;
+  SqliteTransaction& operator=(const SqliteTransaction&) = delete;
+  void commit();
+
+ private:
+  SqliteDatabase& database_;
+  bool is_open_ = true;
+};
+
+/// The same inside of a transaction: what fails is undone alone.
+class SqliteSavepoint {
+ public:
+  explicit SqliteSavepoint(SqliteDatabase& database) : database_(database) { database_.execute("SAVEPOINT part"); }
+  ~SqliteSavepoint();
+  SqliteSavepoint(const SqliteSavepoint&) = delete;
+  SqliteSavepoint& operator=(const SqliteSavepoint&) = delete;
+  void release();
+
+ private:
+  SqliteDatabase& database_;
+  bool is_open_ = true;
+};
+
+}  // namespace multum

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ledger of jobs by itself: who comes first, who may say what of a job, what comes of failures, and what a process
+// that dies leaves behind.
+#include "host/service/job_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+
+#include "tests/unit/test_folder.h"
+
+namespace multum {
+namespace {
+
+using testing::expect_error;
+using testing::TemporaryFolder;
+using Ids = std::vector<std::int64_t>;
+
+const JobQueue::IsIntact kIntact = [](const Job&) { return true; };
+
+class JobQueueTest : public ::testing::Test {
+ protected:
+  std::int64_t submit(const JobSubmission& submission) { return queue_->submit(submission, kIntact, now_).id; }
+  static JobSubmission of(int priority, const Ids& needs = {}) {
+    JobSubmission submission;
+    submission.type = "drill";
+    submission.priority = priority;
+    submission.needs = needs;
+    return submission;
+  }
+  std::optional<Job> claim(const std::string& owner = "a") { return queue_->claim(limits_, owner, now_); }
+  void succeed(const Job& job) {
+    EXPECT_TRUE(queue_->ended(job.id, job.owner, job.attempt, {AttemptOutcome::kSucceeded, 0, ""}, now_));
+  }
+  bool fail(const Job& job, AttemptOutcome outcome = AttemptOutcome::kFailed) {
+    return queue_->ended(job.id, job.owner, job.attempt, {outcome, 4, "no luck"}, now_);
+  }
+  JobState state(std::int64_t id) { return queue_->find(id)->state; }
+  void reopen() {
+    queue_.reset();
+    queue_ = std::make_unique<JobQueue>(folder_ / "jobs.sqlite", RetryPolicy{});
+  }
+
+  TemporaryFolder folder_;
+  std::unique_ptr<JobQueue> queue_ = std::make_unique<JobQueue>(folder_ / "jobs.sqlite", RetryPolicy{});
+  ClaimLimits limits_ = {{{"default", {}}, {"night", {}}}, {}, 0};
+  TimeMs now_ = 1000000;
+};
+
+TEST_F(JobQueueTest, EveryFieldComesBack) {
+  const std::int64_t needed = submit(of(0));
+  const JobSubmission submission = {"bake", R"({"lobes":4})", "night", "a \"label\"", -7,           {needed},
+                                    3,      now_ + 50,        1 << 30, "gpu",         "/out/a.exr", "key"};
+  const std::int64_t id = submit(submission);
+  reopen();
+  const Job job = *queue_->find(id);
+  EXPECT_EQ(job.type, "bake");
+  EXPECT_EQ(job.parameters, R"({"lobes":4})");
+  EXPECT_EQ(job.queue, "night");
+  EXPECT_EQ(job.label, "a \"label\"");
+  EXPECT_EQ(job.priority, -7);
+  EXPECT_EQ(job.needs, Ids{needed});
+  EXPECT_EQ(job.needs_left, 1);
+  EXPECT_EQ(job.attempt_max, 3);
+  EXPECT_EQ(job.deadline, now_ + 50);
+  EXPECT_EQ(job.memory_bytes, 1 << 30);
+  EXPECT_EQ(job.device, "gpu");
+  EXPECT_EQ(job.output, "/out/a.exr");
+  EXPECT_EQ(job.key, "key");
+  EXPECT_EQ(job.state, JobState::kWaiting);
+  EXPECT_EQ(job.created, now_);
+  EXPECT_EQ(queue_->find(77), std::nullopt);
+}
+
+TEST_F(JobQueueTest, ByPriorityThenByAge) {
+  const std::int64_t low = submit(of(-1)), first = submit(of(5)), second = submit(of(5));
+  EXPECT_EQ(claim()->id, first);
+  EXPECT_EQ(claim()->id, second);
+  EXPECT_EQ(claim()->id, low);
+  EXPECT_EQ(claim(), std::nullopt);
+}
+
+TEST_F(JobQueueTest, QueuesGoByTheirPriorityAndStopAtTheirLimits) {
+  JobSubmission night = of(0);
+  night.queue = "night";
+  const std::int64_t a = submit(of(9)), b = submit(night), c = submit(night);
+  limits_.queues["night"].priority = 1;
+  limits_.queues["night"].jobs_max = 1;
+  EXPECT_EQ(claim()->id, b);
+  EXPECT_EQ(claim()->id, a);
+  EXPECT_EQ(claim(), std::nullopt) << "one at a time";
+  reopen();
+  EXPECT_EQ(claim(), std::nullopt) << "what runs is known after a restart";
+  succeed(*queue_->find(b));
+  limits_.queues["night"].is_paused = true;
+  EXPECT_EQ(claim(), std::nullopt);
+  limits_.queues.erase("night");
+  EXPECT_EQ(claim(), std::nullopt) << "a queue that is not configured";
+  limits_.queues["night"] = {};
+  EXPECT_EQ(claim()->id, c);
+}
+
+TEST_F(JobQueueTest, MemoryIsWaitedForAndDevicesArePassedBy) {
+  const auto sized = [&](std::int64_t memory, const std::string& device) {
+    JobSubmission submission = of(0);
+    submission.memory_bytes = memory;
+    submission.device = device;
+    return submit(submission);
+  };
+  limits_.memory_max = 10;
+  limits_.device_jobs_max["gpu"] = 1;
+  const std::int64_t first = sized(6, "gpu"), busy = sized(1, "gpu"), large = sized(5, ""), small = sized(1, "");
+  EXPECT_EQ(claim()->id, first);
+  EXPECT_EQ(claim(), std::nullopt) << "the small one may not overtake the large one, which the device's may be";
+  succeed(*queue_->find(first));
+  EXPECT_EQ(claim()->id, busy);
+  EXPECT_EQ(claim()->id, large);
+  EXPECT_EQ(claim()->id, small);
+  for (const std::int64_t id : {busy, large, small}) succeed(*queue_->find(id));
+  const std::int64_t huge = sized(100, "");
+  EXPECT_EQ(claim()->id, huge) << "alone, or it never would";
+}
+
+TEST_F(JobQueueTest, OnlyTheLeaseHolderIsListenedTo) {
+  const std::int64_t id = submit(of(0));
+  const Job first = *claim("a");
+  EXPECT_FALSE(queue_->ended(id, "b", 1, {}, now_));
+  EXPECT_FALSE(queue_->ended(id, "a", 2, {}, now_));
+  EXPECT_FALSE(queue_->begin_publishing(id, "b", 1, "1:2", now_));
+  EXPECT_TRUE(fail(first, AttemptOutcome::kLost));
+  now_ = *queue_->find(id)->not_before;
+  const Job second = *claim("a");
+  EXPECT_EQ(second.attempt, 2);
+  EXPECT_FALSE(queue_->begin_publishing(id, "a", first.attempt, "1:2", now_)) << "the first attempt wakes up again";
+  EXPECT_FALSE(fail(first));
+  EXPECT_TRUE(queue_->begin_publishing(id, "a", 2, "1:2", now_));
+  EXPECT_FALSE(queue_->begin_publishing(id, "a", 2, "1:2", now_)) << "once";
+  EXPECT_FALSE(fail(second)) << "too late";
+  queue_->published(id, now_);
+  EXPECT_EQ(state(id), JobState::kSucceeded);
+  EXPECT_EQ(queue_->result_identity(id), "1:2");
+  const std::vector<JobAttempt> attempts = queue_->attempts(id);
+  ASSERT_EQ(attempts.size(), 2u);
+  EXPECT_EQ(attempts[0].outcome, AttemptOutcome::kLost);
+  EXPECT_EQ(attempts[0].message, "no luck");
+  EXPECT_EQ(attempts[1].outcome, AttemptOutcome::kSucceeded);
+}
+
+TEST_F(JobQueueTest, FailuresBackOffAndThenDie) {
+  JobSubmission submission = of(0);
+  submission.attempt_max = 3;
+  const std::int64_t id = submit(submission);
+  for (const TimeMs pause : {1000, 2000}) {
+    fail(*claim());
+    EXPECT_EQ(claim(), std::nullopt);
+    EXPECT_EQ(queue_->next_due(), now_ + pause);
+    EXPECT_EQ(queue_->find(id)->message, "no luck");
+    now_ += pause;
+  }
+  fail(*claim());
+  EXPECT_EQ(state(id), JobState::kDead);
+  EXPECT_EQ(queue_->next_due(), std::nullopt);
+  EXPECT_TRUE(queue_->retry(id, now_));
+  EXPECT_EQ(claim()->attempt, 4) << "attempts are numbered on, or an old worker could be taken for a new one";
+}
+
+TEST_F(JobQueueTest, WhatWasRefusedIsNotTriedAgainAndWhatWasHandedBackDoesNotCount) {
+  const std::int64_t refused = submit(of(0));
+  fail(*claim(), AttemptOutcome::kRefused);
+  EXPECT_EQ(state(refused), JobState::kDead);
+  JobSubmission once = of(0);
+  once.attempt_max = 1;
+  const std::int64_t id = submit(once);
+  for (int i = 0; i < 3; ++i) fail(*claim(), AttemptOutcome::kReturned);
+  EXPECT_EQ(state(id), JobState::kQueued);
+  fail(*claim(), AttemptOutcome::kLost);
+  EXPECT_EQ(state(id), JobState::kDead);
+}
+
+TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
+  const std::int64_t a = submit(of(0)), b = submit(of(0));
+  const std::int64_t both = submit(of(9, {a, b})), after = submit(of(9, {both}));
+  succeed(*claim());
+  EXPECT_EQ(state(both), JobState::kWaiting);
+  fail(*claim(), AttemptOutcome::kRefused);
+  EXPECT_EQ(state(both), JobState::kDead);
+  EXPECT_EQ(queue_->find(both)->message, "needs job 2, which is dead");
+  EXPECT_EQ(queue_->find(after)->message, "needs job 3, which is dead");
+  expect_error(ErrorCode::kUsage, {"needs job 2, which is dead"}, [&] { submit(of(0, {a, b})); });
+  expect_error(ErrorCode::kUsage, {"needs job 99, which does not exist"}, [&] { submit(of(0, {99})); });
+  // Those that died because of it come back with it, and wait.
+  EXPECT_TRUE(queue_->retry(b, now_));
+  EXPECT_EQ(state(both), JobState::kWaiting);
+  EXPECT_EQ(state(after), JobState::kWaiting);
+  succeed(*claim());
+  EXPECT_EQ(claim()->id, both);
+  EXPECT_EQ(state(after), JobState::kWaiting);
+}
+
+TEST_F(JobQueueTest, CancelledInAnyState) {
+  const std::int64_t running = submit(of(1)), queued = submit(of(0)), waiting = submit(of(0, {queued}));
+  const Job job = *claim();
+  EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kStopWorker);
+  EXPECT_EQ(queue_->cancel(queued, "by a test", now_), CancelResult::kCancelled);
+  EXPECT_EQ(state(waiting), JobState::kDead);
+  EXPECT_EQ(queue_->cancel(queued, "by a test", now_), CancelResult::kTooLate);
+  EXPECT_EQ(queue_->cancel(55, "by a test", now_), CancelResult::kUnknown);
+  EXPECT_TRUE(fail(job, AttemptOutcome::kCancelled));
+  EXPECT_EQ(state(running), JobState::kCancelled);
+  EXPECT_EQ(claim(), std::nullopt);
+  EXPECT_TRUE(queue_->retry(running, now_));
+  const Job again = *claim();
+  queue_->begin_publishing(again.id, "a", again.attempt, "", now_);
+  EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kTooLate);
+}
+
+TEST_F(JobQueueTest, DeadlinesPass) {
+  JobSubmission submission = of(0);
+  submission.deadline = now_ + 10;
+  const std::int64_t running = submit(submission);
+  const Job job = *claim();
+  submission.needs = {running};
+  const std::int64_t waiting = submit(submission);
+  EXPECT_EQ(queue_->next_due(), now_ + 10);
+  EXPECT_TRUE(queue_->expire_deadlines(now_ + 9).dead.empty());
+  now_ += 10;
+  const JobQueue::Overdue overdue = queue_->expire_deadlines(now_);
+  EXPECT_EQ(overdue.dead, Ids{waiting});
+  EXPECT_EQ(overdue.running, Ids{running});
+  fail(job, AttemptOutcome::kCancelled);
+  EXPECT_TRUE(queue_->retry(running, now_));
+  EXPECT_EQ(queue_->find(running)->deadline, std::nullopt) << "who asks for it again no longer means the deadline";
+}
+
+TEST_F(JobQueueTest, TheSameKeyAndOutputIsTheSameJob) {
+  JobSubmission submission = of(0);
+  submission.key = "k";
+  submission.output = "/a";
+  const std::int64_t id = submit(submission);
+  EXPECT_FALSE(queue_->submit(submission, kIntact, now_).is_new);
+  succeed(*claim());
+  EXPECT_EQ(submit(submission), id);
+  EXPECT_EQ(queue_->succeeded_with_key("k").size(), 1u);
+  const SubmitResult gone = queue_->submit(
+      submission, [](const Job&) { return false; }, now_);
+  EXPECT_TRUE(gone.is_new) << "its result was deleted or changed since";
+  submission.output = "/b";
+  EXPECT_NE(submit(submission), id);
+  EXPECT_TRUE(queue_->succeeded_with_key("").empty());
+  submission.key = "";
+  EXPECT_NE(submit(submission), submit(submission));
+}
+
+TEST_F(JobQueueTest, ADeadProcessLeavesNothingRunning) {
+  const std::int64_t lost = submit(of(2)), publishing = submit(of(1));
+  claim();
+  queue_->begin_publishing(publishing, "a", claim()->attempt, "7:8", now_);
+  reopen();
+  const JobQueue::Recovered recovered = queue_->recover(now_);
+  EXPECT_EQ(recovered.lost, Ids{lost});
+  EXPECT_EQ(state(lost), JobState::kQueued);
+  EXPECT_EQ(queue_->attempts(lost)[0].outcome, AttemptOutcome::kLost);
+  ASSERT_EQ(recovered.publishing.size(), 1u);
+  EXPECT_EQ(recovered.publishing[0].first.id, publishing);
+  EXPECT_EQ(recovered.publishing[0].second, "7:8");
+  queue_->published(publishing, now_);
+  EXPECT_EQ(queue_->counts()["default"][JobState::kSucceeded], 1);
+}
+
+TEST_F(JobQueueTest, PurgesOnlyWhatNothingNeeds) {
+  const std::int64_t a = submit(of(0)), b = submit(of(0, {a})), c = submit(of(-1));
+  succeed(*claim());
+  EXPECT_EQ(queue_->purge({a, b, c, 99}), Ids{}) << "b needs it, and the others are not finished";
+  succeed(*claim());
+  EXPECT_EQ(queue_->purge_finished_before(now_, 10), Ids{}) << "not before";
+  EXPECT_EQ(queue_->purge_finished_before(now_ + 1, 1), Ids{a});
+  EXPECT_EQ(queue_->find(b)->needs, Ids{});
+  EXPECT_GT(submit(of(0)), c) << "numbers are not used again";
+}
+
+// Random commands; after each, what must hold holds, and what is kept beside the database is what is in it.
+TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
+  const unsigned seed = 20261122;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const auto pick = [&](int count) { return static_cast<int>(random() % static_cast<unsigned>(count)); };
+  limits_.queues["default"].jobs_max = 4;
+  std::vector<Job> leases;
+  std::map<std::int64_t, int> successes;
+  for (int step = 0; step < 3000; ++step) {
+    const std::int64_t any = 1 + pick(std::max(1, step / 4));
+    now_ += pick(400);
+    switch (pick(8)) {
+      case 0:
+      case 1: {
+        JobSubmission submission = of(pick(3));
+        submission.attempt_max = 1 + pick(3);
+        if (pick(3) == 0)
+          if (const std::optional<Job> needed = queue_->find(any); needed && !is_final(needed->state))
+            submission.needs = {any};
+        submit(submission);
+        break;
+      }
+      case 2:
+      case 3:
+        if (const std::optional<Job> job = claim("owner " + std::to_string(step))) leases.push_back(*job);
+        break;
+      case 4:
+      case 5:
+        if (!leases.empty()) {
+          const Job job =
+              leases[leases.size() - 1 - random() % std::min<std::size_t>(6, leases.size())];  // or an old one
+          const AttemptResult result = {static_cast<AttemptOutcome>(1 + pick(6)), pick(5), ""};
+          const bool is_taken = queue_->ended(job.id, job.owner, job.attempt, result, now_);
+          if (is_taken && result.outcome == AttemptOutcome::kSucceeded) {
+            EXPECT_EQ(++successes[job.id], 1) << job.id;
+          }
+        }
+        break;
+      case 6: queue_->cancel(any, "", now_); break;
+      default:
+        if (pick(20) == 0) {
+          reopen();
+          queue_->recover(now_);
+        } else if (pick(4) == 0) {
+          queue_->retry(any, now_);
+        }
+    }
+    const auto counts = queue_->counts()["default"];
+    ASSERT_LE(counts.contains(JobState::kRunning) ? counts.at(JobState::kRunning) : 0, 4);
+    if (step % 100 == 0)
+      for (const Job& job : queue_->list({std::nullopt, "", std::nullopt, 1000})) {
+        const Job whole = *queue_->find(job.id);
+        int left = 0;
+        for (const std::int64_t needed : whole.needs) left += state(needed) != JobState::kSucceeded ? 1 : 0;
+        if (whole.state <= JobState::kRunning) {
+          ASSERT_EQ(whole.needs_left, left) << job.id;
+        }
+        if (whole.state == JobState::kWaiting) {
+          ASSERT_GT(left, 0) << job.id;
+        }
+      }
+  }
+  EXPECT_GT(successes.size(), 50u);
+  EXPECT_EQ(queue_->database().damage(), "");
+}
+
+TEST_F(JobQueueTest, ASecondProcessOrADamagedFileIsRefused) {
+  expect_error(ErrorCode::kEnvironment, {folder_ / "jobs.sqlite", "in use by another process"},
+               [&] { JobQueue(folder_ / "jobs.sqlite", {}); });
+  for (int i = 0; i < 200; ++i) submit(of(0));
+  queue_.reset();
+  testing::write_bytes(folder_ / "text.sqlite", std::string(5000, 'x'));
+  expect_error(ErrorCode::kInput, {folder_ / "text.sqlite", "damaged"}, [&] { JobQueue(folder_ / "text.sqlite", {}); });
+  std::string bytes = testing::read_bytes(folder_ / "jobs.sqlite");
+  for (std::size_t page = 2; page < bytes.size() / 4096; ++page) bytes.replace(page * 4096 + 100, 400, 400, '\xee');
+  testing::write_bytes(folder_ / "jobs.sqlite", bytes);
+  expect_error(ErrorCode::kInput, {folder_ / "jobs.sqlite", "damaged"}, [&] { JobQueue(folder_ / "jobs.sqlite", {}); });
+  expect_error(ErrorCode::kEnvironment, {folder_ / "none/jobs.sqlite"},
+               [&] { JobQueue(folder_ / "none/jobs.sqlite", {}); });
+}
+
+}  // namespace
+}  // namespace multum
