@@ -309,8 +309,9 @@ TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
       case 4:
       case 5:
         if (!leases.empty()) {
-          const Job job =
-              leases[leases.size() - 1 - random() % std::min<std::size_t>(6, leases.size())];  // or an old one
+          const std::size_t at = random() % leases.size();
+          const Job job = leases[at];
+          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));  // the others speak twice
           const AttemptResult result = {static_cast<AttemptOutcome>(1 + pick(6)), pick(5), ""};
           const bool is_taken = queue_->ended(job.id, job.owner, job.attempt, result, now_);
           if (is_taken && result.outcome == AttemptOutcome::kSucceeded) {
