@@ -218,6 +218,23 @@ std::string existing_file(const StrictTable& table, const std::string& key, cons
   return path;
 }
 
+std::vector<std::string> animation_job_files(const std::string& path) {
+  const toml::table root = parse_toml(path);
+  std::vector<std::string> files;
+  const auto add = [&](const toml::table& table, const char* key) {
+    const std::optional<std::string> name = table[key].value<std::string>();
+    if (!name) return;
+    const std::string file = (std::filesystem::path(path).parent_path() / *name).lexically_normal().string();
+    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+  };
+  add(root, "geometry");
+  if (const toml::array* samples = root["sample"].as_array())
+    for (const toml::node& sample : *samples)
+      if (const toml::table* table = sample.as_table())
+        for (const char* key : {"radiance", "geometry", "object_index"}) add(*table, key);
+  return files;
+}
+
 AnimationJob read_animation_job(const std::string& path) {
   const toml::table root = parse_toml(path);
   AnimationJob job;

@@ -96,6 +96,10 @@ struct AnimationJob {
 /// files are refused with the file's line. Throws Error(kInput), Error(kUsage) never.
 AnimationJob read_animation_job(const std::string& path);
 
+/// The files that a job names, as resolved, each once: read without looking at them or checking anything else. Throws
+/// Error(kInput) when the job is no TOML.
+std::vector<std::string> animation_job_files(const std::string& path);
+
 /// The job as TOML, as read_animation_job() reads it; `folder`: paths are written relative to it.
 std::string animation_job_text(const AnimationJob& job, const std::string& folder);
 

@@ -549,6 +549,23 @@ void JobQueue::set_reused_from(std::int64_t id, std::int64_t from) {
   statement("UPDATE jobs SET reused_from = ? WHERE id = ?").bind(1, from).bind(2, id).run();
 }
 
+std::vector<std::string> JobQueue::output_folders() {
+  SqliteStatement& query =
+      statement("SELECT DISTINCT rtrim(output, replace(output, '/', '')) FROM jobs WHERE output <> ''");
+  std::vector<std::string> folders;
+  while (query.step()) folders.push_back(query.text(0));
+  return folders;
+}
+
+std::vector<std::int64_t> JobQueue::unfinished() { return ids(statement("SELECT id FROM jobs WHERE state < 4")); }
+
+void JobQueue::forgive_back_offs(TimeMs now) {
+  statement("UPDATE jobs SET not_before = ?1 WHERE state = 1 AND not_before > ?1 + ?2")
+      .bind(1, now)
+      .bind(2, policy_.back_off_max)
+      .run();
+}
+
 JobQueue::Recovered JobQueue::recover(TimeMs now) {
   Recovered recovered;
   SqliteStatement& query = statement("SELECT id FROM jobs WHERE state IN (2, 3) ORDER BY id");

@@ -117,6 +117,12 @@ class JobQueue {
   /// A job whose result was not found where it was to be published from is tried again.
   void publishing_failed(std::int64_t id, const std::string& message, TimeMs now);
 
+  /// Folders that results of jobs lie in or will, each once.
+  std::vector<std::string> output_folders();
+  std::vector<std::int64_t> unfinished();
+  /// Back-offs that are longer than any can be, since the clock was set back, end now.
+  void forgive_back_offs(TimeMs now);
+
   SqliteDatabase& database() { return database_; }
   /// Jobs whose state has changed since the last call.
   std::set<std::int64_t> take_changed() { return std::exchange(changed_, {}); }

@@ -117,7 +117,7 @@ std::optional<MapRegion> parse_region(const std::string& text) {
 }
 
 BakeReport bake_with_progress(const BakeJob& job, const BakeOptions& o, Device& device) {
-  const auto progress = make_terminal_progress(!o.common.quiet);
+  const auto progress = make_progress(o.common);
   return bake_file(job, device, progress.get());
 }
 

@@ -3,6 +3,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/base/progress.h"
 
 namespace multum {
 
@@ -18,6 +23,13 @@ struct CommonOptions {
 int apply(const CommonOptions& options);
 void add_common_options(CLI::App& command, CommonOptions& options);
 
+/// Of a long command: a bar on a terminal; under a service, what the worker passes on.
+std::unique_ptr<Progress> make_progress(const CommonOptions& options);
+
+/// Does what a command line says, without the program's name, and returns its exit code; `callback`, if any, hears of
+/// the progress. Throws Error, Cancelled.
+int run_command(std::vector<std::string> arguments, const Progress::Callback& callback);
+
 void add_animation_command(CLI::App& app, int* exit_code);
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_infer_command(CLI::App& app, int* exit_code);
@@ -25,5 +37,9 @@ void add_devices_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
 void add_verify_command(CLI::App& app, int* exit_code);
 void add_testmap_command(CLI::App& app, int* exit_code);
+/// serve, and the worker that it starts.
+void add_serve_commands(CLI::App& app, int* exit_code);
+/// submit, list, show, tail, wait, cancel, retry, purge: a service's clients.
+void add_client_commands(CLI::App& app, int* exit_code);
 
 }  // namespace multum

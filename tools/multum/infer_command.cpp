@@ -58,7 +58,7 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
 int run_infer(InferOptions& o) {
   o.settings.threads = apply(o.common);
   o.settings.viewer = find_viewer();
-  const std::unique_ptr<Progress> progress = make_terminal_progress(!o.common.quiet);
+  const std::unique_ptr<Progress> progress = make_progress(o.common);
   const AnimationField field(read_animation_job(o.job));
   make_folder(o.settings.output);
   const int sample = o.report_sample.empty() ? middle_sample(field.job()) : sample_named(field.job(), o.report_sample);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum: the command line.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -24,14 +25,26 @@ std::string program_cache_folder() {
   return "";
 }
 
-int run(int argc, char** argv) {
+// Of the command that a worker runs; one at a time.
+Progress::Callback& listener() {
+  static Progress::Callback callback;
+  return callback;
+}
+
+int run(int argc, char** argv) { return run_command({argv + 1, argv + argc}, nullptr); }
+
+}  // namespace
+
+int run_command(std::vector<std::string> arguments, const Progress::Callback& callback) {
+  listener() = callback;
   CLI::App app(
       "multum bakes normal maps into textures that look right at every distance:\n"
       "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
       "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
       "  multum-view bricks.ndf.exr -o frame.png             render it\n"
       "  multum info bricks.ndf.exr                          look inside\n"
-      "  multum animation renders -o animation.toml          what a folder of ray-traced pictures holds, as a job",
+      "  multum animation renders -o animation.toml          what a folder of ray-traced pictures holds, as a job\n"
+      "  multum serve --data jobs                            a service that bakes what clients submit",
       "multum");
   app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
   app.require_subcommand(1);
@@ -44,9 +57,12 @@ int run(int argc, char** argv) {
   add_testmap_command(app, &exit_code);
   add_animation_command(app, &exit_code);
   add_infer_command(app, &exit_code);
+  add_serve_commands(app, &exit_code);
+  add_client_commands(app, &exit_code);
   set_program_cache_folder(program_cache_folder());
   try {
-    app.parse(argc, argv);
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes lists
+    app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
@@ -56,7 +72,9 @@ int run(int argc, char** argv) {
   return exit_code;
 }
 
-}  // namespace
+std::unique_ptr<Progress> make_progress(const CommonOptions& options) {
+  return listener() ? std::make_unique<Progress>(listener()) : make_terminal_progress(!options.quiet);
+}
 
 int apply(const CommonOptions& options) {
   set_log_level(options.quiet ? LogLevel::kQuiet : options.verbose ? LogLevel::kVerbose : LogLevel::kNormal);

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/dispatcher.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/machine.h"
+#include "host/service/job_json.h"
+#include "host/service/job_types.h"
+#include "host/service/service_log.h"
+#include "host/service/staging.h"
+
+namespace multum {
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+// Exit codes of multum (docs/SERVICE.md): what of them is worth trying again.
+AttemptOutcome outcome_of(int code) {
+  switch (code) {
+    case 0: return AttemptOutcome::kSucceeded;
+    case -1: return AttemptOutcome::kLost;
+    case 2:
+    case 3:
+    case 5: return AttemptOutcome::kRefused;
+    default: return AttemptOutcome::kFailed;
+  }
+}
+
+std::string words_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::exception& found) {
+    return found.what();
+  } catch (...) {
+    return "an unknown error";
+  }
+}
+
+ClaimLimits limits_of(const ServiceSettings& settings) {
+  const std::int64_t memory =
+      settings.memory_max > 0 ? settings.memory_max : static_cast<std::int64_t>(machine_memory_bytes() / 4 * 3);
+  return {settings.queues, settings.devices, memory};
+}
+
+}  // namespace
+
+TimeMs wall_clock_ms() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+bool is_result_intact(JobQueue& queue, const Job& job) {
+  return job.output.empty() || file_identity(job.output) == queue.result_identity(job.id);
+}
+
+Dispatcher::Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, ServiceSettings settings,
+                       std::string instance, std::vector<std::string> worker_command)
+    : io_(io),
+      ledger_(ledger),
+      events_(events),
+      settings_(std::move(settings)),
+      instance_(std::move(instance)),
+      limits_(limits_of(settings_)),
+      pool_(io,
+            {settings_.workers, std::move(worker_command), settings_.lease, settings_.no_progress,
+             settings_.cancel_grace},
+            instance_,
+            {[this] { pump(); }, [this](std::int64_t id, const JobProgress& progress) { on_progress(id, progress); },
+             [this](std::int64_t id, const std::string& owner, int attempt, int code, const std::string& message) {
+               on_ended(id, owner, attempt, code, message);
+             }}),
+      due_timer_(io),
+      drain_timer_(io) {}
+
+std::string Dispatcher::log_path(std::int64_t id) const { return fmt::format("{}/logs/{}.log", settings_.data, id); }
+
+// ---- After a start
+
+void Dispatcher::recover() {
+  std::vector<std::string> folders;
+  std::vector<std::int64_t> unfinished;
+  ledger_.run_now([&](JobQueue& queue) {
+    const JobQueue::Recovered recovered = queue.recover(wall_clock_ms());
+    for (const auto& [job, identity] : recovered.publishing) {
+      try {
+        publish(job.output, instance_, job.id, identity);
+        queue.published(job.id, wall_clock_ms());
+        service_log(LogSeverity::kInfo, job.id, "published after a restart: " + job.output);
+      } catch (const Error& error) {
+        queue.publishing_failed(job.id, error.what(), wall_clock_ms());
+      }
+    }
+    for (const std::int64_t id : recovered.lost)
+      service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it is tried again");
+    folders = queue.output_folders();
+    unfinished = queue.unfinished();
+  });
+  for (const std::string& path : sweep_staging(folders, instance_, unfinished))
+    service_log(LogSeverity::kInfo, 0, "removed what an earlier daemon left: " + path);
+}
+
+void Dispatcher::start() {
+  pool_.start();
+  on_due();
+}
+
+// ---- Out
+
+void Dispatcher::pump() {
+  if (is_draining_) return;
+  wants_claim_ = true;
+  if (is_claiming_) return;
+  const std::vector<std::string> idle = pool_.idle();
+  if (idle.empty()) return;
+  is_claiming_ = true;
+  wants_claim_ = false;
+  const auto claimed = std::make_shared<std::vector<Claimed>>();
+  const auto due = std::make_shared<std::optional<TimeMs>>();
+  ledger_.run(
+      [this, idle, claimed, due, limits = limits_](JobQueue& queue) {
+        claimed->clear();
+        for (const std::string& owner : idle) {
+          std::optional<Job> job = queue.claim(limits, owner, wall_clock_ms());
+          if (!job) break;
+          claimed->push_back(with_reuse(queue, std::move(*job)));
+        }
+        *due = queue.next_due();
+      },
+      [this, claimed, due](const std::exception_ptr& error) {
+        is_claiming_ = false;
+        if (error) {
+          service_log(LogSeverity::kError, 0, "jobs cannot be claimed: " + words_of(error));
+          wake_at(wall_clock_ms() + 5000);
+          return;
+        }
+        wake_at(*due);
+        give_out(*claimed);
+        if (wants_claim_ || !claimed->empty()) pump();
+      });
+}
+
+// A result that is there already is not made again.
+Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) {
+  Claimed claimed{std::move(job), "", 0, false};
+  for (const Job& other : queue.succeeded_with_key(claimed.job.key)) {
+    if (other.output.empty() || !is_result_intact(queue, other)) continue;
+    claimed.from = other.id;
+    claimed.copy_from = other.output;
+    claimed.is_done = other.output == claimed.job.output;
+    queue.set_reused_from(claimed.job.id, other.id);
+    break;
+  }
+  return claimed;
+}
+
+void Dispatcher::give_out(const std::vector<Claimed>& claimed) {
+  for (const Claimed& one : claimed) {
+    running_[one.job.id] = {one.job, Clock::now(), std::nullopt};
+    events_.publish("job", one.job.id, job_json(one.job).dump());
+    if (one.is_done) {
+      ++counters_.reused;
+      note_end(one.job.id, one.job.owner, one.job.attempt,
+               {AttemptOutcome::kSucceeded, 0, fmt::format("job {} had made it", one.from)});
+    } else {
+      start_job(one);
+    }
+  }
+}
+
+void Dispatcher::start_job(const Claimed& claimed) {
+  const Job& job = claimed.job;
+  WorkOrder order{job.id, job.attempt, {}, "", log_path(job.id)};
+  try {
+    std::string made;
+    if (!job.output.empty()) {
+      order.folder = staging_folder(job.output, instance_, job.id);
+      made = staged_path(job.output, instance_, job.id);
+    }
+    if (!claimed.copy_from.empty()) {
+      order.arguments = {"copy", claimed.copy_from, made};
+      ++counters_.reused;
+    } else {
+      order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), made);
+    }
+  } catch (const std::exception& error) {
+    return note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kRefused, 2, error.what()});
+  }
+  if (!pool_.order(job.owner, order))
+    note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kReturned, -1, "its worker was gone before it began"});
+}
+
+void Dispatcher::on_progress(std::int64_t id, const JobProgress& progress) {
+  progress_[id] = progress;
+  events_.publish("progress", id,
+                  Json{{"id", id}, {"stage", progress.stage}, {"done", progress.done}, {"total", progress.total}}.dump(
+                      -1, ' ', false, Json::error_handler_t::replace));
+}
+
+// ---- Back
+
+void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt, int code,
+                          const std::string& message) {
+  const auto found = running_.find(id);
+  if (found == running_.end()) return;
+  const std::optional<AttemptResult>& stop = found->second.stop;
+  if (code == 0 && !found->second.job.output.empty()) return publish_result(id, owner, attempt);
+  if (stop && code != 0) return note_end(id, owner, attempt, *stop);
+  if (code == 130) return note_end(id, owner, attempt, {AttemptOutcome::kFailed, code, "it was interrupted"});
+  note_end(id, owner, attempt, {outcome_of(code), code, message});
+}
+
+// First the ledger says that this attempt is the one, and where its result lies; then the result gets its name; then
+// the ledger says that it has. A daemon that dies in between finds out which it was.
+void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int attempt) {
+  const Job job = running_.at(id).job;
+  const std::string identity = file_identity(staged_path(job.output, instance_, id));
+  if (identity.empty())
+    return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "it ended well, but left no result"});
+  ++unsettled_;
+  const auto is_mine = std::make_shared<bool>(false);
+  ledger_.run(
+      [=](JobQueue& queue) { *is_mine = queue.begin_publishing(id, owner, attempt, identity, wall_clock_ms()); },
+      [=, this](const std::exception_ptr& error) {
+        --unsettled_;
+        if (error || !*is_mine)
+          return note_end(
+              id, owner, attempt,
+              {AttemptOutcome::kFailed, 4, error ? words_of(error) : "another attempt has taken its place"});
+        ++unsettled_;
+        const auto trouble = std::make_shared<std::string>();
+        ledger_.run(
+            [=, this](JobQueue& queue) {
+              try {
+                publish(job.output, instance_, id, identity);
+                queue.published(id, wall_clock_ms());
+              } catch (const Error& failed) {
+                *trouble = failed.what();
+                queue.publishing_failed(id, failed.what(), wall_clock_ms());
+              }
+            },
+            [=, this](const std::exception_ptr& failed) {
+              --unsettled_;
+              // The name is given, the note is not: the next start finds it.
+              if (failed) service_log(LogSeverity::kError, id, "published, but not noted: " + words_of(failed));
+              if (!trouble->empty()) service_log(LogSeverity::kError, id, *trouble);
+              counters_.published += !failed && trouble->empty() ? 1 : 0;
+              counters_.succeeded += !failed && trouble->empty() ? 1 : 0;
+              running_.erase(id);
+              progress_.erase(id);
+              changed({id});
+            });
+      });
+}
+
+void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt, AttemptResult result) {
+  ++unsettled_;
+  const auto is_final_state = std::make_shared<bool>(false);
+  const auto touched = std::make_shared<std::set<std::int64_t>>();
+  ledger_.run(
+      [=](JobQueue& queue) {
+        queue.take_changed();
+        queue.ended(id, owner, attempt, result, wall_clock_ms());
+        const std::optional<Job> job = queue.find(id);
+        *is_final_state = !job || is_final(job->state);
+        *touched = queue.take_changed();
+      },
+      [=, this](const std::exception_ptr& error) {
+        --unsettled_;
+        const auto found = running_.find(id);
+        const std::string output = found != running_.end() ? found->second.job.output : "";
+        if (error) {
+          // The disk is full, as a rule. The job is running in the ledger and nowhere else: tried until it is noted.
+          service_log(LogSeverity::kError, id, "its end cannot be noted: " + words_of(error));
+          ++unsettled_;
+          const auto timer = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::seconds(2));
+          timer->async_wait([=, this](const boost::system::error_code&) {
+            (void)timer;
+            --unsettled_;
+            note_end(id, owner, attempt, result);
+          });
+          return;
+        }
+        if (found != running_.end())
+          counters_.busy_seconds += std::chrono::duration<double>(Clock::now() - found->second.since).count();
+        counters_.succeeded += result.outcome == AttemptOutcome::kSucceeded ? 1 : 0;
+        counters_.lost += result.outcome == AttemptOutcome::kLost ? 1 : 0;
+        counters_.cancelled += result.outcome == AttemptOutcome::kCancelled ? 1 : 0;
+        counters_.failed +=
+            result.outcome == AttemptOutcome::kFailed || result.outcome == AttemptOutcome::kRefused ? 1 : 0;
+        service_log(result.outcome == AttemptOutcome::kSucceeded ? LogSeverity::kInfo : LogSeverity::kWarning, id,
+                    fmt::format("attempt {} {}{}{}", attempt, attempt_outcome_name(result.outcome),
+                                result.message.empty() ? "" : ": ", result.message));
+        // What was half made is kept for the next attempt to go on from.
+        if (*is_final_state && !output.empty()) remove_staging(output, instance_, id);
+        running_.erase(id);
+        progress_.erase(id);
+        touched->insert(id);
+        changed(*touched);
+      });
+}
+
+void Dispatcher::changed(const std::set<std::int64_t>& ids) {
+  const auto jobs = std::make_shared<std::vector<Job>>();
+  ledger_.run(
+      [=](JobQueue& queue) {
+        for (const std::int64_t id : ids)
+          if (std::optional<Job> job = queue.find(id)) jobs->push_back(std::move(*job));
+      },
+      [=, this](const std::exception_ptr&) {
+        for (const Job& job : *jobs) events_.publish("job", job.id, job_json(job).dump());
+      });
+  if (is_draining_ && drained_ && running_.empty() && unsettled_ == 0) std::exchange(drained_, nullptr)();
+  pump();
+}
+
+void Dispatcher::stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome) {
+  const auto found = running_.find(id);
+  if (found == running_.end()) return;
+  if (!found->second.stop) found->second.stop = AttemptResult{outcome, 130, why};
+  pool_.cancel(id);
+}
+
+void Dispatcher::set_paused(const std::string& queue, bool is_paused) {
+  limits_.queues.at(queue).is_paused = is_paused;
+  pump();
+}
+
+void Dispatcher::reload(const ServiceSettings& settings) {
+  settings_.queues = settings.queues;
+  settings_.devices = settings.devices;
+  settings_.memory_max = settings.memory_max;
+  limits_ = limits_of(settings_);
+  pump();
+}
+
+// ---- Time
+
+void Dispatcher::wake_at(std::optional<TimeMs> due) {
+  // A clock that is set back must not make anybody wait for years: it is looked again within a minute.
+  constexpr TimeMs kLongest = 60000;
+  const TimeMs pause = due ? std::clamp<TimeMs>(*due - wall_clock_ms(), 1, kLongest) : kLongest;
+  due_timer_.expires_after(std::chrono::milliseconds(pause));
+  due_timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) on_due();
+  });
+}
+
+void Dispatcher::on_due() {
+  const auto overdue = std::make_shared<JobQueue::Overdue>();
+  const auto due = std::make_shared<std::optional<TimeMs>>();
+  ledger_.run(
+      [=](JobQueue& queue) {
+        *overdue = queue.expire_deadlines(wall_clock_ms());
+        queue.forgive_back_offs(wall_clock_ms());
+        *due = queue.next_due();
+      },
+      [=, this](const std::exception_ptr& error) {
+        if (error) return wake_at(wall_clock_ms() + 5000);
+        for (const std::int64_t id : overdue->running)
+          stop_job(id, "its deadline passed while it ran", AttemptOutcome::kRefused);
+        // Deadlines of running jobs stay due until they have stopped.
+        wake_at(overdue->running.empty() ? *due : std::optional<TimeMs>(wall_clock_ms() + 1000));
+        changed({overdue->dead.begin(), overdue->dead.end()});
+      });
+}
+
+void Dispatcher::drain(std::function<void()> done) {
+  is_draining_ = true;
+  drained_ = std::move(done);
+  pool_.close();
+  drain_timer_.expires_after(settings_.shutdown_grace);
+  drain_timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) return;
+    for (const std::int64_t id : pool_.running())
+      stop_job(id, "handed back by a daemon that was asked to end", AttemptOutcome::kReturned);
+  });
+  changed({});
+}
+
+}  // namespace multum

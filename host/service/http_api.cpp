@@ -1,0 +1,690 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/http_api.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <openssl/crypto.h>
+
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/base/output_paths.h"
+#include "host/service/job_json.h"
+#include "host/service/job_types.h"
+#include "host/service/metrics.h"
+#include "host/service/staging.h"
+#include "host/service/web_files.h"
+
+namespace multum {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+using asio::use_awaitable;
+using Json = nlohmann::json;
+
+// A refusal with its status: thrown by handlers, answered by answer().
+struct Refusal {
+  int status;
+  std::string code, message;
+  std::vector<std::pair<std::string, std::string>> headers = {};
+};
+
+HttpResponse json_response(const Json& json, int status = 200) {
+  return {status, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
+}
+
+HttpResponse refusal_response(const Refusal& refusal) {
+  HttpResponse response =
+      json_response({{"error", {{"code", refusal.code}, {"message", refusal.message}}}}, refusal.status);
+  response.headers = refusal.headers;
+  return response;
+}
+
+Refusal refusal_of(const Error& error) {
+  switch (error.code()) {
+    case ErrorCode::kUsage: return {400, "usage", error.what()};
+    case ErrorCode::kInput: return {400, "input", error.what()};
+    default: return {503, "environment", error.what(), {{"Retry-After", "5"}}};
+  }
+}
+
+std::optional<std::int64_t> whole(const std::string& text) {
+  std::int64_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && stop == end && !text.empty() ? std::optional(value) : std::nullopt;
+}
+
+std::vector<std::string> split_path(const std::string& path) {
+  std::vector<std::string> parts;
+  std::size_t begin = 1;
+  while (begin <= path.size()) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    parts.push_back(path.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+void only_keys(const Json& object, const std::vector<std::string>& keys, const char* what) {
+  if (!object.is_object()) throw Refusal{400, "usage", fmt::format("{} is no JSON object", what)};
+  for (const auto& [key, value] : object.items())
+    if (std::find(keys.begin(), keys.end(), key) == keys.end())
+      throw Refusal{400, "usage",
+                    fmt::format("{} has no key \"{}\"; it has {}", what, key.substr(0, 60), fmt::join(keys, ", "))};
+}
+
+template <typename Value, typename Is>
+Value value_of(const Json& object, const char* key, Value fallback, const Is& is, const char* expected) {
+  const auto found = object.find(key);
+  if (found == object.end()) return fallback;
+  if (!is(*found)) {
+    std::string text = found->dump(-1, ' ', true, Json::error_handler_t::replace);
+    if (text.size() > 60) text = text.substr(0, 57) + "...";
+    throw Refusal{400, "usage", fmt::format("{} is {}, expected {}", key, text, expected)};
+  }
+  return found->get<Value>();
+}
+
+auto whole_between(std::int64_t least, std::int64_t most) {
+  return [=](const Json& value) {
+    if (!value.is_number_integer()) return false;
+    if (value.is_number_unsigned() && value.get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX)) return false;
+    return value.get<std::int64_t>() >= least && value.get<std::int64_t>() <= most;
+  };
+}
+
+bool is_plain(const Json& value) {
+  if (!value.is_string()) return false;
+  const auto& text = value.get_ref<const std::string&>();
+  return text.size() <= 1000 && std::none_of(text.begin(), text.end(), [](char c) {
+           return static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) == 127;
+         });
+}
+
+bool is_id_list(const Json& value) {
+  return value.is_array() && value.size() <= 1000 &&
+         std::all_of(value.begin(), value.end(), whole_between(1, INT64_MAX));
+}
+
+}  // namespace
+
+struct HttpApi::State {
+  State(asio::io_context& context, QueueThread& queue, Dispatcher& the_dispatcher, EventHub& hub,
+        const ServiceSettings& the_settings, std::string the_token)
+      : io(context),
+        ledger(queue),
+        dispatcher(the_dispatcher),
+        events(hub),
+        settings(the_settings),
+        token(std::move(the_token)),
+        roots(roots_of(the_settings)),
+        hashes(2) {}
+
+  static std::vector<std::string> roots_of(const ServiceSettings& settings) {
+    std::vector<std::string> roots = settings.roots;
+    roots.push_back(settings.data + "/uploads");
+    roots.push_back(settings.data + "/results");
+    return roots;
+  }
+
+  // Runs `work` on the ledger; rethrows what it throws.
+  asio::awaitable<void> in_ledger(QueueThread::Work work) {
+    std::exception_ptr error;
+    const auto initiate = [&](auto handler) {
+      const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+      ledger.run(std::move(work), [shared, &error](const std::exception_ptr& failed) {
+        error = failed;
+        (*shared)();
+      });
+    };
+    co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, use_awaitable);
+    if (error) std::rethrow_exception(error);
+  }
+
+  // Runs `work` on a thread that may wait for disks.
+  asio::awaitable<void> beside(std::function<void()> work) {
+    std::exception_ptr error;
+    const auto initiate = [&](auto handler) {
+      const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+      asio::post(hashes.pool(), [this, shared, &error, work = std::move(work)] {
+        try {
+          work();
+        } catch (...) {
+          error = std::current_exception();
+        }
+        asio::post(io, [shared] { (*shared)(); });
+      });
+    };
+    co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, use_awaitable);
+    if (error) std::rethrow_exception(error);
+  }
+
+  static Json parse(const HttpRequest& request) {
+    if (request.body.empty()) return Json::object();
+    // Deeper than any request of ours: a parser's stack is not for strangers to use up.
+    int depth = 0, deepest = 0;
+    for (const char c : request.body) {
+      depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+      deepest = std::max(deepest, depth);
+    }
+    Json json = deepest <= 64 ? Json::parse(request.body, nullptr, false) : Json(Json::value_t::discarded);
+    if (json.is_discarded()) throw Refusal{400, "usage", "the body is no JSON"};
+    return json;
+  }
+
+  asio::awaitable<Job> job_of(std::string text) {
+    const std::optional<std::int64_t> id = whole(text);
+    std::optional<Job> job;
+    if (id) co_await in_ledger([&](JobQueue& queue) { job = queue.find(*id); });
+    if (!job) throw Refusal{404, "not_found", fmt::format("there is no job {}", text.substr(0, 30))};
+    co_return *job;
+  }
+
+  JobSubmission submission_of(const Json& json) {
+    only_keys(json,
+              {"type", "parameters", "output", "queue", "label", "priority", "needs", "attempt_max", "deadline_s",
+               "memory_bytes", "device", "again"},
+              "the job");
+    JobSubmission s;
+    const auto is_text = [](const Json& value) { return is_plain(value); };
+    s.type = value_of<std::string>(json, "type", "", is_text, "a text");
+    const JobType& type = find_job_type(s.type);
+    Json parameters = json.value("parameters", Json::object());
+    check_parameters(type, parameters);
+    for (const JobParameter& parameter : type.parameters)
+      if (parameter.kind == ParameterKind::kInputFile && parameters.contains(parameter.name))
+        parameters[parameter.name] = roots.input(parameters[parameter.name].get<std::string>());
+    s.parameters = parameters.dump();
+    s.output = value_of<std::string>(json, "output", "", is_text, "a path");
+    if (s.output.empty() && type.needs_output) throw Refusal{400, "usage", "output is missing, expected a path"};
+    if (!s.output.empty()) s.output = roots.output(s.output);
+    if (!s.output.ends_with(type.output_extension))
+      throw Refusal{400, "usage",
+                    fmt::format("output is {}, expected a name ending in {}", s.output, type.output_extension)};
+    s.queue = value_of<std::string>(json, "queue", "default", is_text, "a queue's name");
+    if (!dispatcher.limits().queues.contains(s.queue)) {
+      std::vector<std::string> names;
+      for (const auto& [name, limits] : dispatcher.limits().queues) names.push_back(name);
+      throw Refusal{400, "usage", fmt::format("queue is \"{}\", expected one of {}", s.queue, fmt::join(names, ", "))};
+    }
+    s.label = value_of<std::string>(json, "label", "", is_text, "a text of up to 1000 bytes");
+    s.priority = value_of<int>(json, "priority", 0, whole_between(-1000, 1000), "a whole number from -1000 to 1000");
+    s.needs = value_of<std::vector<std::int64_t>>(json, "needs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
+    s.attempt_max = value_of<int>(json, "attempt_max", 5, whole_between(1, 100), "a whole number from 1 to 100");
+    s.memory_bytes =
+        value_of<std::int64_t>(json, "memory_bytes", type.memory_bytes, whole_between(0, 1LL << 50), "bytes");
+    s.device = value_of<std::string>(json, "device", "", is_text, "a device's name");
+    if (json.contains("deadline_s"))
+      s.deadline = wall_clock_ms() + 1000 * value_of<std::int64_t>(json, "deadline_s", 0, whole_between(1, 100000000),
+                                                                   "seconds from now, 1 to 100000000");
+    return s;
+  }
+
+  asio::awaitable<HttpResponse> submit(HttpRequest request) {
+    if (dispatcher.is_draining()) throw Refusal{503, "ending", "the service is about to end", {{"Retry-After", "10"}}};
+    const Json json = parse(request);
+    JobSubmission submission = submission_of(json);
+    const bool again = value_of<bool>(
+        json, "again", false, [](const Json& v) { return v.is_boolean(); }, "true or false");
+    const JobType& type = find_job_type(submission.type);
+    if (!type.input.empty()) {
+      const Json parameters = Json::parse(submission.parameters);
+      co_await beside([&] {
+        std::vector<std::string> file_hashes;
+        for (const std::string& file : input_files(type, parameters))
+          file_hashes.push_back(hashes.hash(roots.input(file)));
+        if (!again) submission.key = idempotency_key(type, parameters, file_hashes);
+      });
+    }
+    SubmitResult result;
+    Job job;
+    co_await in_ledger([&](JobQueue& queue) {
+      result = queue.submit(
+          submission, [&](const Job& other) { return is_result_intact(queue, other); }, wall_clock_ms());
+      job = *queue.find(result.id);
+      queue.take_changed();
+    });
+    if (result.is_new) events.publish("job", job.id, job_json(job).dump());
+    dispatcher.pump();
+    HttpResponse response = json_response(job_json(job), result.is_new ? 201 : 200);
+    response.headers.emplace_back("Location", fmt::format("/v1/jobs/{}", job.id));
+    co_return response;
+  }
+
+  asio::awaitable<HttpResponse> list(HttpRequest request) {
+    JobFilter filter;
+    for (const auto& [name, value] : request.query) {
+      if (name == "state") {
+        filter.state = parse_job_state(value);
+        if (!filter.state) throw Refusal{400, "usage", "state is none that a job can be in"};
+      } else if (name == "queue") {
+        filter.queue = value;
+      } else if (name == "before" || name == "limit") {
+        const std::optional<std::int64_t> number = whole(value);
+        if (!number || *number < 1 || (name == "limit" && *number > 1000))
+          throw Refusal{400, "usage", name + " is no whole number from 1" + (name == "limit" ? " to 1000" : "")};
+        if (name == "before") filter.before = *number;
+        else filter.limit = static_cast<int>(*number);
+      } else {
+        throw Refusal{400, "usage", "expected state, queue, before or limit in the query"};
+      }
+    }
+    Json jobs = Json::array();
+    co_await in_ledger([&](JobQueue& queue) {
+      for (const Job& job : queue.list(filter)) jobs.push_back(job_json(job));
+    });
+    for (Json& job : jobs) add_progress(job);
+    co_return json_response({{"jobs", jobs}});
+  }
+
+  void add_progress(Json& json) const {
+    const auto found = dispatcher.progress().find(json["id"].get<std::int64_t>());
+    json["progress"] =
+        found == dispatcher.progress().end()
+            ? Json(nullptr)
+            : Json{{"stage", found->second.stage}, {"done", found->second.done}, {"total", found->second.total}};
+  }
+
+  asio::awaitable<HttpResponse> show(std::string text) {
+    const Job job = co_await job_of(std::move(text));
+    Json json = job_json(job);
+    json["attempts"] = Json::array();
+    co_await in_ledger([&](JobQueue& queue) {
+      for (const JobAttempt& attempt : queue.attempts(job.id)) json["attempts"].push_back(attempt_json(attempt));
+    });
+    add_progress(json);
+    co_return json_response(json);
+  }
+
+  asio::awaitable<HttpResponse> cancel(std::string text) {
+    const Job job = co_await job_of(std::move(text));
+    CancelResult result = CancelResult::kUnknown;
+    std::set<std::int64_t> touched;
+    co_await in_ledger([&](JobQueue& queue) {
+      queue.take_changed();
+      result = queue.cancel(job.id, "cancelled by request", wall_clock_ms());
+      touched = queue.take_changed();
+    });
+    if (result == CancelResult::kTooLate)
+      throw Refusal{409, "too_late", fmt::format("job {} is {}", job.id, job_state_name(job.state))};
+    if (result == CancelResult::kStopWorker)
+      dispatcher.stop_job(job.id, "cancelled by request", AttemptOutcome::kCancelled);
+    if (!job.output.empty() && result == CancelResult::kCancelled) co_await beside([&] { remove_staging_of(job); });
+    dispatcher.changed(touched);
+    co_return json_response(job_json(co_await job_of(std::to_string(job.id))), 202);
+  }
+
+  void remove_staging_of(const Job& job) const;
+
+  asio::awaitable<HttpResponse> retry(std::string text) {
+    const Job job = co_await job_of(std::move(text));
+    bool is_done = false;
+    std::set<std::int64_t> touched;
+    co_await in_ledger([&](JobQueue& queue) {
+      queue.take_changed();
+      is_done = queue.retry(job.id, wall_clock_ms());
+      touched = queue.take_changed();
+    });
+    if (!is_done)
+      throw Refusal{
+          409, "not_dead",
+          fmt::format("job {} is {}; dead and cancelled ones can be tried again", job.id, job_state_name(job.state))};
+    dispatcher.changed(touched);
+    co_return json_response(job_json(co_await job_of(std::to_string(job.id))), 202);
+  }
+
+  asio::awaitable<HttpResponse> retry_dead(HttpRequest request) {
+    const Json json = parse(request);
+    only_keys(json, {"queue"}, "the request");
+    const std::string name = value_of<std::string>(json, "queue", "", is_plain, "a queue's name");
+    std::vector<std::int64_t> retried;
+    std::set<std::int64_t> touched;
+    co_await in_ledger([&](JobQueue& queue) {
+      queue.take_changed();
+      retried = queue.retry_dead(name, wall_clock_ms());
+      touched = queue.take_changed();
+    });
+    dispatcher.changed(touched);
+    co_return json_response({{"retried", retried}}, 202);
+  }
+
+  asio::awaitable<HttpResponse> purge(HttpRequest request) {
+    const Json json = parse(request);
+    only_keys(json, {"jobs", "finished_before_s"}, "the request");
+    const auto ids =
+        value_of<std::vector<std::int64_t>>(json, "jobs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
+    const auto age = value_of<std::int64_t>(json, "finished_before_s", -1, whole_between(0, 10000000000), "seconds");
+    if (json.contains("jobs") == json.contains("finished_before_s"))
+      throw Refusal{400, "usage", "expected either jobs or finished_before_s"};
+    std::vector<std::int64_t> purged;
+    co_await in_ledger([&](JobQueue& queue) {
+      purged = age < 0 ? queue.purge(ids) : queue.purge_finished_before(wall_clock_ms() - 1000 * age + 1, 100000);
+      queue.take_changed();
+    });
+    co_await beside([&] {
+      for (const std::int64_t id : purged) {
+        std::error_code ignored;
+        fs::remove(dispatcher.log_path(id), ignored);
+      }
+    });
+    co_return json_response({{"purged", purged}});
+  }
+
+  asio::awaitable<HttpResponse> log(std::string text) {
+    const Job job = co_await job_of(std::move(text));
+    const std::string path = dispatcher.log_path(job.id);
+    std::error_code error;
+    if (!fs::exists(path, error)) co_return HttpResponse{200, "text/plain; charset=utf-8", ""};
+    HttpResponse response{200, "text/plain; charset=utf-8", ""};
+    response.file = path;
+    co_return response;
+  }
+
+  asio::awaitable<HttpResponse> result(std::string text) {
+    const Job job = co_await job_of(std::move(text));
+    if (job.state != JobState::kSucceeded || job.output.empty())
+      throw Refusal{409, "no_result",
+                    fmt::format("job {} has no result to download: it is {}", job.id, job_state_name(job.state))};
+    std::error_code error;
+    if (!fs::is_regular_file(job.output, error))
+      throw Refusal{409, "no_result",
+                    fmt::format("the result of job {} is a folder, or is not there any more", job.id)};
+    HttpResponse response{200, "application/octet-stream", ""};
+    response.file = roots.input(job.output);
+    response.headers.emplace_back("Content-Disposition", "attachment");
+    co_return response;
+  }
+
+  asio::awaitable<HttpResponse> upload(std::string name, HttpRequest request) {
+    const bool is_name =
+        !name.empty() && name.size() <= 100 && name.front() != '.' && std::all_of(name.begin(), name.end(), [](char c) {
+          return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
+                 c == '-';
+        });
+    if (!is_name)
+      throw Refusal{400, "usage", "expected a file's name of up to 100 letters, digits, dots, dashes and underscores"};
+    std::string path, hash;
+    co_await beside([&] {
+      hash = hash_text(request.body);
+      // By content: the same file twice is one.
+      const std::string folder = settings.data + "/uploads/" + hash.substr(0, 32);
+      make_folder(folder);
+      path = folder + "/" + name;
+      write_text_file(path, request.body);
+    });
+    co_return json_response({{"path", fs::canonical(path).string()}, {"bytes", request.body.size()}, {"sha256", hash}},
+                            201);
+  }
+
+  asio::awaitable<HttpResponse> queues() {
+    Json list = Json::array();
+    std::map<std::string, std::map<JobState, std::int64_t>> counts;
+    co_await in_ledger([&](JobQueue& queue) { counts = queue.counts(); });
+    for (const auto& [name, limits] : dispatcher.limits().queues) {
+      Json states = Json::object();
+      for (int state = 0; state <= static_cast<int>(JobState::kCancelled); ++state)
+        states[job_state_name(static_cast<JobState>(state))] = counts[name][static_cast<JobState>(state)];
+      list.push_back({{"name", name},
+                      {"priority", limits.priority},
+                      {"jobs_max", limits.jobs_max == 1 << 30 ? Json(nullptr) : Json(limits.jobs_max)},
+                      {"memory_max", limits.memory_max > 0 ? Json(limits.memory_max) : Json(nullptr)},
+                      {"paused", limits.is_paused},
+                      {"jobs", states}});
+    }
+    co_return json_response({{"queues", list}, {"workers", dispatcher.workers().live_count()}});
+  }
+
+  HttpResponse set_paused(const std::string& name, bool is_paused) {
+    if (!dispatcher.limits().queues.contains(name))
+      throw Refusal{404, "not_found", fmt::format("there is no queue '{}'", name.substr(0, 60))};
+    dispatcher.set_paused(name, is_paused);
+    return json_response({{"name", name}, {"paused", is_paused}});
+  }
+
+  static HttpResponse types() {
+    Json list = Json::array();
+    for (const JobType& type : job_types())
+      list.push_back({{"name", type.name},
+                      {"summary", type.summary},
+                      {"input", type.input.empty() ? Json(nullptr) : Json(type.input)},
+                      {"output_is_folder", type.output_is_folder},
+                      {"parameters", parameters_schema(type)}});
+    return json_response({{"types", list}});
+  }
+
+  HttpResponse event_stream(const HttpRequest& request, std::int64_t job) const {
+    HttpResponse response;
+    response.is_stream = true;
+    response.job = job;
+    const auto last = request.headers.find("last-event-id");
+    const std::optional<std::int64_t> after = last != request.headers.end() ? whole(last->second) : std::nullopt;
+    response.after = after && *after >= 0 ? static_cast<std::uint64_t>(*after) : events.last();
+    return response;
+  }
+
+  asio::awaitable<HttpResponse> ready() {
+    co_await in_ledger([](JobQueue& queue) { queue.next_due(); });
+    const bool is_ready = !dispatcher.is_draining() && dispatcher.workers().live_count() > 0;
+    co_return json_response({{"ready", is_ready}, {"workers", dispatcher.workers().live_count()}},
+                            is_ready ? 200 : 503);
+  }
+
+  asio::awaitable<HttpResponse> metrics() {
+    std::map<std::string, std::map<JobState, std::int64_t>> counts;
+    co_await in_ledger([&](JobQueue& queue) { counts = queue.counts(); });
+    co_return HttpResponse{
+        200, "text/plain; version=0.0.4; charset=utf-8",
+        metrics_text(counts, dispatcher, server != nullptr ? server->counters() : HttpServer::Counters{},
+                     ledger.pending())};
+  }
+
+  asio::io_context& io;
+  QueueThread& ledger;
+  Dispatcher& dispatcher;
+  EventHub& events;
+  const ServiceSettings& settings;
+  std::string token;
+  PathRoots roots;
+  FileHashes hashes;
+  const HttpServer* server = nullptr;
+};
+
+namespace {
+
+// Every request there is. "{}" stands for one part of the path.
+struct Route {
+  const char* method;
+  std::vector<std::string> parts;
+  bool is_public;  // asked for by monitors and browsers before they have a token
+  asio::awaitable<HttpResponse> (*answer)(HttpApi::State& state, std::string part, HttpRequest request);
+};
+
+template <auto kMember>
+asio::awaitable<HttpResponse> with_part(HttpApi::State& state, std::string part, HttpRequest) {
+  return (state.*kMember)(std::move(part));
+}
+template <auto kMember>
+asio::awaitable<HttpResponse> with_request(HttpApi::State& state, std::string, HttpRequest request) {
+  return (state.*kMember)(std::move(request));
+}
+template <auto kMember>
+asio::awaitable<HttpResponse> alone(HttpApi::State& state, std::string, HttpRequest) {
+  return (state.*kMember)();
+}
+
+asio::awaitable<HttpResponse> health(HttpApi::State&, std::string, HttpRequest) {
+  co_return HttpResponse{200, "text/plain; charset=utf-8", "ok\n"};
+}
+asio::awaitable<HttpResponse> types(HttpApi::State& state, std::string, HttpRequest) { co_return state.types(); }
+asio::awaitable<HttpResponse> pause(HttpApi::State& state, std::string part, HttpRequest) {
+  co_return state.set_paused(part, true);
+}
+asio::awaitable<HttpResponse> resume(HttpApi::State& state, std::string part, HttpRequest) {
+  co_return state.set_paused(part, false);
+}
+asio::awaitable<HttpResponse> all_events(HttpApi::State& state, std::string, HttpRequest request) {
+  co_return state.event_stream(request, 0);
+}
+asio::awaitable<HttpResponse> job_events(HttpApi::State& state, std::string part, HttpRequest request) {
+  const Job job = co_await state.job_of(part);
+  co_return state.event_stream(request, job.id);
+}
+asio::awaitable<HttpResponse> upload(HttpApi::State& state, std::string part, HttpRequest request) {
+  return state.upload(std::move(part), std::move(request));
+}
+asio::awaitable<HttpResponse> web_file(HttpApi::State&, std::string, HttpRequest request) {
+  const WebFile* file = find_web_file(request.path);
+  HttpResponse response{200, file->content_type, std::string(file->content)};
+  response.headers.emplace_back("Content-Security-Policy",
+                                "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'");
+  response.headers.emplace_back("Cache-Control", "no-cache");
+  co_return response;
+}
+
+using State = HttpApi::State;
+
+const std::vector<Route>& routes() {
+  static const std::vector<Route> list = {
+      {"GET", {"healthz"}, true, health},
+      {"GET", {"readyz"}, true, alone<&State::ready>},
+      {"GET", {"metrics"}, false, alone<&State::metrics>},
+      {"GET", {"v1", "types"}, false, types},
+      {"GET", {"v1", "queues"}, false, alone<&State::queues>},
+      {"POST", {"v1", "queues", "{}", "pause"}, false, pause},
+      {"POST", {"v1", "queues", "{}", "resume"}, false, resume},
+      {"POST", {"v1", "jobs"}, false, with_request<&State::submit>},
+      {"GET", {"v1", "jobs"}, false, with_request<&State::list>},
+      {"GET", {"v1", "jobs", "{}"}, false, with_part<&State::show>},
+      {"POST", {"v1", "jobs", "{}", "cancel"}, false, with_part<&State::cancel>},
+      {"POST", {"v1", "jobs", "{}", "retry"}, false, with_part<&State::retry>},
+      {"GET", {"v1", "jobs", "{}", "log"}, false, with_part<&State::log>},
+      {"GET", {"v1", "jobs", "{}", "result"}, false, with_part<&State::result>},
+      {"GET", {"v1", "jobs", "{}", "events"}, false, job_events},
+      {"GET", {"v1", "events"}, false, all_events},
+      {"POST", {"v1", "retry"}, false, with_request<&State::retry_dead>},
+      {"POST", {"v1", "purge"}, false, with_request<&State::purge>},
+      {"PUT", {"v1", "uploads", "{}"}, false, upload},
+  };
+  return list;
+}
+
+// Its "{}" is put into `part`.
+bool matches(const Route& route, const std::vector<std::string>& parts, std::string& part) {
+  if (route.parts.size() != parts.size()) return false;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (route.parts[i] == "{}") part = parts[i];
+    else if (route.parts[i] != parts[i]) return false;
+  }
+  return true;
+}
+
+// Null: there is none of this method; `others` are the methods that the path has.
+const Route* find_route(const std::string& method, const std::string& path, std::string& part,
+                        std::vector<std::string>& others) {
+  static const Route kWebFile = {"GET", {}, true, web_file};
+  if (find_web_file(path) != nullptr) {
+    if (method == "GET") return &kWebFile;
+    others = {"GET"};
+    return nullptr;
+  }
+  const std::vector<std::string> parts = split_path(path);
+  for (const Route& route : routes()) {
+    if (!matches(route, parts, part)) continue;
+    if (route.method == method) return &route;
+    others.push_back(route.method);
+  }
+  return nullptr;
+}
+
+bool is_same_secret(const std::string& a, const std::string& b) {
+  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+// A page elsewhere must not make a browser on this machine command the service: neither by a form or script of another
+// origin, nor by a name that its owner lets point here (DNS rebinding).
+bool is_own_origin(const HttpRequest& request, bool has_token) {
+  const auto host = request.headers.find("host");
+  const std::string name = host == request.headers.end() ? "" : host->second;
+  const auto origin = request.headers.find("origin");
+  if (origin != request.headers.end() && origin->second != "http://" + name && origin->second != "https://" + name)
+    return false;
+  if (has_token || name.empty()) return true;
+  const std::string bare = name.starts_with('[') ? name.substr(0, name.find(']') + 1) : name.substr(0, name.find(':'));
+  return bare == "127.0.0.1" || bare == "localhost" || bare == "[::1]" || bare == "multum";
+}
+
+}  // namespace
+
+HttpApi::HttpApi(asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events,
+                 const ServiceSettings& settings, std::string token)
+    : state_(std::make_unique<State>(io, ledger, dispatcher, events, settings, std::move(token))) {}
+
+HttpApi::~HttpApi() = default;
+
+void HttpApi::set_server(const HttpServer* server) { state_->server = server; }
+void HttpApi::set_token(std::string token) { state_->token = std::move(token); }
+
+bool HttpApi::is_upload(const std::string& method, const std::string& path) {
+  return method == "PUT" && path.starts_with("/v1/uploads/");
+}
+
+std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
+  const auto refuse = [](const Refusal& refusal) { return std::make_unique<HttpResponse>(refusal_response(refusal)); };
+  std::string part;
+  std::vector<std::string> others;
+  const Route* route = find_route(request.method, request.path, part, others);
+  if (route == nullptr && !others.empty())
+    return refuse({405,
+                   "method",
+                   fmt::format("expected {}", fmt::join(others, " or ")),
+                   {{"Allow", fmt::format("{}", fmt::join(others, ", "))}}});
+  if (route == nullptr) return refuse({404, "not_found", "there is nothing of this name"});
+  const bool has_token = !state_->token.empty();
+  if (!is_own_origin(request, has_token)) return refuse({403, "origin", "asked for by a page of another origin"});
+  if (has_token && !route->is_public) {
+    const auto given = request.headers.find("authorization");
+    const auto query = request.query.find("access_token");  // event streams of browsers have no headers
+    const bool is_known =
+        (given != request.headers.end() && is_same_secret(given->second, "Bearer " + state_->token)) ||
+        (query != request.query.end() && is_same_secret(query->second, state_->token));
+    if (!is_known)
+      return refuse({401, "token", "a bearer token is needed", {{"WWW-Authenticate", "Bearer realm=\"multum\""}}});
+  }
+  return nullptr;
+}
+
+asio::awaitable<HttpResponse> HttpApi::answer(HttpRequest request) {
+  request.query.erase("access_token");
+  try {
+    std::string part;
+    std::vector<std::string> others;
+    const Route* route = find_route(request.method, request.path, part, others);
+    MULTUM_CHECK(route != nullptr);  // check() was asked before
+    co_return co_await route->answer(*state_, part, std::move(request));
+  } catch (const Refusal& refusal) {
+    co_return refusal_response(refusal);
+  } catch (const Error& error) {
+    co_return refusal_response(refusal_of(error));
+  } catch (const std::exception& error) {
+    co_return refusal_response({500, "internal", error.what()});
+  }
+}
+
+void HttpApi::State::remove_staging_of(const Job& job) const {
+  remove_staging(job.output, dispatcher.instance(), job.id);
+}
+
+}  // namespace multum

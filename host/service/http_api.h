@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the web interface answers: docs/openapi.json describes every request and answer, and the tests hold both
+// together.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <string>
+
+#include "host/service/dispatcher.h"
+#include "host/service/file_hashes.h"
+#include "host/service/http_server.h"
+#include "host/service/path_roots.h"
+#include "host/service/service_settings.h"
+
+namespace multum {
+
+class HttpApi {
+ public:
+  HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events,
+          const ServiceSettings& settings, std::string token);
+  ~HttpApi();
+  HttpApi(const HttpApi&) = delete;
+  HttpApi& operator=(const HttpApi&) = delete;
+
+  /// Before a body is read: who may not, and what is not there, is told so.
+  std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
+  static bool is_upload(const std::string& method, const std::string& path);
+  boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
+  /// For /metrics.
+  void set_server(const HttpServer* server);
+  void set_token(std::string token);
+
+  struct State;  // of its handlers
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace multum

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/job_types.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/bake/animation_job.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+using Json = nlohmann::json;
+using Kind = ParameterKind;
+
+constexpr std::int64_t kMiB = 1 << 20;
+
+JobType bake_type() {
+  return {"bake",
+          "a normal map or height field into an aligned mixture-of-vMF mipmap",
+          "bake",
+          "input",
+          true,
+          true,
+          false,
+          ".ndf.exr",
+          1024 * kMiB,
+          {{"input", Kind::kInputFile, "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"},
+           {"albedo", Kind::kInputFile, "colour map of the same size: bakes colours per lobe"},
+           {"lobes", Kind::kWhole, "lobes a texel", 1, 8},
+           {"reference", Kind::kFlag, "every normal at every level, none cut short"},
+           {"iterations", Kind::kWhole, "EM iterations a texel, at most", 1, 1000},
+           {"sweeps", Kind::kWhole, "times that a level is fitted", 1, 16},
+           {"order", Kind::kChoice, "in which texels are fitted", 0, 0, {"colour", "scanline"}},
+           {"align", Kind::kNumber, "weight of the alignment prior", 0, 1e6},
+           {"kappa_cap", Kind::kNumber, "sharpest lobe on rough texels", 1, 1e9},
+           {"first_level", Kind::kWhole, "finest level to store", 0, 15},
+           {"data_format", Kind::kChoice, "what lobes are rounded to", 0, 0, {"snorm16", "half", "float"}},
+           {"compression", Kind::kText, "none, rle, zips, zip or piz, zip:1..9"},
+           {"wrap", Kind::kChoice, "beyond the border", 0, 0, {"black", "clamp", "periodic", "mirror"}},
+           {"green", Kind::kChoice, "which way the green channel points", 0, 0, {"up", "down"}},
+           {"height_scale", Kind::kNumber, "of a height field, texels", 1e-6, 1e6},
+           {"memory", Kind::kWhole, "bytes of resident memory to stay within", 1 << 26, 1e15},
+           {"device", Kind::kText, "OpenCL device: a number of `multum devices` or part of a name"},
+           {"no_measure", Kind::kFlag, "skip measuring the error of what is written"}}};
+}
+
+JobType infer_type() {
+  return {"infer",
+          "textures from ray-traced pictures",
+          "infer",
+          "job",
+          true,
+          true,
+          true,
+          "",
+          2048 * kMiB,
+          {{"job", Kind::kInputFile, "animation.toml, as `multum animation` writes it"},
+           {"hold_out", Kind::kWhole, "every such view is left out of layers that do not depend on views", 2, 1000},
+           {"tolerance", Kind::kNumber, "relative gradient at which a texture is solved", 1e-7, 1},
+           {"iterations", Kind::kWhole, "at most", 1, 100000},
+           {"no_frames", Kind::kFlag, "draw no frames"},
+           {"no_comparison", Kind::kFlag, "do not compare ways to infer"},
+           {"report_sample", Kind::kText, "of the report's pictures"},
+           {"context", Kind::kChoice, "GL to infer for", 0, 0, {"auto", "osmesa", "egl"}},
+           {"device", Kind::kText, "OpenCL device: a number of `multum devices` or part of a name"}}};
+}
+
+JobType drill_type() {
+  return {"drill",
+          "does nothing, or fails as asked: for trying out queues, limits and alarms",
+          "",
+          "",
+          true,
+          false,
+          false,
+          "",
+          0,
+          {{"seconds", Kind::kNumber, "how long it takes", 0, 86400},
+           {"then",
+            Kind::kChoice,
+            "how it ends: well, with an error worth trying again, with one that is not, by crashing, or not at all, "
+            "deaf to its heartbeat or making no progress",
+            0,
+            0,
+            {"succeed", "fail", "refuse", "crash", "hang", "stall"}},
+           {"text", Kind::kText, "written to the output"}}};
+}
+
+const JobParameter* find_parameter(const JobType& type, const std::string& name) {
+  const auto found = std::find_if(type.parameters.begin(), type.parameters.end(),
+                                  [&](const JobParameter& one) { return one.name == name; });
+  return found == type.parameters.end() ? nullptr : &*found;
+}
+
+std::string expected_text(const JobParameter& parameter) {
+  switch (parameter.kind) {
+    case Kind::kFlag: return "true or false";
+    case Kind::kWhole: return fmt::format("a whole number from {:.0f} to {:.0f}", parameter.least, parameter.most);
+    case Kind::kNumber: return fmt::format("a number from {:g} to {:g}", parameter.least, parameter.most);
+    case Kind::kChoice: return fmt::format("one of {}", fmt::join(parameter.choices, ", "));
+    case Kind::kText: return "a text of up to 1000 bytes without control characters";
+    case Kind::kInputFile: return "a file's path";
+  }
+  return "";
+}
+
+bool is_plain_text(const std::string& text) {
+  return text.size() <= 1000 && std::none_of(text.begin(), text.end(), [](char c) {
+           return static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) == 127;
+         });
+}
+
+bool is_accepted(const JobParameter& parameter, const Json& value) {
+  switch (parameter.kind) {
+    case Kind::kFlag: return value.is_boolean();
+    case Kind::kWhole:
+      return value.is_number_integer() && value.get<double>() >= parameter.least &&
+             value.get<double>() <= parameter.most;
+    case Kind::kNumber:
+      return value.is_number() && value.get<double>() >= parameter.least && value.get<double>() <= parameter.most;
+    case Kind::kChoice:
+      return value.is_string() && std::find(parameter.choices.begin(), parameter.choices.end(),
+                                            value.get<std::string>()) != parameter.choices.end();
+    case Kind::kText: return value.is_string() && is_plain_text(value.get<std::string>());
+    case Kind::kInputFile:
+      return value.is_string() && !value.get<std::string>().empty() && value.get<std::string>().size() < 4096 &&
+             value.get<std::string>().find('\0') == std::string::npos;
+  }
+  return false;
+}
+
+std::string shortened(const Json& value) {
+  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+}  // namespace
+
+const std::vector<JobType>& job_types() {
+  static const std::vector<JobType> types = {bake_type(), infer_type(), drill_type()};
+  return types;
+}
+
+const JobType& find_job_type(const std::string& name) {
+  std::vector<std::string> names;
+  for (const JobType& type : job_types()) {
+    if (type.name == name) return type;
+    names.push_back(type.name);
+  }
+  throw Error(ErrorCode::kUsage, fmt::format("type is \"{}\", expected one of {}", name, fmt::join(names, ", ")));
+}
+
+void check_parameters(const JobType& type, const Json& parameters) {
+  if (!parameters.is_object()) throw Error(ErrorCode::kUsage, "parameters is no object");
+  for (const auto& [name, value] : parameters.items()) {
+    const JobParameter* parameter = find_parameter(type, name);
+    if (parameter == nullptr)
+      throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is none that {} has", name.substr(0, 60), type.name));
+    if (!is_accepted(*parameter, value))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("parameters.{} is {}, expected {}", name, shortened(value), expected_text(*parameter)));
+  }
+  if (!type.input.empty() && !parameters.contains(type.input))
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
+}
+
+Json parameters_schema(const JobType& type) {
+  Json properties = Json::object();
+  for (const JobParameter& parameter : type.parameters) {
+    Json one = {{"description", parameter.help}};
+    switch (parameter.kind) {
+      case Kind::kFlag: one["type"] = "boolean"; break;
+      case Kind::kWhole:
+        one.update({{"type", "integer"},
+                    {"minimum", static_cast<std::int64_t>(parameter.least)},
+                    {"maximum", static_cast<std::int64_t>(parameter.most)}});
+        break;
+      case Kind::kNumber:
+        one.update({{"type", "number"}, {"minimum", parameter.least}, {"maximum", parameter.most}});
+        break;
+      case Kind::kChoice: one.update({{"type", "string"}, {"enum", parameter.choices}}); break;
+      case Kind::kText: one.update({{"type", "string"}, {"maxLength", 1000}}); break;
+      case Kind::kInputFile: one.update({{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}}); break;
+    }
+    properties[parameter.name] = one;
+  }
+  Json schema = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  if (!type.input.empty()) schema["required"] = {type.input};
+  return schema;
+}
+
+std::vector<std::string> job_arguments(const JobType& type, const Json& parameters, const std::string& output) {
+  std::vector<std::string> arguments = {type.command.empty() ? type.name : type.command};
+  for (const auto& [name, value] : parameters.items()) {
+    if (name == type.input) continue;
+    std::string option = "--" + name;
+    std::replace(option.begin(), option.end(), '_', '-');
+    // "--a=b": a value that begins with a dash is no option.
+    if (value.is_boolean()) {
+      if (value.get<bool>()) arguments.push_back(option);
+    } else {
+      arguments.push_back(option + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
+    }
+  }
+  if (!output.empty()) arguments.push_back("--output=" + output);
+  if (!type.input.empty()) {
+    arguments.push_back("--");  // nor is a file's name
+    arguments.push_back(parameters.at(type.input).get<std::string>());
+  }
+  return arguments;
+}
+
+std::vector<std::string> input_files(const JobType& type, const Json& parameters) {
+  std::vector<std::string> files;
+  for (const JobParameter& parameter : type.parameters)
+    if (parameter.kind == Kind::kInputFile && parameters.contains(parameter.name))
+      files.push_back(parameters.at(parameter.name).get<std::string>());
+  if (type.command == "infer") {
+    const std::vector<std::string> named = animation_job_files(files.front());
+    files.insert(files.end(), named.begin(), named.end());
+  }
+  return files;
+}
+
+std::string idempotency_key(const JobType& type, const Json& parameters, const std::vector<std::string>& file_hashes) {
+  Json without_names = parameters;
+  for (const JobParameter& parameter : type.parameters)
+    if (parameter.kind == Kind::kInputFile && without_names.contains(parameter.name))
+      without_names[parameter.name] = true;
+  // A manifest of inferred textures names its scene file, and which file is which matters there.
+  if (type.command == "infer") without_names["job"] = parameters.at("job");
+  return hash_text(
+      Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}
+          .dump());
+}
+
+}  // namespace multum

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one list of what jobs can be. Each type is a table of parameters: what the web interface accepts, what
+// `multum submit` takes as options, which command line a worker runs, and which files the idempotency key is of, all
+// follow from it.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace multum {
+
+enum class ParameterKind { kFlag, kWhole, kNumber, kChoice, kText, kInputFile };
+
+struct JobParameter {
+  std::string name;  // in JSON, "first_level"; as an option "--first-level"
+  ParameterKind kind;
+  std::string help;
+  double least = 0.0, most = 0.0;  // of numbers
+  std::vector<std::string> choices = {};
+};
+
+struct JobType {
+  std::string name;  // "bake"
+  std::string summary;
+  std::string command;  // of multum, that does it; empty: the worker itself does
+  std::string input;    // name of the parameter that is the first argument; empty: none
+  bool has_output = true;
+  bool needs_output = true;
+  bool output_is_folder = false;
+  std::string output_extension;   // "" any
+  std::int64_t memory_bytes = 0;  // that a job is taken to need when it does not say
+  std::vector<JobParameter> parameters;
+};
+
+/// bake, infer, and drill: a job that does nothing, or fails as asked, for trying out a set-up.
+const std::vector<JobType>& job_types();
+/// Throws Error(kUsage) naming those that there are.
+const JobType& find_job_type(const std::string& name);
+
+/// Checks names, types and ranges. Throws Error(kUsage): "parameters.lobes is 9, expected a whole number from 1 to 8".
+void check_parameters(const JobType& type, const nlohmann::json& parameters);
+/// Draft 2020-12, of the `parameters` object: what check_parameters() accepts.
+nlohmann::json parameters_schema(const JobType& type);
+
+/// The command line of `multum` that makes `output` of checked parameters.
+std::vector<std::string> job_arguments(const JobType& type, const nlohmann::json& parameters,
+                                       const std::string& output);
+
+/// Every file whose content decides the result: the parameters' own, and those that a job of inference names.
+/// Throws Error(kInput) when such a job cannot be read.
+std::vector<std::string> input_files(const JobType& type, const nlohmann::json& parameters);
+
+/// SHA-256 of the type, the parameters without the names of files, the files' hashes and the version of multum; two
+/// jobs of one key make the same bytes.
+std::string idempotency_key(const JobType& type, const nlohmann::json& parameters,
+                            const std::vector<std::string>& file_hashes);
+
+}  // namespace multum

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one thread that uses the ledger. What many ask for at once is committed together: one sync of the disk serves all
+// of them, and nobody is answered before it.
+#pragma once
+
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/service/job_queue.h"
+
+namespace multum {
+
+class QueueThread {
+ public:
+  using Work = std::function<void(JobQueue&)>;              // may throw: then nothing of it is done
+  using Done = std::function<void(std::exception_ptr)>;     // after the commit, by `post`; null: all is well
+  using Post = std::function<void(std::function<void()>)>;  // runs a function on the caller's thread
+
+  /// Opens the ledger; throws as JobQueue does.
+  QueueThread(const std::string& path, RetryPolicy policy, Post post);
+  /// Does what was asked for, then ends.
+  ~QueueThread();
+  QueueThread(const QueueThread&) = delete;
+  QueueThread& operator=(const QueueThread&) = delete;
+
+  void run(Work work, Done done);
+  /// The same, waiting for it; rethrows. Not for the thread that `post` runs things on while others wait for it.
+  void run_now(const Work& work);
+  std::size_t pending() const;
+
+ private:
+  struct Task {
+    Work work;
+    Done done;
+    std::exception_ptr error;
+  };
+  void loop();
+  void run_batch(std::vector<Task>& batch);
+
+  JobQueue queue_;
+  Post post_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::vector<Task> tasks_;
+  bool is_ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace multum

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/service.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <systemd/sd-daemon.h>
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/folder_lock.h"
+#include "host/base/output_paths.h"
+#include "host/service/http_api.h"
+#include "host/service/service_log.h"
+
+namespace multum {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+
+// Every connection and worker is a file.
+void raise_file_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+std::string read_token(const std::string& path) {
+  if (path.empty()) return "";
+  std::ifstream file(path);
+  std::string token;
+  if (!std::getline(file, token) || token.size() < 16)
+    throw Error(ErrorCode::kInput, path + ": expected a first line of at least 16 characters, the token");
+  struct stat found {};
+  if (::stat(path.c_str(), &found) == 0 && (found.st_mode & 077) != 0)
+    throw Error(ErrorCode::kInput, path + ": others may read it, expected a file of its owner alone (chmod 600)");
+  return token;
+}
+
+// The same for as long as the data folder lives: staging folders are told apart by it.
+std::string instance_of(const std::string& data) {
+  const std::string path = data + "/instance";
+  std::string name;
+  if (std::ifstream file(path); std::getline(file, name) && name.size() == 8) return name;
+  std::random_device random;
+  name = fmt::format("{:08x}", random());
+  write_text_file(path, name + "\n");
+  return name;
+}
+
+class Service {
+ public:
+  explicit Service(const ServiceOptions& options)
+      : options_(options),
+        settings_(options.settings),
+        lock_(lock()),
+        work_(asio::make_work_guard(io_)),
+        ledger_(
+            std::make_unique<QueueThread>(settings_.data + "/jobs.sqlite", settings_.retry,
+                                          [this](std::function<void()> task) { asio::post(io_, std::move(task)); })),
+        dispatcher_(io_, *ledger_, events_, settings_, instance_of(settings_.data), options.worker_command),
+        api_(io_, *ledger_, dispatcher_, events_, settings_, read_token(settings_.token_file)),
+        server_(io_, server_settings(), events_),
+        signals_(io_, SIGTERM, SIGINT),
+        reload_signal_(io_, SIGHUP),
+        watchdog_(io_),
+        sweep_(io_) {
+    api_.set_server(&server_);
+  }
+
+  ~Service() { ledger_.reset(); }  // ends before what it posts to
+
+  void run() {
+    dispatcher_.recover();
+    listen();
+    dispatcher_.start();
+    wait_for_signals();
+    wait_for_reload();
+    notify_watchdog();
+    sweep();
+    sd_notify(0, "READY=1");
+    io_.run();
+    service_log(LogSeverity::kInfo, 0, "ended");
+  }
+
+ private:
+  std::unique_ptr<FolderLock> lock() const {
+    std::unique_ptr<FolderLock> lock = FolderLock::take(settings_.data);
+    if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is at work there");
+    for (const char* folder : {"/logs", "/uploads", "/results", "/thumbnails"}) make_folder(settings_.data + folder);
+    return lock;
+  }
+
+  HttpServer::Settings server_settings() {
+    HttpServer::Settings settings;
+    settings.connections_max = settings_.connections_max;
+    settings.upload_max = static_cast<std::size_t>(settings_.upload_bytes_max);
+    settings.is_upload = HttpApi::is_upload;
+    settings.check = [this](const HttpRequest& request) { return api_.check(request); };
+    settings.answer = [this](HttpRequest request) { return api_.answer(std::move(request)); };
+    return settings;
+  }
+
+  void listen() {
+    const ListenAddress address = parse_listen_address(settings_.listen);
+    std::string where = "unix:" + address.unix_path;
+    if (!address.unix_path.empty()) {
+      server_.listen_unix(address.unix_path);
+    } else {
+      const int port = server_.listen_tcp(address.host, address.port);
+      const bool is_v6 = address.host.find(':') != std::string::npos;
+      where = fmt::format("http://{}{}{}:{}", is_v6 ? "[" : "", address.host, is_v6 ? "]" : "", port);
+    }
+    // For those who let the system choose a port.
+    write_text_file(settings_.data + "/address", where + "\n");
+    service_log(LogSeverity::kInfo, 0, "listening on " + where);
+  }
+
+  void wait_for_signals() {
+    signals_.async_wait([this](const boost::system::error_code& error, int number) {
+      if (error) return;
+      if (is_ending_) {
+        service_log(LogSeverity::kWarning, 0, "asked again: ending at once");
+        io_.stop();
+        return;
+      }
+      is_ending_ = true;
+      service_log(LogSeverity::kInfo, 0, fmt::format("signal {}: no more jobs are started", number));
+      sd_notify(0, "STOPPING=1");
+      dispatcher_.drain([this] {
+        server_.close();
+        // Answers that are on their way.
+        const auto last = std::make_shared<asio::steady_timer>(io_, std::chrono::milliseconds(200));
+        last->async_wait([this, last](const boost::system::error_code&) { io_.stop(); });
+      });
+      wait_for_signals();
+    });
+  }
+
+  void wait_for_reload() {
+    reload_signal_.async_wait([this](const boost::system::error_code& error, int) {
+      if (error) return;
+      sd_notify(0, "RELOADING=1");
+      try {
+        ServiceSettings settings = settings_;
+        if (!options_.settings_file.empty()) read_service_settings(options_.settings_file, settings);
+        api_.set_token(read_token(settings.token_file));
+        dispatcher_.reload(settings);
+        service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
+      } catch (const Error& wrong) {
+        service_log(LogSeverity::kError, 0, std::string("settings are kept as they were: ") + wrong.what());
+      }
+      sd_notify(0, "READY=1");
+      wait_for_reload();
+    });
+  }
+
+  void notify_watchdog() {
+    std::uint64_t interval = 0;  // microseconds
+    if (sd_watchdog_enabled(0, &interval) <= 0) return;
+    watchdog_.expires_after(std::chrono::microseconds(interval / 3));
+    watchdog_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      // By way of the ledger: a daemon whose ledger hangs is of no use.
+      ledger_->run([](JobQueue&) {},
+                   [this](const std::exception_ptr&) {
+                     sd_notify(0, "WATCHDOG=1");
+                     notify_watchdog();
+                   });
+    });
+  }
+
+  // Every hour: what has outlived its keeping.
+  void sweep() {
+    if (settings_.retention_days > 0) {
+      const auto purged = std::make_shared<std::vector<std::int64_t>>();
+      ledger_->run(
+          [this, purged](JobQueue& queue) {
+            *purged = queue.purge_finished_before(wall_clock_ms() - 86400000LL * settings_.retention_days, 10000);
+            queue.take_changed();
+          },
+          [this, purged](const std::exception_ptr&) {
+            for (const std::int64_t id : *purged) {
+              std::error_code ignored;
+              fs::remove(dispatcher_.log_path(id), ignored);
+            }
+          });
+    }
+    sweep_.expires_after(std::chrono::hours(1));
+    sweep_.async_wait([this](const boost::system::error_code& error) {
+      if (!error) sweep();
+    });
+  }
+
+  const ServiceOptions& options_;
+  ServiceSettings settings_;
+  std::unique_ptr<FolderLock> lock_;
+  asio::io_context io_{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work_;
+  EventHub events_;
+  std::unique_ptr<QueueThread> ledger_;
+  Dispatcher dispatcher_;
+  HttpApi api_;
+  HttpServer server_;
+  asio::signal_set signals_, reload_signal_;
+  asio::steady_timer watchdog_, sweep_;
+  bool is_ending_ = false;
+};
+
+}  // namespace
+
+void run_service(const ServiceOptions& options) {
+  raise_file_limit();
+  check_service_settings(options.settings);
+  Service(options).run();
+}
+
+}  // namespace multum

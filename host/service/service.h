@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The daemon: ledger, workers, web interface, signals.
+//   SIGTERM, SIGINT   no more jobs are started; those that run may end within the grace, then they are handed back
+//   SIGHUP            reads the settings file again
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/service/service_settings.h"
+
+namespace multum {
+
+struct ServiceOptions {
+  ServiceSettings settings;
+  std::string settings_file;                // read again at SIGHUP; empty: none
+  std::vector<std::string> worker_command;  // of a worker, without its socket
+};
+
+/// Until it is asked to end. Throws Error for what keeps it from starting.
+void run_service(const ServiceOptions& options);
+
+}  // namespace multum

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/service_settings.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "host/bake/strict_toml.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+const std::vector<std::string> kKeys = {
+    "listen",           "token_file",     "roots",         "workers",        "threads_a_worker",
+    "memory_max",       "lease_s",        "no_progress_s", "cancel_grace_s", "shutdown_grace_s",
+    "back_off_first_s", "back_off_max_s", "upload_max",    "data_max",       "retention_days",
+    "connections_max",  "queue",          "device"};
+
+// "800M", "2G": as --memory takes it.
+std::optional<std::int64_t> parse_bytes(const std::string& text) {
+  double value = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || !(value >= 0.0)) return std::nullopt;
+  const std::string unit(stop, end);
+  double factor = 0.0;
+  if (unit.empty() || unit == "B") factor = 1.0;
+  else if (unit == "K") factor = 1 << 10;
+  else if (unit == "M") factor = 1 << 20;
+  else if (unit == "G") factor = 1 << 30;
+  else if (unit == "T") factor = std::ldexp(1.0, 40);
+  if (factor == 0.0 || value * factor > 9e18) return std::nullopt;
+  return static_cast<std::int64_t>(value * factor);
+}
+
+std::int64_t bytes(const StrictTable& table, const std::string& key, std::int64_t fallback) {
+  if (!table.has(key)) return fallback;
+  const std::string text = table.text(key);
+  const std::optional<std::int64_t> found = parse_bytes(text);
+  if (!found) table.refuse(key, fmt::format("is \"{}\", expected a size as \"800M\" or \"2G\"", text));
+  return *found;
+}
+
+std::chrono::milliseconds seconds(const StrictTable& table, const std::string& key, std::chrono::milliseconds fallback,
+                                  double least) {
+  const NumberRange range = {least, 1e7, false, false, fmt::format("seconds from {:g} to 1e7", least)};
+  const double value = table.number(key, range, static_cast<double>(fallback.count()) / 1000.0);
+  return std::chrono::milliseconds(std::llround(1000.0 * value));
+}
+
+void read_queues(const StrictTable& root, const std::string& path, ServiceSettings& settings) {
+  if (!root.has("queue")) return;
+  settings.queues.clear();
+  for (const toml::table* entry : root.tables("queue")) {
+    const StrictTable table(path, *entry, "queue", {"name", "priority", "jobs", "memory_max", "paused"});
+    QueueLimits limits;
+    limits.priority = table.whole("priority", -1000, 1000, 0);
+    limits.jobs_max = table.whole("jobs", 1, 1 << 30, limits.jobs_max);
+    limits.memory_max = bytes(table, "memory_max", 0);
+    limits.is_paused = table.boolean("paused", false);
+    const std::string name = table.text("name");
+    if (!settings.queues.emplace(name, limits).second)
+      table.refuse("name", fmt::format("is \"{}\", which is there already", name));
+  }
+}
+
+void read_devices(const StrictTable& root, const std::string& path, ServiceSettings& settings) {
+  if (!root.has("device")) return;
+  for (const toml::table* entry : root.tables("device")) {
+    const StrictTable table(path, *entry, "device", {"name", "jobs"});
+    settings.devices[table.text("name")] = table.whole("jobs", 1, 1024);
+  }
+}
+
+}  // namespace
+
+void read_service_settings(const std::string& path, ServiceSettings& s) {
+  const toml::table file = parse_toml(path);
+  const StrictTable root(path, file, "", kKeys);
+  s.listen = root.text("listen", s.listen);
+  s.token_file = root.text("token_file", s.token_file);
+  if (root.has("roots")) s.roots = root.texts("roots", true);
+  s.workers = root.whole("workers", 1, 256, s.workers);
+  s.threads_a_worker = root.whole("threads_a_worker", 0, 1024, s.threads_a_worker);
+  s.memory_max = bytes(root, "memory_max", s.memory_max);
+  s.lease = seconds(root, "lease_s", s.lease, 2.0);
+  s.no_progress = seconds(root, "no_progress_s", s.no_progress, 0.0);
+  s.cancel_grace = seconds(root, "cancel_grace_s", s.cancel_grace, 0.0);
+  s.shutdown_grace = seconds(root, "shutdown_grace_s", s.shutdown_grace, 0.0);
+  s.retry.back_off_first =
+      seconds(root, "back_off_first_s", std::chrono::milliseconds(s.retry.back_off_first), 0.0).count();
+  s.retry.back_off_max = seconds(root, "back_off_max_s", std::chrono::milliseconds(s.retry.back_off_max), 0.0).count();
+  s.upload_bytes_max = static_cast<int>(std::min<std::int64_t>(bytes(root, "upload_max", s.upload_bytes_max), 1 << 30));
+  s.data_bytes_max = bytes(root, "data_max", s.data_bytes_max);
+  s.retention_days = root.whole("retention_days", 0, 100000, s.retention_days);
+  s.connections_max = root.whole("connections_max", 8, 65536, s.connections_max);
+  read_queues(root, path, s);
+  read_devices(root, path, s);
+}
+
+ListenAddress parse_listen_address(const std::string& text) {
+  ListenAddress address;
+  if (text.starts_with("unix:")) {
+    address.unix_path = text.substr(5);
+    if (address.unix_path.empty() || address.unix_path.size() > 107)
+      throw Error(ErrorCode::kUsage, fmt::format("'{}': expected unix: and a path of up to 107 bytes", text));
+    return address;
+  }
+  const std::size_t colon = text.rfind(':');
+  const char* end = text.data() + text.size();
+  const bool has_port = colon != std::string::npos && colon + 1 < text.size();
+  const auto parsed = has_port ? std::from_chars(text.data() + colon + 1, end, address.port)
+                               : std::from_chars_result{nullptr, std::errc::invalid_argument};
+  if (parsed.ec != std::errc() || parsed.ptr != end || address.port < 0 || address.port > 65535)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("'{}': expected an address to listen on, as 127.0.0.1:8470, [::1]:8470 or unix:PATH", text));
+  address.host = text.substr(0, colon);
+  if (address.host.starts_with('[') && address.host.ends_with(']'))
+    address.host = address.host.substr(1, address.host.size() - 2);
+  if (address.host == "localhost") address.host = "127.0.0.1";
+  return address;
+}
+
+void check_service_settings(const ServiceSettings& settings) {
+  const ListenAddress address = parse_listen_address(settings.listen);
+  if (!address.is_loopback() && settings.token_file.empty())
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("'{}' can be reached from other machines: that needs a token (--token-file), and TLS from a "
+                    "reverse proxy before it (docs/SERVICE.md)",
+                    settings.listen));
+}
+
+}  // namespace multum

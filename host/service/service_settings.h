@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the daemon is told: by serve.toml, whose keys docs/SERVICE.md lists, and by its command line, which goes before.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/service/job_queue.h"
+
+namespace multum {
+
+struct ServiceSettings {
+  std::string data;                       // folder of the ledger, logs, uploads, thumbnails
+  std::string listen = "127.0.0.1:8470";  // HOST:PORT, [::1]:PORT or unix:PATH; port 0: any that is free
+  std::string token_file;                 // its first line is the bearer token; needed when not on loopback
+  std::vector<std::string> roots;         // folders that jobs may read and write; none: the current folder
+  int workers = 2;                        // 1..256
+  int threads_a_worker = 0;               // 0: the cores shared out
+  std::map<std::string, QueueLimits> queues = {{"default", {}}};
+  std::map<std::string, int> devices;  // jobs at once on each
+  std::int64_t memory_max = 0;         // bytes of all running jobs; 0: three quarters of the machine's
+  RetryPolicy retry;
+  std::chrono::milliseconds lease{10000};
+  std::chrono::milliseconds no_progress{600000};
+  std::chrono::milliseconds cancel_grace{10000};
+  std::chrono::milliseconds shutdown_grace{30000};  // of running jobs, when asked to end; then they are handed back
+  int upload_bytes_max = 64 << 20;
+  std::int64_t data_bytes_max = 10LL << 30;  // of uploads, thumbnails and logs together
+  int retention_days = 30;                   // of finished jobs, with their logs; 0: for ever
+  int connections_max = 4096;
+};
+
+/// Throws Error(kInput) naming file, line, what was found and what was expected.
+void read_service_settings(const std::string& path, ServiceSettings& settings);
+
+/// Throws Error(kUsage): an address that is none, or one that others reach without a token.
+void check_service_settings(const ServiceSettings& settings);
+
+/// Where to listen.
+struct ListenAddress {
+  std::string unix_path;  // or
+  std::string host;
+  int port = 0;
+  bool is_loopback() const { return !unix_path.empty() || host == "127.0.0.1" || host == "::1"; }
+};
+ListenAddress parse_listen_address(const std::string& text);
+
+}  // namespace multum

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The daemon's side of its workers: child processes that bake, so that a driver's crash ends one of them alone. A
+// worker that dies, or does not say for the length of a lease that it lives, or makes no progress for too long, is
+// killed and waited for before anybody else may have its job.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace multum {
+
+struct WorkerPoolSettings {
+  int workers = 1;
+  std::vector<std::string> command;               // a worker's, but for its socket: "--socket=3" is added
+  std::chrono::milliseconds lease{10000};         // without a word
+  std::chrono::milliseconds no_progress{600000};  // without getting on; 0: for ever
+  std::chrono::milliseconds cancel_grace{10000};  // from asking to killing
+  int jobs_a_worker = 1000;                       // then another takes its place: drivers leak
+};
+
+struct WorkOrder {
+  std::int64_t job = 0;
+  int attempt = 0;
+  std::vector<std::string> arguments;
+  std::string folder;  // made before
+  std::string log;
+};
+
+struct JobProgress {
+  std::string stage;
+  std::uint64_t done = 0, total = 0;
+};
+
+class WorkerPool {
+ public:
+  struct Events {
+    std::function<void()> ready;  // there may be an idle one
+    std::function<void(std::int64_t job, const JobProgress&)> progress;
+    /// `exit_code` is -1 when the worker was lost; `message` says how.
+    std::function<void(std::int64_t job, const std::string& owner, int attempt, int exit_code,
+                       const std::string& message)>
+        ended;
+  };
+
+  WorkerPool(boost::asio::io_context& io, WorkerPoolSettings settings, std::string instance, Events events);
+  /// Kills what is left.
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  void start();
+  /// Names of workers that are idle and not spoken for: order() takes one.
+  std::vector<std::string> idle() const;
+  /// False: that worker is not idle any more.
+  bool order(const std::string& owner, const WorkOrder& work);
+  /// Asks a running job to stop; after the grace its worker is killed. False: no worker has it.
+  bool cancel(std::int64_t job);
+  /// No new workers, idle ones end. Running jobs go on.
+  void close();
+  bool has_running() const;
+  std::vector<std::int64_t> running() const;
+
+  std::uint64_t started_count() const { return started_; }
+  std::uint64_t lost_count() const { return lost_; }
+  int live_count() const { return static_cast<int>(workers_.size()); }
+
+ private:
+  struct Worker;
+  void spawn();
+  void read(const std::shared_ptr<Worker>& worker);
+  void take_lines(Worker& worker);
+  void send(const std::shared_ptr<Worker>& worker, const std::string& line);
+  void write_next(const std::shared_ptr<Worker>& worker);
+  void bury(const std::shared_ptr<Worker>& worker, const std::string& why);
+  void tick();
+
+  boost::asio::io_context& io_;
+  WorkerPoolSettings settings_;
+  std::string instance_;
+  Events events_;
+  boost::asio::steady_timer timer_;
+  std::map<std::string, std::shared_ptr<Worker>> workers_;  // by owner
+  std::uint64_t started_ = 0, lost_ = 0;
+  int failures_ = 0;  // of workers that died before their first job, one after the other
+  std::chrono::steady_clock::time_point not_before_;
+  bool is_closing_ = false;
+};
+
+}  // namespace multum

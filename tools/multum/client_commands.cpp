@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum submit, list, show, tail, wait, cancel, retry, purge: they ask a service that runs elsewhere.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "host/base/error.h"
+#include "host/service/http_client.h"
+#include "host/service/job_types.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+struct ClientOptions {
+  std::string server, token_file;
+  bool json = false;
+};
+
+// --server, else $MULTUM_SERVER, else the usual place.
+HttpClient client_of(const ClientOptions& o) {
+  const char* from_environment = std::getenv("MULTUM_SERVER");
+  const std::string server = !o.server.empty()             ? o.server
+                             : from_environment != nullptr ? from_environment
+                                                           : "http://127.0.0.1:8470";
+  const char* token_from_environment = std::getenv("MULTUM_TOKEN_FILE");
+  const std::string token_file = !o.token_file.empty()               ? o.token_file
+                                 : token_from_environment != nullptr ? token_from_environment
+                                                                     : "";
+  std::string token;
+  if (!token_file.empty()) {
+    std::ifstream file(token_file);
+    if (!std::getline(file, token)) throw Error(ErrorCode::kInput, token_file + ": cannot be read");
+  }
+  return HttpClient(server, token);
+}
+
+void add_client_options(CLI::App& command, ClientOptions& o) {
+  command.add_option("--server", o.server,
+                     "http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
+  command.add_option("--token-file", o.token_file, "file whose first line is the token (default: $MULTUM_TOKEN_FILE)");
+  command.add_flag("--json", o.json, "print what the service answers");
+}
+
+void print_json(const Json& json) {
+  std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+std::string job_line(const Json& job) {
+  std::string line =
+      fmt::format("{:>6}  {:<10} {:<8} {}", job["id"].get<std::int64_t>(), job["state"].get<std::string>(),
+                  job["type"].get<std::string>(), job["output"].get<std::string>());
+  if (job.contains("progress") && job["progress"].is_object() && job["progress"]["total"].get<double>() > 0.0)
+    line += fmt::format("  {:.0f} % {}",
+                        100.0 * job["progress"]["done"].get<double>() / job["progress"]["total"].get<double>(),
+                        job["progress"]["stage"].get<std::string>());
+  if (!job["message"].get<std::string>().empty()) line += "  (" + job["message"].get<std::string>() + ")";
+  return line;
+}
+
+void print_job(const ClientOptions& o, const Json& job) {
+  if (o.json) print_json(job);
+  else std::printf("%s\n", job_line(job).c_str());
+}
+
+// ---- submit
+
+struct SubmitOptions {
+  ClientOptions client;
+  std::string input, output, queue, label, device;
+  int priority = 0, attempt_max = 5;
+  std::int64_t deadline_s = 0, memory = 0;
+  std::vector<std::int64_t> needs;
+  bool again = false, wait = false;
+  std::map<std::string, std::string> values;
+  std::map<std::string, bool> flags;
+};
+
+Json value_of(const JobParameter& parameter, const std::string& text) {
+  switch (parameter.kind) {
+    case ParameterKind::kWhole:
+    case ParameterKind::kNumber: {
+      const Json number = Json::parse(text, nullptr, false);
+      return number.is_number() ? number : Json(text);  // the service says what it expected
+    }
+    case ParameterKind::kInputFile: return fs::absolute(text).lexically_normal().string();
+    default: return text;
+  }
+}
+
+int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> ids);
+
+int run_submit(const JobType& type, SubmitOptions& o) {
+  Json parameters = Json::object();
+  for (const JobParameter& parameter : type.parameters) {
+    if (o.flags[parameter.name]) parameters[parameter.name] = true;
+    if (const auto found = o.values.find(parameter.name); found != o.values.end() && !found->second.empty())
+      parameters[parameter.name] = value_of(parameter, found->second);
+  }
+  Json job = {
+      {"type", type.name}, {"parameters", parameters}, {"priority", o.priority}, {"attempt_max", o.attempt_max}};
+  if (!o.output.empty()) job["output"] = fs::absolute(o.output).lexically_normal().string();
+  if (!o.queue.empty()) job["queue"] = o.queue;
+  if (!o.label.empty()) job["label"] = o.label;
+  if (!o.device.empty()) job["device"] = o.device;
+  if (o.deadline_s > 0) job["deadline_s"] = o.deadline_s;
+  if (o.memory > 0) job["memory_bytes"] = o.memory;
+  if (!o.needs.empty()) job["needs"] = o.needs;
+  if (o.again) job["again"] = true;
+  HttpClient client = client_of(o.client);
+  const Json answer = client.ask("POST", "/v1/jobs", job);
+  const auto id = answer["id"].get<std::int64_t>();
+  if (o.client.json) print_json(answer);
+  else std::printf("%lld\n", static_cast<long long>(id));
+  return o.wait ? wait_for(client, o.client, {id}) : 0;
+}
+
+void add_submit(CLI::App& app, int* exit_code) {
+  CLI::App* submit = app.add_subcommand("submit", "hand a job to a service; prints its number");
+  submit->require_subcommand(1);
+  for (const JobType& type : job_types()) {
+    auto o = std::make_shared<SubmitOptions>();
+    CLI::App* command = submit->add_subcommand(type.name, type.summary);
+    for (const JobParameter& parameter : type.parameters) {
+      std::string option = "--" + parameter.name;
+      std::replace(option.begin(), option.end(), '_', '-');
+      if (parameter.kind == ParameterKind::kFlag) {
+        command->add_flag(option, o->flags[parameter.name], parameter.help);
+      } else if (parameter.name == type.input) {
+        command->add_option(parameter.name, o->values[parameter.name], parameter.help)->required();
+      } else {
+        CLI::Option* added = command->add_option(option, o->values[parameter.name], parameter.help);
+        if (parameter.kind == ParameterKind::kChoice) added->check(CLI::IsMember(parameter.choices));
+      }
+    }
+    CLI::Option* output = command->add_option("-o,--output", o->output, "the result, on the service's disk");
+    if (type.needs_output) output->required();
+    command->add_option("--queue", o->queue, "the queue (default: default)");
+    command->add_option("--priority", o->priority, "-1000..1000, higher first");
+    command->add_option("--label", o->label, "free text");
+    command->add_option("--needs", o->needs, "numbers of jobs that must succeed before")->delimiter(',');
+    command->add_option("--attempts", o->attempt_max, "tries before it is dead")->capture_default_str();
+    command->add_option("--deadline", o->deadline_s, "seconds from now by which it must be done");
+    command->add_option("--job-memory", o->memory, "bytes that the service counts for it")
+        ->transform(CLI::AsSizeValue(false));
+    if (find_job_type(type.name).command.empty())
+      command->add_option("--device", o->device, "device that it is counted on");
+    command->add_flag("--again", o->again, "make it even if an earlier job has made the same");
+    command->add_flag("--wait", o->wait, "until it is done; the exit code is 0 when it succeeded");
+    add_client_options(*command, o->client);
+    command->callback([&type, o, exit_code] { *exit_code = run_submit(type, *o); });
+  }
+}
+
+// ---- wait, tail
+
+int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> ids) {
+  bool all_succeeded = true;
+  const auto settle = [&](const Json& job) {
+    const auto state = job["state"].get<std::string>();
+    if (state != "succeeded" && state != "dead" && state != "cancelled") return;
+    if (ids.erase(job["id"].get<std::int64_t>()) == 0) return;
+    all_succeeded = all_succeeded && state == "succeeded";
+    print_job(o, job);
+  };
+  while (!ids.empty()) {
+    // First who is done already: events tell of changes alone. Whoever changes in between is asked of again.
+    const std::set<std::int64_t> asked = ids;
+    for (const std::int64_t id : asked) settle(client.ask("GET", fmt::format("/v1/jobs/{}", id)));
+    if (ids.empty()) break;
+    int pulses = 0;
+    client.listen("/v1/events", [&](const std::string& kind, const Json& data) {
+      if (kind == "job" && data.is_object()) settle(data);
+      return !ids.empty() && ++pulses < 200;  // then they are all asked of again
+    });
+  }
+  return all_succeeded ? 0 : 1;
+}
+
+struct WaitOptions {
+  ClientOptions client;
+  std::vector<std::int64_t> ids;
+  bool all = false;
+};
+
+int run_wait(WaitOptions& o) {
+  HttpClient client = client_of(o.client);
+  std::set<std::int64_t> ids(o.ids.begin(), o.ids.end());
+  if (o.all) {
+    for (const char* state : {"waiting", "queued", "running", "publishing"}) {
+      std::string target = fmt::format("/v1/jobs?state={}&limit=1000", state);
+      for (;;) {
+        const Json jobs = client.ask("GET", target)["jobs"];
+        for (const Json& job : jobs) ids.insert(job["id"].get<std::int64_t>());
+        if (jobs.size() < 1000) break;
+        target = fmt::format("/v1/jobs?state={}&limit=1000&before={}", state, jobs.back()["id"].get<std::int64_t>());
+      }
+    }
+  } else if (ids.empty()) {
+    throw Error(ErrorCode::kUsage, "expected jobs' numbers or --all");
+  }
+  return wait_for(client, o.client, std::move(ids));
+}
+
+int run_tail(ClientOptions& o, std::int64_t id) {
+  HttpClient client = client_of(o);
+  std::string shown;
+  for (;;) {
+    const Json job = client.ask("GET", fmt::format("/v1/jobs/{}", id));
+    const Json text = client.ask("GET", fmt::format("/v1/jobs/{}/log", id));
+    const std::string log = text.is_string() ? text.get<std::string>() : text.dump();
+    if (log.size() > shown.size()) std::printf("%s", log.substr(shown.size()).c_str());
+    std::fflush(stdout);
+    shown = log;
+    const auto state = job["state"].get<std::string>();
+    if (state == "succeeded" || state == "dead" || state == "cancelled") {
+      std::fprintf(stderr, "%s\n", job_line(job).c_str());
+      return state == "succeeded" ? 0 : 1;
+    }
+    client.listen(fmt::format("/v1/jobs/{}/events", id), [](const std::string&, const Json&) { return false; });
+  }
+}
+
+// ---- The others
+
+template <typename Body>
+void add_for_ids(CLI::App& app, const char* name, const char* help, int* exit_code, Body body) {
+  struct Options {
+    ClientOptions client;
+    std::vector<std::int64_t> ids;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(name, help);
+  command->add_option("job", o->ids, "its number; may be several")->required();
+  add_client_options(*command, o->client);
+  command->callback([o, exit_code, body] {
+    HttpClient client = client_of(o->client);
+    for (const std::int64_t id : o->ids) body(client, o->client, id);
+    *exit_code = 0;
+  });
+}
+
+void add_list(CLI::App& app, int* exit_code) {
+  struct Options {
+    ClientOptions client;
+    std::string state, queue;
+    int limit = 50;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* list = app.add_subcommand("list", "jobs of a service, newest first");
+  list->add_option("--state", o->state, "only of this state")
+      ->check(CLI::IsMember({"waiting", "queued", "running", "publishing", "succeeded", "dead", "cancelled"}));
+  list->add_option("--queue", o->queue, "only of this queue");
+  list->add_option("--limit", o->limit, "at most")->check(CLI::Range(1, 1000))->capture_default_str();
+  add_client_options(*list, o->client);
+  list->callback([o, exit_code] {
+    std::string target = fmt::format("/v1/jobs?limit={}", o->limit);
+    if (!o->state.empty()) target += "&state=" + o->state;
+    if (!o->queue.empty()) target += "&queue=" + o->queue;
+    const Json answer = client_of(o->client).ask("GET", target);
+    if (o->client.json) {
+      print_json(answer);
+    } else {
+      for (const Json& job : answer["jobs"]) print_job(o->client, job);
+    }
+    *exit_code = 0;
+  });
+}
+
+void add_retry(CLI::App& app, int* exit_code) {
+  struct Options {
+    ClientOptions client;
+    std::vector<std::int64_t> ids;
+    bool all_dead = false;
+    std::string queue;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
+  retry->add_option("job", o->ids, "its number; may be several");
+  retry->add_flag("--all-dead", o->all_dead, "all that are dead");
+  retry->add_option("--queue", o->queue, "of this queue alone, with --all-dead");
+  add_client_options(*retry, o->client);
+  retry->callback([o, exit_code] {
+    if (o->all_dead == !o->ids.empty()) throw Error(ErrorCode::kUsage, "expected either jobs' numbers or --all-dead");
+    HttpClient client = client_of(o->client);
+    for (const std::int64_t id : o->ids) print_job(o->client, client.ask("POST", fmt::format("/v1/jobs/{}/retry", id)));
+    if (o->all_dead) {
+      const Json answer =
+          client.ask("POST", "/v1/retry", o->queue.empty() ? Json::object() : Json{{"queue", o->queue}});
+      if (o->client.json) print_json(answer);
+      else std::printf("%zu jobs are tried again\n", answer["retried"].size());
+    }
+    *exit_code = 0;
+  });
+}
+
+void add_purge(CLI::App& app, int* exit_code) {
+  struct Options {
+    ClientOptions client;
+    std::vector<std::int64_t> ids;
+    std::int64_t age = -1;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* purge = app.add_subcommand("purge", "forget finished jobs and their logs; results stay");
+  purge->add_option("job", o->ids, "its number; may be several");
+  purge->add_option("--older-than", o->age, "all that finished at least so many seconds ago")
+      ->check(CLI::NonNegativeNumber);
+  add_client_options(*purge, o->client);
+  purge->callback([o, exit_code] {
+    if (o->ids.empty() == (o->age < 0)) throw Error(ErrorCode::kUsage, "expected either jobs' numbers or --older-than");
+    const Json body = o->age < 0 ? Json{{"jobs", o->ids}} : Json{{"finished_before_s", o->age}};
+    const Json answer = client_of(o->client).ask("POST", "/v1/purge", body);
+    if (o->client.json) print_json(answer);
+    else std::printf("%zu jobs are forgotten\n", answer["purged"].size());
+    *exit_code = 0;
+  });
+}
+
+}  // namespace
+
+void add_client_commands(CLI::App& app, int* exit_code) {
+  add_submit(app, exit_code);
+  add_list(app, exit_code);
+  add_for_ids(app, "show", "everything about jobs", exit_code,
+              [](HttpClient& client, const ClientOptions&, std::int64_t id) {
+                print_json(client.ask("GET", fmt::format("/v1/jobs/{}", id)));
+              });
+  add_for_ids(app, "cancel", "stop jobs, whatever they do", exit_code,
+              [](HttpClient& client, const ClientOptions& o, std::int64_t id) {
+                print_job(o, client.ask("POST", fmt::format("/v1/jobs/{}/cancel", id)));
+              });
+  add_retry(app, exit_code);
+  add_purge(app, exit_code);
+
+  auto wait = std::make_shared<WaitOptions>();
+  CLI::App* wait_command = app.add_subcommand("wait", "until jobs are done; exit code 0 when all succeeded");
+  wait_command->add_option("job", wait->ids, "their numbers");
+  wait_command->add_flag("--all", wait->all, "all that are not done");
+  add_client_options(*wait_command, wait->client);
+  wait_command->callback([wait, exit_code] { *exit_code = run_wait(*wait); });
+
+  auto tail = std::make_shared<std::pair<ClientOptions, std::int64_t>>();
+  CLI::App* tail_command = app.add_subcommand("tail", "a job's log, as it grows");
+  tail_command->add_option("job", tail->second, "its number")->required();
+  add_client_options(*tail_command, tail->first);
+  tail_command->callback([tail, exit_code] { *exit_code = run_tail(tail->first, tail->second); });
+}
+
+}  // namespace multum
