@@ -18,7 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
-#include "host/base/log.h"
+#include "host/service/service_log.h"
 
 namespace multum {
 namespace {
@@ -31,7 +31,7 @@ using std::chrono::milliseconds;
 constexpr auto kTick = milliseconds(250);
 constexpr int kSocket = 3;                 // of a worker
 constexpr std::size_t kLineMax = 1 << 20;  // bytes: a worker that says more in one breath has lost its mind
-constexpr int kBackOffDoublingsMax = 6;    // of the pause before another worker is started, from 250 ms on
+constexpr int kBackOffDoublingsMax = 4;    // of the pause before another worker is started, from 250 ms on
 
 pid_t spawn_process(const std::vector<std::string>& command, int socket) {
   std::vector<std::string> arguments = command;
@@ -139,6 +139,7 @@ void WorkerPool::take_lines(Worker& worker) {
     if (!said.is_object()) continue;
     if (said.contains("ready")) {
       worker.is_ready = true;
+      failures_ = 0;
       events_.ready();
     } else if (said.contains("progress") && worker.job != 0) {
       const JobProgress now = {said["progress"].value("stage", ""), said["progress"].value("done", std::uint64_t{0}),
@@ -149,7 +150,6 @@ void WorkerPool::take_lines(Worker& worker) {
     } else if (said.contains("ended") && said["ended"] == worker.job && said.value("attempt", 0) == worker.attempt) {
       const std::int64_t job = std::exchange(worker.job, 0);
       worker.kill_at = Clock::time_point::max();
-      failures_ = 0;
       ++worker.jobs_done;
       if (is_closing_ || worker.jobs_done >= settings_.jobs_a_worker) {
         worker.is_ending = true;
@@ -242,7 +242,10 @@ void WorkerPool::bury(const std::shared_ptr<Worker>& worker, const std::string& 
   workers_.erase(worker->owner);
   if (!worker->is_ending || worker->job != 0) {
     ++lost_;
-    if (worker->jobs_done == 0) ++failures_;
+    if (!worker->is_ready) {
+      ++failures_;
+      service_log(LogSeverity::kWarning, 0, "before it was ready, " + (why.empty() ? death_of(status) : why));
+    }
     not_before_ = Clock::now() + (failures_ > 1 ? kTick * (1 << std::min(failures_, kBackOffDoublingsMax)) : kTick * 0);
   }
   if (worker->job != 0)
@@ -265,7 +268,7 @@ void WorkerPool::tick() {
   try {
     while (!is_closing_ && live_count() < settings_.workers && now >= not_before_) spawn();
   } catch (const Error& error) {
-    log_warning(error.what());
+    service_log(LogSeverity::kError, 0, error.what());
     not_before_ = now + std::chrono::seconds(5);
   }
   timer_.expires_after(kTick);

@@ -88,7 +88,7 @@ class WorkerPool {
   boost::asio::steady_timer timer_;
   std::map<std::string, std::shared_ptr<Worker>> workers_;  // by owner
   std::uint64_t started_ = 0, lost_ = 0;
-  int failures_ = 0;  // of workers that died before their first job, one after the other
+  int failures_ = 0;  // of workers that died before they were ready, one after the other
   std::chrono::steady_clock::time_point not_before_;
   bool is_closing_ = false;
 };

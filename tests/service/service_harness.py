@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A daemon in a folder of its own, and its clients: what the service's tests share. Standard library alone."""
+import http.client
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+
+class Service:
+    """`multum serve` on a free port of loopback."""
+
+    def __init__(self, multum, folder, options=(), config=None, environment=None):
+        self.multum = multum
+        self.folder = folder
+        self.data = os.path.join(folder, "data")
+        self.root = os.path.join(folder, "root")
+        os.makedirs(self.root, exist_ok=True)
+        self.options = list(options)
+        if config is not None:
+            path = os.path.join(folder, "serve.toml")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(config)
+            self.options += ["--config", path]
+        self.environment = dict(os.environ, MULTUM_CACHE_DIR=os.path.join(folder, "cache"), **(environment or {}))
+        self.log_path = os.path.join(folder, "serve.log")
+        self.process = None
+        self.port = 0
+
+    def start(self, wait=True):
+        address = os.path.join(self.data, "address")
+        if os.path.exists(address):
+            os.remove(address)
+        with open(self.log_path, "ab") as log:
+            self.process = subprocess.Popen(
+                [self.multum, "serve", "--data", self.data, "--root", self.root, "--listen", "127.0.0.1:0"] + self.options,
+                stdout=log, stderr=log, cwd=self.folder, env=self.environment)
+        deadline = time.monotonic() + 30
+        while wait and time.monotonic() < deadline:
+            if os.path.exists(address):
+                with open(address, encoding="utf-8") as file:
+                    self.port = int(file.read().strip().rsplit(":", 1)[1])
+                return self
+            if self.process.poll() is not None:
+                raise AssertionError(f"the daemon ended with {self.process.returncode}: {self.log_text()[-2000:]}")
+            time.sleep(0.01)
+        assert not wait, f"the daemon does not listen: {self.log_text()[-2000:]}"
+        return self
+
+    def log_text(self):
+        with open(self.log_path, encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+    def stop(self, timeout=60):
+        """SIGTERM; returns the exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(timeout)
+
+    def workers(self):
+        """Their process numbers."""
+        path = f"/proc/{self.process.pid}/task/{self.process.pid}/children"
+        try:
+            with open(path, encoding="utf-8") as file:
+                return [int(pid) for pid in file.read().split()]
+        except FileNotFoundError:
+            return []
+
+    def connection(self, timeout=30):
+        return http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
+
+    def ask(self, method, target, body=None, headers=None, connection=None, timeout=30):
+        """Returns status and answer: JSON if it is, else bytes."""
+        use = connection or self.connection(timeout)
+        data = None if body is None else json.dumps(body)
+        use.request(method, target, data, headers or {})
+        response = use.getresponse()
+        text = response.read()
+        if connection is None:
+            use.close()
+        if response.headers.get("Content-Type", "").startswith("application/json"):
+            return response.status, json.loads(text)
+        return response.status, text
+
+    def submit(self, **job):
+        status, answer = self.ask("POST", "/v1/jobs", job)
+        assert status in (200, 201), (status, answer)
+        return answer["id"]
+
+    def job(self, number):
+        status, answer = self.ask("GET", f"/v1/jobs/{number}")
+        assert status == 200, (status, answer)
+        return answer
+
+    def counts(self, queue="default"):
+        status, answer = self.ask("GET", "/v1/queues")
+        assert status == 200, (status, answer)
+        return next(one["jobs"] for one in answer["queues"] if one["name"] == queue)
+
+    def wait_for(self, number, states=("succeeded", "dead", "cancelled"), timeout=60):
+        deadline = time.monotonic() + timeout
+        while True:
+            job = self.job(number)
+            if job["state"] in states:
+                return job
+            assert time.monotonic() < deadline, f"job {number} stays {job['state']}: {job}"
+            time.sleep(0.02)
+
+    def wait_until_idle(self, timeout=300):
+        deadline = time.monotonic() + timeout
+        while True:
+            counts = self.counts()
+            if all(counts[state] == 0 for state in ("waiting", "queued", "running", "publishing")):
+                return counts
+            assert time.monotonic() < deadline, f"jobs are left: {counts}"
+            time.sleep(0.05)
+
+
+def resident_bytes(pid):
+    with open(f"/proc/{pid}/statm", encoding="utf-8") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE")
+
+
+def percentile(values, share):
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
+
+
+def fail(message):
+    print(f"FAILED: {message}")
+    sys.exit(1)
