@@ -117,33 +117,51 @@ void Dispatcher::pump() {
   if (is_draining_) return;
   wants_claim_ = true;
   if (is_claiming_) return;
-  const std::vector<std::string> idle = pool_.idle();
-  if (idle.empty()) return;
+  const std::vector<std::string> owners = reserve(pool_.idle());
+  if (owners.empty()) return;
   is_claiming_ = true;
   wants_claim_ = false;
-  const auto claimed = std::make_shared<std::vector<Claimed>>();
-  const auto due = std::make_shared<std::optional<TimeMs>>();
-  ledger_.run(
-      [this, idle, claimed, due, limits = limits_](JobQueue& queue) {
-        claimed->clear();
-        for (const std::string& owner : idle) {
-          std::optional<Job> job = queue.claim(limits, owner, wall_clock_ms());
-          if (!job) break;
-          claimed->push_back(with_reuse(queue, std::move(*job)));
-        }
-        *due = queue.next_due();
-      },
-      [this, claimed, due](const std::exception_ptr& error) {
-        is_claiming_ = false;
-        if (error) {
-          service_log(LogSeverity::kError, 0, "jobs cannot be claimed: " + words_of(error));
-          wake_at(wall_clock_ms() + 5000);
-          return;
-        }
-        wake_at(*due);
-        give_out(*claimed);
-        if (wants_claim_ || !claimed->empty()) pump();
-      });
+  const auto outcome = std::make_shared<Outcome>();
+  ledger_.run([outcome, owners, limits = limits_](JobQueue& queue) { settle(queue, limits, owners, *outcome); },
+              [this, outcome, owners](const std::exception_ptr& error) {
+                is_claiming_ = false;
+                if (error) {
+                  service_log(LogSeverity::kError, 0, "jobs cannot be claimed: " + words_of(error));
+                  for (const std::string& owner : owners) reserved_.erase(owner);
+                  return wake_at(wall_clock_ms() + 5000);
+                }
+                take(owners, *outcome);
+                if (wants_claim_ || !outcome->claimed.empty()) pump();
+              });
+}
+
+std::vector<std::string> Dispatcher::reserve(const std::vector<std::string>& owners) {
+  std::vector<std::string> free;
+  for (const std::string& owner : owners)
+    if (!is_draining_ && pool_.is_idle(owner) && reserved_.insert(owner).second) free.push_back(owner);
+  return free;
+}
+
+void Dispatcher::settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
+                        Outcome& outcome) {
+  outcome = Outcome{};
+  for (const std::int64_t id : queue.take_changed())
+    if (std::optional<Job> job = queue.find(id)) outcome.touched.push_back(std::move(*job));
+  for (const std::string& owner : owners) {
+    std::optional<Job> job = queue.claim(limits, owner, wall_clock_ms());
+    if (!job) break;
+    outcome.claimed.push_back(with_reuse(queue, std::move(*job)));
+  }
+  queue.take_changed();  // told of when it starts
+  outcome.due = queue.next_due();
+}
+
+void Dispatcher::take(const std::vector<std::string>& owners, const Outcome& outcome) {
+  for (const std::string& owner : owners) reserved_.erase(owner);
+  for (const Job& job : outcome.touched) events_.publish("job", job.id, job_json(job).dump());
+  wake_at(outcome.due);
+  give_out(outcome.claimed);
+  if (is_draining_ && drained_ && running_.empty() && unsettled_ == 0) std::exchange(drained_, nullptr)();
 }
 
 // A result that is there already is not made again.
@@ -235,8 +253,11 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
               {AttemptOutcome::kFailed, 4, error ? words_of(error) : "another attempt has taken its place"});
         ++unsettled_;
         const auto trouble = std::make_shared<std::string>();
+        const auto outcome = std::make_shared<Outcome>();
+        const std::vector<std::string> owners = reserve({owner});
         ledger_.run(
-            [=, this](JobQueue& queue) {
+            [=, this, limits = limits_](JobQueue& queue) {
+              queue.take_changed();
               try {
                 publish(job.output, instance_, id, identity);
                 queue.published(id, wall_clock_ms());
@@ -244,40 +265,55 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
                 *trouble = failed.what();
                 queue.publishing_failed(id, failed.what(), wall_clock_ms());
               }
+              settle(queue, limits, owners, *outcome);
             },
             [=, this](const std::exception_ptr& failed) {
               --unsettled_;
               // The name is given, the note is not: the next start finds it.
               if (failed) service_log(LogSeverity::kError, id, "published, but not noted: " + words_of(failed));
               if (!trouble->empty()) service_log(LogSeverity::kError, id, *trouble);
-              counters_.published += !failed && trouble->empty() ? 1 : 0;
-              counters_.succeeded += !failed && trouble->empty() ? 1 : 0;
-              running_.erase(id);
-              progress_.erase(id);
-              changed({id});
+              const bool is_published = !failed && trouble->empty();
+              counters_.published += is_published ? 1 : 0;
+              forget_running(id, is_published ? AttemptOutcome::kSucceeded : AttemptOutcome::kFailed);
+              if (failed) *outcome = Outcome{};
+              take(owners, *outcome);
+              pump();
             });
       });
+}
+
+void Dispatcher::forget_running(std::int64_t id, AttemptOutcome outcome) {
+  const auto found = running_.find(id);
+  if (found != running_.end())
+    counters_.busy_seconds += std::chrono::duration<double>(Clock::now() - found->second.since).count();
+  counters_.succeeded += outcome == AttemptOutcome::kSucceeded ? 1 : 0;
+  counters_.lost += outcome == AttemptOutcome::kLost ? 1 : 0;
+  counters_.cancelled += outcome == AttemptOutcome::kCancelled ? 1 : 0;
+  counters_.failed += outcome == AttemptOutcome::kFailed || outcome == AttemptOutcome::kRefused ? 1 : 0;
+  running_.erase(id);
+  progress_.erase(id);
 }
 
 void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt, AttemptResult result) {
   ++unsettled_;
   const auto is_final_state = std::make_shared<bool>(false);
-  const auto touched = std::make_shared<std::set<std::int64_t>>();
+  const auto outcome = std::make_shared<Outcome>();
+  const std::vector<std::string> owners = reserve({owner});
   ledger_.run(
-      [=](JobQueue& queue) {
+      [=, limits = limits_](JobQueue& queue) {
         queue.take_changed();
         queue.ended(id, owner, attempt, result, wall_clock_ms());
         const std::optional<Job> job = queue.find(id);
         *is_final_state = !job || is_final(job->state);
-        *touched = queue.take_changed();
+        // The worker's next job in the same breath: one commit a job.
+        settle(queue, limits, owners, *outcome);
       },
       [=, this](const std::exception_ptr& error) {
         --unsettled_;
-        const auto found = running_.find(id);
-        const std::string output = found != running_.end() ? found->second.job.output : "";
         if (error) {
           // The disk is full, as a rule. The job is running in the ledger and nowhere else: tried until it is noted.
           service_log(LogSeverity::kError, id, "its end cannot be noted: " + words_of(error));
+          for (const std::string& one : owners) reserved_.erase(one);
           ++unsettled_;
           const auto timer = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::seconds(2));
           timer->async_wait([=, this](const boost::system::error_code&) {
@@ -287,22 +323,16 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
           });
           return;
         }
-        if (found != running_.end())
-          counters_.busy_seconds += std::chrono::duration<double>(Clock::now() - found->second.since).count();
-        counters_.succeeded += result.outcome == AttemptOutcome::kSucceeded ? 1 : 0;
-        counters_.lost += result.outcome == AttemptOutcome::kLost ? 1 : 0;
-        counters_.cancelled += result.outcome == AttemptOutcome::kCancelled ? 1 : 0;
-        counters_.failed +=
-            result.outcome == AttemptOutcome::kFailed || result.outcome == AttemptOutcome::kRefused ? 1 : 0;
         service_log(result.outcome == AttemptOutcome::kSucceeded ? LogSeverity::kInfo : LogSeverity::kWarning, id,
                     fmt::format("attempt {} {}{}{}", attempt, attempt_outcome_name(result.outcome),
                                 result.message.empty() ? "" : ": ", result.message));
+        const auto found = running_.find(id);
         // What was half made is kept for the next attempt to go on from.
-        if (*is_final_state && !output.empty()) remove_staging(output, instance_, id);
-        running_.erase(id);
-        progress_.erase(id);
-        touched->insert(id);
-        changed(*touched);
+        if (*is_final_state && found != running_.end() && !found->second.job.output.empty())
+          remove_staging(found->second.job.output, instance_, id);
+        forget_running(id, result.outcome);
+        take(owners, *outcome);
+        pump();
       });
 }
 

@@ -65,10 +65,23 @@ class Dispatcher {
     std::int64_t from = 0;
     bool is_done = false;  // and it is in place already
   };
+  /// What a unit of work in the ledger has changed, and the next jobs that it has claimed on the way.
+  struct Outcome {
+    std::vector<Job> touched;
+    std::vector<Claimed> claimed;
+    std::optional<TimeMs> due;
+  };
+  /// In the ledger: notes what has changed, and claims for these workers.
+  static void settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
+                     Outcome& outcome);
+  /// Back from it: tells those who listen, and starts what was claimed.
+  void take(const std::vector<std::string>& owners, const Outcome& outcome);
+  std::vector<std::string> reserve(const std::vector<std::string>& owners);
   void give_out(const std::vector<Claimed>& claimed);
   void start_job(const Claimed& claimed);
   void on_ended(std::int64_t id, const std::string& owner, int attempt, int exit_code, const std::string& message);
   void publish_result(std::int64_t id, const std::string& owner, int attempt);
+  void forget_running(std::int64_t id, AttemptOutcome outcome);
   void note_end(std::int64_t id, const std::string& owner, int attempt, AttemptResult result);
   void on_progress(std::int64_t id, const JobProgress& progress);
   void wake_at(std::optional<TimeMs> due);
@@ -90,6 +103,7 @@ class Dispatcher {
     std::optional<AttemptResult> stop;  // why it was asked to
   };
   std::map<std::int64_t, Running> running_;
+  std::set<std::string> reserved_;  // workers that a claim is on its way for
   bool is_claiming_ = false, wants_claim_ = false, is_draining_ = false;
   int unsettled_ = 0;  // ends and publications on their way into the ledger
   std::function<void()> drained_;

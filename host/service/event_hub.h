@@ -7,15 +7,15 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 
 namespace multum {
 
 struct ServiceEvent {
   std::uint64_t number = 0;
-  std::string kind;  // "job", "progress"
   std::int64_t job = 0;
-  std::string data;  // JSON
+  std::shared_ptr<const std::string> text;  // as it goes over the line, one for all who listen
 };
 
 /// On one thread.
@@ -23,8 +23,12 @@ class EventHub {
  public:
   using Listener = std::function<void(const ServiceEvent&)>;
 
+  /// `kind`: "job" or "progress"; `data`: JSON in one line.
   void publish(const std::string& kind, std::int64_t job, const std::string& data) {
-    const ServiceEvent event = {++last_, kind, job, data};
+    ++last_;
+    const ServiceEvent event = {last_, job,
+                                std::make_shared<const std::string>("id: " + std::to_string(last_) +
+                                                                    "\nevent: " + kind + "\ndata: " + data + "\n\n")};
     kept_.push_back(event);
     if (kept_.size() > kKept) kept_.pop_front();
     for (const auto& [key, listener] : listeners_) listener(event);

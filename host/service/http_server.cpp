@@ -36,8 +36,9 @@ constexpr auto kHeaderTime = seconds(10);  // from the first byte that is waited
 constexpr auto kBodyTime = seconds(60);
 constexpr auto kAnswerTime = seconds(60);  // to take in an answer
 constexpr auto kStreamPulse = seconds(10);
-constexpr std::uint32_t kHeaderMax = 16384;   // bytes
-constexpr std::size_t kStreamBacklog = 1024;  // events that a slow listener may be behind, before its line is cut
+constexpr std::uint32_t kHeaderMax = 16384;                   // bytes
+constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two words to one listener
+constexpr std::size_t kStreamBacklog = 8192;  // events that a slow listener may be behind, before its line is cut
 
 std::optional<std::string> decoded(std::string_view text) {
   std::string result;
@@ -264,35 +265,39 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_await http::async_write_header(stream, serializer, use_awaitable);
 
     struct Line {
-      std::deque<std::string> waiting;
-      bool is_behind = false;
+      std::deque<std::shared_ptr<const std::string>> waiting;
+      bool is_behind = false, is_asleep = false;
       asio::steady_timer wake;
     };
-    const auto line = std::make_shared<Line>(Line{{}, false, asio::steady_timer(io)});
+    const auto line = std::make_shared<Line>(Line{{}, false, false, asio::steady_timer(io)});
     const std::uint64_t key = events.add(response.after, [line, job = response.job](const ServiceEvent& event) {
       if (job != 0 && event.job != job) return;
       if (line->waiting.size() >= kStreamBacklog) line->is_behind = true;
-      else
-        line->waiting.push_back(fmt::format("id: {}\nevent: {}\ndata: {}\n\n", event.number, event.kind, event.data));
-      line->wake.cancel();
+      else line->waiting.push_back(event.text);
+      if (std::exchange(line->is_asleep, false)) line->wake.cancel();
     });
     ++counters.streams;
     std::string text = ": multum\nretry: 2000\n\n";
     try {
       while (!is_closed && !line->is_behind) {
         while (!line->waiting.empty()) {
-          text += line->waiting.front();
+          text += *line->waiting.front();
           line->waiting.pop_front();
         }
+        boost::system::error_code error;
         if (!text.empty()) {
           stream.expires_after(kAnswerTime);
           co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
           text.clear();
+          // What comes soon after goes together: many listeners to many events cost little more than few.
+          line->wake.expires_after(kStreamPause);
+          co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }
         if (!line->waiting.empty()) continue;
+        line->is_asleep = true;
         line->wake.expires_after(kStreamPulse);
-        boost::system::error_code error;
         co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
+        line->is_asleep = false;
         if (!error) text = ": pulse\n\n";  // tells both sides that the line is up
       }
       if (is_closed) co_await asio::async_write(stream, http::make_chunk_last(), use_awaitable);

@@ -179,8 +179,13 @@ void WorkerPool::write_next(const std::shared_ptr<Worker>& worker) {
 std::vector<std::string> WorkerPool::idle() const {
   std::vector<std::string> owners;
   for (const auto& [owner, worker] : workers_)
-    if (worker->is_ready && !worker->is_ending && worker->job == 0) owners.push_back(owner);
+    if (is_idle(owner)) owners.push_back(owner);
   return owners;
+}
+
+bool WorkerPool::is_idle(const std::string& owner) const {
+  const auto found = workers_.find(owner);
+  return found != workers_.end() && found->second->is_ready && !found->second->is_ending && found->second->job == 0;
 }
 
 bool WorkerPool::order(const std::string& owner, const WorkOrder& work) {

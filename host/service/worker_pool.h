@@ -58,6 +58,7 @@ class WorkerPool {
   void start();
   /// Names of workers that are idle and not spoken for: order() takes one.
   std::vector<std::string> idle() const;
+  bool is_idle(const std::string& owner) const;
   /// False: that worker is not idle any more.
   bool order(const std::string& owner, const WorkOrder& work);
   /// Asks a running job to stop; after the grace its worker is killed. False: no worker has it.
