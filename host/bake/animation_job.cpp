@@ -219,7 +219,7 @@ std::string existing_file(const StrictTable& table, const std::string& key, cons
 }
 
 AnimationJob read_animation_job(const std::string& path) {
-  const toml::table root = parse_toml(path);
+  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it");
   AnimationJob job;
   job.path = path;
   const StrictTable table(job.path, root, "", kJobKeys);
