@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/machine.h"
+#include "tools/multum/bake_manifest_mode.h"
 #include "tools/multum/bake_print.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/map_options.h"
@@ -20,6 +21,7 @@ struct BakeOptions {
   BakeJob job;
   std::string device;
   MapOptions map;
+  ManifestModeOptions manifest;
   std::vector<std::string> inputs;
   std::string region;
   bool no_measure = false;
@@ -28,8 +30,7 @@ struct BakeOptions {
 
 void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("-o,--output", o.job.output,
-                  "file to write, *.ndf.exr; of several maps: a folder, or a name with <UDIM>")
-      ->required();
+                  "file to write, *.ndf.exr; of several maps: a folder, or a name with <UDIM>");
   bake.add_option("--report", o.job.report, "write times, counts and errors as JSON; of several maps: as --output");
   bake.add_option("--device", o.device, "OpenCL device: a number of `multum devices` or part of a name");
   bake.add_flag("--scalar", o.job.fitting.force_scalar,
@@ -86,10 +87,14 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
   return code;
 }
 
-int run_bake(BakeOptions& o) {
+int run_bake(const CLI::App& bake, BakeOptions& o) {
   BakeJob& job = o.job;
+  const bool has_manifest = !o.manifest.manifest.empty();
+  if (has_manifest) check_no_map_is_given(bake, o.manifest);
+  else if (o.inputs.empty() || job.output.empty()) throw CLI::RequiredError(o.inputs.empty() ? "input" : "--output");
   job.threads = job.writing.threads = apply(o.common);
   keep_freed_memory();
+  if (has_manifest) return run_manifest(o.manifest, job, o.device, printing(o));
   apply(o.map, job);
   job.measure = !o.no_measure;
   job.region = parse_region(o.region);
@@ -107,12 +112,12 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   CLI::App* bake =
       app.add_subcommand("bake", "bake a normal map or height field into an aligned mixture-of-vMF mipmap");
   bake->add_option("input", options->inputs,
-                   "PNG, TIFF, EXR, JPEG or WebP, sides to 32768; several maps, or sets as rock_<UDIM>.png")
-      ->required();
+                   "PNG, TIFF, EXR, JPEG or WebP, sides to 32768; several maps, or sets as rock_<UDIM>.png");
   add_output_options(*bake, *options);
+  add_manifest_options(*bake, options->manifest);
   add_common_options(*bake, options->common);
   add_map_options(*bake, options->map);
-  bake->callback([options, exit_code] { *exit_code = run_bake(*options); });
+  bake->callback([bake, options, exit_code] { *exit_code = run_bake(*bake, *options); });
 }
 
 }  // namespace multum
