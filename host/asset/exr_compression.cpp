@@ -2,13 +2,16 @@
 #include "host/asset/exr_compression.h"
 
 #include <map>
+#include <optional>
 
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/error.h"
 
 namespace multum {
 
-ExrCompression parse_compression(const std::string& text) {
+namespace {
+
+std::optional<ExrCompression> find_compression(const std::string& text) {
   static const std::map<std::string, Imf::Compression> kNames = {{"none", Imf::NO_COMPRESSION},
                                                                  {"rle", Imf::RLE_COMPRESSION},
                                                                  {"zips", Imf::ZIPS_COMPRESSION},
@@ -22,13 +25,19 @@ ExrCompression parse_compression(const std::string& text) {
     if (digits.size() == 1 && digits[0] >= '1' && digits[0] <= '9') level = digits[0] - '0';
   }
   const bool level_ok = colon == std::string::npos || (level > 0 && text.rfind("zip", 0) == 0);
-  if (found == kNames.end() || !level_ok)
-    throw Error(ErrorCode::kUsage,
-                "compression '" + text +
-                    "' is unknown; expected none, rle, zips, zip or piz (every one is lossless), and for "
-                    "zip and zips an optional level such as zip:4");
-  return {found->second, level};
+  if (found == kNames.end() || !level_ok) return std::nullopt;
+  return ExrCompression{found->second, level};
 }
+
+}  // namespace
+
+ExrCompression parse_compression(const std::string& text) {
+  const std::optional<ExrCompression> found = find_compression(text);
+  if (!found) throw Error(ErrorCode::kUsage, "compression '" + text + "' is unknown; expected " + kCompressionsInWords);
+  return *found;
+}
+
+bool is_compression(const std::string& text) { return find_compression(text).has_value(); }
 
 void validate(const MovmfWriteOptions& options) { parse_compression(options.compression); }
 

@@ -91,6 +91,11 @@ struct MovmfWriteOptions {
   int measured_error_bytes = 32 * 1024;
 };
 
+/// Is it a compression that MovmfWriteOptions may name? kCompressionsInWords says which are.
+bool is_compression(const std::string& text);
+constexpr char kCompressionsInWords[] =
+    "none, rle, zips, zip or piz (every one is lossless), and for zip and zips an optional level such as zip:4";
+
 /// Throws Error(kUsage) for an unknown compression: before a bake, not after it.
 void validate(const MovmfWriteOptions& options);
 

@@ -8,6 +8,11 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/movmf_parts.h"
+#include "host/asset/movmf_reader.h"
+#include "host/base/content_hash.h"
+#include "host/base/parallel.h"
+
 namespace multum {
 namespace {
 
@@ -34,28 +39,90 @@ struct Scan {
   Worst sum_error, negative_amplitude, long_mean;
 };
 
-void scan_level(const MovmfMipmap& mipmap, int l, Scan& scan) {
-  const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
-  const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
-  for (std::size_t i = 0; i < texels; ++i) {
+// `first_texel` is the number of the rows' first texel in their level.
+void scan_rows(StorageEncoding encoding, int l, std::size_t first_texel, const MovmfLevel& rows, Scan& scan) {
+  for (std::size_t i = 0; i < texel_count(rows.width, rows.height); ++i) {
     double sum = 0.0;
-    for (const auto& lobe : level.lobes) {
+    for (const auto& lobe : rows.lobes) {
       const glm::vec4& v = lobe[i];
       if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z) || !std::isfinite(v.w)) {
         ++scan.nonfinite;
         continue;
       }
       sum += static_cast<double>(v.w);
-      scan.negative_amplitude.offer(-static_cast<double>(v.w), l, i);
-      scan.long_mean.offer(static_cast<double>(glm::length(glm::vec3(v)) - v.w - length_excess(mipmap.encoding, v.w)),
-                           l, i);
+      scan.negative_amplitude.offer(-static_cast<double>(v.w), l, first_texel + i);
+      scan.long_mean.offer(static_cast<double>(glm::length(glm::vec3(v)) - v.w - length_excess(encoding, v.w)), l,
+                           first_texel + i);
     }
-    scan.sum_error.offer(std::abs(sum - 1.0), l, i);
-    for (const auto& colour : level.colours) {
+    scan.sum_error.offer(std::abs(sum - 1.0), l, first_texel + i);
+    for (const auto& colour : rows.colours) {
       const glm::vec3& c = colour[i];
       if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) ++scan.nonfinite;
     }
   }
+}
+
+// movmf_content_hash() of a file whose rows come level by level, from the top.
+class RowHash {
+ public:
+  explicit RowHash(const MovmfMipmap& header) : parts_(movmf_parts(header)) {
+    for (const MovmfPart& part : parts_)
+      for (int l = 0; l < part.level_count; ++l) items_.push_back({&part, part.first_level + l});
+    hashes_ = std::vector<ContentHash>(items_.size());
+  }
+
+  /// Of level 0.
+  void add(const MovmfFinest& rows) {
+    std::vector<float> values(rows.normals.size() * parts_[0].channels.size());
+    interleave(rows, 0, rows.normals.size(), values.data());
+    hashes_[0].update(values.data(), values.size() * sizeof(float));
+  }
+  void add(int level, const MovmfLevel& rows, int threads) {
+    for_each_item(static_cast<int>(items_.size()), threads, [&](int i) {
+      const auto [part, own_level] = items_[static_cast<std::size_t>(i)];
+      if (own_level != level) return;
+      const std::size_t count = texel_count(rows.width, rows.height) * part->channels.size();
+      hashes_[static_cast<std::size_t>(i)].update(part->values(rows), count * sizeof(float));
+    });
+  }
+  std::string finish() {
+    ContentHash all;
+    for (ContentHash& hash : hashes_) all.update(hash.finish());
+    return all.finish();
+  }
+
+ private:
+  struct PartLevel {
+    const MovmfPart* part;
+    int level;
+  };
+  std::vector<MovmfPart> parts_;
+  std::vector<PartLevel> items_;  // as they are hashed: parts in order, of each the finest level first
+  std::vector<ContentHash> hashes_;
+};
+
+// Scans and hashes every stored level; returns the checksum.
+std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& seen, Scan& scan) {
+  const MovmfMipmap& header = reader.header();
+  RowHash hash(header);
+  for (int l = header.first_level; l < static_cast<int>(header.levels.size()); ++l) {
+    const MovmfLevel& level = header.levels[static_cast<std::size_t>(l)];
+    for (int row = 0; row < level.height; row += reader.tile_size()) {
+      const int count = std::min(reader.tile_size(), level.height - row);
+      MovmfLevel rows;
+      if (l == 0) {
+        const MovmfFinest finest = reader.read_finest(row, count);
+        hash.add(finest);
+        rows = expand(finest, header.lobe_count());
+      } else {
+        rows = reader.read_level(l, row, count);
+        hash.add(l, rows, threads);
+      }
+      scan_rows(header.encoding, l, texel_count(level.width, row), rows, scan);
+      if (seen) seen(l, row, rows);
+    }
+  }
+  return hash.finish();
 }
 
 std::string at(const MovmfMipmap& mipmap, const Worst& worst) {
@@ -65,20 +132,20 @@ std::string at(const MovmfMipmap& mipmap, const Worst& worst) {
 
 }  // namespace
 
-std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads) {
-  const MovmfMipmap mipmap = read_movmf_mipmap(path);
+std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, const MovmfRowsSeen& seen) {
+  MovmfReader reader(path, threads);
+  const MovmfMipmap& mipmap = reader.header();
   std::vector<VerifyFinding> findings;
   findings.push_back({"structure", true,
                       fmt::format("{} x {}, {}, {} lobes{}, encoding {}", mipmap.width(), mipmap.height(),
                                   levels_text(mipmap), mipmap.lobe_count(), mipmap.has_colours() ? " with colours" : "",
                                   storage_encoding_name(mipmap.encoding))});
-  const std::string hash = movmf_content_hash(mipmap, threads);
+  Scan scan;
+  const std::string hash = scan_file(reader, threads, seen, scan);
   findings.push_back({"checksum", hash == mipmap.provenance.content_hash,
                       hash == mipmap.provenance.content_hash
                           ? hash
                           : "found " + hash + ", expected " + mipmap.provenance.content_hash + " as the header says"});
-  Scan scan;
-  for (int l = mipmap.first_level; l < static_cast<int>(mipmap.levels.size()); ++l) scan_level(mipmap, l, scan);
   findings.push_back({"finite", scan.nonfinite == 0, fmt::format("{} non-finite values, expected 0", scan.nonfinite)});
   const double sum_limit = static_cast<double>(amplitude_tolerance(mipmap.encoding));
   findings.push_back({"sum of a", scan.sum_error.value <= sum_limit,

@@ -2,6 +2,7 @@
 // Checks a baked file by itself, without its source: structure, finite values, sums, checksum.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,11 @@ struct VerifyFinding {
   std::string detail;  // what was found, where, and what was expected
 };
 
-/// Throws Error(kInput) when the file cannot be read at all (structure); every other check is a finding.
-std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads);
+/// Rows of a stored level, from the top: what else wants to look at the texels needs no second reading.
+using MovmfRowsSeen = std::function<void(int level, int first_row, const MovmfLevel& rows)>;
+
+/// Reads row of tiles by row of tiles: some are in memory, never the file. Throws Error(kInput) when the file cannot be
+/// read at all (structure); every other check is a finding. `seen` is told every row once.
+std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, const MovmfRowsSeen& seen = {});
 
 }  // namespace multum

@@ -219,7 +219,7 @@ std::string existing_file(const StrictTable& table, const std::string& key, cons
 }
 
 std::vector<std::string> animation_job_files(const std::string& path) {
-  const toml::table root = parse_toml(path);
+  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it");
   std::vector<std::string> files;
   const auto add = [&](const toml::table& table, const char* key) {
     const std::optional<std::string> name = table[key].value<std::string>();
@@ -236,7 +236,7 @@ std::vector<std::string> animation_job_files(const std::string& path) {
 }
 
 AnimationJob read_animation_job(const std::string& path) {
-  const toml::table root = parse_toml(path);
+  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it");
   AnimationJob job;
   job.path = path;
   const StrictTable table(job.path, root, "", kJobKeys);

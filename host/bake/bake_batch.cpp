@@ -15,41 +15,9 @@ namespace fs = std::filesystem;
 constexpr char kUdim[] = "<UDIM>";
 constexpr std::size_t kTileDigits = 4;
 
-bool has_udim(const std::string& path) { return path.find(kUdim) != std::string::npos; }
-
-std::string with_tile(std::string path, const std::string& tile) {
-  for (std::size_t at = path.find(kUdim); at != std::string::npos; at = path.find(kUdim, at))
-    path.replace(at, sizeof(kUdim) - 1, tile);
-  return path;
-}
-
 bool is_tile(const std::string& text) {
   return text.size() == kTileDigits &&
          std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }) && text > "1000";
-}
-
-// The tiles of a set that there are files for.
-std::vector<std::string> tiles_of(const std::string& set) {
-  const fs::path path(set);
-  const std::string name = path.filename().string();
-  const std::size_t at = name.find(kUdim);
-  if (at == std::string::npos)
-    throw Error(ErrorCode::kUsage, set + ": found <UDIM> in a folder's name, expected it in the file's");
-  const std::string before = name.substr(0, at);
-  std::vector<std::string> tiles;
-  std::error_code none;
-  for (const fs::directory_entry& entry :
-       fs::directory_iterator(path.has_parent_path() ? path.parent_path() : fs::path("."), none)) {
-    const std::string found = entry.path().filename().string();
-    if (found.size() < at + kTileDigits) continue;
-    const std::string tile = found.substr(at, kTileDigits);
-    if (is_tile(tile) && found == with_tile(name, tile)) tiles.push_back(tile);
-  }
-  if (tiles.empty())
-    throw Error(ErrorCode::kInput,
-                set + ": found no file of this set, expected " + with_tile(set, "1001") + " or others");
-  std::sort(tiles.begin(), tiles.end());
-  return tiles;
 }
 
 // Where a file of one map goes: `pattern` is a folder, or holds <UDIM>.
@@ -68,6 +36,33 @@ std::string place(const std::string& pattern, const std::string& input, const st
 }
 
 }  // namespace
+
+bool has_udim(const std::string& path) { return path.find(kUdim) != std::string::npos; }
+
+std::string with_tile(std::string path, const std::string& tile) {
+  for (std::size_t at = path.find(kUdim); at != std::string::npos; at = path.find(kUdim, at))
+    path.replace(at, sizeof(kUdim) - 1, tile);
+  return path;
+}
+
+std::vector<std::string> find_tiles(const std::string& set) {
+  const fs::path path(set);
+  const std::string name = path.filename().string();
+  const std::size_t at = name.find(kUdim);
+  if (at == std::string::npos)
+    throw Error(ErrorCode::kUsage, set + ": found <UDIM> in a folder's name, expected it in the file's");
+  std::vector<std::string> tiles;
+  std::error_code none;
+  for (const fs::directory_entry& entry :
+       fs::directory_iterator(path.has_parent_path() ? path.parent_path() : fs::path("."), none)) {
+    const std::string found = entry.path().filename().string();
+    if (found.size() < at + kTileDigits) continue;
+    const std::string tile = found.substr(at, kTileDigits);
+    if (is_tile(tile) && found == with_tile(name, tile)) tiles.push_back(tile);
+  }
+  std::sort(tiles.begin(), tiles.end());
+  return tiles;
+}
 
 std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<std::string>& inputs) {
   MULTUM_CHECK(!inputs.empty());
@@ -93,7 +88,11 @@ std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<st
     if (!has_udim(input)) {
       add(input, "");
     } else {
-      for (const std::string& tile : tiles_of(input)) add(with_tile(input, tile), tile);
+      const std::vector<std::string> tiles = find_tiles(input);
+      if (tiles.empty())
+        throw Error(ErrorCode::kInput,
+                    input + ": found no file of this set, expected " + with_tile(input, "1001") + " or others");
+      for (const std::string& tile : tiles) add(with_tile(input, tile), tile);
     }
   }
   return jobs;

@@ -10,6 +10,14 @@
 
 namespace multum {
 
+/// Does a path name a set?
+bool has_udim(const std::string& path);
+
+/// The tiles that a set has files of, "1001" and so on, in order. Throws Error(kUsage) when `<UDIM>` is in a folder's
+/// name.
+std::vector<std::string> find_tiles(const std::string& set);
+std::string with_tile(std::string path, const std::string& tile);
+
 /// One job a map, in the order given, tiles in the order of their numbers; each is `pattern` with its own paths.
 /// Where there is one map and no `<UDIM>`, that is `pattern` with its input. Else pattern.output, and pattern.report if
 /// there is one, is a folder that exists (files are named after the maps) or holds `<UDIM>` (then every input does);

@@ -7,20 +7,19 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "host/bake/accuracy_table.h"
 #include "host/bake/bake_sink.h"
+#include "host/bake/bake_source.h"
 #include "host/bake/movmf_bake.h"
+#include "host/bake/output_state.h"
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/machine.h"
 #include "host/base/output_paths.h"
-#include "host/image/reading_settings.h"
-#include "kernels/kernel_sources.h"
 
 namespace multum {
 namespace {
@@ -38,47 +37,6 @@ class StageClock {
   BakeReport& report_;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-// A map that repeats is filtered across its border, so its lobes must be alike there.
-MovmfSettings fitting_settings(const BakeJob& job) {
-  MovmfSettings settings = job.fitting;
-  settings.periodic_x = job.reading.wrap_s == WrapMode::kPeriodic;
-  settings.periodic_y = job.reading.wrap_t == WrapMode::kPeriodic;
-  return settings;
-}
-
-// Every setting that changes the file, the reading's too, and the kernels: what an unchanged bake is recognised by.
-std::string all_settings_json(const BakeJob& job) {
-  nlohmann::json json = nlohmann::json::parse(settings_json(fitting_settings(job)));
-  add_reading_settings(job.reading, json);
-  json["encoding"] = storage_encoding_name(job.encoding);
-  json["compression"] = job.writing.compression;
-  json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
-  if (job.region) {
-    json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
-    json["onto"] = read_movmf_header(job.onto).provenance.content_hash;
-  }
-  std::string kernels;
-  for (const auto& [name, source] : kernel_sources()) kernels += source;
-  json["kernels"] = hash_text(kernels).substr(0, 16);
-  return json.dump();
-}
-
-const std::string kSoftware = std::string("multum ") + MULTUM_VERSION;
-
-// Is the output there already, as this bake would make it? Anything else of that name is baked over, as ever.
-bool is_baked(const BakeJob& job, const std::string& settings) {
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(job.output, none)) return false;
-  try {
-    const MovmfProvenance there = read_movmf_header(job.output).provenance;
-    const auto measured = parse_measured_error(there.measured_error);
-    return there.software == kSoftware && there.settings == settings &&
-           (!job.measure || (measured && !measured->empty())) && there.source_hash == hash_file(job.input);
-  } catch (const Error&) {
-    return false;
-  }
-}
 
 // Lobes sharper than the storage keeps: counted, and warned of where they stand for more of the map than this. Every
 // map has some at level 1, around two or three normals that are nearly alike. Measured on the test folder, snorm16: 2
@@ -137,12 +95,6 @@ std::uint64_t window_bytes(const BakeJob& job) {
   return memory - kTaken;
 }
 
-std::string scratch_folder(const BakeJob& job) {
-  if (!job.scratch_folder.empty()) return job.scratch_folder;
-  const std::filesystem::path folder = std::filesystem::path(job.output).parent_path();
-  return folder.empty() ? "." : folder.string();
-}
-
 MovmfMipmap make_header(const BakeJob& job, int width, int height) {
   MovmfMipmap header;
   header.encoding = job.encoding;
@@ -161,7 +113,7 @@ MovmfMipmap make_header(const BakeJob& job, int width, int height) {
 
 MovmfProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings) {
   MovmfProvenance from;
-  from.software = kSoftware;
+  from.software = bake_software();
   from.source_name = source;
   from.source_hash = hash_file(job.input);
   from.settings = settings;
@@ -175,24 +127,18 @@ std::string checkpoint_key(const MovmfMipmap& header) {
   return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 
-// Maps of up to so many bytes stay in memory.
-constexpr std::int64_t kMapBytesInMemory = std::int64_t{16} << 20;
-
-NormalMapRows read_input(const BakeJob& job, BakeReport& report, Progress* progress) {
-  NormalMapRows map =
-      read_normal_map_rows(job.input, job.reading, {scratch_folder(job), kMapBytesInMemory}, job.threads, progress);
-  report.input = map.report;
-  log_info(fmt::format("{}: {} x {}, {}; {}", job.input, map.normals.width(), map.normals.height(), map.report.encoding,
-                       map.report.encoding_reason));
-  for (const std::string& warning : map.report.warnings) log_warning(job.input + ": " + warning);
-  validate(job.fitting, map.normals.width(), map.normals.height());
-  return map;
+BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progress) {
+  BakeSource source = read_bake_source(job, progress);
+  const NormalMapReport& found = report.input = source.map.report;
+  log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
+                       found.encoding, found.encoding_reason));
+  for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
+  validate(job.fitting, source.map.normals.width(), source.map.normals.height());
+  return source;
 }
 
-}  // namespace
-
-BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
-  const std::uint64_t memory_bytes = window_bytes(job);
+// What can be told before anything is read.
+void check_job(const BakeJob& job) {
   if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder))
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected one for scratch files");
   validate(job.fitting);
@@ -205,10 +151,17 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   check_output_name(job.output);
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
+}
+
+}  // namespace
+
+BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
+  const std::uint64_t memory_bytes = window_bytes(job);
+  check_job(job);
   BakeReport report;
   report.source = std::filesystem::path(job.input).filename().string();
   const std::string settings = all_settings_json(job);
-  if (!job.force && is_baked(job, settings)) {
+  if (!job.force && find_output_state(job, settings).finding == OutputFinding::kInPlace) {
     report.unchanged = true;
     if (!job.report.empty()) write_text_file(job.report, report.to_json());
     return report;
@@ -216,12 +169,10 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   StageClock clock(report);
   const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
   const int programs_before = device.program_count();
-  const NormalMapRows map = read_input(job, report, progress);
-  const PlaneStore& normals = map.normals;
+  const BakeSource source = read_source(job, report, progress);
+  const PlaneStore& normals = source.map.normals;
+  const PlaneStore* const albedo = source.albedo ? &*source.albedo : nullptr;
   const int width = normals.width(), height = normals.height();
-  std::optional<PlaneStore> albedo;
-  if (!job.albedo.empty())
-    albedo.emplace(read_albedo_rows(job.albedo, width, height, {scratch_folder(job), kMapBytesInMemory}, job.threads));
   clock.finish("read");
 
   // Measuring and writing count as about a level's work each.
@@ -234,11 +185,11 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   AccuracySettings accuracy;
   accuracy.threads = job.threads;
   std::optional<AccuracyMeter> meter;
-  if (job.measure) meter.emplace(header, albedo.has_value(), accuracy);
+  if (job.measure) meter.emplace(header, albedo != nullptr, accuracy);
   BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report);
   MovmfBakeInputs inputs;
   inputs.normals = &normals;
-  inputs.albedo = albedo ? &*albedo : nullptr;
+  inputs.albedo = albedo;
   inputs.memory_bytes = memory_bytes;
   inputs.place.folder = scratch_folder(job);
   inputs.threads = job.threads;

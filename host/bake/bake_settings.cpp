@@ -10,12 +10,10 @@
 namespace multum {
 namespace {
 
-constexpr int kLevelMax = 15;  // of a map of 32768 texels a side
-
 template <typename Value>
-void check_range(const char* name, Value value, Value low, Value high) {
-  if (!(value >= low && value <= high))
-    throw Error(ErrorCode::kUsage, fmt::format("{} is {}, expected {} to {}", name, value, low, high));
+void check_range(const char* name, Value value, SettingRange<Value> range) {
+  if (!(value >= range.low && value <= range.high))
+    throw Error(ErrorCode::kUsage, fmt::format("{} is {}, expected {} to {}", name, value, range.low, range.high));
 }
 
 }  // namespace
@@ -28,19 +26,19 @@ void make_reference(MovmfSettings& settings) {
 }
 
 void validate(const MovmfSettings& s) {
-  check_range("--lobes", s.lobe_count, 1, 8);
-  check_range("--iterations", s.iteration_count, 1, 1000);
-  check_range("the iteration count of coarse levels", s.iteration_count_coarse, 1, 1000);
-  check_range("the iteration count of the coarsest level", s.iteration_count_top, 1, 1000);
-  check_range("--sweeps", s.sweep_count, 1, 8);
-  check_range("the iteration count of further sweeps", s.iteration_count_again, 1, 1000);
-  check_range("the change at which texels are settled", s.settled_change, 0.0f, 0.1f);
-  check_range("--align", s.alignment, 0.0f, 10.0f);
-  check_range("--first-level", s.first_level, 0, kLevelMax);
-  check_range("--kappa-cap", s.kappa_cap, 1.0f, 1.0e5f);
-  check_range("the slope of the kappa cap", s.kappa_cap_slope, 0.0f, 1000.0f);
-  check_range("the kappa factor of starts", s.start_kappa_factor, 0.01f, 1.0f);
-  check_range("the least amplitude of starts", s.start_amplitude_min, 0.0f, 0.125f);
+  check_range("--lobes", s.lobe_count, kLobeCounts);
+  check_range("--iterations", s.iteration_count, kIterationCounts);
+  check_range("the iteration count of coarse levels", s.iteration_count_coarse, kIterationCounts);
+  check_range("the iteration count of the coarsest level", s.iteration_count_top, kIterationCounts);
+  check_range("--sweeps", s.sweep_count, kSweepCounts);
+  check_range("the iteration count of further sweeps", s.iteration_count_again, kIterationCounts);
+  check_range("the change at which texels are settled", s.settled_change, {0.0f, 0.1f});
+  check_range("--align", s.alignment, kAlignments);
+  check_range("--first-level", s.first_level, kFirstLevels);
+  check_range("--kappa-cap", s.kappa_cap, kKappaCaps);
+  check_range("the slope of the kappa cap", s.kappa_cap_slope, {0.0f, 1000.0f});
+  check_range("the kappa factor of starts", s.start_kappa_factor, {0.01f, 1.0f});
+  check_range("the least amplitude of starts", s.start_amplitude_min, {0.0f, 0.125f});
 }
 
 std::string settings_json(const MovmfSettings& s) {

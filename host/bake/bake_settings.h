@@ -12,6 +12,18 @@ enum class FitOrder { kColour, kScanline };
 /// (movmf_condense.cl), or every one of them, which costs each level as much as the finest.
 enum class CoarseNormals { kCondensed, kAll };
 
+/// Legal values, ends and all, of the settings that a person may choose.
+template <typename Value>
+struct SettingRange {
+  Value low, high;
+};
+constexpr SettingRange<int> kLobeCounts = {1, 8};
+constexpr SettingRange<int> kIterationCounts = {1, 1000};
+constexpr SettingRange<int> kSweepCounts = {1, 8};
+constexpr SettingRange<int> kFirstLevels = {0, 15};  // up to the coarsest of a map of 32768 texels a side
+constexpr SettingRange<float> kAlignments = {0.0f, 10.0f};
+constexpr SettingRange<float> kKappaCaps = {1.0f, 1.0e5f};
+
 struct MovmfSettings {
   int lobe_count = 4;        // 1..8
   int iteration_count = 12;  // EM iterations a texel, at most; 1..1000

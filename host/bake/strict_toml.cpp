@@ -52,11 +52,10 @@ std::optional<double> number_of(const toml::node& node) {
 
 }  // namespace
 
-toml::table parse_toml(const std::string& path) {
+toml::table parse_toml(const std::string& path, const std::string& expected) {
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file)
-    throw Error(ErrorCode::kInput, path + ": cannot be read, expected a job as docs/ANIMATION.md describes it");
+  if (!file) throw Error(ErrorCode::kInput, path + ": cannot be read, expected " + expected);
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
@@ -77,14 +76,14 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
 }
 
 StrictTable::StrictTable(const std::string& file, const toml::table& table, std::string name,
-                         const std::vector<std::string>& keys)
-    : file_(file), table_(table), name_(std::move(name)) {
+                         const std::vector<std::string>& keys, std::string whole)
+    : file_(file), table_(table), name_(std::move(name)), whole_(std::move(whole)) {
   for (const auto& [key, value] : table_) {
     const std::string text(key.str());
     if (keys.empty() || std::find(keys.begin(), keys.end(), text) != keys.end()) continue;
     const std::string nearest = nearest_name(text, keys);
     const std::string meant = nearest.empty() ? "" : fmt::format("; did you mean {}?", full_name(nearest));
-    refuse_at(file_, key.source().begin.line, fmt::format("{} is no key of the job{}", full_name(text), meant));
+    refuse_at(file_, key.source().begin.line, fmt::format("{} is no key of {}{}", full_name(text), whole_, meant));
   }
 }
 
@@ -97,7 +96,7 @@ std::vector<std::string> StrictTable::keys() const {
 void StrictTable::refuse(const std::string& key, const std::string& what) const {
   const toml::node* node = key.empty() ? nullptr : table_.get(key);
   refuse_at(file_, line_of(node != nullptr ? *node : table_),
-            (key.empty() ? (name_.empty() ? "the job" : name_) : full_name(key)) + " " + what);
+            (key.empty() ? (name_.empty() ? whole_ : name_) : full_name(key)) + " " + what);
 }
 
 void StrictTable::refuse_value(const std::string& key, const toml::node& value, const std::string& expected) const {

@@ -13,8 +13,9 @@
 
 namespace multum {
 
-/// Parses the file. Throws Error(kInput) when it cannot be read or is no TOML.
-toml::table parse_toml(const std::string& path);
+/// Parses the file. Throws Error(kInput) when it cannot be read or is no TOML; `expected`: "a job as PAGE describes
+/// it".
+toml::table parse_toml(const std::string& path, const std::string& expected);
 
 struct NumberRange {
   double low = 0.0, high = 0.0;
@@ -26,9 +27,9 @@ struct NumberRange {
 class StrictTable {
  public:
   /// `name`: how its keys are called in messages, as "texture": "texture.wrap"; empty at the top. Keys that are not
-  /// among `keys` are refused at once, with the known key that is nearest.
-  StrictTable(const std::string& file, const toml::table& table, std::string name,
-              const std::vector<std::string>& keys);
+  /// among `keys` are refused at once, with the known key that is nearest. `whole`: what the file is called.
+  StrictTable(const std::string& file, const toml::table& table, std::string name, const std::vector<std::string>& keys,
+              std::string whole = "the job");
 
   bool has(const std::string& key) const { return table_.contains(key); }
   /// Keys that are there, in alphabetical order: for tables whose keys are names.
@@ -59,6 +60,7 @@ class StrictTable {
   const std::string& file_;
   const toml::table& table_;
   std::string name_;
+  std::string whole_;
 };
 
 /// The known name that differs least from `name`, for "did you mean"; empty when none is near.

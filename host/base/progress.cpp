@@ -18,7 +18,6 @@ namespace multum {
 void Progress::start(std::uint64_t units_total) {
   event_.units_total = units_total;
   event_.units_done = 0;
-  event_.units_done = 0;
   report();
 }
 

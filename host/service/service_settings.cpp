@@ -78,8 +78,8 @@ void read_devices(const StrictTable& root, const std::string& path, ServiceSetti
 }  // namespace
 
 void read_service_settings(const std::string& path, ServiceSettings& s) {
-  const toml::table file = parse_toml(path);
-  const StrictTable root(path, file, "", kKeys);
+  const toml::table file = parse_toml(path, "settings as docs/SERVICE.md lists them");
+  const StrictTable root(path, file, "", kKeys, "the settings");
   s.listen = root.text("listen", s.listen);
   s.token_file = root.text("token_file", s.token_file);
   if (root.has("roots")) s.roots = root.texts("roots", true);

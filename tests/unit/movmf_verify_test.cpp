@@ -65,6 +65,31 @@ TEST_P(MovmfVerifyTest, LevelsThatAreNotStoredAreNotMissed) {
     }
 }
 
+TEST_P(MovmfVerifyTest, EveryRowOfEveryTileIsSeenOnce) {
+  MovmfMipmap mipmap = make();
+  MovmfWriteOptions options;
+  options.tile_size = 5;  // 24 rows are four rows of tiles and one that is cut off
+  for (const int first_level : {0, 2}) {
+    drop_finer_levels(mipmap, first_level);
+    write_movmf_mipmap(folder_ / "a.exr", mipmap, options);
+    MovmfMipmap seen = read_movmf_header(folder_ / "a.exr");
+    const auto gather = [&](int l, int first_row, const MovmfLevel& rows) {
+      MovmfLevel& level = seen.levels[static_cast<std::size_t>(l)];
+      EXPECT_EQ(level.lobes[0].size(), static_cast<std::size_t>(first_row * level.width)) << "level " << l;
+      for (std::size_t j = 0; j < 4; ++j) {
+        level.lobes[j].insert(level.lobes[j].end(), rows.lobes[j].begin(), rows.lobes[j].end());
+        level.colours[j].insert(level.colours[j].end(), rows.colours[j].begin(), rows.colours[j].end());
+      }
+    };
+    for (const VerifyFinding& finding : verify_movmf(folder_ / "a.exr", 2, gather))
+      EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.detail;
+    for (std::size_t l = 0; l < mipmap.levels.size(); ++l) {
+      EXPECT_EQ(seen.levels[l].lobes, mipmap.levels[l].lobes) << "level " << l;
+      EXPECT_EQ(seen.levels[l].colours, mipmap.levels[l].colours) << "level " << l;
+    }
+  }
+}
+
 TEST_P(MovmfVerifyTest, AFlippedBitInAnyTileFailsTheChecksum) {
   const std::string path = write(make()), whole = testing::read_bytes(path);
   const unsigned seed = 6;

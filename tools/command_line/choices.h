@@ -3,32 +3,26 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "host/base/choices.h"
+
 namespace multum {
 
-template <typename Value>
-using Choices = std::vector<std::pair<std::string, Value>>;  // in the order that --help shows; must outlive the app
-
-/// `value` may be an optional: it stays unset, and --help shows no default, until the option is given.
+/// `value` may be an optional: it stays unset, and --help shows no default, until the option is given. `choices` must
+/// outlive the app.
 template <typename Target, typename Value>
-void add_choice(CLI::App& app, const std::string& option, Target& value, const Choices<Value>& choices,
-                const std::string& help) {
-  std::vector<std::string> names;
+CLI::Option* add_choice(CLI::App& app, const std::string& option, Target& value, const Choices<Value>& choices,
+                        const std::string& help) {
   std::string default_name;
-  for (const auto& [name, meaning] : choices) {
-    names.push_back(name);
+  for (const auto& [name, meaning] : choices)
     if (value == meaning) default_name = name;
-  }
-  const auto choose = [&value, &choices](const std::string& text) {
-    for (const auto& [name, meaning] : choices)
-      if (name == text) value = meaning;
-  };
-  CLI::Option* const added = app.add_option_function<std::string>(option, choose, help)->check(CLI::IsMember(names));
+  const auto choose = [&value, &choices](const std::string& text) { value = *find_choice(choices, text); };
+  CLI::Option* const added =
+      app.add_option_function<std::string>(option, choose, help)->check(CLI::IsMember(choice_names(choices)));
   if (!default_name.empty()) added->default_str(default_name);
+  return added;
 }
 
 }  // namespace multum

@@ -6,14 +6,6 @@
 #include "tools/command_line/choices.h"
 
 namespace multum {
-namespace {
-
-const Choices<BumpFormat> kBumpFormats = {
-    {"auto", BumpFormat::kAuto}, {"height", BumpFormat::kHeight}, {"normal", BumpFormat::kNormal}};
-const Choices<FixNan> kFixNans = {{"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
-
-}  // namespace
-
 void add_reading_options(CLI::App& app, ReadingOptions& o) {
   const std::string found = o.bump_format ? " (default: found)" : "";
   const auto show_default = [](CLI::Option* option, const std::optional<float>& value) {
@@ -21,8 +13,7 @@ void add_reading_options(CLI::App& app, ReadingOptions& o) {
     return option;
   };
   add_choice(app, "--bumpformat", o.bump_format, kBumpFormats, "what the file is; auto: found from its statistics");
-  app.add_option("--green", o.green, "green points up (OpenGL) or down (DirectX)" + found)
-      ->check(CLI::IsMember({"up", "down"}));
+  add_choice(app, "--green", o.green, kGreenAxes, "green points up (OpenGL) or down (DirectX)" + found);
   auto* is_signed = app.add_flag("--signed", o.is_signed, "channel values are the vector, -1..1" + found);
   app.add_flag("--unsigned", o.is_unsigned, "channel values are encoded, 0..1" + found)->excludes(is_signed);
   app.add_flag("--two-channel", o.two_channel, "only x and y are stored; z is rebuilt" + found);
@@ -35,16 +26,6 @@ void add_reading_options(CLI::App& app, ReadingOptions& o) {
                               "refuse a file that needs more repairs than this share of its texels"),
                o.repair_share_max)
       ->check(CLI::Range(0.0, 1.0));
-}
-
-void apply(const ReadingOptions& o, NormalMapSettings& settings) {
-  if (o.bump_format) settings.bump_format = *o.bump_format;
-  if (!o.green.empty()) settings.green = o.green == "up" ? GreenAxis::kUp : GreenAxis::kDown;
-  if (o.is_signed || o.is_unsigned) settings.is_signed = o.is_signed;
-  if (o.two_channel) settings.two_channel = true;
-  if (o.height_scale) settings.height_scale = *o.height_scale;
-  if (o.fix_nan) settings.fix_nan = *o.fix_nan;
-  if (o.repair_share_max) settings.repair_share_max = *o.repair_share_max;
 }
 
 }  // namespace multum

@@ -41,6 +41,7 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
       "multum bakes normal maps into textures that look right at every distance:\n"
       "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
       "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
+      "  multum bake --manifest maps.toml --check            bake what changed of a project, and say what it was\n"
       "  multum-view bricks.ndf.exr -o frame.png             render it\n"
       "  multum info bricks.ndf.exr                          look inside\n"
       "  multum animation renders -o animation.toml          what a folder of ray-traced pictures holds, as a job\n"

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps are read one by one, each on top of [defaults], and only then set against one another: an output must be nobody
+// else's, whichever of the two comes first.
+#include "host/bake/bake_manifest.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+
+#include "host/bake/bake_batch.h"
+#include "host/bake/map_options.h"
+#include "host/bake/strict_toml.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr char kWhole[] = "the manifest";
+
+const std::vector<std::string> kDefaultKeys = {
+    "error_max", "lobes",       "reference",   "iterations", "sweeps",       "order",       "align",
+    "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",       "coarse_normals",
+    "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel", "no_rehearsal",
+    "fixnan",    "checknan",    "repair_max",  "albedo",     "compression"};
+
+std::vector<std::string> map_keys() {
+  std::vector<std::string> keys = kDefaultKeys;
+  keys.insert(keys.end(), {"input", "output"});
+  return keys;
+}
+
+// What [defaults] and a [[map]] may both say.
+struct ManifestOptions {
+  MapOptions map;
+  std::optional<double> error_max;
+};
+
+template <typename Value>
+void read_choice(const StrictTable& table, const std::string& key, const Choices<Value>& choices,
+                 std::optional<Value>& value) {
+  if (!table.has(key)) return;
+  const std::string name = table.text(key, "");
+  value = find_choice(choices, name);
+  if (!value) table.refuse(key, fmt::format("is \"{}\", expected {}", name, fmt::join(choice_names(choices), ", ")));
+}
+
+void read_whole(const StrictTable& table, const std::string& key, const SettingRange<int>& range,
+                std::optional<int>& value) {
+  if (table.has(key)) value = table.whole(key, range.low, range.high);
+}
+
+void read_number(const StrictTable& table, const std::string& key, const NumberRange& range,
+                 std::optional<float>& value) {
+  if (table.has(key)) value = static_cast<float>(table.number(key, range, 0.0));
+}
+
+NumberRange number_range(const SettingRange<float>& range) {
+  return {static_cast<double>(range.low), static_cast<double>(range.high), false, false,
+          fmt::format("a number from {} to {}", range.low, range.high)};
+}
+
+void read_reading(const StrictTable& table, ReadingOptions& reading) {
+  read_choice(table, "bumpformat", kBumpFormats, reading.bump_format);
+  read_choice(table, "green", kGreenAxes, reading.green);
+  // One question with two answers: what a map says of it replaces all that [defaults] say.
+  if (table.has("signed") || table.has("unsigned")) {
+    reading.is_signed = table.boolean("signed", false);
+    reading.is_unsigned = table.boolean("unsigned", false);
+    if (reading.is_signed && reading.is_unsigned) table.refuse("unsigned", "is true, and signed is too: expected one");
+  }
+  reading.two_channel = table.boolean("two_channel", reading.two_channel);
+  constexpr double kFloatMax = std::numeric_limits<float>::max();
+  read_number(table, "height_scale", {-kFloatMax, kFloatMax, false, false, "a number other than 0"},
+              reading.height_scale);
+  if (reading.height_scale == 0.0f) table.refuse("height_scale", "is 0, expected a number other than 0");
+  read_choice(table, "fixnan", kFixNans, reading.fix_nan);
+  read_number(table, "repair_max", {0.0, 1.0, false, false, "a number from 0 to 1"}, reading.repair_share_max);
+}
+
+void read_options(const StrictTable& table, ManifestOptions& options) {
+  MapOptions& map = options.map;
+  if (table.has("error_max"))
+    options.error_max = table.number("error_max", {0.0, kInfinity, true, true, "a number above 0"}, 0.0);
+  read_reading(table, map.reading);
+  map.check_nan = table.boolean("checknan", map.check_nan);
+  read_choice(table, "wrap", kWrapModes, map.wrap);
+  read_choice(table, "swrap", kWrapModes, map.wrap_s);
+  read_choice(table, "twrap", kWrapModes, map.wrap_t);
+  if (table.has("albedo")) map.albedo = table.text("albedo", "");
+  read_whole(table, "lobes", kLobeCounts, map.lobes);
+  read_whole(table, "iterations", kIterationCounts, map.iterations);
+  read_whole(table, "sweeps", kSweepCounts, map.sweeps);
+  read_whole(table, "first_level", kFirstLevels, map.first_level);
+  read_number(table, "align", number_range(kAlignments), map.alignment);
+  read_number(table, "kappa_cap", number_range(kKappaCaps), map.kappa_cap);
+  map.reference = table.boolean("reference", map.reference);
+  map.no_rehearsal = table.boolean("no_rehearsal", map.no_rehearsal);
+  read_choice(table, "order", kFitOrders, map.order);
+  read_choice(table, "coarse_normals", kCoarseNormals, map.coarse_normals);
+  read_choice(table, "data_format", kStorageEncodings, map.data_format);
+  if (!table.has("compression")) return;
+  map.compression = table.text("compression");
+  if (!is_compression(*map.compression))
+    table.refuse("compression", fmt::format("is \"{}\", expected {}", *map.compression, kCompressionsInWords));
+}
+
+// Empty stays empty: no file.
+std::string resolved(const std::string& manifest, const std::string& path) {
+  return path.empty() ? "" : (fs::path(manifest).parent_path() / path).lexically_normal().string();
+}
+
+// What make_bake_jobs() would refuse, and what it would take for a name, with the line.
+void check_paths(const StrictTable& table, const BakeJob& job) {
+  const bool is_set = has_udim(job.input);
+  if (is_set && !has_udim(fs::path(job.input).filename().string()))
+    table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file's name, not in a folder's", job.input));
+  if (!is_set && has_udim(job.output))
+    table.refuse("output",
+                 fmt::format("is \"{}\", but the input is no set: expected a name without <UDIM>", job.output));
+  if (!is_set && has_udim(job.albedo))
+    table.refuse(
+        table.has("albedo") ? "albedo" : "",
+        fmt::format("has the albedo \"{}\", but the input is no set: expected a name without <UDIM>", job.albedo));
+  const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output);
+  if (is_set && !has_udim(job.output) && !is_folder)
+    table.refuse("output",
+                 fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or a folder that is there",
+                             job.output));
+  if (!is_folder && !job.output.ends_with(".exr"))
+    table.refuse("output", fmt::format("is \"{}\", expected a name that ends in .ndf.exr or .exr", job.output));
+}
+
+std::vector<BakeJob> jobs_of(const BakeJob& job) {
+  if (!has_udim(job.input) || !find_tiles(job.input).empty()) return make_bake_jobs(job, {job.input});
+  return {job};
+}
+
+struct ManifestEntry {
+  StrictTable table;
+  std::vector<ManifestMap> maps;
+};
+
+ManifestEntry read_entry(const std::string& path, const toml::table& toml, const ManifestOptions& defaults,
+                         const BakeJob& pattern) {
+  ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWhole), {}};
+  ManifestOptions options = defaults;
+  read_options(entry.table, options);
+  BakeJob job = pattern;
+  apply(options.map, job);
+  job.input = resolved(path, entry.table.text("input"));
+  job.output = resolved(path, entry.table.text("output"));
+  job.albedo = resolved(path, job.albedo);
+  check_paths(entry.table, job);
+  for (BakeJob& one : jobs_of(job)) {
+    const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();
+    entry.maps.push_back({name, std::move(one), options.error_max});
+  }
+  return entry;
+}
+
+// One name a file, however it is written.
+std::string canonical(const std::string& path) {
+  std::error_code none;
+  return fs::weakly_canonical(fs::absolute(path, none), none).string();
+}
+
+// By names, not pair by pair as check_paths_differ() goes: a manifest may have thousands of maps.
+void check_apart(const std::vector<ManifestEntry>& entries) {
+  std::map<std::string, std::string> inputs, outputs;  // canonical name -> what it is
+  for (const ManifestEntry& entry : entries)
+    for (const ManifestMap& map : entry.maps)
+      for (const std::string& input : {map.job.input, map.job.albedo})
+        if (!input.empty()) inputs.emplace(canonical(input), input);
+  for (const ManifestEntry& entry : entries)
+    for (const ManifestMap& map : entry.maps) {
+      const std::string name = canonical(map.job.output);
+      if (const auto input = inputs.find(name); input != inputs.end())
+        entry.table.refuse("output", fmt::format("is \"{}\", which is read as {}: expected a file of its own", map.name,
+                                                 input->second));
+      const auto [other, is_new] = outputs.emplace(name, map.job.input);
+      if (!is_new)
+        entry.table.refuse("output", fmt::format("is \"{}\", where {} goes already: expected a file of its own",
+                                                 map.name, other->second));
+    }
+}
+
+}  // namespace
+
+std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJob& pattern) {
+  const toml::table root = parse_toml(path, "a manifest as docs/CI.md describes it");
+  const StrictTable table(path, root, "", {"defaults", "map"}, kWhole);
+  ManifestOptions defaults;
+  read_options(StrictTable(path, table.table("defaults"), "defaults", kDefaultKeys, kWhole), defaults);
+  std::vector<ManifestEntry> entries;
+  for (const toml::table* toml : table.tables("map")) entries.push_back(read_entry(path, *toml, defaults, pattern));
+  check_apart(entries);
+  std::vector<ManifestMap> maps;
+  for (ManifestEntry& entry : entries)
+    for (ManifestMap& map : entry.maps) maps.push_back(std::move(map));
+  return maps;
+}
+
+}  // namespace multum

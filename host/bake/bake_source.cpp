@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/bake_source.h"
+
+#include <filesystem>
+
+#include "host/image/colour_map.h"
+
+namespace multum {
+namespace {
+
+// Maps of up to so many bytes stay in memory.
+constexpr std::int64_t kMapBytesInMemory = std::int64_t{16} << 20;
+
+}  // namespace
+
+std::string scratch_folder(const BakeJob& job) {
+  if (!job.scratch_folder.empty()) return job.scratch_folder;
+  const std::filesystem::path folder = std::filesystem::path(job.output).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
+BakeSource read_bake_source(const BakeJob& job, Progress* progress) {
+  const ReadingPlace place = {scratch_folder(job), kMapBytesInMemory};
+  BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt};
+  const int width = source.map.normals.width(), height = source.map.normals.height();
+  if (!job.albedo.empty()) source.albedo.emplace(read_albedo_rows(job.albedo, width, height, place, job.threads));
+  return source;
+}
+
+}  // namespace multum

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bake reads: the map and its albedo, in memory where they are small, else in scratch files.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "host/bake/bake_job.h"
+#include "host/base/progress.h"
+#include "host/image/normal_map.h"
+#include "host/image/plane_store.h"
+
+namespace multum {
+
+struct BakeSource {
+  NormalMapRows map;
+  std::optional<PlaneStore> albedo;  // where the job has one
+};
+
+/// The folder for what does not fit in memory: the job's, or the output's.
+std::string scratch_folder(const BakeJob& job);
+
+/// Throws Error(kInput) for files that cannot be used.
+BakeSource read_bake_source(const BakeJob& job, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/baked_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/asset/movmf_verify.h"
+#include "host/bake/bake_source.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+// What of a difference is no finding: the device that measures need not be the one that baked, and both shade in float.
+// Six maps of 16 to 64 texels a side, baked with PoCL 3.1 and measured with Oclgrind 21.10, differ in no figure by more
+// than the 5e-7 that the header's six digits round off; GPUs were not measured, and 1 % is room for their exp and sqrt.
+// Of an error that is nearly nothing, as at a smooth map's finest level, rounding is a large share: hence the second
+// figure, one unit of the last digit that `multum info` prints.
+constexpr double kAllowedRelative = 0.01;
+constexpr double kAllowedAbsolute = 1e-4;
+
+// Of a file that names this source, yet was not baked from it.
+std::string other_shape(const MovmfMipmap& header, const BakeSource& source) {
+  const PlaneStore& normals = source.map.normals;
+  if (header.width() != normals.width() || header.height() != normals.height())
+    return fmt::format("holds {} x {} texels, its source has {} x {}", header.width(), header.height(), normals.width(),
+                       normals.height());
+  if (header.has_colours() != source.albedo.has_value())
+    return header.has_colours() ? "has colours, its source has none" : "has no colours, its source has an albedo";
+  return "";
+}
+
+// Verifies, and hands the meter every row on the way. Progress: a unit a row.
+std::string find_damage(const BakeJob& job, AccuracyMeter& meter, Progress* progress) {
+  const auto seen = [&](int level, int first_row, const MovmfLevel& rows) {
+    meter.add_rows(level, first_row, rows);
+    progress_advance(progress, static_cast<std::uint64_t>(rows.height));
+  };
+  try {
+    for (const VerifyFinding& finding : verify_movmf(job.output, job.threads, seen))
+      if (!finding.passed) return fmt::format("{}: {}", finding.check, finding.detail);
+  } catch (const Error& error) {
+    // The source has been read by now: what cannot be read is the file, and that is what was asked.
+    if (error.code() != ErrorCode::kInput) throw;
+    return error.what();
+  }
+  return "";
+}
+
+std::uint64_t stored_rows(const MovmfMipmap& header) {
+  std::uint64_t rows = 0;
+  for (auto l = static_cast<std::size_t>(header.first_level); l < header.levels.size(); ++l)
+    rows += static_cast<std::uint64_t>(header.levels[l].height);
+  return rows;
+}
+
+// What is no number is no good: further off than any number.
+double comparable(double error) { return std::isnan(error) ? std::numeric_limits<double>::infinity() : error; }
+
+std::string row_name(const AccuracyRow& row) {
+  return fmt::format("level {}, {}, {}", row.level, accuracy_point_name(row.point), row.brdf);
+}
+
+}  // namespace
+
+BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress) {
+  const BakeSource source = read_bake_source(job, progress);
+  const MovmfMipmap header = read_movmf_header(job.output);
+  BakedCheck check;
+  check.damage = other_shape(header, source);
+  if (!check.damage.empty()) return check;
+  progress_start(progress, stored_rows(header) + 1);
+  progress_stage(progress, "verify");
+  AccuracySettings settings;
+  settings.threads = job.threads;
+  const PlaneStore* const albedo = source.albedo ? &*source.albedo : nullptr;
+  AccuracyMeter meter(header, albedo != nullptr, settings);
+  check.damage = find_damage(job, meter, progress);
+  if (check.damage.empty()) {
+    progress_stage(progress, "measure");
+    check.measured = meter.run(device, source.map.normals, albedo, progress);
+  }
+  progress_finish(progress);
+  return check;
+}
+
+std::optional<double> worst_error(const std::vector<AccuracyRow>& rows) {
+  std::optional<double> worst;
+  for (const AccuracyRow& row : rows) worst = std::max(worst.value_or(0.0), comparable(row.error));
+  return worst;
+}
+
+std::string worse_than_stated(const std::vector<AccuracyRow>& measured, const std::vector<AccuracyRow>& stated) {
+  std::string worst;
+  double worst_excess = 0.0;
+  for (const AccuracyRow& row : measured) {
+    const auto same = std::find_if(stated.begin(), stated.end(), [&](const AccuracyRow& other) {
+      return other.level == row.level && other.point == row.point && other.brdf == row.brdf;
+    });
+    if (same == stated.end()) return fmt::format("states no error for {}", row_name(row));
+    const double excess = comparable(row.error) - (same->error * (1.0 + kAllowedRelative) + kAllowedAbsolute);
+    if (excess <= worst_excess) continue;
+    worst_excess = excess;
+    worst =
+        fmt::format("is {:.4g} % off at {}, states {:.4g} %", 100.0 * row.error, row_name(row), 100.0 * same->error);
+  }
+  return worst;
+}
+
+}  // namespace multum

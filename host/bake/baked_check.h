@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is a finished file whole, and as near to its source as it says? Verified as `multum verify` does, and measured again
+// as the bake did (docs/ACCURACY.md): the same texels, lights, views and BRDFs, so the same figures where nothing has
+// changed.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/bake/accuracy.h"
+#include "host/bake/bake_job.h"
+#include "host/base/progress.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+struct BakedCheck {
+  std::string damage;                 // the first finding; empty: the file is whole
+  std::vector<AccuracyRow> measured;  // none where it is damaged
+};
+
+/// Of JOB.output against JOB.input; writes nothing but scratch files. Throws Error(kInput) when the source cannot be
+/// read, Cancelled. Memory: rows of tiles of the file and bands of the source.
+BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress);
+
+/// The largest error of all; none without rows.
+std::optional<double> worst_error(const std::vector<AccuracyRow>& rows);
+
+/// Of the errors that are worse than `stated` by more than rounding explains, or not stated at all, the one that is
+/// furthest off, in words; empty where there is none.
+std::string worse_than_stated(const std::vector<AccuracyRow>& measured, const std::vector<AccuracyRow>& stated);
+
+}  // namespace multum

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/map_options.h"
+
+namespace multum {
+namespace {
+
+void apply_to_fit(const MapOptions& o, MovmfSettings& fit) {
+  if (o.reference) make_reference(fit);
+  if (o.lobes) fit.lobe_count = *o.lobes;
+  if (o.iterations) fit.iteration_count = fit.iteration_count_coarse = *o.iterations;
+  if (o.sweeps) fit.sweep_count = *o.sweeps;
+  if (o.order) fit.order = *o.order;
+  if (o.coarse_normals) fit.coarse_normals = *o.coarse_normals;
+  if (o.no_rehearsal) fit.rehearse_start = false;
+  if (o.alignment) fit.alignment = *o.alignment;
+  if (o.kappa_cap) fit.kappa_cap = *o.kappa_cap;
+  if (o.first_level) fit.first_level = *o.first_level;
+}
+
+}  // namespace
+
+void apply(const MapOptions& o, BakeJob& job) {
+  apply(o.reading, job.reading);
+  if (o.check_nan) job.reading.check_nan = true;
+  if (o.wrap) job.reading.wrap_s = job.reading.wrap_t = *o.wrap;
+  if (o.wrap_s) job.reading.wrap_s = *o.wrap_s;
+  if (o.wrap_t) job.reading.wrap_t = *o.wrap_t;
+  if (o.albedo) job.albedo = *o.albedo;
+  apply_to_fit(o, job.fitting);
+  if (o.data_format) job.encoding = *o.data_format;
+  if (o.compression) job.writing.compression = *o.compression;
+}
+
+}  // namespace multum

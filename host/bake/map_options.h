@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a person says of one map's bake: the options of `multum bake` that a manifest has for each map too, under the
+// same names. Both fill this, so that both make the same job of the same words.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "host/bake/bake_job.h"
+#include "host/base/choices.h"
+#include "host/image/reading_options.h"
+
+namespace multum {
+
+inline const Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
+inline const Choices<CoarseNormals> kCoarseNormals = {{"condensed", CoarseNormals::kCondensed},
+                                                      {"all", CoarseNormals::kAll}};
+inline const Choices<StorageEncoding> kStorageEncodings = {
+    {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
+inline const Choices<WrapMode> kWrapModes = {{"black", WrapMode::kBlack},
+                                             {"clamp", WrapMode::kClamp},
+                                             {"periodic", WrapMode::kPeriodic},
+                                             {"mirror", WrapMode::kMirror}};
+
+/// Unset: not said, as the job has it.
+struct MapOptions {
+  ReadingOptions reading;
+  bool check_nan = false;
+  std::optional<WrapMode> wrap, wrap_s, wrap_t;  // of both directions, of s alone, of t alone
+  std::optional<std::string> albedo;
+  std::optional<int> lobes, iterations, sweeps, first_level;
+  std::optional<float> alignment, kappa_cap;
+  bool reference = false;     // make_reference(), before the other options of the fit
+  bool no_rehearsal = false;  // MovmfSettings::rehearse_start
+  std::optional<FitOrder> order;
+  std::optional<CoarseNormals> coarse_normals;
+  std::optional<StorageEncoding> data_format;
+  std::optional<std::string> compression;
+};
+
+void apply(const MapOptions& options, BakeJob& job);
+
+}  // namespace multum

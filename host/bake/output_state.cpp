@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/output_state.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "host/bake/accuracy_table.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/image/reading_settings.h"
+#include "kernels/kernel_sources.h"
+
+namespace multum {
+namespace {
+
+// A float as a person gave it: 0.01, which in JSON is 0.00999999977.
+std::string shown(const nlohmann::json& json, const std::string& key) {
+  const auto found = json.find(key);
+  if (found == json.end()) return "not stated";
+  return found->is_number_float() ? fmt::format("{:g}", found->get<double>()) : found->dump();
+}
+
+// Which settings differ, and how. Hashes tell a person nothing.
+std::vector<std::string> changed_settings(const std::string& there, const std::string& now) {
+  const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
+  const nlohmann::json new_json = nlohmann::json::parse(now);
+  if (!old_json.is_object()) return {"its settings are not understood"};
+  std::set<std::string> keys;
+  for (const nlohmann::json* json : {&old_json, &new_json})
+    for (const auto& [key, value] : json->items()) keys.insert(key);
+  std::vector<std::string> changes;
+  for (const std::string& key : keys) {
+    if (old_json.contains(key) && new_json.contains(key) && old_json[key] == new_json[key]) continue;
+    if (key == "albedo") changes.emplace_back("the albedo has changed");
+    else if (key == "kernels") changes.emplace_back("it was baked by other kernels than this program's");
+    else changes.push_back(fmt::format("{} was {}, is {}", key, shown(old_json, key), shown(new_json, key)));
+  }
+  return changes;
+}
+
+std::optional<MovmfProvenance> read_provenance(const std::string& path, std::string& why_not) {
+  try {
+    return read_movmf_header(path).provenance;
+  } catch (const Error& error) {
+    why_not = error.what();
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+const std::string& bake_software() {
+  static const std::string name = std::string("multum ") + MULTUM_VERSION;
+  return name;
+}
+
+MovmfSettings fitting_settings(const BakeJob& job) {
+  MovmfSettings settings = job.fitting;
+  settings.periodic_x = job.reading.wrap_s == WrapMode::kPeriodic;
+  settings.periodic_y = job.reading.wrap_t == WrapMode::kPeriodic;
+  return settings;
+}
+
+std::string all_settings_json(const BakeJob& job) {
+  nlohmann::json json = nlohmann::json::parse(settings_json(fitting_settings(job)));
+  add_reading_settings(job.reading, json);
+  json["encoding"] = storage_encoding_name(job.encoding);
+  json["compression"] = job.writing.compression;
+  json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
+  if (job.region) {
+    json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
+    json["onto"] = read_movmf_header(job.onto).provenance.content_hash;
+  }
+  std::string kernels;
+  for (const auto& [name, source] : kernel_sources()) kernels += source;
+  json["kernels"] = hash_text(kernels).substr(0, 16);
+  return json.dump();
+}
+
+OutputState find_output_state(const BakeJob& job, const std::string& settings) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(job.output, none)) return {OutputFinding::kMissing, "", {}};
+  OutputState state{OutputFinding::kInPlace, "", {}};
+  const std::optional<MovmfProvenance> there = read_provenance(job.output, state.why);
+  if (!there) {
+    state.finding = OutputFinding::kUnreadable;
+    return state;
+  }
+  std::vector<std::string> reasons;
+  if (there->source_hash != hash_file(job.input)) reasons.emplace_back("the source has changed");
+  if (there->software != bake_software())
+    reasons.push_back(fmt::format("it was baked by {}, this is {}", there->software, bake_software()));
+  if (there->settings != settings)
+    for (std::string& change : changed_settings(there->settings, settings)) reasons.push_back(std::move(change));
+  const auto stated = parse_measured_error(there->measured_error);
+  if (stated) state.stated = *stated;
+  if (job.measure && state.stated.empty()) reasons.emplace_back("its error was not measured");
+  if (reasons.empty()) return state;
+  state.finding = OutputFinding::kStale;
+  state.why = fmt::format("{}", fmt::join(reasons, "; "));
+  return state;
+}
+
+}  // namespace multum

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bake's output is recognised by, and whether it is there already: the program's version and kernels, every
+// setting that changes the file, and the contents of what was read. Times of files say nothing: a fresh checkout has
+// new ones.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/bake/accuracy.h"
+#include "host/bake/bake_job.h"
+
+namespace multum {
+
+/// "multum 0.1.0", as files name what baked them.
+const std::string& bake_software();
+
+/// What JOB's texels are fitted with: its settings, held to its wrap modes. A map that repeats is filtered across its
+/// border, so its lobes must be alike there.
+MovmfSettings fitting_settings(const BakeJob& job);
+
+/// Every setting that changes the file, the reading's too, the albedo's hash, and the kernels. Throws Error(kInput)
+/// when the albedo cannot be read.
+std::string all_settings_json(const BakeJob& job);
+
+enum class OutputFinding {
+  kInPlace,     // as this bake would make it; its header says so, its texels are not looked at
+  kMissing,     // no file
+  kUnreadable,  // no baked file, or its header is damaged
+  kStale,       // baked from something else, otherwise, or by another program
+};
+
+struct OutputState {
+  OutputFinding finding;
+  std::string why;                  // of kUnreadable and kStale
+  std::vector<AccuracyRow> stated;  // errors by the header of a file that is there and was measured
+};
+
+/// `settings`: all_settings_json(job). Throws Error(kInput) when there is a file to compare with, and the map cannot be
+/// read.
+OutputState find_output_state(const BakeJob& job, const std::string& settings);
+
+}  // namespace multum

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum bake --manifest, and the check of a build pipeline: what is left alone, what is baked, what fails and why, and
+// the reports of it.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+#include "host/asset/movmf_mipmap.h"
+#include "tests/cli/program.h"
+
+namespace multum::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// Two maps, of which the first has colours, baked to out/.
+class BakeManifestCommandTest : public CliTest {
+ protected:
+  void SetUp() override {
+    fs::create_directory(path("out"));
+    make_map("a", 32);
+    make_map("b", 16);
+    write_manifest("");
+  }
+  // `more`: keys of b's.
+  void write_manifest(const std::string& more) const {
+    write_bytes(path("maps.toml"),
+                "[defaults]\ngreen = \"up\"\n[[map]]\ninput = \"a_normal.png\"\nalbedo = \"a_albedo.png\"\n"
+                "output = \"out/a.ndf.exr\"\n[[map]]\ninput = \"b_normal.png\"\noutput = \"out/b.ndf.exr\"\n" +
+                    more);
+  }
+  ProgramResult bake(std::vector<std::string> options = {}) const {
+    options.insert(options.begin(), {"bake", "--manifest", path("maps.toml")});
+    return multum(options);
+  }
+  void bake_all() const {
+    const ProgramResult result = bake({"-q"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  // Times of all files in the folder and in out/, but for those of the check's own reports.
+  std::map<std::string, fs::file_time_type> times() const {
+    std::map<std::string, fs::file_time_type> found;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path()))
+      if (entry.is_regular_file()) found[entry.path().string()] = entry.last_write_time();
+    return found;
+  }
+  // Of one byte in the last quarter: pixels.
+  void damage(const std::string& name) const {
+    std::string bytes = read_bytes(path(name));
+    const std::size_t at = bytes.size() - bytes.size() / 4;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+    write_bytes(path(name), bytes);
+  }
+  // Other noise, of the same size.
+  void edit_source(const std::string& name, int size) const {
+    const ProgramResult made = multum({"testmap", path(name), "--size", std::to_string(size), "--seed", "8"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  // The check finds `state` of b and nothing of a, lists it with `why`, and is content once b has been mended.
+  void expect_finding(const std::string& state, const std::string& why) const {
+    const auto before = times();
+    const ProgramResult dry = bake({"--check", "--dry-run"});
+    EXPECT_EQ(dry.exit_code, 5) << dry.err;
+    EXPECT_EQ(times(), before) << "a dry run wrote";
+    const ProgramResult check = bake({"--check"});
+    EXPECT_EQ(check.exit_code, 5) << check.err;
+    for (const ProgramResult& result : {dry, check}) {
+      EXPECT_TRUE(
+          contains(result.err, fmt::format("FAILED for 1 of 2 maps: 1 {}\n  {:<8} out/b.ndf.exr: ", state, state)))
+          << result.err;
+      EXPECT_TRUE(contains(result.err, why)) << result.err;
+    }
+    EXPECT_FALSE(contains(dry.err, "baked now")) << dry.err;
+    EXPECT_TRUE(contains(check.err, "; baked now")) << check.err;
+    EXPECT_EQ(times().at(path("out/a.ndf.exr")), before.at(path("out/a.ndf.exr")));
+    const ProgramResult again = bake({"--check"});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+  }
+};
+
+TEST_F(BakeManifestCommandTest, BakesAsTheCommandLineDoes) {
+  write_manifest("lobes = 2\nwrap = \"clamp\"\ndata_format = \"half\"\nalign = 0.3\niterations = 9\n");
+  const ProgramResult result = bake();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "out/a.ndf.exr: written")) << result.out;
+  EXPECT_TRUE(contains(result.out, "multum bake: passed, 2 maps in place: 2 baked\n")) << result.out;
+  const auto same = [&](const std::string& name, std::vector<std::string> options) {
+    options.insert(options.begin(),
+                   {"bake", path(name + "_normal.png"), "-o", path(name + ".ndf.exr"), "--green", "up"});
+    const ProgramResult alone = multum(options);
+    EXPECT_EQ(alone.exit_code, 0) << alone.err;
+    EXPECT_TRUE(read_bytes(path(name + ".ndf.exr")) == read_bytes(path("out/" + name + ".ndf.exr"))) << name;
+  };
+  same("a", {"--albedo", path("a_albedo.png")});
+  same("b", {"--lobes", "2", "--wrap", "clamp", "-d", "half", "--align", "0.3", "--iterations", "9"});
+}
+
+TEST_F(BakeManifestCommandTest, WhatIsUpToDateIsLeftAlone) {
+  bake_all();
+  const auto before = times();
+  for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--check"}, {"--check", "--dry-run"}}) {
+    const ProgramResult result = bake(options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.out, "passed, 2 maps in place: 2 unchanged\n")) << result.out;
+    EXPECT_TRUE(contains(result.out, options.empty() ? "out/b.ndf.exr: unchanged" : "out/b.ndf.exr: in place, "))
+        << result.out;
+  }
+  EXPECT_EQ(times(), before);
+  fs::last_write_time(path("b_normal.png"), fs::file_time_type::clock::now());
+  EXPECT_EQ(bake({"--check"}).exit_code, 0) << "touched, but of the same bytes";
+  EXPECT_EQ(times().at(path("out/b.ndf.exr")), before.at(path("out/b.ndf.exr")));
+  const ProgramResult forced = bake({"--force"});
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  EXPECT_TRUE(contains(forced.out, "2 maps in place: 2 baked")) << forced.out;
+  EXPECT_NE(times().at(path("out/b.ndf.exr")), before.at(path("out/b.ndf.exr")));
+}
+
+TEST_F(BakeManifestCommandTest, AnEditedSourceIsStale) {
+  bake_all();
+  edit_source("b", 16);
+  expect_finding("stale", "the source has changed");
+  write_bytes(path("b_normal.png"), read_bytes(path("a_normal.png")));
+  const ProgramResult plain = bake();
+  EXPECT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_TRUE(contains(plain.out, "2 maps in place: 1 unchanged, 1 baked")) << plain.out;
+  EXPECT_EQ(read_movmf_header(path("out/b.ndf.exr")).width(), 32);
+}
+
+TEST_F(BakeManifestCommandTest, OtherSettingsAreStale) {
+  bake_all();
+  write_manifest("lobes = 2\nkappa_cap = 250.5\n");
+  expect_finding("stale", "kappa_cap was 500, is 250.5; lobes was 4, is 2");
+  fs::copy(path("b_normal.png"), path("grey.png"));
+  write_manifest("lobes = 2\nkappa_cap = 250.5\nalbedo = \"grey.png\"\n");
+  expect_finding("stale", "the albedo has changed");
+}
+
+TEST_F(BakeManifestCommandTest, AFileThatWasNotMeasuredIsStale) {
+  bake_all();
+  ASSERT_EQ(
+      multum({"bake", path("b_normal.png"), "-o", path("out/b.ndf.exr"), "--green", "up", "--no-measure", "--force"})
+          .exit_code,
+      0);
+  expect_finding("stale", "its error was not measured");
+}
+
+TEST_F(BakeManifestCommandTest, ADeletedFileIsMissing) {
+  bake_all();
+  fs::remove(path("out/b.ndf.exr"));
+  expect_finding("missing", "there is no such file");
+}
+
+TEST_F(BakeManifestCommandTest, AFlippedBitIsDamage) {
+  bake_all();
+  const std::string whole = read_bytes(path("out/b.ndf.exr"));
+  damage("out/b.ndf.exr");
+  EXPECT_EQ(bake().exit_code, 0) << "without --check the header is believed";
+  expect_finding("damaged", "");
+  EXPECT_TRUE(read_bytes(path("out/b.ndf.exr")) == whole);
+}
+
+TEST_F(BakeManifestCommandTest, AWrongChecksumIsDamage) {
+  bake_all();
+  std::string bytes = read_bytes(path("out/b.ndf.exr"));
+  const std::string hash = read_movmf_header(path("out/b.ndf.exr")).provenance.content_hash;
+  for (std::size_t at = bytes.find(hash); at != std::string::npos; at = bytes.find(hash, at))
+    bytes.replace(at, 4, "0000");
+  write_bytes(path("out/b.ndf.exr"), bytes);
+  expect_finding("damaged", "checksum: found " + hash);
+}
+
+TEST_F(BakeManifestCommandTest, WhatIsNoBakedFileIsDamage) {
+  bake_all();
+  write_bytes(path("out/b.ndf.exr"), "no baked file");
+  expect_finding("damaged", "not a readable baked file");
+}
+
+// The checksum is of the pixels: a header that promises more than they hold is found by measuring alone.
+TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
+  bake_all();
+  std::string bytes = read_bytes(path("out/b.ndf.exr"));
+  const std::string stated = read_movmf_header(path("out/b.ndf.exr")).provenance.measured_error;
+  const std::size_t row = stated.find("\"blinn-phong:500\",", stated.find("[1,\"centre\",\"blinn-phong:500\""));
+  const std::size_t figure = row + std::string("\"blinn-phong:500\",").size();
+  std::string forged = stated;
+  for (std::size_t i = figure; forged[i] != ']'; ++i) forged[i] = forged[i] == '.' ? '.' : '0';
+  ASSERT_NE(forged, stated);
+  bytes.replace(bytes.find(stated), stated.size(), forged);
+  write_bytes(path("out/b.ndf.exr"), bytes);
+  const auto before = times();
+  const ProgramResult check = bake({"--check"});
+  EXPECT_EQ(check.exit_code, 5) << check.err;
+  EXPECT_TRUE(contains(check.err, "1 worse\n  worse    out/b.ndf.exr: is ")) << check.err;
+  EXPECT_TRUE(contains(check.err, "% off at level 1, centre, blinn-phong:500, states 0 %")) << check.err;
+  EXPECT_EQ(times(), before) << "what is worse is not baked again";
+}
+
+TEST_F(BakeManifestCommandTest, ErrorMaxIsHeld) {
+  write_manifest("error_max = 0.01\n");
+  const ProgramResult baked = bake();
+  EXPECT_EQ(baked.exit_code, 5) << baked.err;
+  EXPECT_TRUE(contains(baked.out, "out/b.ndf.exr: written")) << "it is there to be looked at\n" << baked.out;
+  const auto before = times();
+  for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--check"}}) {
+    const ProgramResult result = bake(options);
+    EXPECT_EQ(result.exit_code, 5) << result.err;
+    EXPECT_TRUE(contains(result.err, "FAILED for 1 of 2 maps: 1 worse\n  worse    out/b.ndf.exr: is ")) << result.err;
+    EXPECT_TRUE(contains(result.err, "% off, error_max allows 1 %\n")) << result.err;
+  }
+  EXPECT_EQ(times(), before);
+  write_manifest("error_max = 0.99\n");
+  EXPECT_EQ(bake({"--check"}).exit_code, 0) << "what is allowed is no setting of the file";
+  EXPECT_EQ(times().at(path("out/b.ndf.exr")), before.at(path("out/b.ndf.exr")));
+}
+
+TEST_F(BakeManifestCommandTest, OneBadMapDoesNotStopTheOthers) {
+  write_bytes(path("broken.png"), "no picture");
+  write_bytes(
+      path("maps.toml"),
+      "[[map]]\ninput = \"broken.png\"\noutput = \"out/c.ndf.exr\"\n[[map]]\ninput = \"none_<UDIM>.png\"\n"
+      "output = \"out/<UDIM>.exr\"\n[[map]]\ninput = \"a_normal.png\"\ngreen = \"up\"\noutput = \"out/a.ndf.exr\"\n");
+  for (const bool is_check : {false, true}) {
+    const ProgramResult result = is_check ? bake({"--check"}) : bake();
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    for (const char* part : {"FAILED for 2 of 3 maps: 2 failed\n", "\n  failed   out/c.ndf.exr: ", "broken.png",
+                             "\n  failed   out/<UDIM>.exr: ", "none_<UDIM>.png"})
+      EXPECT_TRUE(contains(result.err, part)) << part << " is not in\n" << result.err;
+    EXPECT_TRUE(fs::exists(path("out/a.ndf.exr")));
+    EXPECT_FALSE(fs::exists(path("out/c.ndf.exr")));
+  }
+  fs::remove(path("out/a.ndf.exr"));
+  EXPECT_EQ(bake({"--check", "--dry-run"}).exit_code, 3) << "a source that cannot be read goes before a missing file";
+}
+
+TEST_F(BakeManifestCommandTest, SetsAreBakedTileByTile) {
+  for (const char* tile : {"1001", "1002"}) fs::copy(path("a_normal.png"), path(std::string("rock_") + tile + ".png"));
+  write_bytes(path("maps.toml"),
+              "[[map]]\ninput = \"rock_<UDIM>.png\"\noutput = \"out/rock_<UDIM>.ndf.exr\"\ngreen = \"up\"\n");
+  EXPECT_EQ(bake().exit_code, 0);
+  EXPECT_TRUE(fs::exists(path("out/rock_1001.ndf.exr")));
+  fs::remove(path("out/rock_1002.ndf.exr"));
+  const ProgramResult check = bake({"--check"});
+  EXPECT_EQ(check.exit_code, 5);
+  EXPECT_TRUE(contains(check.err, "1 of 2 maps: 1 missing\n  missing  out/rock_1002.ndf.exr: ")) << check.err;
+  EXPECT_EQ(bake({"--check"}).exit_code, 0);
+}
+
+TEST_F(BakeManifestCommandTest, ReportsAreWrittenWhenTheCheckFails) {
+  bake_all();
+  fs::rename(path("a_normal.png"), path("a <&>'.png"));
+  write_bytes(path("maps.toml"),
+              "[[map]]\ninput = \"a <&>'.png\"\noutput = \"out/ä <&>'|.ndf.exr\"\ngreen = \"up\"\n"
+              "[[map]]\ninput = \"b_normal.png\"\noutput = \"out/b.ndf.exr\"\ngreen = \"up\"\nerror_max = 0.9\n"
+              "[[map]]\ninput = \"none.png\"\noutput = \"out/none.ndf.exr\"\n");
+  const ProgramResult check = bake({"--check", "--junit", path("junit.xml"), "--summary", path("summary.md")});
+  EXPECT_EQ(check.exit_code, 3) << check.err;
+  const ProgramResult parsed = run_program(
+      {"python3", "-c",
+       "import sys, xml.etree.ElementTree as tree\n"
+       "root = tree.parse(sys.argv[1]).getroot()\n"
+       "print(root.tag, root.get('tests'), root.get('failures'), root.get('errors'), float(root.get('time')) > 0)\n"
+       "for case in root.iter('testcase'):\n"
+       "  values = {p.get('name'): p.get('value') for p in case.iter('property')}\n"
+       "  found = [(e.tag, e.get('type')) for e in case if e.tag != 'properties']\n"
+       "  stated, measured = (float(values.get(k, -1)) for k in ('error_stated', 'error_measured'))\n"
+       "  print(ascii(case.get('name')), float(case.get('time')) >= 0, values['state'], found,\n"
+       "        abs(stated - measured) < 1e-5 and measured > 0, values.get('error_max'), int(values['bytes']) > 0)\n",
+       path("junit.xml")});
+  EXPECT_EQ(parsed.exit_code, 0) << parsed.err;
+  EXPECT_EQ(parsed.out,
+            "testsuites 3 1 1 True\n"
+            "\"out/\\xe4 <&>'|.ndf.exr\" True missing [('failure', 'missing')] False None True\n"
+            "'out/b.ndf.exr' True unchanged [] True 0.9 True\n"
+            "'out/none.ndf.exr' True failed [('error', 'failed')] False None False\n");
+  const std::string summary = read_bytes(path("summary.md"));
+  EXPECT_EQ(summary.rfind("**multum bake --check: FAILED for 2 of 3 maps: 1 missing, 1 failed**\n", 0), 0u) << summary;
+  EXPECT_TRUE(contains(summary, "| out/ä \\<\\&\\>'\\|.ndf.exr | missing |")) << summary;
+  EXPECT_TRUE(contains(summary, "\n| out/b.ndf.exr | unchanged |")) << summary;
+}
+
+TEST_F(BakeManifestCommandTest, TheSummaryHasStdoutToItself) {
+  const ProgramResult result = bake({"--summary", "-"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out.rfind("**multum bake: passed, 2 maps in place: 2 baked**\n\n| map | state |", 0), 0u)
+      << result.out;
+  EXPECT_FALSE(contains(result.out, "written")) << result.out;
+  EXPECT_TRUE(contains(result.err, "out/a.ndf.exr: written")) << result.err;
+}
+
+TEST_F(BakeManifestCommandTest, WhatDoesNotGoTogether) {
+  const auto before = times();
+  const auto refused = [&](const std::vector<std::string>& options, const std::string& part, int code = 2) {
+    const ProgramResult result = bake(options);
+    EXPECT_EQ(result.exit_code, code) << part;
+    EXPECT_TRUE(contains(result.err, part)) << result.err;
+  };
+  refused({path("a_normal.png")}, "input is given beside --manifest");
+  refused({"-o", path("c.exr")}, "--output is given beside --manifest");
+  refused({"--report", path("r.json")}, "--report is given beside --manifest");
+  refused({"--no-measure"}, "--no-measure is given beside --manifest");
+  refused({"--first-level", "1"}, "--first-level is given beside --manifest, expected first_level under [[map]]");
+  refused({"-d", "half"}, "--data-format is given beside --manifest, expected data_format under");
+  refused({"--bumpformat", "normal"}, "--bumpformat is given beside --manifest");
+  refused({"--check", "--force"}, "--force excludes --check");
+  refused({"--dry-run"}, "--dry-run requires --check");
+  for (const char* option : {"--junit", "--summary"}) {
+    refused({option, path("a_normal.png")}, "is named twice");
+    refused({option, path("out/b.ndf.exr")}, "is named twice");
+    refused({option, path("maps.toml")}, "is named twice");
+    refused({option, path("none/report")}, "does not exist", 4);
+  }
+  refused({"--junit", path("r"), "--summary", path("r")}, "is named twice");
+  for (const char* option : {"--check", "--junit", "--summary"}) {
+    std::vector<std::string> command = {"bake", path("a_normal.png"), "-o", path("c.exr"), option};
+    if (option != std::string("--check")) command.push_back(path("r"));
+    const ProgramResult result = multum(command);
+    EXPECT_EQ(result.exit_code, 2) << option;
+    EXPECT_TRUE(contains(result.err, std::string(option) + " requires --manifest")) << result.err;
+  }
+  write_manifest("lobes = 9\n");
+  refused({"--check"}, "maps.toml:10: map.lobes is 9, expected a whole number from 1 to 8", 3);
+  write_manifest("");
+  EXPECT_EQ(times().size(), before.size()) << "nothing was written";
+}
+
+}  // namespace
+}  // namespace multum::testing

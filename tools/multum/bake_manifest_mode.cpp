@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum/bake_manifest_mode.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "host/bake/manifest_report.h"
+#include "host/base/atomic_file.h"
+#include "host/base/output_paths.h"
+#include "host/base/progress.h"
+#include "tools/multum/map_options.h"
+
+namespace multum {
+namespace {
+
+constexpr char kStdout[] = "-";
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Before any work: a run of an hour must not end in a report that cannot be written, or that takes a map's place.
+void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
+  std::vector<std::string> taken = {o.manifest};
+  for (const ManifestMap& map : maps)
+    for (const std::string& file : {map.job.input, map.job.albedo, map.job.output}) taken.push_back(file);
+  const std::string summary = o.summary == kStdout ? "" : o.summary;
+  check_paths_differ(taken, {o.junit, summary});
+  for (const std::string& file : {o.junit, summary})
+    if (!file.empty()) check_writable(file);
+}
+
+void print_result(const ManifestMap& map, const BakePrinting& printing, const MapResult& result, bool is_check) {
+  if (result.state == MapState::kFailed) std::fprintf(stderr, "multum: %s\n", result.why.c_str());
+  if (result.report) {
+    print_report(map.job, printing, *result.report);
+  } else if (result.state == MapState::kUnchanged && !is_check) {
+    BakeReport unchanged;
+    unchanged.unchanged = true;
+    print_report(map.job, printing, unchanged);
+  } else if (result.state == MapState::kUnchanged && !printing.quiet) {
+    std::fprintf(printing.out, "%s: in place, %.4g %% off at most, as it states\n", map.job.output.c_str(),
+                 100.0 * result.error.value_or(0.0));
+  }
+}
+
+// Each map for itself: one that fails does not keep the others from theirs.
+MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const BakePrinting& printing) {
+  const auto start = std::chrono::steady_clock::now();
+  MapResult result;
+  try {
+    const auto progress = make_terminal_progress(!printing.quiet);
+    result = run_manifest_map(map, o.run, device, progress.get());
+  } catch (const Error& error) {
+    result = failed_map(map, error);
+  }
+  result.seconds = seconds_since(start);
+  print_result(map, printing, result, o.run.check);
+  return result;
+}
+
+void print_outcome(const ManifestOutcome& outcome, const BakePrinting& printing) {
+  const std::string failures = manifest_failures(outcome);
+  std::fputs(failures.c_str(), stderr);
+  if (failures.empty() && !printing.quiet) std::fprintf(printing.out, "%s\n", manifest_verdict(outcome).c_str());
+}
+
+}  // namespace
+
+void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
+  CLI::Option* const manifest = bake.add_option("--manifest", o.manifest,
+                                                "the maps that maps.toml lists, of which only those that changed "
+                                                "(docs/CI.md); in place of input and --output");
+  CLI::Option* const check =
+      bake.add_flag("--check", o.run.check,
+                    "for build pipelines: verify and measure what is in place too, and fail (exit code 5) with a list "
+                    "when a file was missing, stale, damaged, or worse than it states or error_max allows")
+          ->needs(manifest);
+  bake.add_flag("--dry-run", o.run.dry_run, "with --check: bake nothing, only list")->needs(check);
+  bake.add_option("--junit", o.junit, "write what was found as JUnit XML")->needs(manifest);
+  bake.add_option("--summary", o.summary, "write what was found as a Markdown table; -: to stdout")->needs(manifest);
+  check->excludes("--force");
+}
+
+void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
+  static const std::vector<std::string> kOfNamedMaps = {"input",    "--output", "--report",
+                                                        "--region", "--onto",   "--no-measure"};
+  for (const CLI::Option* option : bake.get_options()) {
+    if (option->count() == 0) continue;
+    const std::string name = option->get_name();
+    if (std::find(kOfNamedMaps.begin(), kOfNamedMaps.end(), name) != kOfNamedMaps.end())
+      throw Error(ErrorCode::kUsage, name + " is given beside --manifest, which names the maps itself");
+    if (option->get_group() != kMapOptionGroup) continue;
+    std::string key = option->get_lnames().front();
+    std::replace(key.begin(), key.end(), '-', '_');
+    throw Error(ErrorCode::kUsage, name + " is given beside --manifest, expected " + key +
+                                       " under [[map]] or [defaults] in " + o.manifest);
+  }
+}
+
+int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const std::string& device_name,
+                 BakePrinting printing) {
+  const auto start = std::chrono::steady_clock::now();
+  if (o.summary == kStdout) printing.out = stderr;
+  const std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
+  check_result_files(o, maps);
+  Device device = Device::open(device_name);
+  ManifestOutcome outcome{o.manifest, o.run, {}, 0.0};
+  for (const ManifestMap& map : maps) outcome.results.push_back(run_map(map, o, device, printing));
+  outcome.seconds = seconds_since(start);
+  print_outcome(outcome, printing);
+  if (!o.junit.empty()) write_text_file(o.junit, manifest_junit(outcome));
+  if (o.summary == kStdout) std::fputs(manifest_summary(outcome).c_str(), stdout);
+  else if (!o.summary.empty()) write_text_file(o.summary, manifest_summary(outcome));
+  return manifest_exit_code(outcome);
+}
+
+}  // namespace multum

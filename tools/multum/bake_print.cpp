@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum/bake_print.h"
+
+namespace multum {
+
+void print_report(const BakeJob& job, const BakePrinting& printing, const BakeReport& report) {
+  if (printing.quiet) return;
+  std::FILE* const out = printing.out;
+  if (report.unchanged) {
+    std::fprintf(out, "%s: unchanged, from the same file with the same settings; --force bakes it again\n",
+                 job.output.c_str());
+    return;
+  }
+  std::fprintf(out, "%s: written\n%s", job.output.c_str(), report.to_text().c_str());
+  if (!printing.details) return;
+  if (report.rows_resumed > 0)
+    std::fprintf(out, "%llu rows of levels were there from a bake that was killed\n",
+                 static_cast<unsigned long long>(report.rows_resumed));
+  std::fprintf(out, "%s", report.plan.c_str());
+  for (const LevelReport& level : report.levels)
+    std::fprintf(out, "level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
+                 level.seconds, static_cast<unsigned long long>(level.launches));
+  for (const auto& [kernel, count] : report.launches)
+    std::fprintf(out, "%-24s %6llu launches\n", kernel.c_str(), static_cast<unsigned long long>(count));
+}
+
+}  // namespace multum
