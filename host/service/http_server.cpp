@@ -9,6 +9,7 @@
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/this_coro.hpp>
@@ -183,6 +184,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     request.body = std::move(parser.get().body());
     stream.expires_never();
     ++counters.requests;
+    if (!settings.is_urgent(request.path)) co_await turn();
     const HttpResponse response = co_await settings.answer(std::move(request));
     if (response.is_stream && !is_head) {
       co_await send_events(stream, version, response);
@@ -253,6 +255,23 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return keep;
   }
 
+  // One of those who wait is let go at a time, behind whatever else is ready by then: thousands of requests that come
+  // together do not stand between a monitor and its answer.
+  asio::awaitable<void> turn() {
+    const auto initiate = [this](auto handler) {
+      const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+      turns.push_back([shared] { (*shared)(); });
+      if (turns.size() == 1) asio::post(io, [self = this->shared_from_this()] { self->next_turn(); });
+    };
+    co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, use_awaitable);
+  }
+
+  void next_turn() {
+    turns.front()();
+    turns.pop_front();
+    if (!turns.empty()) asio::post(io, [self = this->shared_from_this()] { self->next_turn(); });
+  }
+
   template <typename Stream>
   asio::awaitable<void> send_events(Stream& stream, unsigned version, HttpResponse response) {
     http::response<http::empty_body> message(http::status::ok, version);
@@ -311,6 +330,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   Settings settings;
   EventHub& events;
   Counters counters;
+  std::deque<std::function<void()>> turns;
   bool is_closed = false;
   std::vector<std::function<void()>> closers;
   std::string unix_path;

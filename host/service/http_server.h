@@ -45,6 +45,8 @@ class HttpServer {
     /// Before a body is read: null to go on, or what is answered at once.
     std::function<std::unique_ptr<HttpResponse>(const HttpRequest& without_body)> check;
     std::function<boost::asio::awaitable<HttpResponse>(HttpRequest request)> answer;
+    /// Answered before others that wait: what monitors ask.
+    std::function<bool(const std::string& path)> is_urgent;
   };
   struct Counters {
     std::uint64_t connections = 0, requests = 0, refused_connections = 0, timeouts = 0;

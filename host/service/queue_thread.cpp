@@ -71,10 +71,9 @@ void QueueThread::loop() {
       }
     }
     run_batch(batch);
-    post_([batch = std::move(batch)] {
-      for (const Task& task : batch)
-        if (task.done) task.done(task.error);
-    });
+    // Each by itself: what else that thread has to do comes in between.
+    for (Task& task : batch)
+      if (task.done) post_([done = std::move(task.done), error = task.error] { done(error); });
   }
 }
 

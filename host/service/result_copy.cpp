@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job whose result another one has made already gets a copy of it.
 #include "host/service/result_copy.h"
 
 #include <fcntl.h>

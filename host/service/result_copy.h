@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// A job whose result another one has made already gets a copy of it.
 #pragma once
 
 #include <string>

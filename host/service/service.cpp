@@ -105,6 +105,7 @@ class Service {
     settings.connections_max = settings_.connections_max;
     settings.upload_max = static_cast<std::size_t>(settings_.upload_bytes_max);
     settings.is_upload = HttpApi::is_upload;
+    settings.is_urgent = [](const std::string& path) { return path == "/healthz"; };
     settings.check = [this](const HttpRequest& request) { return api_.check(request); };
     settings.answer = [this](HttpRequest request) { return api_.answer(std::move(request)); };
     return settings;

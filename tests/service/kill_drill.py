@@ -93,14 +93,15 @@ def main():
         assert not left, f"left behind: {left[:5]}"
         ledger = sqlite3.connect(os.path.join(service.data, "jobs.sqlite"))
         assert ledger.execute("PRAGMA integrity_check").fetchone()[0] == "ok"
-        twice = ledger.execute("SELECT job, COUNT(*) FROM attempts WHERE outcome = 1 GROUP BY job HAVING COUNT(*) <> 1"
-                               ).fetchall()
+        twice = ledger.execute(
+            "SELECT job, COUNT(*) FROM attempts WHERE outcome = 1 GROUP BY job HAVING COUNT(*) <> 1").fetchall()
         assert not twice, f"published more than once: {twice[:5]}"
         attempts_lost = ledger.execute("SELECT COUNT(*) FROM attempts WHERE outcome = 4").fetchone()[0]
         unended = ledger.execute("SELECT COUNT(*) FROM attempts WHERE outcome = 0").fetchone()[0]
         assert unended == 0, f"{unended} attempts have no end"
-        print(f"{options.jobs} jobs, {done['worker']} workers and {done['daemon']} daemons killed: all results in place, "
-              f"once each; {attempts_lost} attempts lost and made again; restart in at most {longest_restart:.2f} s")
+        print(f"{options.jobs} jobs, {done['worker']} workers and {done['daemon']} daemons killed: all results in "
+              f"place, once each; {attempts_lost} attempts lost and made again; restart in at most "
+              f"{longest_restart:.2f} s")
 
 
 main()

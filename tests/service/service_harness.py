@@ -36,7 +36,8 @@ class Service:
             os.remove(address)
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(
-                [self.multum, "serve", "--data", self.data, "--root", self.root, "--listen", "127.0.0.1:0"] + self.options,
+                [self.multum, "serve", "--data", self.data, "--root", self.root, "--listen", "127.0.0.1:0"]
+                + self.options,
                 stdout=log, stderr=log, cwd=self.folder, env=self.environment)
         deadline = time.monotonic() + 30
         while wait and time.monotonic() < deadline:
