@@ -92,7 +92,8 @@ JobQueue::JobQueue(const std::string& path, RetryPolicy policy) : database_(path
     transaction.commit();
   }
   if (const std::string damage = database_.damage(); !damage.empty())
-    throw Error(ErrorCode::kInput, fmt::format("{}: is damaged: {}", path, damage));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: is damaged: {}; docs/SERVICE.md says what can be done", path, damage));
   resync();
 }
 

@@ -96,7 +96,7 @@ class Service {
   std::unique_ptr<FolderLock> lock() const {
     std::unique_ptr<FolderLock> lock = FolderLock::take(settings_.data);
     if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is at work there");
-    for (const char* folder : {"/logs", "/uploads", "/results", "/thumbnails"}) make_folder(settings_.data + folder);
+    for (const char* folder : {"/logs", "/uploads", "/results"}) make_folder(settings_.data + folder);
     return lock;
   }
 

@@ -12,7 +12,7 @@
 namespace multum {
 
 struct ServiceSettings {
-  std::string data;                       // folder of the ledger, logs, uploads, thumbnails
+  std::string data;                       // folder of the ledger, logs and uploads
   std::string listen = "127.0.0.1:8470";  // HOST:PORT, [::1]:PORT or unix:PATH; port 0: any that is free
   std::string token_file;                 // its first line is the bearer token; needed when not on loopback
   std::vector<std::string> roots;         // folders that jobs may read and write; none: the current folder
@@ -27,8 +27,7 @@ struct ServiceSettings {
   std::chrono::milliseconds cancel_grace{10000};
   std::chrono::milliseconds shutdown_grace{30000};  // of running jobs, when asked to end; then they are handed back
   int upload_bytes_max = 64 << 20;
-  std::int64_t data_bytes_max = 10LL << 30;  // of uploads, thumbnails and logs together
-  int retention_days = 30;                   // of finished jobs, with their logs; 0: for ever
+  int retention_days = 30;  // of finished jobs, with their logs; 0: for ever
   int connections_max = 4096;
 };
 

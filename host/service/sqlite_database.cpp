@@ -106,7 +106,9 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_LOCKED: throw Error(ErrorCode::kEnvironment, path_ + ": is in use by another process");
     case SQLITE_NOTADB:
     case SQLITE_CORRUPT:
-      throw Error(ErrorCode::kInput, fmt::format("{}: is damaged or no database of jobs: {}", path_, what));
+      throw Error(
+          ErrorCode::kInput,
+          fmt::format("{}: is damaged or no database of jobs: {}; docs/SERVICE.md says what can be done", path_, what));
     default: throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what));
   }
 }

@@ -1,0 +1,372 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The service as its clients see it: lives of jobs, limits, what is refused, and how it ends. MULTUM names the program.
+
+  MULTUM=build/release/bin/multum service_test.py [-v] [ServiceTest.test_...]
+"""
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from service_harness import Service, resident_bytes  # noqa: E402
+
+MULTUM = os.environ.get("MULTUM", "multum")
+QUICK = "back_off_first_s = 0.05\nback_off_max_s = 0.2\n"
+
+
+class ServiceTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.service = None
+
+    def tearDown(self):
+        if self.service is not None and self.service.process.poll() is None:
+            self.service.kill()
+        shutil.rmtree(self.folder)
+
+    def start(self, config=QUICK, **more):
+        self.service = Service(MULTUM, self.folder, config=config, **more).start()
+        return self.service
+
+    def output(self, name):
+        return os.path.join(self.service.root, name)
+
+    def drill(self, seconds=0, **job):
+        parameters = {"seconds": seconds}
+        for name in ("then", "text"):
+            if name in job:
+                parameters[name] = job.pop(name)
+        return self.service.submit(type="drill", parameters=parameters, **job)
+
+    def client(self, *arguments, code=0):
+        done = subprocess.run([MULTUM, *arguments], capture_output=True, text=True, check=False, timeout=60,
+                              env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{self.service.port}"))
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout + done.stderr
+
+    def refused(self, status, words, *question, **more):
+        found, answer = self.service.ask(*question, **more)
+        self.assertEqual(found, status, answer)
+        self.assertIn(words, answer["error"]["message"])
+
+    # ---- Lives of jobs
+
+    def test_a_bake_is_what_the_command_line_makes(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "64", os.path.join(service.root, "q")], check=True,
+                       capture_output=True)
+        source, alone = self.output("q_normal.png"), self.output("alone.ndf.exr")
+        subprocess.run([MULTUM, "bake", source, "-o", alone, "--lobes", "2", "-q"], check=True, env=service.environment)
+        self.assertIn("succeeded", self.client("submit", "bake", source, "-o", self.output("a.ndf.exr"), "--lobes", "2",
+                                               "--wait"))
+        with open(alone, "rb") as one, open(self.output("a.ndf.exr"), "rb") as other:
+            self.assertEqual(one.read(), other.read())
+        self.assertIn("written", self.client("tail", "1"))
+        # The same again is the same job; the same elsewhere is a copy; a changed map is another.
+        again = {"type": "bake", "parameters": {"input": source, "lobes": 2}, "output": self.output("a.ndf.exr")}
+        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
+        copy = service.submit(**dict(again, output=self.output("b.ndf.exr")))
+        self.assertEqual(service.wait_for(copy)["reused_from"], 1)
+        with open(alone, "rb") as one, open(self.output("b.ndf.exr"), "rb") as other:
+            self.assertEqual(one.read(), other.read())
+        os.remove(self.output("a.ndf.exr"))
+        os.remove(self.output("b.ndf.exr"))
+        made = service.wait_for(service.submit(**again))
+        self.assertIsNone(made["reused_from"], "there was nothing left to take it from")
+        status, data = service.ask("GET", f"/v1/jobs/{made['id']}/result")
+        self.assertEqual(status, 200)
+        with open(self.output("a.ndf.exr"), "rb") as file:
+            self.assertEqual(file.read(), data)
+
+    def test_uploads_are_baked_and_downloaded(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "32", os.path.join(service.root, "q")], check=True,
+                       capture_output=True)
+        with open(self.output("q_normal.png"), "rb") as file:
+            picture = file.read()
+        connection = service.connection()
+        connection.request("PUT", "/v1/uploads/a.png", picture)
+        response = connection.getresponse()
+        upload = json.loads(response.read())
+        self.assertEqual((response.status, upload["bytes"]), (201, len(picture)))
+        results = os.path.join(service.data, "results", "a.ndf.exr")
+        job = service.wait_for(service.submit(type="bake", parameters={"input": upload["path"], "lobes": 1},
+                                              output=results))
+        self.assertEqual(job["state"], "succeeded", job)
+        self.refused(404, "nothing of this name", "PUT", "/v1/uploads/..%2Fb.png")
+        self.refused(400, "file's name", "PUT", "/v1/uploads/a%20b.png")
+        self.refused(400, "file's name", "PUT", "/v1/uploads/.hidden")
+
+    def test_failures_are_tried_again_and_then_dead(self):
+        service = self.start()
+        crash = self.drill(then="crash", attempt_max=3)
+        refuse = self.drill(then="refuse", attempt_max=3)
+        job = service.wait_for(crash)
+        self.assertEqual(job["state"], "dead")
+        self.assertEqual([one["outcome"] for one in job["attempts"]], ["lost"] * 3)
+        self.assertIn("signal 9", job["message"])
+        job = service.wait_for(refuse)
+        self.assertEqual([one["outcome"] for one in job["attempts"]], ["refused"])
+        self.assertEqual(job["exit_code"], 3)
+        self.client("wait", str(crash), str(refuse), code=1)
+        self.assertIn("2 jobs are tried again", self.client("retry", "--all-dead"))
+        self.assertEqual(service.wait_for(refuse)["attempt"], 2)
+
+    def test_who_hangs_or_stalls_is_killed(self):
+        service = self.start(QUICK + "lease_s = 2\nno_progress_s = 3\n")
+        hang = self.drill(then="hang", attempt_max=1)
+        stall = self.drill(then="stall", attempt_max=1)
+        self.assertIn("silent for 2000 ms", service.wait_for(hang)["message"])
+        self.assertIn("no progress for 3000 ms", service.wait_for(stall)["message"])
+        self.assertEqual(service.wait_for(self.drill())["state"], "succeeded")
+
+    def test_cancelled_in_any_state(self):
+        service = self.start(QUICK + "workers = 1\ncancel_grace_s = 1\n")
+        running = self.drill(30, output=self.output("a.txt"))
+        queued = self.drill()
+        waiting = self.drill(needs=[queued])
+        service.wait_for(running, ["running"])
+        self.client("cancel", str(queued), str(running))
+        self.assertEqual(service.wait_for(running)["state"], "cancelled")
+        self.assertEqual(service.job(queued)["state"], "cancelled")
+        self.assertIn(f"needs job {queued}", service.job(waiting)["message"])
+        self.refused(409, "is cancelled", "POST", f"/v1/jobs/{queued}/cancel")
+        stall = self.drill(then="stall")
+        service.wait_for(stall, ["running"])
+        self.client("cancel", str(stall))
+        self.assertEqual(service.wait_for(stall)["state"], "cancelled")
+        self.assertEqual(os.listdir(service.root), [], "nothing half made is left")
+
+    def test_dependencies_deadlines_and_order(self):
+        service = self.start(QUICK + "workers = 1\n")
+        service.ask("POST", "/v1/queues/default/pause")
+        low = self.drill(priority=-1)
+        first = self.drill(0.2, priority=5)
+        after = self.drill(needs=[first], priority=9)
+        late = self.drill(deadline_s=1)
+        time.sleep(1.2)
+        service.ask("POST", "/v1/queues/default/resume")
+        self.assertIn("deadline", service.wait_for(late)["message"])
+        self.assertEqual(service.wait_until_idle()["succeeded"], 3)
+        times = {number: service.job(number)["started"] for number in (low, first, after)}
+        self.assertLess(times[first], times[after])
+        self.assertLess(times[after], times[low])
+        overdue = self.drill(30, deadline_s=1)
+        self.assertIn("deadline passed while it ran", service.wait_for(overdue)["message"])
+
+    def test_queues_limits_and_purge(self):
+        service = self.start(QUICK + 'workers = 3\n[[queue]]\nname = "default"\njobs = 1\n[[queue]]\nname = "night"\n')
+        jobs = [self.drill(0.3), self.drill(0.3), self.drill(0.3, queue="night")]
+        service.wait_for(jobs[2], ["running"])
+        self.assertEqual(service.counts()["running"], 1)
+        service.wait_until_idle()
+        service.wait_for(jobs[2])
+        self.refused(400, "expected one of default, night", "POST", "/v1/jobs", {"type": "drill", "queue": "day"})
+        self.assertIn("3 jobs are forgotten", self.client("purge", "--older-than", "0"))
+        self.refused(404, "no job 1", "GET", "/v1/jobs/1")
+        self.assertEqual(os.listdir(os.path.join(service.data, "logs")), [])
+
+    # ---- Events
+
+    def test_events_tell_every_change_and_go_on_after_a_break(self):
+        service = self.start()
+        one = socket.create_connection(("127.0.0.1", service.port))
+        one.sendall(b"GET /v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        number = self.drill(0.3)
+        service.wait_for(number)
+        data, deadline = b"", time.monotonic() + 10
+        while b'"succeeded"' not in data and time.monotonic() < deadline:
+            data += one.recv(65536)
+        text = data.decode()
+        for state in ("queued", "running", "succeeded"):
+            self.assertIn(f'"state":"{state}"', text)
+        self.assertIn("event: progress", text)
+        first = int(text.split("id: ")[1].split("\n")[0])
+        other = socket.create_connection(("127.0.0.1", service.port))
+        other.sendall(f"GET /v1/events HTTP/1.1\r\nHost: localhost\r\nLast-Event-ID: {first}\r\n\r\n".encode())
+        data, deadline = b"", time.monotonic() + 10
+        while b'"succeeded"' not in data and time.monotonic() < deadline:
+            data += other.recv(65536)
+        self.assertIn(f"id: {first + 1}\n", data.decode())
+
+    # ---- Ends and beginnings
+
+    def test_sigterm_lets_jobs_end_or_hands_them_back(self):
+        service = self.start(QUICK + "workers = 2\nshutdown_grace_s = 1.5\n")
+        short, long = self.drill(0.7, output=self.output("a.txt")), self.drill(60)
+        service.wait_for(short, ["running"])
+        service.wait_for(long, ["running"])
+        begun = time.monotonic()
+        self.assertEqual(service.stop(), 0)
+        self.assertLess(time.monotonic() - begun, 20)
+        service.start()
+        self.assertEqual(service.job(short)["state"], "succeeded")
+        job = service.job(long)
+        self.assertEqual([one["outcome"] for one in job["attempts"]][0], "returned")
+        self.assertIn(job["state"], ("queued", "running"))
+
+    def test_a_second_daemon_and_a_damaged_ledger_are_refused(self):
+        service = self.start()
+        other = subprocess.run([MULTUM, "serve", "--data", service.data, "--listen", "127.0.0.1:0"], timeout=30,
+                               capture_output=True, text=True, check=False)
+        self.assertEqual(other.returncode, 4)
+        self.assertIn("another daemon is at work", other.stderr)
+        service.stop()
+        path = os.path.join(service.data, "jobs.sqlite")
+        with open(path, "r+b") as file:
+            file.seek(100)
+            file.write(b"\xee" * 4000)
+        service.start(wait=False)
+        self.assertEqual(service.process.wait(30), 3)
+        self.assertIn("jobs.sqlite", service.log_text().splitlines()[-1])
+        self.assertIn("docs/SERVICE.md", service.log_text().splitlines()[-1], "and a way out")
+
+    def test_settings_are_read_again_and_wrong_ones_kept_out(self):
+        service = self.start(QUICK)
+        path = os.path.join(self.folder, "serve.toml")
+        with open(path, "a", encoding="utf-8") as file:
+            file.write('[[queue]]\nname = "default"\n[[queue]]\nname = "night"\n')
+        service.process.send_signal(signal.SIGHUP)
+        deadline = time.monotonic() + 10
+        while "read again" not in service.log_text() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        service.wait_for(self.drill(queue="night"))
+        with open(path, "a", encoding="utf-8") as file:
+            file.write("[[queue]]\nnmae = 3\n")
+        service.process.send_signal(signal.SIGHUP)
+        deadline = time.monotonic() + 10
+        while "kept as they were" not in service.log_text() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        self.assertIn("serve.toml:", service.log_text().splitlines()[-1])
+        service.wait_for(self.drill(queue="night"))
+
+    # ---- What is refused
+
+    def test_requests_that_make_no_sense(self):
+        self.start()
+        for body, words in (([], "no JSON object"), ({"type": "bkae"}, "expected one of bake, infer, drill"),
+                            ({"type": "drill", "colour": 1}, 'no key "colour"'),
+                            ({"type": "drill", "parameters": {"seconds": -1}}, "expected a number from 0 to 86400"),
+                            ({"type": "drill", "parameters": {"then": 7}}, "expected one of succeed"),
+                            ({"type": "drill", "priority": 1e30}, "expected a whole number from -1000 to 1000"),
+                            ({"type": "drill", "needs": [99]}, "needs job 99, which does not exist"),
+                            ({"type": "bake", "parameters": {}, "output": "/a"}, "parameters.input is missing")):
+            with self.subTest(body=body):
+                self.refused(400, words, "POST", "/v1/jobs", body)
+        self.refused(404, "nothing of this name", "GET", "/v2")
+        self.refused(404, "no job x", "GET", "/v1/jobs/x")
+        self.refused(405, "expected", "DELETE", "/v1/jobs/1")
+        self.refused(403, "another origin", "POST", "/v1/jobs", {"type": "drill"}, headers={"Origin": "http://evil"})
+        self.refused(403, "another origin", "POST", "/v1/jobs", {"type": "drill"}, headers={"Host": "evil:80"})
+        status, _ = self.service.ask("PUT", "/v1/uploads/a.bin", headers={"Content-Length": str(1 << 40)})
+        self.assertEqual(status, 413)
+
+    def test_files_outside_of_the_roots(self):
+        service = self.start()
+        secret = os.path.join(self.folder, "secret.png")
+        with open(secret, "w", encoding="utf-8") as file:
+            file.write("secret")
+        os.symlink(secret, self.output("link.png"))
+        os.symlink(self.folder, self.output("door"))
+        with open(self.output("mine.png"), "w", encoding="utf-8") as file:
+            file.write("mine")
+        for source in ("/etc/passwd", secret, self.output("link.png"), self.output("door/secret.png"),
+                       self.output("../secret.png"), "/nowhere/at/all"):
+            with self.subTest(source=source):
+                self.refused(400, "not below a folder", "POST", "/v1/jobs",
+                             {"type": "bake", "parameters": {"input": source}, "output": self.output("a.ndf.exr")})
+        for result in ("/etc/a.ndf.exr", self.output("door/a.ndf.exr"), self.output("../a.ndf.exr")):
+            with self.subTest(result=result):
+                self.refused(400, "not below a folder", "POST", "/v1/jobs",
+                             {"type": "bake", "parameters": {"input": self.output("mine.png")}, "output": result})
+        self.refused(400, "neither file nor folder", "POST", "/v1/jobs",
+                     {"type": "drill", "output": self.output("link.png")})
+        # A scene's job may name files too.
+        with open(self.output("job.toml"), "w", encoding="utf-8") as file:
+            file.write('geometry = "../secret.png"\n')
+        self.refused(400, "not below a folder", "POST", "/v1/jobs",
+                     {"type": "infer", "parameters": {"job": self.output("job.toml")}, "output": self.output("out")})
+        self.assertEqual(service.counts()["queued"], 0)
+
+    def test_a_token_where_others_can_reach_it(self):
+        done = subprocess.run([MULTUM, "serve", "--data", os.path.join(self.folder, "d"), "--listen", "0.0.0.0:0"],
+                              capture_output=True, text=True, check=False, timeout=30)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--token-file", done.stderr)
+        token = os.path.join(self.folder, "token")
+        with open(token, "w", encoding="utf-8") as file:
+            file.write("a token of many letters\n")
+        os.chmod(token, 0o600)
+        self.start(options=["--token-file", token])
+        self.refused(401, "bearer token", "GET", "/v1/jobs")
+        wrong = {"Authorization": "Bearer a token of many letterz"}
+        self.refused(401, "bearer token", "GET", "/v1/jobs", headers=wrong)
+        bearer = {"Authorization": "Bearer a token of many letters"}
+        self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=bearer)[0], 200)
+        self.assertEqual(self.service.ask("GET", "/healthz")[0], 200)
+        self.assertIn("bearer token", self.client("list", code=2))
+        self.assertEqual(self.client("list", "--token-file", token), "")
+
+    def test_a_unix_socket_is_its_owners(self):
+        path = os.path.join(self.folder, "socket")
+        self.service = Service(MULTUM, self.folder)
+        os.makedirs(self.service.data)
+        process = subprocess.Popen([MULTUM, "serve", "--data", self.service.data, "--root", self.service.root,
+                                    "--listen", "unix:" + path], stderr=subprocess.DEVNULL)
+        self.service.process = process
+        deadline = time.monotonic() + 20
+        while not os.path.exists(path) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        self.assertEqual(os.stat(path).st_mode & 0o777, 0o600)
+        done = subprocess.run([MULTUM, "submit", "drill", "--wait", "--server", "unix:" + path], capture_output=True,
+                              text=True, check=False, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        process.terminate()
+        self.assertEqual(process.wait(30), 0)
+        self.assertFalse(os.path.exists(path))
+
+    def test_who_is_slow_or_talks_nonsense_costs_nothing(self):
+        service = self.start(QUICK + "connections_max = 200\n")
+        slow = []
+        for _ in range(100):
+            one = socket.create_connection(("127.0.0.1", service.port))
+            one.sendall(b"POST /v1/jobs HTTP/1.1\r\nHost: lo")
+            slow.append(one)
+        self.assertEqual(service.wait_for(self.drill())["state"], "succeeded")
+        for nonsense in (b"\x16\x03\x01\x02\x00", b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n", b"\r\n" * 100,
+                         b"GET /%zz HTTP/1.1\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 10000 + b"\r\n",
+                         b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{\"a\"",
+                         b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n",
+                         b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 200000\r\n\r\n" + b"[" * 200000):
+            with socket.create_connection(("127.0.0.1", service.port)) as one:
+                one.settimeout(5)
+                try:
+                    one.sendall(nonsense)
+                    one.shutdown(socket.SHUT_WR)
+                    while one.recv(65536):
+                        pass
+                except OSError:  # cut off before it was done talking
+                    pass
+        self.assertEqual(service.ask("GET", "/healthz")[0], 200)
+        deadline = time.monotonic() + 30
+        while slow and time.monotonic() < deadline:
+            slow[0].settimeout(30)
+            with slow.pop(0) as one:
+                self.assertEqual(one.recv(100), b"", "the slow are cut off")
+        before = resident_bytes(service.process.pid)
+        for _ in range(2000):
+            status, _ = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"seconds": "x" * 1000}})
+            self.assertEqual(status, 400)
+        self.assertLess(resident_bytes(service.process.pid), before + (8 << 20))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
