@@ -340,6 +340,7 @@ void Dispatcher::changed(const std::set<std::int64_t>& ids) {
   const auto jobs = std::make_shared<std::vector<Job>>();
   ledger_.run(
       [=](JobQueue& queue) {
+        jobs->clear();
         for (const std::int64_t id : ids)
           if (std::optional<Job> job = queue.find(id)) jobs->push_back(std::move(*job));
       },

@@ -284,6 +284,7 @@ struct HttpApi::State {
     }
     Json jobs = Json::array();
     co_await in_ledger([&](JobQueue& queue) {
+      jobs = Json::array();
       for (const Job& job : queue.list(filter)) jobs.push_back(job_json(job));
     });
     for (Json& job : jobs) add_progress(job);
@@ -301,8 +302,8 @@ struct HttpApi::State {
   asio::awaitable<HttpResponse> show(std::string text) {
     const Job job = co_await job_of(std::move(text));
     Json json = job_json(job);
-    json["attempts"] = Json::array();
     co_await in_ledger([&](JobQueue& queue) {
+      json["attempts"] = Json::array();
       for (const JobAttempt& attempt : queue.attempts(job.id)) json["attempts"].push_back(attempt_json(attempt));
     });
     add_progress(json);

@@ -70,14 +70,23 @@ void QueueThread::loop() {
         tasks_.erase(tasks_.begin(), end);
       }
     }
-    run_batch(batch);
+    if (!run_batch(batch) && batch.size() > 1) {
+      // On a full disk one that writes takes all down with it: each by itself, those that only look come through.
+      for (Task& task : batch) {
+        task.error = nullptr;
+        std::vector<Task> alone;
+        alone.push_back(std::move(task));
+        run_batch(alone);
+        task = std::move(alone.front());
+      }
+    }
     // Each by itself: what else that thread has to do comes in between.
     for (Task& task : batch)
       if (task.done) post_([done = std::move(task.done), error = task.error] { done(error); });
   }
 }
 
-void QueueThread::run_batch(std::vector<Task>& batch) {
+bool QueueThread::run_batch(std::vector<Task>& batch) {
   try {
     SqliteTransaction transaction(queue_.database());
     for (Task& task : batch) {
@@ -91,6 +100,7 @@ void QueueThread::run_batch(std::vector<Task>& batch) {
       }
     }
     transaction.commit();
+    return true;
   } catch (...) {  // a full disk, as a rule: nothing of the batch is done
     for (Task& task : batch)
       if (!task.error) task.error = std::current_exception();
@@ -98,6 +108,7 @@ void QueueThread::run_batch(std::vector<Task>& batch) {
       queue_.resync();
     } catch (...) {  // the next batch says it again
     }
+    return false;
   }
 }
 

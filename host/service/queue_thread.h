@@ -17,7 +17,8 @@ namespace multum {
 
 class QueueThread {
  public:
-  using Work = std::function<void(JobQueue&)>;              // may throw: then nothing of it is done
+  /// May throw: then nothing of it is done. May be run again, after what it did was undone with others' work.
+  using Work = std::function<void(JobQueue&)>;
   using Done = std::function<void(std::exception_ptr)>;     // after the commit, by `post`; null: all is well
   using Post = std::function<void(std::function<void()>)>;  // runs a function on the caller's thread
 
@@ -40,7 +41,8 @@ class QueueThread {
     std::exception_ptr error;
   };
   void loop();
-  void run_batch(std::vector<Task>& batch);
+  /// False: nothing of it is done.
+  bool run_batch(std::vector<Task>& batch);
 
   JobQueue queue_;
   Post post_;
