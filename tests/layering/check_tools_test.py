@@ -70,8 +70,8 @@ class CheckToolsTest(unittest.TestCase):
                 self.expect_violation("check_layering", "host/bake/bad.h:3", header)
 
     def test_unknown_header(self):
-        self.write("host/bake/bad.h", LICENCE + "// x\n#include <boost/any.hpp>\n")
-        self.expect_violation("check_layering", "boost/any.hpp", "no row")
+        self.write("host/bake/bad.h", LICENCE + "// x\n#include <folly/Any.h>\n")
+        self.expect_violation("check_layering", "folly/Any.h", "no row")
 
     def test_folder_without_layer(self):
         self.write("host/surprise/bad.h", LICENCE + "// x\n")
