@@ -20,13 +20,13 @@ std::string channel(const std::string& pass, char colour) {
   return pass.empty() ? std::string(1, colour) : pass + "." + colour;
 }
 
+}  // namespace
+
 void check_size(const AnimationJob& job, const std::string& path, const ExrLayers& layers) {
   if (layers.width != job.width || layers.height != job.height)
     throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} pixels, {} says {} x {}", path, layers.width,
                                                layers.height, job.path, job.width, job.height));
 }
-
-}  // namespace
 
 AnimationField::AnimationField(AnimationJob job)
     : job_(std::move(job)), grid_(job_), meshes_(read_object_meshes(job_.geometry_file, job_.uv_set)) {
@@ -81,6 +81,11 @@ glm::dmat4 AnimationField::object_to_camera(int mesh, int pose) const {
 
 glm::dmat4 AnimationField::world_to_clip(int pose) const {
   return camera(pose).projection * camera(pose).world_to_camera;
+}
+
+ForwardView AnimationField::forward_view(std::size_t object, int pose, const ObjectLayer& layer) const {
+  const int mesh = mesh_of(object);
+  return {camera(pose).projection * object_to_camera(mesh, pose), &items(pose), mesh, &layer};
 }
 
 TextureMapping AnimationField::find_mapping(std::size_t object, int block) const {

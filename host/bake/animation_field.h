@@ -8,12 +8,17 @@
 
 #include "host/asset/texture_mapping.h"
 #include "host/bake/animation_job.h"
+#include "host/bake/forward_mapping.h"
 #include "host/bake/item_buffer.h"
 #include "host/bake/layer_segmentation.h"
 #include "host/bake/parameter_grid.h"
+#include "host/image/exr_layers.h"
 #include "host/mesh/object_mesh.h"
 
 namespace multum {
+
+/// Throws Error(kInput) when a picture is not of the job's size.
+void check_size(const AnimationJob& job, const std::string& path, const ExrLayers& layers);
 
 class AnimationField {
  public:
@@ -32,6 +37,8 @@ class AnimationField {
   const AnimationCamera& camera(int pose) const;
   glm::dmat4 object_to_camera(int mesh, int pose) const;
   glm::dmat4 world_to_clip(int pose) const;
+  /// The job's object as forward mapping takes it; `layer` outlives it.
+  ForwardView forward_view(std::size_t object, int pose, const ObjectLayer& layer) const;
 
   /// An affine map of the object's texture coordinates for the poses of one block; width 0: it is not seen there.
   TextureMapping find_mapping(std::size_t object, int block) const;

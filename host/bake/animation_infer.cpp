@@ -350,15 +350,11 @@ class AnimationBaker {
   // Of all samples of the point, 0..1.
   std::vector<float> forward_texels(std::size_t k, const ParameterPoint& point,
                                     const std::vector<std::vector<ObjectLayer>>& pictures) const {
-    const int mesh = field_.mesh_of(k);
     std::vector<ForwardView> views;
-    for (std::size_t i = 0; i < point.samples.size(); ++i) {
-      const int pose = field_.pose_of(point.samples[i]);
-      views.push_back({field_.camera(pose).projection * field_.object_to_camera(mesh, pose), &field_.items(pose), mesh,
-                       &pictures[i][k]});
-    }
-    std::vector<float> texels =
-        forward_mapped(field_.meshes()[static_cast<std::size_t>(mesh)], probe_.mapping(k, point.block), views);
+    for (std::size_t i = 0; i < point.samples.size(); ++i)
+      views.push_back(field_.forward_view(k, field_.pose_of(point.samples[i]), pictures[i][k]));
+    std::vector<float> texels = forward_mapped(field_.meshes()[static_cast<std::size_t>(field_.mesh_of(k))],
+                                               probe_.mapping(k, point.block), views);
     divide(texels, job_.radiance_max);
     return texels;
   }

@@ -131,10 +131,8 @@ class Comparer {
   }
 
   std::vector<float> forward_texels(const AnimationProbe& probe, std::size_t k, const ObjectLayer& layer) const {
-    const int mesh = field_.mesh_of(k);
-    std::vector<float> texels = forward_mapped(
-        field_.meshes()[static_cast<std::size_t>(mesh)], probe.mapping(k, 0),
-        {{field_.camera(0).projection * field_.object_to_camera(mesh, 0), &field_.items(0), mesh, &layer}});
+    std::vector<float> texels = forward_mapped(field_.meshes()[static_cast<std::size_t>(field_.mesh_of(k))],
+                                               probe.mapping(k, 0), {field_.forward_view(k, 0, layer)});
     divide(texels, field_.job().radiance_max);
     return texels;
   }

@@ -25,12 +25,6 @@ constexpr std::size_t kSamplesAChild = 256;
 
 const std::vector<std::string> kRgb = {"R", "G", "B"};
 
-void check_frame_size(const AnimationJob& job, const std::string& path, const ExrLayers& layers) {
-  if (layers.width != job.width || layers.height != job.height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} pixels, {} says {} x {}", path, layers.width,
-                                               layers.height, job.path, job.width, job.height));
-}
-
 std::vector<float> interleaved(const ExrLayers& layers, double radiance_max) {
   const std::vector<float>* planes[3] = {&layers.channels.at("R"), &layers.channels.at("G"), &layers.channels.at("B")};
   std::vector<float> rgb(3 * planes[0]->size());
@@ -68,7 +62,7 @@ std::vector<float> ray_traced_picture(const AnimationField& field, int sample) {
   std::vector<float> picture;
   if (has_rgb(path)) {
     const ExrLayers layers = read_exr_channels(path, kRgb);
-    check_frame_size(job, path, layers);
+    check_size(job, path, layers);
     picture = interleaved(layers, job.radiance_max);
   } else {
     for (const AnimationLayer& layer : job.layers) {
@@ -84,7 +78,7 @@ std::vector<float> ray_traced_picture(const AnimationField& field, int sample) {
 
 RenderedFrame read_frame(const AnimationJob& job, const std::string& path) {
   ExrLayers layers = read_exr_channels(path, {"R", "G", "B", "A"});
-  check_frame_size(job, path, layers);
+  check_size(job, path, layers);
   return {layers.width, layers.height, interleaved(layers, job.radiance_max), std::move(layers.channels.at("A"))};
 }
 

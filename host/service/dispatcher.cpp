@@ -43,6 +43,13 @@ std::string words_of(const std::exception_ptr& error) {
   }
 }
 
+std::vector<Job> jobs_of(JobQueue& queue, const std::set<std::int64_t>& ids) {
+  std::vector<Job> jobs;
+  for (const std::int64_t id : ids)
+    if (std::optional<Job> job = queue.find(id)) jobs.push_back(std::move(*job));
+  return jobs;
+}
+
 ClaimLimits limits_of(const ServiceSettings& settings) {
   const std::int64_t memory =
       settings.memory_max > 0 ? settings.memory_max : static_cast<std::int64_t>(machine_memory_bytes() / 4 * 3);
@@ -80,6 +87,13 @@ Dispatcher::Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHu
       drain_timer_(io) {}
 
 std::string Dispatcher::log_path(std::int64_t id) const { return fmt::format("{}/logs/{}.log", settings_.data, id); }
+
+void Dispatcher::remove_logs(const std::vector<std::int64_t>& ids) const {
+  for (const std::int64_t id : ids) {
+    std::error_code ignored;
+    std::filesystem::remove(log_path(id), ignored);
+  }
+}
 
 // ---- After a start
 
@@ -145,8 +159,7 @@ std::vector<std::string> Dispatcher::reserve(const std::vector<std::string>& own
 void Dispatcher::settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
                         Outcome& outcome) {
   outcome = Outcome{};
-  for (const std::int64_t id : queue.take_changed())
-    if (std::optional<Job> job = queue.find(id)) outcome.touched.push_back(std::move(*job));
+  outcome.touched = jobs_of(queue, queue.take_changed());
   for (const std::string& owner : owners) {
     std::optional<Job> job = queue.claim(limits, owner, wall_clock_ms());
     if (!job) break;
@@ -161,6 +174,10 @@ void Dispatcher::take(const std::vector<std::string>& owners, const Outcome& out
   for (const Job& job : outcome.touched) events_.publish("job", job.id, job_json(job).dump());
   wake_at(outcome.due);
   give_out(outcome.claimed);
+  end_drain_if_idle();
+}
+
+void Dispatcher::end_drain_if_idle() {
   if (is_draining_ && drained_ && running_.empty() && unsettled_ == 0) std::exchange(drained_, nullptr)();
 }
 
@@ -241,45 +258,57 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
   const std::string identity = file_identity(staged_path(job.output, instance_, id));
   if (identity.empty())
     return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "it ended well, but left no result"});
-  ++unsettled_;
   const auto is_mine = std::make_shared<bool>(false);
-  ledger_.run(
-      [=](JobQueue& queue) { *is_mine = queue.begin_publishing(id, owner, attempt, identity, wall_clock_ms()); },
-      [=, this](const std::exception_ptr& error) {
-        --unsettled_;
-        if (error || !*is_mine)
-          return note_end(
-              id, owner, attempt,
-              {AttemptOutcome::kFailed, 4, error ? words_of(error) : "another attempt has taken its place"});
-        ++unsettled_;
-        const auto trouble = std::make_shared<std::string>();
-        const auto outcome = std::make_shared<Outcome>();
-        const std::vector<std::string> owners = reserve({owner});
-        ledger_.run(
-            [=, this, limits = limits_](JobQueue& queue) {
-              queue.take_changed();
-              try {
-                publish(job.output, instance_, id, identity);
-                queue.published(id, wall_clock_ms());
-              } catch (const Error& failed) {
-                *trouble = failed.what();
-                queue.publishing_failed(id, failed.what(), wall_clock_ms());
-              }
-              settle(queue, limits, owners, *outcome);
-            },
-            [=, this](const std::exception_ptr& failed) {
-              --unsettled_;
-              // The name is given, the note is not: the next start finds it.
-              if (failed) service_log(LogSeverity::kError, id, "published, but not noted: " + words_of(failed));
-              if (!trouble->empty()) service_log(LogSeverity::kError, id, *trouble);
-              const bool is_published = !failed && trouble->empty();
-              counters_.published += is_published ? 1 : 0;
-              forget_running(id, is_published ? AttemptOutcome::kSucceeded : AttemptOutcome::kFailed);
-              if (failed) *outcome = Outcome{};
-              take(owners, *outcome);
-              pump();
-            });
+  note(
+      id, [=](JobQueue& queue) { *is_mine = queue.begin_publishing(id, owner, attempt, identity); },
+      [=, this] {
+        if (*is_mine) return finish_publishing(job, identity);
+        note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has taken its place"});
       });
+}
+
+void Dispatcher::finish_publishing(const Job& job, const std::string& identity) {
+  const auto trouble = std::make_shared<std::string>();
+  const auto outcome = std::make_shared<Outcome>();
+  const std::vector<std::string> owners = reserve({job.owner});
+  note(
+      job.id,
+      [=, this, limits = limits_](JobQueue& queue) {
+        queue.take_changed();
+        trouble->clear();
+        try {
+          publish(job.output, instance_, job.id, identity);
+        } catch (const Error& failed) {
+          *trouble = failed.what();
+        }
+        if (trouble->empty()) queue.published(job.id, wall_clock_ms());
+        else queue.publishing_failed(job.id, *trouble, wall_clock_ms());
+        settle(queue, limits, owners, *outcome);
+      },
+      [=, this] {
+        if (!trouble->empty()) service_log(LogSeverity::kError, job.id, *trouble);
+        counters_.published += trouble->empty() ? 1 : 0;
+        forget_running(job.id, trouble->empty() ? AttemptOutcome::kSucceeded : AttemptOutcome::kFailed);
+        take(owners, *outcome);
+        pump();
+      });
+}
+
+void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<void()> done) {
+  ++unsettled_;
+  ledger_.run(work, [=, this](const std::exception_ptr& error) {
+    --unsettled_;
+    if (!error) return done();
+    // The disk is full, as a rule. What has happened is in no ledger yet: tried until it is noted.
+    service_log(LogSeverity::kError, id, "what became of it cannot be noted: " + words_of(error));
+    ++unsettled_;
+    const auto timer = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::seconds(2));
+    timer->async_wait([=, this](const boost::system::error_code&) {
+      (void)timer;
+      --unsettled_;
+      note(id, work, done);
+    });
+  });
 }
 
 void Dispatcher::forget_running(std::int64_t id, AttemptOutcome outcome) {
@@ -295,11 +324,11 @@ void Dispatcher::forget_running(std::int64_t id, AttemptOutcome outcome) {
 }
 
 void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt, AttemptResult result) {
-  ++unsettled_;
   const auto is_final_state = std::make_shared<bool>(false);
   const auto outcome = std::make_shared<Outcome>();
   const std::vector<std::string> owners = reserve({owner});
-  ledger_.run(
+  note(
+      id,
       [=, limits = limits_](JobQueue& queue) {
         queue.take_changed();
         queue.ended(id, owner, attempt, result, wall_clock_ms());
@@ -308,21 +337,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
         // The worker's next job in the same breath: one commit a job.
         settle(queue, limits, owners, *outcome);
       },
-      [=, this](const std::exception_ptr& error) {
-        --unsettled_;
-        if (error) {
-          // The disk is full, as a rule. The job is running in the ledger and nowhere else: tried until it is noted.
-          service_log(LogSeverity::kError, id, "its end cannot be noted: " + words_of(error));
-          for (const std::string& one : owners) reserved_.erase(one);
-          ++unsettled_;
-          const auto timer = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::seconds(2));
-          timer->async_wait([=, this](const boost::system::error_code&) {
-            (void)timer;
-            --unsettled_;
-            note_end(id, owner, attempt, result);
-          });
-          return;
-        }
+      [=, this] {
         service_log(result.outcome == AttemptOutcome::kSucceeded ? LogSeverity::kInfo : LogSeverity::kWarning, id,
                     fmt::format("attempt {} {}{}{}", attempt, attempt_outcome_name(result.outcome),
                                 result.message.empty() ? "" : ": ", result.message));
@@ -338,16 +353,11 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
 
 void Dispatcher::changed(const std::set<std::int64_t>& ids) {
   const auto jobs = std::make_shared<std::vector<Job>>();
-  ledger_.run(
-      [=](JobQueue& queue) {
-        jobs->clear();
-        for (const std::int64_t id : ids)
-          if (std::optional<Job> job = queue.find(id)) jobs->push_back(std::move(*job));
-      },
-      [=, this](const std::exception_ptr&) {
-        for (const Job& job : *jobs) events_.publish("job", job.id, job_json(job).dump());
-      });
-  if (is_draining_ && drained_ && running_.empty() && unsettled_ == 0) std::exchange(drained_, nullptr)();
+  ledger_.run([=](JobQueue& queue) { *jobs = jobs_of(queue, ids); },
+              [=, this](const std::exception_ptr&) {
+                for (const Job& job : *jobs) events_.publish("job", job.id, job_json(job).dump());
+              });
+  end_drain_if_idle();
   pump();
 }
 

@@ -41,7 +41,7 @@ class Dispatcher {
   void pump();
   /// Jobs have changed, by others' doing: tells listeners, and pumps.
   void changed(const std::set<std::int64_t>& ids);
-  /// Of a running job: its worker is asked to stop. `is_deadline`: the job dies of it.
+  /// Of a running job: its worker is asked to stop, and `outcome` comes of it.
   void stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome);
   void set_paused(const std::string& queue, bool is_paused);
   /// New limits, from the settings.
@@ -56,6 +56,7 @@ class Dispatcher {
   const ClaimLimits& limits() const { return limits_; }
   bool is_draining() const { return is_draining_; }
   std::string log_path(std::int64_t id) const;
+  void remove_logs(const std::vector<std::int64_t>& ids) const;
   const std::string& instance() const { return instance_; }
 
  private:
@@ -76,6 +77,10 @@ class Dispatcher {
                      Outcome& outcome);
   /// Back from it: tells those who listen, and starts what was claimed.
   void take(const std::vector<std::string>& owners, const Outcome& outcome);
+  void end_drain_if_idle();
+  /// Runs `work` in the ledger until it is committed, however often the disk is full, then `done`.
+  void note(std::int64_t id, QueueThread::Work work, std::function<void()> done);
+  void finish_publishing(const Job& job, const std::string& identity);
   std::vector<std::string> reserve(const std::vector<std::string>& owners);
   void give_out(const std::vector<Claimed>& claimed);
   void start_job(const Claimed& claimed);

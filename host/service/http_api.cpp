@@ -24,7 +24,6 @@
 #include "host/service/job_types.h"
 #include "host/service/metrics.h"
 #include "host/service/staging.h"
-#include "host/service/web_files.h"
 
 namespace multum {
 namespace {
@@ -91,9 +90,7 @@ Value value_of(const Json& object, const char* key, Value fallback, const Is& is
   const auto found = object.find(key);
   if (found == object.end()) return fallback;
   if (!is(*found)) {
-    std::string text = found->dump(-1, ' ', true, Json::error_handler_t::replace);
-    if (text.size() > 60) text = text.substr(0, 57) + "...";
-    throw Refusal{400, "usage", fmt::format("{} is {}, expected {}", key, text, expected)};
+    throw Refusal{400, "usage", fmt::format("{} is {}, expected {}", key, shortened(*found), expected)};
   }
   return found->get<Value>();
 }
@@ -106,13 +103,7 @@ auto whole_between(std::int64_t least, std::int64_t most) {
   };
 }
 
-bool is_plain(const Json& value) {
-  if (!value.is_string()) return false;
-  const auto& text = value.get_ref<const std::string&>();
-  return text.size() <= 1000 && std::none_of(text.begin(), text.end(), [](char c) {
-           return static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) == 127;
-         });
-}
+bool is_plain(const Json& value) { return value.is_string() && is_plain_text(value.get_ref<const std::string&>()); }
 
 bool is_id_list(const Json& value) {
   return value.is_array() && value.size() <= 1000 &&
@@ -375,12 +366,7 @@ struct HttpApi::State {
       purged = age < 0 ? queue.purge(ids) : queue.purge_finished_before(wall_clock_ms() - 1000 * age + 1, 100000);
       queue.take_changed();
     });
-    co_await beside([&] {
-      for (const std::int64_t id : purged) {
-        std::error_code ignored;
-        fs::remove(dispatcher.log_path(id), ignored);
-      }
-    });
+    co_await beside([&] { dispatcher.remove_logs(purged); });
     co_return json_response({{"purged", purged}});
   }
 
@@ -546,15 +532,6 @@ asio::awaitable<HttpResponse> job_events(HttpApi::State& state, std::string part
 asio::awaitable<HttpResponse> upload(HttpApi::State& state, std::string part, HttpRequest request) {
   return state.upload(std::move(part), std::move(request));
 }
-asio::awaitable<HttpResponse> web_file(HttpApi::State&, std::string, HttpRequest request) {
-  const WebFile* file = find_web_file(request.path);
-  HttpResponse response{200, file->content_type, std::string(file->content)};
-  response.headers.emplace_back("Content-Security-Policy",
-                                "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'");
-  response.headers.emplace_back("Cache-Control", "no-cache");
-  co_return response;
-}
-
 using State = HttpApi::State;
 
 const std::vector<Route>& routes() {
@@ -595,12 +572,6 @@ bool matches(const Route& route, const std::vector<std::string>& parts, std::str
 // Null: there is none of this method; `others` are the methods that the path has.
 const Route* find_route(const std::string& method, const std::string& path, std::string& part,
                         std::vector<std::string>& others) {
-  static const Route kWebFile = {"GET", {}, true, web_file};
-  if (find_web_file(path) != nullptr) {
-    if (method == "GET") return &kWebFile;
-    others = {"GET"};
-    return nullptr;
-  }
   const std::vector<std::string> parts = split_path(path);
   for (const Route& route : routes()) {
     if (!matches(route, parts, part)) continue;

@@ -152,7 +152,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     if (error == http::error::end_of_stream || error == asio::error::eof || error == asio::error::connection_reset)
       co_return false;
     if (error == beast::error::timeout && buffer.size() == 0) co_return false;  // nobody asked anything
-    if (error) co_return co_await refuse(stream, parser, error);
+    if (error) co_return co_await refuse(stream, error);
 
     HttpRequest request;
     const auto& head = parser.get();
@@ -179,7 +179,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     }
     stream.expires_after(kBodyTime);
     co_await http::async_read(stream, buffer, parser, asio::redirect_error(use_awaitable, error));
-    if (error) co_return co_await refuse(stream, parser, error);
+    if (error) co_return co_await refuse(stream, error);
     const bool keep = parser.keep_alive();
     request.body = std::move(parser.get().body());
     stream.expires_never();
@@ -194,8 +194,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   }
 
   // What could not be read is answered if there is somebody to answer.
-  template <typename Stream, typename Parser>
-  asio::awaitable<bool> refuse(Stream& stream, Parser&, boost::system::error_code error) {
+  template <typename Stream>
+  asio::awaitable<bool> refuse(Stream& stream, boost::system::error_code error) {
     HttpResponse response = plain_error(400, "usage", "the request is no HTTP: " + error.message());
     if (error == http::error::header_limit) response = plain_error(431, "too_large", "the header is too large");
     else if (error == http::error::body_limit) response = plain_error(413, "too_large", "the body is too large");

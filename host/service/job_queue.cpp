@@ -255,9 +255,8 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
   return best;
 }
 
-std::optional<TimeMs> JobQueue::next_due() const {
-  auto& self = const_cast<JobQueue&>(*this);  // statements are kept
-  SqliteStatement& query = self.statement(
+std::optional<TimeMs> JobQueue::next_due() {
+  SqliteStatement& query = statement(
       "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs WHERE not_before IS NOT NULL AND state = 1 "
       "UNION ALL SELECT MIN(deadline) FROM jobs WHERE deadline IS NOT NULL AND state < 4)");
   query.step();
@@ -270,8 +269,7 @@ bool JobQueue::has_lease(const std::optional<Job>& job, const std::string& owner
   return job && job->state == JobState::kRunning && job->owner == owner && job->attempt == attempt;
 }
 
-bool JobQueue::begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity,
-                                TimeMs) {
+bool JobQueue::begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity) {
   if (!has_lease(find(id), owner, attempt)) return false;
   statement("UPDATE jobs SET state = 3, result_identity = ? WHERE id = ?").bind(1, identity).bind(2, id).run();
   changed_.insert(id);

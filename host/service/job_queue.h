@@ -69,11 +69,10 @@ class JobQueue {
   /// The job that comes first of those that may run, now running under a lease of `owner`'s; none: nothing may.
   std::optional<Job> claim(const ClaimLimits& limits, const std::string& owner, TimeMs now);
   /// When the next back-off or deadline of a job that does not run is over.
-  std::optional<TimeMs> next_due() const;
+  std::optional<TimeMs> next_due();
 
   /// The lease's holder says that the result lies ready under its staging name. False: it is not the holder any more.
-  bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity,
-                        TimeMs now);
+  bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity);
   /// The result has its name. Queues those that needed it.
   void published(std::int64_t id, TimeMs now);
   /// As begin_publishing() was told; empty: none was published.

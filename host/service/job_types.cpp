@@ -110,12 +110,6 @@ std::string expected_text(const JobParameter& parameter) {
   return "";
 }
 
-bool is_plain_text(const std::string& text) {
-  return text.size() <= 1000 && std::none_of(text.begin(), text.end(), [](char c) {
-           return static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) == 127;
-         });
-}
-
 bool is_accepted(const JobParameter& parameter, const Json& value) {
   switch (parameter.kind) {
     case Kind::kFlag: return value.is_boolean();
@@ -135,13 +129,19 @@ bool is_accepted(const JobParameter& parameter, const Json& value) {
   return false;
 }
 
+}  // namespace
+
+bool is_plain_text(const std::string& text) {
+  return text.size() <= 1000 && std::none_of(text.begin(), text.end(), [](char c) {
+           return static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) == 127;
+         });
+}
+
 std::string shortened(const Json& value) {
   std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
   if (text.size() > 60) text = text.substr(0, 57) + "...";
   return text;
 }
-
-}  // namespace
 
 const std::vector<JobType>& job_types() {
   static const std::vector<JobType> types = {bake_type(), infer_type(), drill_type()};

@@ -39,6 +39,11 @@ const std::vector<JobType>& job_types();
 /// Throws Error(kUsage) naming those that there are.
 const JobType& find_job_type(const std::string& name);
 
+/// Up to 1000 bytes without control characters.
+bool is_plain_text(const std::string& text);
+/// A value as messages show it, 60 bytes of it at most.
+std::string shortened(const nlohmann::json& value);
+
 /// Checks names, types and ranges. Throws Error(kUsage): "parameters.lobes is 9, expected a whole number from 1 to 8".
 void check_parameters(const JobType& type, const nlohmann::json& parameters);
 /// Draft 2020-12, of the `parameters` object: what check_parameters() accepts.

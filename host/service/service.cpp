@@ -9,7 +9,6 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <filesystem>
 #include <fstream>
 #include <random>
 
@@ -24,7 +23,6 @@ namespace multum {
 namespace {
 
 namespace asio = boost::asio;
-namespace fs = std::filesystem;
 
 // Every connection and worker is a file.
 void raise_file_limit() {
@@ -189,12 +187,7 @@ class Service {
             *purged = queue.purge_finished_before(wall_clock_ms() - 86400000LL * settings_.retention_days, 10000);
             queue.take_changed();
           },
-          [this, purged](const std::exception_ptr&) {
-            for (const std::int64_t id : *purged) {
-              std::error_code ignored;
-              fs::remove(dispatcher_.log_path(id), ignored);
-            }
-          });
+          [this, purged](const std::exception_ptr&) { dispatcher_.remove_logs(*purged); });
     }
     sweep_.expires_after(std::chrono::hours(1));
     sweep_.async_wait([this](const boost::system::error_code& error) {

@@ -55,6 +55,12 @@ class Service:
         with open(self.log_path, encoding="utf-8", errors="replace") as file:
             return file.read()
 
+    def wait_for_log(self, words, timeout=10):
+        deadline = time.monotonic() + timeout
+        while words not in self.log_text():
+            assert time.monotonic() < deadline, f"the log does not say {words!r}: {self.log_text()[-1000:]}"
+            time.sleep(0.02)
+
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()

@@ -235,16 +235,12 @@ class ServiceTest(unittest.TestCase):
         with open(path, "a", encoding="utf-8") as file:
             file.write('[[queue]]\nname = "default"\n[[queue]]\nname = "night"\n')
         service.process.send_signal(signal.SIGHUP)
-        deadline = time.monotonic() + 10
-        while "read again" not in service.log_text() and time.monotonic() < deadline:
-            time.sleep(0.02)
+        service.wait_for_log("read again")
         service.wait_for(self.drill(queue="night"))
         with open(path, "a", encoding="utf-8") as file:
             file.write("[[queue]]\nnmae = 3\n")
         service.process.send_signal(signal.SIGHUP)
-        deadline = time.monotonic() + 10
-        while "kept as they were" not in service.log_text() and time.monotonic() < deadline:
-            time.sleep(0.02)
+        service.wait_for_log("kept as they were")
         self.assertIn("serve.toml:", service.log_text().splitlines()[-1])
         service.wait_for(self.drill(queue="night"))
 

@@ -127,15 +127,15 @@ TEST_F(JobQueueTest, OnlyTheLeaseHolderIsListenedTo) {
   const Job first = *claim("a");
   EXPECT_FALSE(queue_->ended(id, "b", 1, {}, now_));
   EXPECT_FALSE(queue_->ended(id, "a", 2, {}, now_));
-  EXPECT_FALSE(queue_->begin_publishing(id, "b", 1, "1:2", now_));
+  EXPECT_FALSE(queue_->begin_publishing(id, "b", 1, "1:2"));
   EXPECT_TRUE(fail(first, AttemptOutcome::kLost));
   now_ = *queue_->find(id)->not_before;
   const Job second = *claim("a");
   EXPECT_EQ(second.attempt, 2);
-  EXPECT_FALSE(queue_->begin_publishing(id, "a", first.attempt, "1:2", now_)) << "the first attempt wakes up again";
+  EXPECT_FALSE(queue_->begin_publishing(id, "a", first.attempt, "1:2")) << "the first attempt wakes up again";
   EXPECT_FALSE(fail(first));
-  EXPECT_TRUE(queue_->begin_publishing(id, "a", 2, "1:2", now_));
-  EXPECT_FALSE(queue_->begin_publishing(id, "a", 2, "1:2", now_)) << "once";
+  EXPECT_TRUE(queue_->begin_publishing(id, "a", 2, "1:2"));
+  EXPECT_FALSE(queue_->begin_publishing(id, "a", 2, "1:2")) << "once";
   EXPECT_FALSE(fail(second)) << "too late";
   queue_->published(id, now_);
   EXPECT_EQ(state(id), JobState::kSucceeded);
@@ -211,7 +211,7 @@ TEST_F(JobQueueTest, CancelledInAnyState) {
   EXPECT_EQ(claim(), std::nullopt);
   EXPECT_TRUE(queue_->retry(running, now_));
   const Job again = *claim();
-  queue_->begin_publishing(again.id, "a", again.attempt, "", now_);
+  queue_->begin_publishing(again.id, "a", again.attempt, "");
   EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kTooLate);
 }
 
@@ -255,7 +255,7 @@ TEST_F(JobQueueTest, TheSameKeyAndOutputIsTheSameJob) {
 TEST_F(JobQueueTest, ADeadProcessLeavesNothingRunning) {
   const std::int64_t lost = submit(of(2)), publishing = submit(of(1));
   claim();
-  queue_->begin_publishing(publishing, "a", claim()->attempt, "7:8", now_);
+  queue_->begin_publishing(publishing, "a", claim()->attempt, "7:8");
   reopen();
   const JobQueue::Recovered recovered = queue_->recover(now_);
   EXPECT_EQ(recovered.lost, Ids{lost});
