@@ -24,6 +24,7 @@
 #include "host/service/job_request.h"
 #include "host/service/job_types.h"
 #include "host/service/metrics.h"
+#include "host/service/openapi.h"
 #include "host/service/staging.h"
 
 namespace multum {
@@ -355,6 +356,9 @@ asio::awaitable<HttpResponse> alone(HttpApi::State& state, std::string, HttpRequ
 asio::awaitable<HttpResponse> health(HttpApi::State&, std::string, HttpRequest) {
   co_return HttpResponse{200, "text/plain; charset=utf-8", "ok\n"};
 }
+asio::awaitable<HttpResponse> openapi(HttpApi::State&, std::string, HttpRequest) {
+  co_return HttpResponse{200, "application/json", openapi_json()};
+}
 asio::awaitable<HttpResponse> types(HttpApi::State& state, std::string, HttpRequest) { co_return state.types(); }
 asio::awaitable<HttpResponse> pause(HttpApi::State& state, std::string part, HttpRequest) {
   co_return state.set_paused(part, true);
@@ -374,11 +378,12 @@ asio::awaitable<HttpResponse> upload(HttpApi::State& state, std::string part, Ht
 }
 using State = HttpApi::State;
 
-const std::vector<Route>& routes() {
+const std::vector<Route>& route_table() {
   static const std::vector<Route> list = {
       {"GET", {"healthz"}, true, health},
       {"GET", {"readyz"}, true, alone<&State::ready>},
       {"GET", {"metrics"}, false, alone<&State::metrics>},
+      {"GET", {"openapi.json"}, true, openapi},
       {"GET", {"v1", "types"}, false, types},
       {"GET", {"v1", "queues"}, false, alone<&State::queues>},
       {"POST", {"v1", "queues", "{}", "pause"}, false, pause},
@@ -413,7 +418,7 @@ bool matches(const Route& route, const std::vector<std::string>& parts, std::str
 const Route* find_route(const std::string& method, const std::string& path, std::string& part,
                         std::vector<std::string>& others) {
   const std::vector<std::string> parts = split_path(path);
-  for (const Route& route : routes()) {
+  for (const Route& route : route_table()) {
     if (!matches(route, parts, part)) continue;
     if (route.method == method) return &route;
     others.push_back(route.method);
@@ -451,6 +456,13 @@ void HttpApi::set_token(std::string token) { state_->token = std::move(token); }
 
 bool HttpApi::is_upload(const std::string& method, const std::string& path) {
   return method == "PUT" && path.starts_with("/v1/uploads/");
+}
+
+std::vector<std::string> HttpApi::routes() {
+  std::vector<std::string> names;
+  for (const Route& route : route_table())
+    names.push_back(fmt::format("{} /{}", route.method, fmt::join(route.parts, "/")));
+  return names;
 }
 
 std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {

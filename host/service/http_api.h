@@ -7,6 +7,7 @@
 #include <boost/asio/io_context.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/service/dispatcher.h"
 #include "host/service/file_hashes.h"
@@ -27,6 +28,8 @@ class HttpApi {
   /// Before a body is read: who may not, and what is not there, is told so.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
+  /// "GET /v1/jobs/{}", of all there are.
+  static std::vector<std::string> routes();
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
   /// For /metrics.
   void set_server(const HttpServer* server);

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -36,6 +37,8 @@ using std::chrono::seconds;
 constexpr auto kHeaderTime = seconds(10);  // from the first byte that is waited for: also how long a line may idle
 constexpr auto kBodyTime = seconds(60);
 constexpr auto kAnswerTime = seconds(60);  // to take in an answer
+constexpr auto kLingerTime = seconds(5);
+constexpr std::size_t kLingerMax = 64 << 20;  // bytes
 constexpr auto kStreamPulse = seconds(10);
 constexpr std::uint32_t kHeaderMax = 16384;                   // bytes
 constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two words to one listener
@@ -172,7 +175,10 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
             plain_error(413, "too_large", fmt::format("a body of up to {} bytes is taken", limit)));
       parser.body_limit(limit);
     }
-    if (early) co_return co_await send(stream, version, false, is_head, *early);
+    if (early) {
+      co_await send(stream, version, false, is_head, *early);
+      co_return co_await linger(stream);
+    }
     if (lower(request.headers["expect"]) == "100-continue") {
       http::response<http::empty_body> go_on(http::status::continue_, version);
       co_await http::async_write(stream, go_on, use_awaitable);
@@ -206,7 +212,21 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
                error.category() != http::make_error_code(http::error::bad_method).category()) {
       co_return false;
     }
-    co_return co_await send(stream, 11, false, false, response);
+    co_await send(stream, 11, false, false, response);
+    co_return co_await linger(stream);
+  }
+
+  // Somebody who is still talking when the line is closed may never see the answer: the system throws it away. So he is
+  // heard for a while, not listened to.
+  template <typename Stream>
+  asio::awaitable<bool> linger(Stream& stream) {
+    boost::system::error_code error;
+    stream.socket().shutdown(asio::socket_base::shutdown_send, error);
+    stream.expires_after(kLingerTime);
+    std::array<char, 16384> waste;
+    for (std::size_t heard = 0; heard < kLingerMax && !error;)
+      heard += co_await stream.async_read_some(asio::buffer(waste), asio::redirect_error(use_awaitable, error));
+    co_return false;
   }
 
   template <typename Message>
@@ -285,10 +305,16 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
 
     struct Line {
       std::deque<std::shared_ptr<const std::string>> waiting;
-      bool is_behind = false, is_asleep = false;
+      bool is_behind = false, is_asleep = false, is_gone = false;
       asio::steady_timer wake;
     };
-    const auto line = std::make_shared<Line>(Line{{}, false, false, asio::steady_timer(io)});
+    const auto line = std::make_shared<Line>(Line{{}, false, false, false, asio::steady_timer(io)});
+    // A listener has nothing more to say: what comes from there is its leave.
+    stream.socket().async_wait(asio::socket_base::wait_read, [line](const boost::system::error_code& error) {
+      if (error) return;
+      line->is_gone = true;
+      line->wake.cancel();
+    });
     const std::uint64_t key = events.add(response.after, [line, job = response.job](const ServiceEvent& event) {
       if (job != 0 && event.job != job) return;
       if (line->waiting.size() >= kStreamBacklog) line->is_behind = true;
@@ -298,7 +324,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     ++counters.streams;
     std::string text = ": multum\nretry: 2000\n\n";
     try {
-      while (!is_closed && !line->is_behind) {
+      while (!is_closed && !line->is_behind && !line->is_gone) {
         while (!line->waiting.empty()) {
           text += *line->waiting.front();
           line->waiting.pop_front();
@@ -312,7 +338,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
           line->wake.expires_after(kStreamPause);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }
-        if (!line->waiting.empty()) continue;
+        if (!line->waiting.empty() || line->is_gone) continue;
         line->is_asleep = true;
         line->wake.expires_after(kStreamPulse);
         co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));

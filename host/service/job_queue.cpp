@@ -414,6 +414,22 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
 bool JobQueue::retry(std::int64_t id, TimeMs now) {
   const std::optional<Job> job = find(id);
   if (!job || (job->state != JobState::kDead && job->state != JobState::kCancelled)) return false;
+  // With those that never ran, for want of this one: they wait for it again.
+  std::vector<std::int64_t> retried = {id};
+  while (!retried.empty()) {
+    const std::int64_t next = retried.back();
+    retried.pop_back();
+    queue_again(next, now);
+    SqliteStatement& dependents = statement(
+        "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
+        "jobs.attempts_counted = 0");
+    dependents.bind(1, next);
+    for (const std::int64_t dependent : ids(dependents)) retried.push_back(dependent);
+  }
+  return true;
+}
+
+void JobQueue::queue_again(std::int64_t id, TimeMs now) {
   SqliteStatement& query = statement(
       "SELECT COUNT(*) FROM needs JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND jobs.state <> 4");
   query.bind(1, id).step();
@@ -429,13 +445,6 @@ bool JobQueue::retry(std::int64_t id, TimeMs now) {
       .bind(4, id)
       .run();
   changed_.insert(id);
-  // Those that never ran, for want of this one, wait for it again.
-  SqliteStatement& dependents = statement(
-      "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
-      "jobs.attempts_counted = 0");
-  dependents.bind(1, id);
-  for (const std::int64_t dependent : ids(dependents)) retry(dependent, now);
-  return true;
 }
 
 std::vector<std::int64_t> JobQueue::retry_dead(const std::string& queue, TimeMs now) {

@@ -132,6 +132,7 @@ class JobQueue {
   void finish(std::int64_t id, JobState state, const std::string& message, TimeMs now);
   void fail_dependents(std::int64_t id, TimeMs now);
   void release_dependents(std::int64_t id);
+  void queue_again(std::int64_t id, TimeMs now);
   void close_attempt(const Job& job, const AttemptResult& result, TimeMs now);
   bool has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const;
   std::optional<Job> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,

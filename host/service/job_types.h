@@ -39,7 +39,7 @@ const std::vector<JobType>& job_types();
 /// Throws Error(kUsage) naming those that there are.
 const JobType& find_job_type(const std::string& name);
 
-/// Up to 1000 bytes without control characters.
+/// Up to 1000 characters of UTF-8, none of them a control character.
 bool is_plain_text(const std::string& text);
 /// A value as messages show it, 60 bytes of it at most.
 std::string shortened(const nlohmann::json& value);

@@ -16,6 +16,7 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, resident_bytes  # noqa: E402
 
 MULTUM = os.environ.get("MULTUM", "multum")
@@ -34,6 +35,7 @@ class ServiceTest(unittest.TestCase):
 
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()
+        self.service.checker = OpenapiCheck(self.service.ask("GET", "/openapi.json")[1])
         return self.service
 
     def output(self, name):
@@ -162,6 +164,30 @@ class ServiceTest(unittest.TestCase):
         overdue = self.drill(30, deadline_s=1)
         self.assertIn("deadline passed while it ran", service.wait_for(overdue)["message"])
 
+    def test_who_waits_misses_no_end_and_outlives_a_restart(self):
+        service = self.start()
+        # Jobs that end while the client asks: it must not wait for what has happened already.
+        for _ in range(20):
+            self.assertIn("succeeded", self.client("submit", "drill", "--wait"))
+        deadline = time.monotonic() + 5  # less than a pulse
+        while service.metric("multum_http_event_streams") > 0:
+            self.assertLess(time.monotonic(), deadline, "listeners who have gone are still told")
+        number = self.drill(20)
+        environment = dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}")
+        with subprocess.Popen([MULTUM, "wait", str(number)], env=environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True) as waiting:
+            deadline = time.monotonic() + 30
+            while service.metric("multum_http_event_streams") != 1:
+                self.assertLess(time.monotonic(), deadline, "nobody waits")
+            service.kill()
+            time.sleep(0.7)
+            service.start(port=service.port)
+            self.client("cancel", str(number))
+            out, err = waiting.communicate(timeout=60)
+        self.assertEqual(waiting.returncode, 1, err)
+        self.assertIn("cancelled", out)
+        self.assertIn("Trying again", err)
+
     def test_queues_limits_and_purge(self):
         service = self.start(QUICK + 'workers = 3\n[[queue]]\nname = "default"\njobs = 1\n[[queue]]\nname = "night"\n')
         jobs = [self.drill(0.3), self.drill(0.3), self.drill(0.3, queue="night")]
@@ -189,6 +215,12 @@ class ServiceTest(unittest.TestCase):
         for state in ("queued", "running", "succeeded"):
             self.assertIn(f'"state":"{state}"', text)
         self.assertIn("event: progress", text)
+        for event in text.split("\n\n"):
+            fields = dict(line.split(": ", 1) for line in event.splitlines() if ": " in line and not line[0] == ":")
+            if "data" in fields and len(fields) == 3:  # the last one may be cut
+                name = {"job": "Job", "progress": "ProgressEvent"}[fields["event"]]
+                self.assertEqual(service.checker.errors({"$ref": f"#/components/schemas/{name}"},
+                                                        json.loads(fields["data"])), [])
         first = int(text.split("id: ")[1].split("\n")[0])
         other = socket.create_connection(("127.0.0.1", service.port))
         other.sendall(f"GET /v1/events HTTP/1.1\r\nHost: localhost\r\nLast-Event-ID: {first}\r\n\r\n".encode())
@@ -318,8 +350,10 @@ class ServiceTest(unittest.TestCase):
         process = subprocess.Popen([MULTUM, "serve", "--data", self.service.data, "--root", self.service.root,
                                     "--listen", "unix:" + path], stderr=subprocess.DEVNULL)
         self.service.process = process
-        deadline = time.monotonic() + 20
-        while not os.path.exists(path) and time.monotonic() < deadline:
+        deadline = time.monotonic() + 60
+        while not os.path.exists(os.path.join(self.service.data, "address")):
+            self.assertIsNone(process.poll(), "the daemon ended")
+            self.assertLess(time.monotonic(), deadline, "the daemon does not listen")
             time.sleep(0.02)
         self.assertEqual(os.stat(path).st_mode & 0o777, 0o600)
         done = subprocess.run([MULTUM, "submit", "drill", "--wait", "--server", "unix:" + path], capture_output=True,
