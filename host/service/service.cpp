@@ -62,12 +62,13 @@ class Service {
         settings_(options.settings),
         lock_(lock()),
         work_(asio::make_work_guard(io_)),
-        ledger_(
-            std::make_unique<QueueThread>(settings_.data + "/jobs.sqlite", settings_.retry,
-                                          [this](std::function<void()> task) { asio::post(io_, std::move(task)); })),
+        ledger_(std::make_unique<QueueThread>(settings_.data + "/jobs.sqlite", settings_.retry,
+                                              [this](std::function<void()> task) {
+                                                asio::post(io_, [this, task = std::move(task)] { turns_.add(task); });
+                                              })),
         dispatcher_(io_, *ledger_, events_, settings_, instance_of(settings_.data), options.worker_command),
         api_(io_, *ledger_, dispatcher_, events_, settings_, read_token(settings_.token_file)),
-        server_(io_, server_settings(), events_),
+        server_(io_, server_settings(), events_, turns_),
         signals_(io_, SIGTERM, SIGINT),
         reload_signal_(io_, SIGHUP),
         watchdog_(io_),
@@ -201,6 +202,7 @@ class Service {
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   EventHub events_;
+  Turns turns_{io_};
   std::unique_ptr<QueueThread> ledger_;
   Dispatcher dispatcher_;
   HttpApi api_;
