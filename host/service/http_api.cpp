@@ -103,6 +103,7 @@ struct HttpApi::State {
     const JobType& type = find_job_type(submission.type);
     if (!type.input.empty()) {
       co_await beside([&] {
+        submission.inputs = input_identity(type, asked.parameters());
         std::vector<std::string> file_hashes;
         for (const std::string& file : input_files(type, asked.parameters()))
           file_hashes.push_back(hashes.hash(roots.input(file)));

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-constexpr std::int64_t kSchemaVersion = 1;
+constexpr std::int64_t kSchemaVersion = 2;
 
 // States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered.
 constexpr const char* kSchema = R"sql(
@@ -27,6 +27,7 @@ CREATE TABLE jobs (
   device TEXT NOT NULL,
   output TEXT NOT NULL,
   key TEXT NOT NULL,
+  inputs TEXT NOT NULL,
   state INTEGER NOT NULL CHECK (state BETWEEN 0 AND 6),
   attempt INTEGER NOT NULL DEFAULT 0,
   attempts_counted INTEGER NOT NULL DEFAULT 0,  -- against attempt_max
@@ -60,11 +61,19 @@ CREATE TABLE attempts (
   exit_code INTEGER,
   message TEXT NOT NULL DEFAULT '',
   PRIMARY KEY (job, number)) WITHOUT ROWID;
-PRAGMA user_version = 1;
+PRAGMA user_version = 2;
+)sql";
+
+// From version 1, of multum 0.1 before its release.
+constexpr const char* kAddInputs = R"sql(
+ALTER TABLE jobs ADD COLUMN inputs TEXT NOT NULL DEFAULT '';
+UPDATE jobs SET key = '';  -- whether inputs are still what they were cannot be known
+PRAGMA user_version = 2;
 )sql";
 
 constexpr const char* kColumns =
-    "id, type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, output, key, state, "
+    "id, type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, output, key, inputs, "
+    "state, "
     "attempt, owner, needs_left, created, not_before, started, finished, exit_code, message, reused_from";
 
 std::string select(const char* rest) { return fmt::format("SELECT {} FROM jobs {}", kColumns, rest); }
@@ -86,9 +95,9 @@ JobQueue::JobQueue(const std::string& path, RetryPolicy policy) : database_(path
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: is of a newer multum: version {} of the database, this one knows {}", path, found,
                             kSchemaVersion));
-  if (found == 0) {
+  if (found < kSchemaVersion) {
     SqliteTransaction transaction(database_);
-    database_.execute(kSchema);
+    database_.execute(found == 0 ? kSchema : kAddInputs);
     transaction.commit();
   }
   if (const std::string damage = database_.damage(); !damage.empty())
@@ -119,6 +128,7 @@ Job JobQueue::job_from_row(const SqliteStatement& row) {
   job.device = row.text(c++);
   job.output = row.text(c++);
   job.key = row.text(c++);
+  job.inputs = row.text(c++);
   job.state = static_cast<JobState>(row.integer(c++));
   job.attempt = static_cast<int>(row.integer(c++));
   job.owner = row.text(c++);
@@ -180,12 +190,12 @@ SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact,
   }
   SqliteStatement& insert = statement(
       "INSERT INTO jobs (type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, "
-      "output, "
-      "key, state, needs_left, created) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      "output, key, inputs, state, needs_left, created) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   insert.bind(1, s.type).bind(2, s.parameters).bind(3, s.queue).bind(4, s.label).bind(5, s.priority);
   insert.bind(6, s.attempt_max).bind(7, s.deadline).bind(8, s.memory_bytes).bind(9, s.device).bind(10, s.output);
-  insert.bind(11, s.key).bind(12, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
-  insert.bind(13, needs_left).bind(14, now).run();
+  insert.bind(11, s.key).bind(12, s.inputs);
+  insert.bind(13, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
+  insert.bind(14, needs_left).bind(15, now).run();
   const std::int64_t id = database_.last_insert_id();
   for (const std::int64_t needed : needs)
     statement("INSERT INTO needs (job, needs) VALUES (?, ?)").bind(1, id).bind(2, needed).run();
@@ -238,7 +248,7 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
   best->started = now;
   statement(
       "UPDATE jobs SET state = 2, owner = ?, attempt = ?, attempts_counted = attempts_counted + 1, started = ?, "
-      "not_before = NULL, message = '', exit_code = NULL WHERE id = ?")
+      "not_before = NULL, message = '', exit_code = NULL, reused_from = NULL WHERE id = ?")
       .bind(1, owner)
       .bind(2, best->attempt)
       .bind(3, now)
@@ -274,6 +284,10 @@ bool JobQueue::begin_publishing(std::int64_t id, const std::string& owner, int a
   statement("UPDATE jobs SET state = 3, result_identity = ? WHERE id = ?").bind(1, identity).bind(2, id).run();
   changed_.insert(id);
   return true;
+}
+
+void JobQueue::forget_key(std::int64_t id) {
+  statement("UPDATE jobs SET key = '', reused_from = NULL WHERE id = ?").bind(1, id).run();
 }
 
 std::string JobQueue::result_identity(std::int64_t id) {

@@ -75,6 +75,8 @@ class JobQueue {
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity);
   /// The result has its name. Queues those that needed it.
   void published(std::int64_t id, TimeMs now);
+  /// What it made is not what its key says: its inputs have changed since it was submitted.
+  void forget_key(std::int64_t id);
   /// As begin_publishing() was told; empty: none was published.
   std::string result_identity(std::int64_t id);
   /// An attempt ended otherwise, or without a result to publish. False: the holder is not the holder any more.

@@ -11,6 +11,7 @@
 #include "host/bake/animation_job.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/service/staging.h"
 
 namespace multum {
 namespace {
@@ -231,6 +232,17 @@ std::vector<std::string> input_files(const JobType& type, const Json& parameters
     files.insert(files.end(), named.begin(), named.end());
   }
   return files;
+}
+
+std::string input_identity(const JobType& type, const Json& parameters) {
+  if (type.input.empty()) return "";
+  Json identities = Json::array();
+  try {
+    for (const std::string& file : input_files(type, parameters)) identities.push_back({file, file_identity(file)});
+  } catch (const Error& unreadable) {
+    identities.push_back(unreadable.what());
+  }
+  return hash_text(identities.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 std::string idempotency_key(const JobType& type, const Json& parameters, const std::vector<std::string>& file_hashes) {

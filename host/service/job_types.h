@@ -57,6 +57,9 @@ std::vector<std::string> job_arguments(const JobType& type, const nlohmann::json
 /// Throws Error(kInput) when such a job cannot be read.
 std::vector<std::string> input_files(const JobType& type, const nlohmann::json& parameters);
 
+/// Changes when any of input_files() is written, replaced or removed; cheap: contents are not read. Empty: no inputs.
+std::string input_identity(const JobType& type, const nlohmann::json& parameters);
+
 /// SHA-256 of the type, the parameters without the names of files, the files' hashes and the version of multum; two
 /// jobs of one key make the same bytes.
 std::string idempotency_key(const JobType& type, const nlohmann::json& parameters,

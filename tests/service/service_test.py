@@ -88,6 +88,28 @@ class ServiceTest(unittest.TestCase):
         with open(self.output("a.ndf.exr"), "rb") as file:
             self.assertEqual(file.read(), data)
 
+    def test_an_input_that_changes_in_the_queue_is_no_earlier_one(self):
+        service = self.start()
+        for name, size in (("q", 32), ("other", 16)):
+            subprocess.run([MULTUM, "testmap", "--size", str(size), self.output(name)], check=True, capture_output=True)
+        source, first = self.output("q_normal.png"), self.output("first.png")
+        shutil.copy(source, first)
+
+        def job(output):
+            return {"type": "bake", "parameters": {"input": source, "lobes": 1}, "output": self.output(output)}
+
+        made = service.wait_for(service.submit(**job("a.ndf.exr")))
+        service.ask("POST", "/v1/queues/default/pause")
+        waiting = service.submit(**job("b.ndf.exr"))
+        shutil.copy(self.output("other_normal.png"), source)
+        service.ask("POST", "/v1/queues/default/resume")
+        self.assertIsNone(service.wait_for(waiting)["reused_from"], "its input is not what it was")
+        self.assertNotEqual(os.path.getsize(self.output("a.ndf.exr")), os.path.getsize(self.output("b.ndf.exr")))
+        # Its key names the first map: whoever has that one does not get what was made of the other.
+        os.replace(first, source)
+        copy = service.wait_for(service.submit(**job("c.ndf.exr")))
+        self.assertEqual(copy["reused_from"], made["id"])
+
     def test_uploads_are_baked_and_downloaded(self):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", os.path.join(service.root, "q")], check=True,
