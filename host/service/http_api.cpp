@@ -38,21 +38,22 @@ using Json = nlohmann::json;
 }  // namespace
 
 struct HttpApi::State {
-  State(asio::io_context& context, QueueThread& queue, Dispatcher& the_dispatcher, EventHub& hub,
+  State(asio::io_context& context, QueueThread& queue, Dispatcher& the_dispatcher, EventHub& hub, DataFolder& the_data,
         const ServiceSettings& the_settings, std::string the_token)
       : io(context),
         ledger(queue),
         dispatcher(the_dispatcher),
         events(hub),
-        settings(the_settings),
+        data(the_data),
         token(std::move(the_token)),
-        roots(roots_of(the_settings)),
+        roots(roots_of(the_settings, the_data)),
+        results(PathRoots({the_data.results()})),
         hashes(2) {}
 
-  static std::vector<std::string> roots_of(const ServiceSettings& settings) {
+  static std::vector<std::string> roots_of(const ServiceSettings& settings, const DataFolder& data) {
     std::vector<std::string> roots = settings.roots;
-    roots.push_back(settings.data + "/uploads");
-    roots.push_back(settings.data + "/results");
+    roots.push_back(data.uploads());
+    roots.push_back(data.results());
     return roots;
   }
 
@@ -101,6 +102,7 @@ struct HttpApi::State {
     SubmitRequest asked = parse_submit(parse_body(request), roots, dispatcher.limits(), wall_clock_ms());
     JobSubmission& submission = asked.job;
     const JobType& type = find_job_type(submission.type);
+    if (results.is_inside(submission.output)) co_await beside([&] { data.check_room(0); });
     if (!type.input.empty()) {
       co_await beside([&] {
         submission.inputs = input_identity(type, asked.parameters());
@@ -245,17 +247,9 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> upload(std::string name, HttpRequest request) {
     check_upload_name(name);
-    std::string path, hash;
-    co_await beside([&] {
-      hash = hash_text(request.body);
-      // By content: the same file twice is one.
-      const std::string folder = settings.data + "/uploads/" + hash.substr(0, 32);
-      make_folder(folder);
-      path = folder + "/" + name;
-      write_text_file(path, request.body);
-    });
-    co_return json_response({{"path", fs::canonical(path).string()}, {"bytes", request.body.size()}, {"sha256", hash}},
-                            201);
+    DataFolder::Upload stored;
+    co_await beside([&] { stored = data.store(name, request.body); });
+    co_return json_response({{"path", stored.path}, {"bytes", request.body.size()}, {"sha256", stored.sha256}}, 201);
   }
 
   asio::awaitable<HttpResponse> queues() {
@@ -324,9 +318,9 @@ struct HttpApi::State {
   QueueThread& ledger;
   Dispatcher& dispatcher;
   EventHub& events;
-  const ServiceSettings& settings;
+  DataFolder& data;
   std::string token;
-  PathRoots roots;
+  PathRoots roots, results;
   FileHashes hashes;
   const HttpServer* server = nullptr;
 };
@@ -446,9 +440,9 @@ bool is_own_origin(const HttpRequest& request, bool has_token) {
 
 }  // namespace
 
-HttpApi::HttpApi(asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events,
+HttpApi::HttpApi(asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
                  const ServiceSettings& settings, std::string token)
-    : state_(std::make_unique<State>(io, ledger, dispatcher, events, settings, std::move(token))) {}
+    : state_(std::make_unique<State>(io, ledger, dispatcher, events, data, settings, std::move(token))) {}
 
 HttpApi::~HttpApi() = default;
 

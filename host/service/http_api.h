@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host/service/data_folder.h"
 #include "host/service/dispatcher.h"
 #include "host/service/file_hashes.h"
 #include "host/service/http_server.h"
@@ -19,7 +20,7 @@ namespace multum {
 
 class HttpApi {
  public:
-  HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events,
+  HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
           const ServiceSettings& settings, std::string token);
   ~HttpApi();
   HttpApi(const HttpApi&) = delete;

@@ -581,6 +581,25 @@ std::vector<std::string> JobQueue::output_folders() {
 
 std::vector<std::int64_t> JobQueue::unfinished() { return ids(statement("SELECT id FROM jobs WHERE state < 4")); }
 
+JobQueue::Uses JobQueue::uses(const std::string& uploads, const std::string& results) {
+  Uses uses;
+  SqliteStatement& all = statement("SELECT id, output FROM jobs");
+  while (all.step()) {
+    uses.ids.insert(all.integer(0));
+    if (std::string output = all.text(1); output.starts_with(results)) uses.outputs.insert(std::move(output));
+  }
+  SqliteStatement& values = statement(
+      "SELECT json_each.value FROM jobs, json_each(jobs.parameters) WHERE jobs.state < 4 AND json_each.type = 'text' "
+      "AND "
+      "substr(json_each.value, 1, length(?1)) = ?1");
+  values.bind(1, uploads);
+  while (values.step()) uses.inputs.insert(values.text(0));
+  SqliteStatement& last = statement("SELECT seq FROM sqlite_sequence WHERE name = 'jobs'");
+  if (last.step()) uses.last_id = last.integer(0);
+  last.reset();
+  return uses;
+}
+
 void JobQueue::forgive_back_offs(TimeMs now) {
   statement("UPDATE jobs SET not_before = ?1 WHERE state = 1 AND not_before > ?1 + ?2")
       .bind(1, now)

@@ -121,6 +121,14 @@ class JobQueue {
   /// Folders that results of jobs lie in or will, each once.
   std::vector<std::string> output_folders();
   std::vector<std::int64_t> unfinished();
+  /// What of the daemon's own folders jobs have a use for.
+  struct Uses {
+    std::set<std::int64_t> ids;     // all jobs
+    std::int64_t last_id = 0;       // that was ever given
+    std::set<std::string> outputs;  // of all jobs, below `results`
+    std::set<std::string> inputs;   // texts in the parameters of unfinished jobs that begin with `uploads`
+  };
+  Uses uses(const std::string& uploads, const std::string& results);
   /// Back-offs that are longer than any can be, since the clock was set back, end now.
   void forgive_back_offs(TimeMs now);
 

@@ -4,6 +4,7 @@
 
   MULTUM=build/release/bin/multum service_test.py [-v] [ServiceTest.test_...]
 """
+import contextlib
 import json
 import os
 import shutil
@@ -128,6 +129,85 @@ class ServiceTest(unittest.TestCase):
         self.refused(404, "nothing of this name", "PUT", "/v1/uploads/..%2Fb.png")
         self.refused(400, "file's name", "PUT", "/v1/uploads/a%20b.png")
         self.refused(400, "file's name", "PUT", "/v1/uploads/.hidden")
+
+    def test_what_clients_leave_is_held_to_a_limit(self):
+        service = self.start(QUICK + 'data_max = "100K"\n')
+
+        def upload(size):
+            with contextlib.closing(service.connection()) as connection:
+                connection.request("PUT", "/v1/uploads/a.bin", os.urandom(size))
+                response = connection.getresponse()
+                return response.status, json.loads(response.read())
+
+        self.assertEqual(upload(70 << 10)[0], 201)
+        status, answer = upload(40 << 10)
+        self.assertEqual((status, answer["error"]["code"]), (507, "quota"))
+        self.assertEqual(upload(20 << 10)[0], 201)
+        results = os.path.join(service.data, "results", "a.txt")
+        with open(os.path.join(service.data, "results", "large"), "wb") as file:
+            file.write(bytes(20 << 10))
+        time.sleep(10.5)  # for so long it is not counted again
+        self.refused(507, "too many", "POST", "/v1/jobs", {"type": "drill", "output": results})
+        service.wait_for(self.drill(output=self.output("a.txt")))
+
+    def test_a_full_disk_loses_nothing(self):
+        os.mkdir(os.path.join(self.folder, "data"))
+        data = os.path.join(self.folder, "data")
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", data], check=False,
+                          capture_output=True).returncode != 0:
+            self.skipTest("no file system can be mounted")
+        try:
+            service = self.start()
+            running = self.drill(3)
+            service.wait_for(running, ["running"])
+            with open(os.path.join(data, "ballast"), "wb") as ballast:
+                try:
+                    for _ in range(64):
+                        ballast.write(bytes(1 << 16))
+                        ballast.flush()
+                except OSError:
+                    pass
+            status = 201
+            for _ in range(2000):  # what room the ledger has of its own
+                status, answer = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"text": "x" * 900}})
+                if status != 201:
+                    break
+            self.assertEqual(status, 503, answer)
+            self.assertIn("full", answer["error"]["message"])
+            self.assertEqual(service.ask("GET", "/v1/jobs")[0], 200, "looking goes on")
+            time.sleep(4)
+            self.assertEqual(service.job(running)["state"], "running", "its end cannot be noted")
+            os.remove(os.path.join(data, "ballast"))
+            self.assertEqual(service.wait_for(running)["state"], "succeeded")
+            self.assertEqual(service.stop(), 0)
+        finally:
+            if self.service.process.poll() is None:
+                self.service.kill()
+            subprocess.run(["umount", data], check=True)
+
+    def test_systemd_is_told(self):
+        path = os.path.join(self.folder, "notify")
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notify:
+            notify.bind(path)
+            notify.settimeout(30)
+            service = self.start(environment={"NOTIFY_SOCKET": path, "WATCHDOG_USEC": "600000"})
+
+            def told(word):
+                deadline = time.monotonic() + 30
+                while time.monotonic() < deadline:
+                    if notify.recv(4096).decode() == word:
+                        return
+                self.fail(f"systemd was not told {word}")
+
+            told("READY=1")
+            told("WATCHDOG=1")
+            told("WATCHDOG=1")
+            service.process.send_signal(signal.SIGHUP)
+            told("RELOADING=1")
+            told("READY=1")
+            service.process.send_signal(signal.SIGTERM)
+            told("STOPPING=1")
+            self.assertEqual(service.process.wait(30), 0)
 
     def test_failures_are_tried_again_and_then_dead(self):
         service = self.start()
