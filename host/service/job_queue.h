@@ -148,7 +148,6 @@ class JobQueue {
   std::optional<Job> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
                                      TimeMs now);
   SqliteStatement& statement(const char* sql);
-  Job job_from_row(const SqliteStatement& row);
   std::vector<std::int64_t> ids(SqliteStatement& query);
 
   /// Of running and publishing jobs, kept beside the database, which has the same.
