@@ -71,8 +71,7 @@ PRAGMA user_version = 2;
 
 constexpr const char* kColumns =
     "id, type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, output, key, inputs, "
-    "state, "
-    "attempt, owner, needs_left, created, not_before, started, finished, exit_code, message, reused_from";
+    "state, attempt, owner, needs_left, created, not_before, started, finished, exit_code, message, reused_from";
 
 }  // namespace
 
