@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A daemon in a folder of its own, and its clients: what the service's tests share. Standard library alone."""
+import atexit
 import http.client
 import json
 import os
@@ -40,6 +41,7 @@ class Service:
                 [self.multum, "serve", "--data", self.data, "--root", self.root, "--listen", f"127.0.0.1:{port}"]
                 + self.options,
                 stdout=log, stderr=log, cwd=self.folder, env=self.environment)
+        atexit.register(self.end, self.process)
         deadline = time.monotonic() + 30
         while wait and time.monotonic() < deadline:
             if os.path.exists(address):
@@ -61,6 +63,13 @@ class Service:
         while words not in self.log_text():
             assert time.monotonic() < deadline, f"the log does not say {words!r}: {self.log_text()[-1000:]}"
             time.sleep(0.02)
+
+    @staticmethod
+    def end(process):
+        """Whatever has become of the test."""
+        if process.poll() is None:
+            process.kill()
+            process.wait()
 
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
