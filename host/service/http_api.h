@@ -11,6 +11,7 @@
 #include "host/service/dispatcher.h"
 #include "host/service/file_hashes.h"
 #include "host/service/http_server.h"
+#include "host/service/job_pictures.h"
 #include "host/service/path_roots.h"
 #include "host/service/service_settings.h"
 
@@ -31,6 +32,7 @@ class HttpApi {
   /// For /metrics.
   void set_server(const HttpServer* server);
   void set_token(std::string token);
+  JobPictures& pictures();
 
   struct State;  // of its handlers
 

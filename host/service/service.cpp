@@ -189,6 +189,7 @@ class Service {
           },
           [this, purged](const std::exception_ptr&) { dispatcher_.remove_logs(*purged); });
     }
+    api_.pictures().sweep(*ledger_);
     sweep_.expires_after(std::chrono::hours(1));
     sweep_.async_wait([this](const boost::system::error_code& error) {
       if (!error) sweep();
