@@ -28,6 +28,7 @@ class Service:
         self.environment = dict(os.environ, MULTUM_CACHE_DIR=os.path.join(folder, "cache"), **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
+        self.listen = "127.0.0.1:0"
         self.port = 0
 
     def start(self, wait=True):
@@ -36,7 +37,7 @@ class Service:
             os.remove(address)
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(
-                [self.multum, "serve", "--data", self.data, "--root", self.root, "--listen", "127.0.0.1:0"]
+                [self.multum, "serve", "--data", self.data, "--root", self.root, "--listen", self.listen]
                 + self.options,
                 stdout=log, stderr=log, cwd=self.folder, env=self.environment)
         deadline = time.monotonic() + 30

@@ -94,7 +94,8 @@ async function act(question, said) {
 }
 
 const setPaused = (name, isPaused) => act(
-  ask("POST", `/v1/queues/${encodeURIComponent(name)}/${isPaused ? "pause" : "resume"}`), () => `Queue ${name} ${isPaused ? "is paused: what runs goes on, nothing is started" : "goes on"}.`);
+  ask("POST", `/v1/queues/${encodeURIComponent(name)}/${isPaused ? "pause" : "resume"}`),
+  () => `Queue ${name} ${isPaused ? "is paused: what runs goes on, nothing is started" : "goes on"}.`);
 
 // ---- Jobs
 
