@@ -145,6 +145,16 @@ class ServiceTest(unittest.TestCase):
         self.assertEqual(service.wait_for(stall)["state"], "cancelled")
         self.assertEqual(os.listdir(service.root), [], "nothing half made is left")
 
+    def test_a_cancelled_job_that_is_retried_runs(self):
+        service = self.start(QUICK + "workers = 1\n")
+        job = self.drill(1)
+        service.wait_for(job, ["running"])
+        self.client("cancel", str(job))
+        service.wait_for(job, ["cancelled"])
+        self.client("retry", str(job))
+        job = service.wait_for(job)
+        self.assertEqual([one["outcome"] for one in job["attempts"]], ["cancelled", "succeeded"], job)
+
     def test_dependencies_deadlines_and_order(self):
         service = self.start(QUICK + "workers = 1\n")
         service.ask("POST", "/v1/queues/default/pause")
