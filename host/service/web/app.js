@@ -35,10 +35,10 @@ function queueCard(queue) {
   return node("li", {},
     node("div", { class: "queue-top" }, node("h3", {}, queue.name),
       queue.paused ? node("span", { class: "paused" }, "paused") : null,
+      limits.length ? node("span", { class: "soft" }, limits.join(", ")) : null,
       node("button", { "data-queue": queue.name, "aria-label": `${verb} queue ${queue.name}`,
         onclick: () => setPaused(queue.name, !queue.paused) }, verb)),
-    node("div", { class: "counts" }, ...counts),
-    node("div", { class: "soft" }, limits.length ? limits.join(", ") : "no limits of its own"));
+    node("div", { class: "counts" }, ...counts));
 }
 
 function showQueues(answer) {
@@ -61,6 +61,9 @@ function showQueues(answer) {
   const sum = (state) => queues.reduce((total, queue) => total + queue.jobs[state], 0);
   byId("retry-dead").hidden = sum("dead") === 0;
   setText(byId("retry-dead"), `Retry all dead (${sum("dead").toLocaleString()})`);
+  const total = STATES.reduce((all, state) => all + sum(state), 0);
+  if (total < showQueues.total) list.loadSoon(0); // some were purged, of which no event tells
+  showQueues.total = total;
   const going = sum("running") + sum("publishing");
   document.title = going ? `(${going}) multum` : "multum";
 }

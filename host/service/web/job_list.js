@@ -16,6 +16,7 @@ class Row {
     this.link = node("a", { href: `#job-${job.id}`, tabindex: -1 }, String(job.id));
     this.badge = badge(job.state);
     this.progress = new ProgressBar();
+    this.note = node("span", { class: "note" });
     this.name = node("span");
     this.where = node("span", { class: "folder" });
     this.attempts = node("td", { role: "cell", class: "number attempts" });
@@ -23,7 +24,7 @@ class Row {
     const cell = (kind, ...children) => node("td", { role: "cell", class: kind }, ...children);
     this.root = node("tr", { role: "row", "data-id": job.id },
       cell("number", this.link), cell("type", job.type), cell("job", this.name, this.where), cell("queue", job.queue),
-      cell("state", node("div", {}, this.badge, this.progress.root)), this.attempts,
+      cell("state", node("div", {}, this.badge, this.progress.root, this.note)), this.attempts,
       cell("number submitted", timeNode(job.created)), this.took);
     this.root.addEventListener("click", (event) => {
       if (event.target !== this.link) list.open(job.id);
@@ -38,9 +39,13 @@ class Row {
     setText(this.name, jobName(job));
     setText(this.where, job.label && job.output ? `  ${outputName(job)}` : "");
     this.name.title = job.output || job.label;
-    setText(this.attempts, `${job.attempt} of ${job.attempt_max}`);
+    setText(this.attempts, String(job.attempt));
     setText(this.took, tookText(job));
     this.progress.show(job);
+    const note = job.state === "dead" ? job.message : job.state === "waiting" ? `for ${job.needs.join(", ")}` : "";
+    setText(this.note, note);
+    this.note.title = note;
+    this.note.hidden = note === "";
   }
 }
 
@@ -56,6 +61,7 @@ export class JobList {
     this.progress = new Map();
     this.chosen = null;
     this.loads = 0;
+    this.sinceLoad = null; // what events tell while a page is on its way: it may be older than they are
     this.searched = 0;
     for (const state of STATES) byId("filter-state").append(node("option", { value: state }, state));
     for (const id of ["filter-state", "filter-queue"]) byId(id).addEventListener("change", () => this.restart());
@@ -95,6 +101,7 @@ export class JobList {
   /** Reads the page again. */
   async load() {
     const number = ++this.loads;
+    const news = this.sinceLoad = new Map();
     const filter = this.filter;
     let jobs = [];
     let hasOlder = false;
@@ -117,14 +124,18 @@ export class JobList {
       }
     } catch (error) {
       if (error.status) notify(error.message, true); // otherwise the line says so
+      if (this.sinceLoad === news) this.sinceLoad = null;
       return;
     }
     this.searched = filter.text ? searched : 0;
     this.hasOlder = jobs.length > PAGE || (hasOlder && jobs.length > 0);
     this.draw(jobs.slice(0, PAGE));
+    this.sinceLoad = null;
+    for (const job of news.values()) this.takeJob(job);
   }
 
   takeJob(job) {
+    this.sinceLoad?.set(job.id, job);
     const known = this.pending.get(job.id) ?? this.rows.get(job.id)?.job;
     this.pending.set(job.id, { ...job, progress: job.state === "running" && known?.attempt === job.attempt
       ? known.progress : null });

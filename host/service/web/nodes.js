@@ -128,11 +128,15 @@ export function confirmed(title, text, yes) {
   setText(byId("confirm-title"), title);
   setText(byId("confirm-text"), text);
   setText(byId("confirm-yes"), yes);
-  byId("confirm-no").onclick = () => dialog.close("");
-  dialog.returnValue = "";
   dialog.showModal();
   byId("confirm-yes").focus();
+  // Not by its event "close", which comes late: it may be that of the question before.
   return new Promise((resolve) => {
-    dialog.addEventListener("close", () => resolve(dialog.returnValue === "yes"), { once: true });
+    dialog.querySelector("form").onsubmit = () => resolve(true);
+    dialog.oncancel = () => resolve(false);
+    byId("confirm-no").onclick = () => {
+      dialog.close();
+      resolve(false);
+    };
   });
 }

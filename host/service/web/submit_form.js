@@ -50,7 +50,8 @@ export class SubmitForm {
       return notify(error.message || "nobody answers", true);
     }
     this.kind = node("select", { id: "submit-type", onchange: () => this.build() },
-      ...this.types.map((type) => node("option", { value: type.name }, `${type.name}: ${type.summary}`)));
+      ...this.types.map((type) => node("option", { value: type.name }, type.name)));
+    this.summary = node("div", { class: "hint" });
     this.queue = node("select", { id: "submit-queue" }, ...queues.map((one) => node("option", { value: one }, one)));
     this.label = node("input", { id: "submit-label", type: "text", maxlength: 1000, autocomplete: "off" });
     this.priority = node("input", { id: "submit-priority", type: "number", min: -1000, max: 1000, step: 1, value: 0 });
@@ -61,7 +62,8 @@ export class SubmitForm {
     this.button = node("button", { class: "primary", type: "submit" }, "Submit");
     const form = node("form", { onsubmit: (event) => this.send(event) },
       node("h2", { id: "submit-title" }, "Submit a job"),
-      node("div", { class: "fields" }, node("label", { for: "submit-type" }, "type"), node("div", {}, this.kind)),
+      node("div", { class: "fields" }, node("label", { for: "submit-type" }, "type"),
+        node("div", {}, this.kind, this.summary)),
       this.fields, this.problem,
       node("div", { class: "actions" },
         node("button", { type: "button", onclick: () => this.dialog.close() }, "Leave it"), this.button));
@@ -81,7 +83,8 @@ export class SubmitForm {
   }
 
   build() {
-    const { parameters: schema, input: inputName } = this.type;
+    const { parameters: schema, input: inputName, summary } = this.type;
+    this.summary.textContent = summary;
     const required = schema.required ?? [];
     this.inputs = {};
     this.isOutputOwn = false;
