@@ -42,7 +42,7 @@ class Row {
     setText(this.attempts, String(job.attempt));
     setText(this.took, tookText(job));
     this.progress.show(job);
-    const note = job.state === "dead" ? job.message : job.state === "waiting" ? `for ${job.needs.join(", ")}` : "";
+    const note = job.state === "dead" ? job.message : "";
     setText(this.note, note);
     this.note.title = note;
     this.note.hidden = note === "";
