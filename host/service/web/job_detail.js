@@ -119,7 +119,7 @@ export class JobDetail {
       one.ended ? durationText(Date.parse(one.ended) - Date.parse(one.started)) : "",
       one.exit_code === null ? "" : String(one.exit_code), one.message]);
     this.attempts.replaceChildren(rows.length
-      ? table(["", "outcome", "started", "took", "exit code", "message"], rows)
+      ? table(["number", "outcome", "started", "took", "exit code", "message"], rows)
       : node("p", { class: "soft" }, `None yet, of ${job.attempt_max} at most.`));
   }
 
@@ -185,7 +185,7 @@ export class JobDetail {
     this.logSize = text.length;
     const start = text.length > LOG_SHOWN ? text.indexOf("\n", text.length - LOG_SHOWN) + 1 : 0;
     setText(this.logNote, start > 0 ? `its last ${bytesText(text.length - start)} of ${bytesText(text.length)}`
-      : text ? "" : "Nothing was printed yet.");
+      : text ? "" : isFinal(this.job.state) ? "Nothing was printed." : "Nothing was printed yet.");
     this.logNote.hidden = this.logNote.textContent === "";
     setText(this.log, text.slice(start));
     this.log.hidden = text === "";
