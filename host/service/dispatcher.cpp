@@ -80,8 +80,8 @@ Dispatcher::Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHu
              settings_.cancel_grace},
             instance_,
             {[this] { pump(); }, [this](std::int64_t id, const JobProgress& progress) { on_progress(id, progress); },
-             [this](std::int64_t id, const std::string& owner, int attempt, int code, const std::string& message) {
-               on_ended(id, owner, attempt, code, message);
+             [this](std::int64_t id, const std::string& owner, int attempt, const WorkResult& result) {
+               on_ended(id, owner, attempt, result);
              }}),
       due_timer_(io),
       drain_timer_(io) {}
@@ -183,12 +183,10 @@ void Dispatcher::end_drain_if_idle() {
 
 // A result that is there already is not made again.
 Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) {
-  Claimed claimed{std::move(job), "", 0, false};
+  Claimed claimed{std::move(job), ""};
   for (const Job& other : queue.succeeded_with_key(claimed.job.key)) {
     if (other.output.empty() || !is_result_intact(queue, other)) continue;
-    claimed.from = other.id;
     claimed.copy_from = other.output;
-    claimed.is_done = other.output == claimed.job.output;
     queue.set_reused_from(claimed.job.id, other.id);
     break;
   }
@@ -199,30 +197,24 @@ void Dispatcher::give_out(const std::vector<Claimed>& claimed) {
   for (const Claimed& one : claimed) {
     running_[one.job.id] = {one.job, Clock::now(), std::nullopt};
     events_.publish("job", one.job.id, job_json(one.job).dump());
-    if (one.is_done) {
-      ++counters_.reused;
-      note_end(one.job.id, one.job.owner, one.job.attempt,
-               {AttemptOutcome::kSucceeded, 0, fmt::format("job {} had made it", one.from)});
-    } else {
-      start_job(one);
-    }
+    start_job(one);
   }
 }
 
 void Dispatcher::start_job(const Claimed& claimed) {
   const Job& job = claimed.job;
-  WorkOrder order{job.id, job.attempt, {}, "", log_path(job.id)};
+  WorkOrder order{job.id, job.attempt, {}, "", log_path(job.id), job.type, job.parameters, job.inputs, "", ""};
   try {
     std::string made;
     if (!job.output.empty()) {
       order.folder = staging_folder(job.output, instance_, job.id);
       made = staged_path(job.output, instance_, job.id);
     }
+    order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), made);
     if (!claimed.copy_from.empty()) {
-      order.arguments = {"copy", claimed.copy_from, made};
+      order.copy_from = claimed.copy_from;
+      order.copy_to = made;
       ++counters_.reused;
-    } else {
-      order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), made);
     }
   } catch (const std::exception& error) {
     return note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kRefused, 2, error.what()});
@@ -240,28 +232,36 @@ void Dispatcher::on_progress(std::int64_t id, const JobProgress& progress) {
 
 // ---- Back
 
-void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt, int code,
-                          const std::string& message) {
+void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result) {
   const auto found = running_.find(id);
   if (found == running_.end()) return;
   const std::optional<AttemptResult>& stop = found->second.stop;
-  if (code == 0 && !found->second.job.output.empty()) return publish_result(id, owner, attempt);
+  const int code = result.exit_code;
+  if (code == 0 && !found->second.job.output.empty())
+    return publish_result(id, owner, attempt, result.have_inputs_changed);
   if (stop && code != 0) return note_end(id, owner, attempt, *stop);
   if (code == 130) return note_end(id, owner, attempt, {AttemptOutcome::kFailed, code, "it was interrupted"});
-  note_end(id, owner, attempt, {outcome_of(code), code, message});
+  note_end(id, owner, attempt, {outcome_of(code), code, result.message});
 }
 
 // First the ledger says that this attempt is the one, and where its result lies; then the result gets its name; then
 // the ledger says that it has. A daemon that dies in between finds out which it was.
-void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int attempt) {
+void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed) {
   const Job job = running_.at(id).job;
   const std::string identity = file_identity(staged_path(job.output, instance_, id));
   if (identity.empty())
     return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "it ended well, but left no result"});
   const auto is_mine = std::make_shared<bool>(false);
   note(
-      id, [=](JobQueue& queue) { *is_mine = queue.begin_publishing(id, owner, attempt, identity); },
+      id,
+      [=](JobQueue& queue) {
+        *is_mine = queue.begin_publishing(id, owner, attempt, identity);
+        if (*is_mine && have_inputs_changed && !job.key.empty()) queue.forget_key(id);
+      },
       [=, this] {
+        if (*is_mine && have_inputs_changed && !job.key.empty())
+          service_log(LogSeverity::kInfo, id,
+                      "its input was changed after it was submitted: other jobs do not take its result");
         if (*is_mine) return finish_publishing(job, identity);
         note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has taken its place"});
       });

@@ -63,8 +63,6 @@ class Dispatcher {
   struct Claimed {
     Job job;
     std::string copy_from;  // a finished result of the same key
-    std::int64_t from = 0;
-    bool is_done = false;  // and it is in place already
   };
   /// What a unit of work in the ledger has changed, and the next jobs that it has claimed on the way.
   struct Outcome {
@@ -84,8 +82,8 @@ class Dispatcher {
   std::vector<std::string> reserve(const std::vector<std::string>& owners);
   void give_out(const std::vector<Claimed>& claimed);
   void start_job(const Claimed& claimed);
-  void on_ended(std::int64_t id, const std::string& owner, int attempt, int exit_code, const std::string& message);
-  void publish_result(std::int64_t id, const std::string& owner, int attempt);
+  void on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result);
+  void publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed);
   void forget_running(std::int64_t id, AttemptOutcome outcome);
   void note_end(std::int64_t id, const std::string& owner, int attempt, AttemptResult result);
   void on_progress(std::int64_t id, const JobProgress& progress);

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happens, to everybody who listens: job changes and progress, each with a number, the last ones kept for those
-// who come back after a broken line.
+// who come back after a broken line. Listeners are served on a thread of the hub's own: however many there are, those
+// who publish and those who ask other things do not wait for them.
 #pragma once
 
+#include <atomic>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 
 namespace multum {
 
@@ -18,37 +23,36 @@ struct ServiceEvent {
   std::shared_ptr<const std::string> text;  // as it goes over the line, one for all who listen
 };
 
-/// On one thread.
 class EventHub {
  public:
   using Listener = std::function<void(const ServiceEvent&)>;
 
-  /// `kind`: "job" or "progress"; `data`: JSON in one line.
-  void publish(const std::string& kind, std::int64_t job, const std::string& data) {
-    ++last_;
-    const ServiceEvent event = {last_, job,
-                                std::make_shared<const std::string>("id: " + std::to_string(last_) +
-                                                                    "\nevent: " + kind + "\ndata: " + data + "\n\n")};
-    kept_.push_back(event);
-    if (kept_.size() > kKept) kept_.pop_front();
-    for (const auto& [key, listener] : listeners_) listener(event);
-  }
-  /// Those after `number` that are still kept, then those to come, until remove().
-  std::uint64_t add(std::uint64_t after, Listener listener) {
-    for (const ServiceEvent& event : kept_)
-      if (event.number > after) listener(event);
-    listeners_[++key_] = std::move(listener);
-    return key_;
-  }
-  void remove(std::uint64_t key) { listeners_.erase(key); }
+  EventHub();
+  /// Ends its thread, whatever runs there.
+  ~EventHub();
+  EventHub(const EventHub&) = delete;
+  EventHub& operator=(const EventHub&) = delete;
+
+  /// On one thread, always the same. `kind`: "job" or "progress"; `data`: JSON in one line.
+  void publish(const std::string& kind, std::int64_t job, const std::string& data);
+  /// The number of the last event published.
   std::uint64_t last() const { return last_; }
-  std::size_t listener_count() const { return listeners_.size(); }
+
+  /// Its thread runs this: what listeners do belongs there, and the calls below too.
+  boost::asio::io_context& io() { return io_; }
+  /// Those after `number` that are still kept, then those to come, until remove().
+  std::uint64_t add(std::uint64_t after, Listener listener);
+  void remove(std::uint64_t key) { listeners_.erase(key); }
 
  private:
   static constexpr std::size_t kKept = 1024;
+  boost::asio::io_context io_{1};
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
   std::deque<ServiceEvent> kept_;
   std::map<std::uint64_t, Listener> listeners_;
-  std::uint64_t last_ = 0, key_ = 0;
+  std::atomic<std::uint64_t> last_ = 0;
+  std::uint64_t key_ = 0;
+  std::thread thread_;
 };
 
 }  // namespace multum

@@ -24,6 +24,7 @@
 #include "host/service/job_request.h"
 #include "host/service/job_types.h"
 #include "host/service/metrics.h"
+#include "host/service/openapi.h"
 #include "host/service/staging.h"
 #include "host/service/web_files.h"
 
@@ -38,22 +39,23 @@ using Json = nlohmann::json;
 }  // namespace
 
 struct HttpApi::State {
-  State(asio::io_context& context, QueueThread& queue, Dispatcher& the_dispatcher, EventHub& hub,
+  State(asio::io_context& context, QueueThread& queue, Dispatcher& the_dispatcher, EventHub& hub, DataFolder& the_data,
         const ServiceSettings& the_settings, std::string the_token)
       : io(context),
         ledger(queue),
         dispatcher(the_dispatcher),
         events(hub),
-        settings(the_settings),
+        data(the_data),
         token(std::move(the_token)),
-        roots(roots_of(the_settings)),
+        roots(roots_of(the_settings, the_data)),
+        results(PathRoots({the_data.results()})),
         hashes(2),
         pictures(context, the_settings.data, roots) {}
 
-  static std::vector<std::string> roots_of(const ServiceSettings& settings) {
+  static std::vector<std::string> roots_of(const ServiceSettings& settings, const DataFolder& data) {
     std::vector<std::string> roots = settings.roots;
-    roots.push_back(settings.data + "/uploads");
-    roots.push_back(settings.data + "/results");
+    roots.push_back(data.uploads());
+    roots.push_back(data.results());
     return roots;
   }
 
@@ -102,8 +104,10 @@ struct HttpApi::State {
     SubmitRequest asked = parse_submit(parse_body(request), roots, dispatcher.limits(), wall_clock_ms());
     JobSubmission& submission = asked.job;
     const JobType& type = find_job_type(submission.type);
+    if (results.is_inside(submission.output)) co_await beside([&] { data.check_room(0); });
     if (!type.input.empty()) {
       co_await beside([&] {
+        submission.inputs = input_identity(type, asked.parameters());
         std::vector<std::string> file_hashes;
         for (const std::string& file : input_files(type, asked.parameters()))
           file_hashes.push_back(hashes.hash(roots.input(file)));
@@ -255,17 +259,9 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> upload(std::string name, HttpRequest request) {
     check_upload_name(name);
-    std::string path, hash;
-    co_await beside([&] {
-      hash = hash_text(request.body);
-      // By content: the same file twice is one.
-      const std::string folder = settings.data + "/uploads/" + hash.substr(0, 32);
-      make_folder(folder);
-      path = folder + "/" + name;
-      write_text_file(path, request.body);
-    });
-    co_return json_response({{"path", fs::canonical(path).string()}, {"bytes", request.body.size()}, {"sha256", hash}},
-                            201);
+    DataFolder::Upload stored;
+    co_await beside([&] { stored = data.store(name, request.body); });
+    co_return json_response({{"path", stored.path}, {"bytes", request.body.size()}, {"sha256", stored.sha256}}, 201);
   }
 
   asio::awaitable<HttpResponse> queues() {
@@ -334,9 +330,9 @@ struct HttpApi::State {
   QueueThread& ledger;
   Dispatcher& dispatcher;
   EventHub& events;
-  const ServiceSettings& settings;
+  DataFolder& data;
   std::string token;
-  PathRoots roots;
+  PathRoots roots, results;
   FileHashes hashes;
   JobPictures pictures;
   const HttpServer* server = nullptr;
@@ -367,6 +363,9 @@ asio::awaitable<HttpResponse> alone(HttpApi::State& state, std::string, HttpRequ
 
 asio::awaitable<HttpResponse> health(HttpApi::State&, std::string, HttpRequest) {
   co_return HttpResponse{200, "text/plain; charset=utf-8", "ok\n"};
+}
+asio::awaitable<HttpResponse> openapi(HttpApi::State&, std::string, HttpRequest) {
+  co_return HttpResponse{200, "application/json", openapi_json()};
 }
 asio::awaitable<HttpResponse> types(HttpApi::State& state, std::string, HttpRequest) { co_return state.types(); }
 asio::awaitable<HttpResponse> pause(HttpApi::State& state, std::string part, HttpRequest) {
@@ -400,11 +399,12 @@ std::vector<Route> with_web_files(std::vector<Route> list) {
   return list;
 }
 
-const std::vector<Route>& routes() {
+const std::vector<Route>& route_table() {
   static const std::vector<Route> list = with_web_files({
       {"GET", {"healthz"}, true, health},
       {"GET", {"readyz"}, true, alone<&State::ready>},
       {"GET", {"metrics"}, false, alone<&State::metrics>},
+      {"GET", {"openapi.json"}, true, openapi},
       {"GET", {"v1", "types"}, false, types},
       {"GET", {"v1", "queues"}, false, alone<&State::queues>},
       {"POST", {"v1", "queues", "{}", "pause"}, false, pause},
@@ -443,7 +443,7 @@ bool matches(const Route& route, const std::vector<std::string>& parts, std::str
 const Route* find_route(const std::string& method, const std::string& path, std::string& part,
                         std::vector<std::string>& others) {
   const std::vector<std::string> parts = split_path(path);
-  for (const Route& route : routes()) {
+  for (const Route& route : route_table()) {
     if (!matches(route, parts, part)) continue;
     if (route.method == method) return &route;
     others.push_back(route.method);
@@ -470,9 +470,9 @@ bool is_own_origin(const HttpRequest& request, bool has_token) {
 
 }  // namespace
 
-HttpApi::HttpApi(asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events,
+HttpApi::HttpApi(asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
                  const ServiceSettings& settings, std::string token)
-    : state_(std::make_unique<State>(io, ledger, dispatcher, events, settings, std::move(token))) {}
+    : state_(std::make_unique<State>(io, ledger, dispatcher, events, data, settings, std::move(token))) {}
 
 HttpApi::~HttpApi() = default;
 
@@ -482,6 +482,14 @@ JobPictures& HttpApi::pictures() { return state_->pictures; }
 
 bool HttpApi::is_upload(const std::string& method, const std::string& path) {
   return method == "PUT" && path.starts_with("/v1/uploads/");
+}
+
+std::vector<std::string> HttpApi::routes() {
+  std::vector<std::string> names;
+  for (const Route& route : route_table())
+    if (route.answer != web_file)  // for people, not for programs
+      names.push_back(fmt::format("{} /{}", route.method, fmt::join(route.parts, "/")));
+  return names;
 }
 
 std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {

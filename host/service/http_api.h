@@ -7,7 +7,9 @@
 #include <boost/asio/io_context.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "host/service/data_folder.h"
 #include "host/service/dispatcher.h"
 #include "host/service/file_hashes.h"
 #include "host/service/http_server.h"
@@ -19,7 +21,7 @@ namespace multum {
 
 class HttpApi {
  public:
-  HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events,
+  HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
           const ServiceSettings& settings, std::string token);
   ~HttpApi();
   HttpApi(const HttpApi&) = delete;
@@ -28,6 +30,8 @@ class HttpApi {
   /// Before a body is read: who may not, and what is not there, is told so.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
+  /// "GET /v1/jobs/{}", of all there are.
+  static std::vector<std::string> routes();
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
   /// For /metrics.
   void set_server(const HttpServer* server);

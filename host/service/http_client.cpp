@@ -31,13 +31,16 @@ http::response<http::string_body> exchange(Socket& socket, const http::request<h
 }
 
 template <typename Socket>
-void read_events(Socket& socket, const http::request<http::string_body>& request,
+void read_events(Socket& socket, const http::request<http::string_body>& request, const std::function<bool()>& opened,
                  const std::function<bool(const std::string&, const Json&)>& take) {
   http::write(socket, request);
   beast::flat_buffer buffer;
   http::response_parser<http::string_body> parser;
   parser.body_limit(boost::none);
   http::read_header(socket, buffer, parser);
+  if (parser.get().result() != http::status::ok)
+    throw Error(ErrorCode::kUsage, fmt::format("the service answered {}", parser.get().result_int()));
+  if (!opened()) return;
   std::string text;
   boost::system::error_code error;
   while (!parser.is_done() && !error) {
@@ -123,23 +126,31 @@ http::request<http::string_body> request_of(const std::string& method, const std
 }  // namespace
 
 Json HttpClient::ask(const std::string& method, const std::string& target, const Json& body) {
+  const std::string answer = exchange_text(method, target, body);
+  Json json = Json::parse(answer, nullptr, false);
+  return json.is_discarded() ? Json(answer) : json;
+}
+
+std::string HttpClient::text(const std::string& target) { return exchange_text("GET", target, nullptr); }
+
+std::string HttpClient::exchange_text(const std::string& method, const std::string& target, const Json& body) {
   http::response<http::string_body> response;
   const auto request = request_of(method, target, unix_path_.empty() ? host_ : "multum", token_, body);
   with_socket(host_, port_, unix_path_, [&](auto& socket) { response = exchange(socket, request); });
-  Json json = Json::parse(response.body(), nullptr, false);
   const unsigned status = response.result_int();
   if (status >= 400) {
+    const Json json = Json::parse(response.body(), nullptr, false);
     const bool has_message = json.is_object() && json.contains("error");
     throw Error(status >= 500 ? ErrorCode::kEnvironment : ErrorCode::kUsage,
                 has_message ? json["error"].value("message", "") : fmt::format("the service answered {}", status));
   }
-  return json.is_discarded() ? Json(response.body()) : json;
+  return response.body();
 }
 
-void HttpClient::listen(const std::string& target,
+void HttpClient::listen(const std::string& target, const std::function<bool()>& opened,
                         const std::function<bool(const std::string& kind, const Json& data)>& take) {
   const auto request = request_of("GET", target, unix_path_.empty() ? host_ : "multum", token_, nullptr);
-  with_socket(host_, port_, unix_path_, [&](auto& socket) { read_events(socket, request, take); });
+  with_socket(host_, port_, unix_path_, [&](auto& socket) { read_events(socket, request, opened, take); });
 }
 
 }  // namespace multum

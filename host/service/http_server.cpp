@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -36,6 +38,8 @@ using std::chrono::seconds;
 constexpr auto kHeaderTime = seconds(10);  // from the first byte that is waited for: also how long a line may idle
 constexpr auto kBodyTime = seconds(60);
 constexpr auto kAnswerTime = seconds(60);  // to take in an answer
+constexpr auto kLingerTime = seconds(5);
+constexpr std::size_t kLingerMax = 64 << 20;  // bytes
 constexpr auto kStreamPulse = seconds(10);
 constexpr std::uint32_t kHeaderMax = 16384;                   // bytes
 constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two words to one listener
@@ -100,8 +104,8 @@ std::string lower(std::string_view text) {
 }  // namespace
 
 struct HttpServer::State : std::enable_shared_from_this<State> {
-  State(asio::io_context& context, Settings the_settings, EventHub& hub)
-      : io(context), settings(std::move(the_settings)), events(hub) {}
+  State(asio::io_context& context, Settings the_settings, EventHub& hub, Turns& the_turns)
+      : io(context), settings(std::move(the_settings)), events(hub), turns(the_turns) {}
 
   template <typename Protocol>
   asio::awaitable<void> accept(std::shared_ptr<asio::basic_socket_acceptor<Protocol>> acceptor) {
@@ -116,7 +120,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         continue;
       }
       ++counters.connections;
-      if (counters.open >= settings.connections_max) {
+      if (counters.open + streams >= settings.connections_max) {
         ++counters.refused_connections;
         continue;  // closes it
       }
@@ -172,7 +176,10 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
             plain_error(413, "too_large", fmt::format("a body of up to {} bytes is taken", limit)));
       parser.body_limit(limit);
     }
-    if (early) co_return co_await send(stream, version, false, is_head, *early);
+    if (early) {
+      co_await send(stream, version, false, is_head, *early);
+      co_return co_await linger(stream);
+    }
     if (lower(request.headers["expect"]) == "100-continue") {
       http::response<http::empty_body> go_on(http::status::continue_, version);
       co_await http::async_write(stream, go_on, use_awaitable);
@@ -187,7 +194,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     if (!settings.is_urgent(request.path)) co_await turn();
     const HttpResponse response = co_await settings.answer(std::move(request));
     if (response.is_stream && !is_head) {
-      co_await send_events(stream, version, response);
+      co_await hand_to_hub(stream, version, response);
       co_return false;
     }
     co_return co_await send(stream, version, keep && !is_closed, is_head, response);
@@ -206,7 +213,21 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
                error.category() != http::make_error_code(http::error::bad_method).category()) {
       co_return false;
     }
-    co_return co_await send(stream, 11, false, false, response);
+    co_await send(stream, 11, false, false, response);
+    co_return co_await linger(stream);
+  }
+
+  // Somebody who is still talking when the line is closed may never see the answer: the system throws it away. So he is
+  // heard for a while, not listened to.
+  template <typename Stream>
+  asio::awaitable<bool> linger(Stream& stream) {
+    boost::system::error_code error;
+    stream.socket().shutdown(asio::socket_base::shutdown_send, error);
+    stream.expires_after(kLingerTime);
+    std::array<char, 16384> waste;
+    for (std::size_t heard = 0; heard < kLingerMax && !error;)
+      heard += co_await stream.async_read_some(asio::buffer(waste), asio::redirect_error(use_awaitable, error));
+    co_return false;
   }
 
   template <typename Message>
@@ -255,25 +276,17 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return keep;
   }
 
-  // One of those who wait is let go at a time, behind whatever else is ready by then: thousands of requests that come
-  // together do not stand between a monitor and its answer.
   asio::awaitable<void> turn() {
     const auto initiate = [this](auto handler) {
       const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-      turns.push_back([shared] { (*shared)(); });
-      if (turns.size() == 1) asio::post(io, [self = this->shared_from_this()] { self->next_turn(); });
+      turns.add([shared] { (*shared)(); });
     };
     co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, use_awaitable);
   }
 
-  void next_turn() {
-    turns.front()();
-    turns.pop_front();
-    if (!turns.empty()) asio::post(io, [self = this->shared_from_this()] { self->next_turn(); });
-  }
-
-  template <typename Stream>
-  asio::awaitable<void> send_events(Stream& stream, unsigned version, HttpResponse response) {
+  // The line changes hands: from here on it is the hub's thread's.
+  template <typename Protocol>
+  asio::awaitable<void> hand_to_hub(beast::basic_stream<Protocol>& stream, unsigned version, HttpResponse response) {
     http::response<http::empty_body> message(http::status::ok, version);
     response.content_type = "text/event-stream";
     response.headers.emplace_back("Cache-Control", "no-store");
@@ -282,23 +295,41 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     http::response_serializer<http::empty_body> serializer(message);
     stream.expires_after(kAnswerTime);
     co_await http::async_write_header(stream, serializer, use_awaitable);
+    typename Protocol::socket socket = stream.release_socket();
+    const Protocol protocol = socket.local_endpoint().protocol();
+    typename Protocol::socket moved(events.io(), protocol, socket.release());
+    ++streams;
+    asio::co_spawn(events.io(),
+                   send_events(beast::basic_stream<Protocol>(std::move(moved)), response.after, response.job,
+                               this->shared_from_this()),
+                   asio::detached);
+  }
 
+  // On the hub's thread.
+  template <typename Protocol>
+  static asio::awaitable<void> send_events(beast::basic_stream<Protocol> stream, std::uint64_t after, std::int64_t job,
+                                           std::shared_ptr<State> self) {
     struct Line {
       std::deque<std::shared_ptr<const std::string>> waiting;
-      bool is_behind = false, is_asleep = false;
+      bool is_behind = false, is_asleep = false, is_gone = false;
       asio::steady_timer wake;
     };
-    const auto line = std::make_shared<Line>(Line{{}, false, false, asio::steady_timer(io)});
-    const std::uint64_t key = events.add(response.after, [line, job = response.job](const ServiceEvent& event) {
+    const auto line = std::make_shared<Line>(Line{{}, false, false, false, asio::steady_timer(self->events.io())});
+    // A listener has nothing more to say: what comes from there is its leave.
+    stream.socket().async_wait(asio::socket_base::wait_read, [line](const boost::system::error_code& error) {
+      if (error) return;
+      line->is_gone = true;
+      line->wake.cancel();
+    });
+    const std::uint64_t key = self->events.add(after, [line, job](const ServiceEvent& event) {
       if (job != 0 && event.job != job) return;
       if (line->waiting.size() >= kStreamBacklog) line->is_behind = true;
       else line->waiting.push_back(event.text);
       if (std::exchange(line->is_asleep, false)) line->wake.cancel();
     });
-    ++counters.streams;
     std::string text = ": multum\nretry: 2000\n\n";
     try {
-      while (!is_closed && !line->is_behind) {
+      while (!self->is_closed && !line->is_behind && !line->is_gone) {
         while (!line->waiting.empty()) {
           text += *line->waiting.front();
           line->waiting.pop_front();
@@ -312,32 +343,32 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
           line->wake.expires_after(kStreamPause);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }
-        if (!line->waiting.empty()) continue;
+        if (!line->waiting.empty() || line->is_gone) continue;
         line->is_asleep = true;
         line->wake.expires_after(kStreamPulse);
         co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         line->is_asleep = false;
         if (!error) text = ": pulse\n\n";  // tells both sides that the line is up
       }
-      if (is_closed) co_await asio::async_write(stream, http::make_chunk_last(), use_awaitable);
     } catch (const boost::system::system_error&) {
     }
-    events.remove(key);
-    --counters.streams;
+    self->events.remove(key);
+    --self->streams;
   }
 
   asio::io_context& io;
   Settings settings;
   EventHub& events;
   Counters counters;
-  std::deque<std::function<void()>> turns;
-  bool is_closed = false;
+  Turns& turns;
+  std::atomic<bool> is_closed = false;
+  std::atomic<int> streams = 0;
   std::vector<std::function<void()>> closers;
   std::string unix_path;
 };
 
-HttpServer::HttpServer(asio::io_context& io, Settings settings, EventHub& events)
-    : state_(std::make_shared<State>(io, std::move(settings), events)) {}
+HttpServer::HttpServer(asio::io_context& io, Settings settings, EventHub& events, Turns& turns)
+    : state_(std::make_shared<State>(io, std::move(settings), events, turns)) {}
 
 HttpServer::~HttpServer() { close(); }
 
@@ -399,6 +430,11 @@ void HttpServer::close() {
   if (!state_->unix_path.empty()) ::unlink(state_->unix_path.c_str());
 }
 
-const HttpServer::Counters& HttpServer::counters() const { return state_->counters; }
+HttpServer::Counters HttpServer::counters() const {
+  Counters counters = state_->counters;
+  counters.streams = state_->streams;
+  counters.open += counters.streams;
+  return counters;
+}
 
 }  // namespace multum

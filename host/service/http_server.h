@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/service/event_hub.h"
+#include "host/service/turns.h"
 
 namespace multum {
 
@@ -54,7 +55,8 @@ class HttpServer {
     int open = 0, streams = 0;
   };
 
-  HttpServer(boost::asio::io_context& io, Settings settings, EventHub& events);
+  /// Requests that are not urgent are answered in `turns`.
+  HttpServer(boost::asio::io_context& io, Settings settings, EventHub& events, Turns& turns);
   ~HttpServer();
 
   /// Throws Error(kEnvironment) when the address is taken or cannot be listened on. Returns the port.
@@ -63,7 +65,7 @@ class HttpServer {
   void listen_unix(const std::string& path);
   /// No new connections; streams end; others after their answer.
   void close();
-  const Counters& counters() const;
+  Counters counters() const;
 
  private:
   struct State;

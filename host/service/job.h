@@ -42,6 +42,7 @@ struct JobSubmission {
   std::string device;               // "" or the device's name in the settings
   std::string output;               // absolute path of the result; "": none
   std::string key;                  // idempotency key; "": none
+  std::string inputs;               // input_identity() of what the key was made of
 };
 
 struct Job : JobSubmission {

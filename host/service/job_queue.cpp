@@ -6,91 +6,17 @@
 #include <algorithm>
 
 #include "host/base/error.h"
+#include "host/service/ledger_schema.h"
 
 namespace multum {
 namespace {
-
-constexpr std::int64_t kSchemaVersion = 1;
-
-// States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered.
-constexpr const char* kSchema = R"sql(
-CREATE TABLE jobs (
-  id INTEGER PRIMARY KEY AUTOINCREMENT,  -- a number is never used again
-  type TEXT NOT NULL,
-  parameters TEXT NOT NULL,
-  queue TEXT NOT NULL,
-  label TEXT NOT NULL,
-  priority INTEGER NOT NULL,
-  attempt_max INTEGER NOT NULL,
-  deadline INTEGER,
-  memory_bytes INTEGER NOT NULL,
-  device TEXT NOT NULL,
-  output TEXT NOT NULL,
-  key TEXT NOT NULL,
-  state INTEGER NOT NULL CHECK (state BETWEEN 0 AND 6),
-  attempt INTEGER NOT NULL DEFAULT 0,
-  attempts_counted INTEGER NOT NULL DEFAULT 0,  -- against attempt_max
-  owner TEXT NOT NULL DEFAULT '',
-  needs_left INTEGER NOT NULL,
-  created INTEGER NOT NULL,
-  not_before INTEGER,
-  started INTEGER,
-  finished INTEGER,
-  exit_code INTEGER,
-  message TEXT NOT NULL DEFAULT '',
-  reused_from INTEGER,
-  result_identity TEXT NOT NULL DEFAULT '');
-CREATE INDEX jobs_next ON jobs (queue, state, priority DESC, id);
-CREATE INDEX jobs_state ON jobs (state, finished);
-CREATE INDEX jobs_key ON jobs (key, id) WHERE key <> '';
-CREATE INDEX jobs_deadline ON jobs (deadline) WHERE deadline IS NOT NULL AND state < 4;
-CREATE INDEX jobs_back_off ON jobs (not_before) WHERE not_before IS NOT NULL AND state = 1;
-CREATE TABLE needs (
-  job INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
-  needs INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
-  PRIMARY KEY (job, needs)) WITHOUT ROWID;
-CREATE INDEX needs_of ON needs (needs);
-CREATE TABLE attempts (
-  job INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
-  number INTEGER NOT NULL,
-  owner TEXT NOT NULL,
-  outcome INTEGER NOT NULL,
-  started INTEGER NOT NULL,
-  ended INTEGER,
-  exit_code INTEGER,
-  message TEXT NOT NULL DEFAULT '',
-  PRIMARY KEY (job, number)) WITHOUT ROWID;
-PRAGMA user_version = 1;
-)sql";
-
-constexpr const char* kColumns =
-    "id, type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, output, key, state, "
-    "attempt, owner, needs_left, created, not_before, started, finished, exit_code, message, reused_from";
-
-std::string select(const char* rest) { return fmt::format("SELECT {} FROM jobs {}", kColumns, rest); }
-
-std::optional<int> to_int(std::optional<std::int64_t> value) {
-  return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
-}
 
 constexpr int number_of(JobState state) { return static_cast<int>(state); }
 
 }  // namespace
 
 JobQueue::JobQueue(const std::string& path, RetryPolicy policy) : database_(path), policy_(policy) {
-  SqliteStatement version(database_, "PRAGMA user_version");
-  version.step();
-  const std::int64_t found = version.integer(0);
-  version.reset();
-  if (found > kSchemaVersion)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: is of a newer multum: version {} of the database, this one knows {}", path, found,
-                            kSchemaVersion));
-  if (found == 0) {
-    SqliteTransaction transaction(database_);
-    database_.execute(kSchema);
-    transaction.commit();
-  }
+  prepare_ledger(database_);
   if (const std::string damage = database_.damage(); !damage.empty())
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: is damaged: {}; docs/SERVICE.md says what can be done", path, damage));
@@ -102,35 +28,6 @@ SqliteStatement& JobQueue::statement(const char* sql) {
   if (!kept) kept = std::make_unique<SqliteStatement>(database_, sql);
   kept->reset();
   return *kept;
-}
-
-Job JobQueue::job_from_row(const SqliteStatement& row) {
-  Job job;
-  int c = 0;
-  job.id = row.integer(c++);
-  job.type = row.text(c++);
-  job.parameters = row.text(c++);
-  job.queue = row.text(c++);
-  job.label = row.text(c++);
-  job.priority = static_cast<int>(row.integer(c++));
-  job.attempt_max = static_cast<int>(row.integer(c++));
-  job.deadline = row.optional_integer(c++);
-  job.memory_bytes = row.integer(c++);
-  job.device = row.text(c++);
-  job.output = row.text(c++);
-  job.key = row.text(c++);
-  job.state = static_cast<JobState>(row.integer(c++));
-  job.attempt = static_cast<int>(row.integer(c++));
-  job.owner = row.text(c++);
-  job.needs_left = static_cast<int>(row.integer(c++));
-  job.created = row.integer(c++);
-  job.not_before = row.optional_integer(c++);
-  job.started = row.optional_integer(c++);
-  job.finished = row.optional_integer(c++);
-  job.exit_code = to_int(row.optional_integer(c++));
-  job.message = row.text(c++);
-  job.reused_from = row.optional_integer(c++);
-  return job;
 }
 
 std::vector<std::int64_t> JobQueue::ids(SqliteStatement& query) {
@@ -150,7 +47,7 @@ void JobQueue::resync() {
   queue_use_.clear();
   device_use_.clear();
   use_ = Use{};
-  static const std::string sql = select("WHERE state IN (2, 3)");
+  static const std::string sql = select_jobs("WHERE state IN (2, 3)");
   SqliteStatement& query = statement(sql.c_str());
   while (query.step()) count_use(job_from_row(query), 1);
 }
@@ -160,7 +57,7 @@ void JobQueue::resync() {
 SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact, TimeMs now) {
   if (!s.key.empty()) {
     static const std::string sql =
-        select("WHERE key = ? AND output = ? AND state < 5 AND key <> '' ORDER BY id DESC LIMIT 1");
+        select_jobs("WHERE key = ? AND output = ? AND state < 5 AND key <> '' ORDER BY id DESC LIMIT 1");
     SqliteStatement& same = statement(sql.c_str());
     same.bind(1, s.key).bind(2, s.output);
     if (same.step()) {
@@ -180,12 +77,12 @@ SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact,
   }
   SqliteStatement& insert = statement(
       "INSERT INTO jobs (type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, "
-      "output, "
-      "key, state, needs_left, created) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      "output, key, inputs, state, needs_left, created) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   insert.bind(1, s.type).bind(2, s.parameters).bind(3, s.queue).bind(4, s.label).bind(5, s.priority);
   insert.bind(6, s.attempt_max).bind(7, s.deadline).bind(8, s.memory_bytes).bind(9, s.device).bind(10, s.output);
-  insert.bind(11, s.key).bind(12, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
-  insert.bind(13, needs_left).bind(14, now).run();
+  insert.bind(11, s.key).bind(12, s.inputs);
+  insert.bind(13, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
+  insert.bind(14, needs_left).bind(15, now).run();
   const std::int64_t id = database_.last_insert_id();
   for (const std::int64_t needed : needs)
     statement("INSERT INTO needs (job, needs) VALUES (?, ?)").bind(1, id).bind(2, needed).run();
@@ -199,8 +96,8 @@ std::optional<Job> JobQueue::first_candidate(const std::string& queue, const Que
                                              const ClaimLimits& all, TimeMs now) {
   const Use& used = queue_use_[queue];
   if (limits.is_paused || used.jobs >= limits.jobs_max) return std::nullopt;
-  static const std::string sql =
-      select("WHERE queue = ? AND state = 1 AND (not_before IS NULL OR not_before <= ?) ORDER BY priority DESC, id");
+  static const std::string sql = select_jobs(
+      "WHERE queue = ? AND state = 1 AND (not_before IS NULL OR not_before <= ?) ORDER BY priority DESC, id");
   SqliteStatement& query = statement(sql.c_str());
   query.bind(1, queue).bind(2, now);
   std::optional<Job> found;
@@ -238,7 +135,7 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
   best->started = now;
   statement(
       "UPDATE jobs SET state = 2, owner = ?, attempt = ?, attempts_counted = attempts_counted + 1, started = ?, "
-      "not_before = NULL, message = '', exit_code = NULL WHERE id = ?")
+      "not_before = NULL, message = '', exit_code = NULL, reused_from = NULL WHERE id = ?")
       .bind(1, owner)
       .bind(2, best->attempt)
       .bind(3, now)
@@ -274,6 +171,10 @@ bool JobQueue::begin_publishing(std::int64_t id, const std::string& owner, int a
   statement("UPDATE jobs SET state = 3, result_identity = ? WHERE id = ?").bind(1, identity).bind(2, id).run();
   changed_.insert(id);
   return true;
+}
+
+void JobQueue::forget_key(std::int64_t id) {
+  statement("UPDATE jobs SET key = '', reused_from = NULL WHERE id = ?").bind(1, id).run();
 }
 
 std::string JobQueue::result_identity(std::int64_t id) {
@@ -414,6 +315,22 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
 bool JobQueue::retry(std::int64_t id, TimeMs now) {
   const std::optional<Job> job = find(id);
   if (!job || (job->state != JobState::kDead && job->state != JobState::kCancelled)) return false;
+  // With those that never ran, for want of this one: they wait for it again.
+  std::vector<std::int64_t> retried = {id};
+  while (!retried.empty()) {
+    const std::int64_t next = retried.back();
+    retried.pop_back();
+    queue_again(next, now);
+    SqliteStatement& dependents = statement(
+        "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
+        "jobs.attempts_counted = 0");
+    dependents.bind(1, next);
+    for (const std::int64_t dependent : ids(dependents)) retried.push_back(dependent);
+  }
+  return true;
+}
+
+void JobQueue::queue_again(std::int64_t id, TimeMs now) {
   SqliteStatement& query = statement(
       "SELECT COUNT(*) FROM needs JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND jobs.state <> 4");
   query.bind(1, id).step();
@@ -429,13 +346,6 @@ bool JobQueue::retry(std::int64_t id, TimeMs now) {
       .bind(4, id)
       .run();
   changed_.insert(id);
-  // Those that never ran, for want of this one, wait for it again.
-  SqliteStatement& dependents = statement(
-      "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
-      "jobs.attempts_counted = 0");
-  dependents.bind(1, id);
-  for (const std::int64_t dependent : ids(dependents)) retry(dependent, now);
-  return true;
 }
 
 std::vector<std::int64_t> JobQueue::retry_dead(const std::string& queue, TimeMs now) {
@@ -492,7 +402,7 @@ std::vector<std::int64_t> JobQueue::purge_finished_before(TimeMs time, int limit
 // ---- Looking
 
 std::optional<Job> JobQueue::find(std::int64_t id) {
-  static const std::string sql = select("WHERE id = ?");
+  static const std::string sql = select_jobs("WHERE id = ?");
   SqliteStatement& query = statement(sql.c_str());
   query.bind(1, id);
   if (!query.step()) return std::nullopt;
@@ -505,7 +415,7 @@ std::optional<Job> JobQueue::find(std::int64_t id) {
 }
 
 std::vector<Job> JobQueue::list(const JobFilter& filter) {
-  static const std::string sql = select(
+  static const std::string sql = select_jobs(
       "WHERE (?1 IS NULL OR state = ?1) AND (?2 = '' OR queue = ?2) AND (?3 IS NULL OR id < ?3) ORDER BY id DESC LIMIT "
       "?4");
   SqliteStatement& query = statement(sql.c_str());
@@ -524,7 +434,7 @@ std::vector<JobAttempt> JobQueue::attempts(std::int64_t id) {
   while (query.step())
     attempts.push_back({static_cast<int>(query.integer(0)), query.text(1),
                         static_cast<AttemptOutcome>(query.integer(2)), query.integer(3), query.optional_integer(4),
-                        to_int(query.optional_integer(5)), query.text(6)});
+                        query.optional_int(5), query.text(6)});
   return attempts;
 }
 
@@ -536,7 +446,7 @@ std::map<std::string, std::map<JobState, std::int64_t>> JobQueue::counts() {
 }
 
 std::vector<Job> JobQueue::succeeded_with_key(const std::string& key) {
-  static const std::string sql = select("WHERE key = ? AND key <> '' AND state = 4 ORDER BY id DESC LIMIT 10");
+  static const std::string sql = select_jobs("WHERE key = ? AND key <> '' AND state = 4 ORDER BY id DESC LIMIT 10");
   SqliteStatement& query = statement(sql.c_str());
   query.bind(1, key);
   std::vector<Job> jobs;
@@ -557,6 +467,25 @@ std::vector<std::string> JobQueue::output_folders() {
 }
 
 std::vector<std::int64_t> JobQueue::unfinished() { return ids(statement("SELECT id FROM jobs WHERE state < 4")); }
+
+JobQueue::Uses JobQueue::uses(const std::string& uploads, const std::string& results) {
+  Uses uses;
+  SqliteStatement& all = statement("SELECT id, output FROM jobs");
+  while (all.step()) {
+    uses.ids.insert(all.integer(0));
+    if (std::string output = all.text(1); output.starts_with(results)) uses.outputs.insert(std::move(output));
+  }
+  SqliteStatement& values = statement(
+      "SELECT json_each.value FROM jobs, json_each(jobs.parameters) WHERE jobs.state < 4 AND json_each.type = 'text' "
+      "AND "
+      "substr(json_each.value, 1, length(?1)) = ?1");
+  values.bind(1, uploads);
+  while (values.step()) uses.inputs.insert(values.text(0));
+  SqliteStatement& last = statement("SELECT seq FROM sqlite_sequence WHERE name = 'jobs'");
+  if (last.step()) uses.last_id = last.integer(0);
+  last.reset();
+  return uses;
+}
 
 void JobQueue::forgive_back_offs(TimeMs now) {
   statement("UPDATE jobs SET not_before = ?1 WHERE state = 1 AND not_before > ?1 + ?2")

@@ -75,6 +75,8 @@ class JobQueue {
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity);
   /// The result has its name. Queues those that needed it.
   void published(std::int64_t id, TimeMs now);
+  /// What it made is not what its key says: its inputs have changed since it was submitted.
+  void forget_key(std::int64_t id);
   /// As begin_publishing() was told; empty: none was published.
   std::string result_identity(std::int64_t id);
   /// An attempt ended otherwise, or without a result to publish. False: the holder is not the holder any more.
@@ -119,6 +121,14 @@ class JobQueue {
   /// Folders that results of jobs lie in or will, each once.
   std::vector<std::string> output_folders();
   std::vector<std::int64_t> unfinished();
+  /// What of the daemon's own folders jobs have a use for.
+  struct Uses {
+    std::set<std::int64_t> ids;     // all jobs
+    std::int64_t last_id = 0;       // that was ever given
+    std::set<std::string> outputs;  // of all jobs, below `results`
+    std::set<std::string> inputs;   // texts in the parameters of unfinished jobs that begin with `uploads`
+  };
+  Uses uses(const std::string& uploads, const std::string& results);
   /// Back-offs that are longer than any can be, since the clock was set back, end now.
   void forgive_back_offs(TimeMs now);
 
@@ -132,12 +142,12 @@ class JobQueue {
   void finish(std::int64_t id, JobState state, const std::string& message, TimeMs now);
   void fail_dependents(std::int64_t id, TimeMs now);
   void release_dependents(std::int64_t id);
+  void queue_again(std::int64_t id, TimeMs now);
   void close_attempt(const Job& job, const AttemptResult& result, TimeMs now);
   bool has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const;
   std::optional<Job> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
                                      TimeMs now);
   SqliteStatement& statement(const char* sql);
-  Job job_from_row(const SqliteStatement& row);
   std::vector<std::int64_t> ids(SqliteStatement& query);
 
   /// Of running and publishing jobs, kept beside the database, which has the same.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/service/http_reply.h"
@@ -49,6 +50,16 @@ bool is_id_list(const Json& value) {
          std::all_of(value.begin(), value.end(), whole_between(1, INT64_MAX));
 }
 
+// 4.0 is a whole number in JSON Schema.
+void make_whole(Json& json) {
+  if (json.is_number_float()) {
+    const double value = json.get<double>();
+    if (std::abs(value) <= 9007199254740992.0 && value == std::floor(value)) json = static_cast<std::int64_t>(value);
+  } else if (json.is_structured()) {
+    for (Json& child : json) make_whole(child);
+  }
+}
+
 }  // namespace
 
 std::optional<std::int64_t> parse_whole(const std::string& text) {
@@ -79,6 +90,7 @@ Json parse_body(const HttpRequest& request) {
   }
   Json json = deepest <= 64 ? Json::parse(request.body, nullptr, false) : Json(Json::value_t::discarded);
   if (json.is_discarded()) throw Refusal{400, "usage", "the body is no JSON"};
+  make_whole(json);
   return json;
 }
 
@@ -92,6 +104,7 @@ SubmitRequest parse_submit(const Json& json, const PathRoots& roots, const Claim
   SubmitRequest request;
   JobSubmission& s = request.job;
   const auto is_text = [](const Json& value) { return is_plain(value); };
+  if (!json.contains("type")) throw Refusal{400, "usage", "type is missing"};
   s.type = value_of<std::string>(json, "type", "", is_text, "a text");
   const JobType& type = find_job_type(s.type);
   Json parameters = json.value("parameters", Json::object());
@@ -112,7 +125,7 @@ SubmitRequest parse_submit(const Json& json, const PathRoots& roots, const Claim
     for (const auto& [name, of_queue] : limits.queues) names.push_back(name);
     throw Refusal{400, "usage", fmt::format("queue is \"{}\", expected one of {}", s.queue, fmt::join(names, ", "))};
   }
-  s.label = value_of<std::string>(json, "label", "", is_text, "a text of up to 1000 bytes");
+  s.label = value_of<std::string>(json, "label", "", is_text, "a text of up to 1000 characters");
   s.priority = value_of<int>(json, "priority", 0, whole_between(-1000, 1000), "a whole number from -1000 to 1000");
   s.needs = value_of<std::vector<std::int64_t>>(json, "needs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
   s.attempt_max = value_of<int>(json, "attempt_max", 5, whole_between(1, 100), "a whole number from 1 to 100");

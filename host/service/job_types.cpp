@@ -11,6 +11,7 @@
 #include "host/bake/animation_job.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/service/staging.h"
 
 namespace multum {
 namespace {
@@ -19,6 +20,7 @@ using Json = nlohmann::json;
 using Kind = ParameterKind;
 
 constexpr std::int64_t kMiB = 1 << 20;
+constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f]*$";  // what is_plain_text() takes
 
 JobType bake_type() {
   return {"bake",
@@ -104,7 +106,7 @@ std::string expected_text(const JobParameter& parameter) {
     case Kind::kWhole: return fmt::format("a whole number from {:.0f} to {:.0f}", parameter.least, parameter.most);
     case Kind::kNumber: return fmt::format("a number from {:g} to {:g}", parameter.least, parameter.most);
     case Kind::kChoice: return fmt::format("one of {}", fmt::join(parameter.choices, ", "));
-    case Kind::kText: return "a text of up to 1000 bytes without control characters";
+    case Kind::kText: return "a text of up to 1000 characters without control characters";
     case Kind::kInputFile: return "a file's path";
   }
   return "";
@@ -132,9 +134,10 @@ bool is_accepted(const JobParameter& parameter, const Json& value) {
 }  // namespace
 
 bool is_plain_text(const std::string& text) {
-  return text.size() <= 1000 && std::none_of(text.begin(), text.end(), [](char c) {
-           return static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) == 127;
-         });
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+  const auto begins_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };  // UTF-8
+  return std::count_if(text.begin(), text.end(), begins_character) <= 1000 &&
+         std::none_of(text.begin(), text.end(), is_control);
 }
 
 std::string shortened(const Json& value) {
@@ -186,8 +189,10 @@ Json parameters_schema(const JobType& type) {
         one.update({{"type", "number"}, {"minimum", parameter.least}, {"maximum", parameter.most}});
         break;
       case Kind::kChoice: one.update({{"type", "string"}, {"enum", parameter.choices}}); break;
-      case Kind::kText: one.update({{"type", "string"}, {"maxLength", 1000}}); break;
-      case Kind::kInputFile: one.update({{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}}); break;
+      case Kind::kText: one.update({{"type", "string"}, {"maxLength", 1000}, {"pattern", kPlainPattern}}); break;
+      case Kind::kInputFile:
+        one.update({{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}, {"pattern", "^[^\\u0000]*$"}});
+        break;
     }
     properties[parameter.name] = one;
   }
@@ -227,6 +232,17 @@ std::vector<std::string> input_files(const JobType& type, const Json& parameters
     files.insert(files.end(), named.begin(), named.end());
   }
   return files;
+}
+
+std::string input_identity(const JobType& type, const Json& parameters) {
+  if (type.input.empty()) return "";
+  Json identities = Json::array();
+  try {
+    for (const std::string& file : input_files(type, parameters)) identities.push_back({file, file_identity(file)});
+  } catch (const Error& unreadable) {
+    identities.push_back(unreadable.what());
+  }
+  return hash_text(identities.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 std::string idempotency_key(const JobType& type, const Json& parameters, const std::vector<std::string>& file_hashes) {

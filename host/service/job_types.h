@@ -39,7 +39,7 @@ const std::vector<JobType>& job_types();
 /// Throws Error(kUsage) naming those that there are.
 const JobType& find_job_type(const std::string& name);
 
-/// Up to 1000 bytes without control characters.
+/// Up to 1000 characters of UTF-8, none of them a control character.
 bool is_plain_text(const std::string& text);
 /// A value as messages show it, 60 bytes of it at most.
 std::string shortened(const nlohmann::json& value);
@@ -56,6 +56,9 @@ std::vector<std::string> job_arguments(const JobType& type, const nlohmann::json
 /// Every file whose content decides the result: the parameters' own, and those that a job of inference names.
 /// Throws Error(kInput) when such a job cannot be read.
 std::vector<std::string> input_files(const JobType& type, const nlohmann::json& parameters);
+
+/// Changes when any of input_files() is written, replaced or removed; cheap: contents are not read. Empty: no inputs.
+std::string input_identity(const JobType& type, const nlohmann::json& parameters);
 
 /// SHA-256 of the type, the parameters without the names of files, the files' hashes and the version of multum; two
 /// jobs of one key make the same bytes.

@@ -17,11 +17,11 @@ class PathRoots {
   std::string input(const std::string& path) const;
   /// The same of a result to be: its folder must be there, and it may be a file, a folder, or not there; no link.
   std::string output(const std::string& path) const;
+  bool is_inside(const std::string& canonical) const;
   const std::vector<std::string>& roots() const { return roots_; }
 
  private:
   [[noreturn]] void refuse(const std::string& path) const;
-  bool is_inside(const std::string& canonical) const;
   std::vector<std::string> roots_;
 };
 

@@ -61,13 +61,15 @@ class Service {
       : options_(options),
         settings_(options.settings),
         lock_(lock()),
+        data_(settings_.data, settings_.data_max),
         work_(asio::make_work_guard(io_)),
-        ledger_(
-            std::make_unique<QueueThread>(settings_.data + "/jobs.sqlite", settings_.retry,
-                                          [this](std::function<void()> task) { asio::post(io_, std::move(task)); })),
+        ledger_(std::make_unique<QueueThread>(settings_.data + "/jobs.sqlite", settings_.retry,
+                                              [this](std::function<void()> task) {
+                                                asio::post(io_, [this, task = std::move(task)] { turns_.add(task); });
+                                              })),
         dispatcher_(io_, *ledger_, events_, settings_, instance_of(settings_.data), options.worker_command),
-        api_(io_, *ledger_, dispatcher_, events_, settings_, read_token(settings_.token_file)),
-        server_(io_, server_settings(), events_),
+        api_(io_, *ledger_, dispatcher_, events_, data_, settings_, read_token(settings_.token_file)),
+        server_(io_, server_settings(), events_, turns_),
         signals_(io_, SIGTERM, SIGINT),
         reload_signal_(io_, SIGHUP),
         watchdog_(io_),
@@ -94,7 +96,6 @@ class Service {
   std::unique_ptr<FolderLock> lock() const {
     std::unique_ptr<FolderLock> lock = FolderLock::take(settings_.data);
     if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is at work there");
-    for (const char* folder : {"/logs", "/uploads", "/results"}) make_folder(settings_.data + folder);
     return lock;
   }
 
@@ -155,6 +156,7 @@ class Service {
         api_.set_token(read_token(settings.token_file));
         dispatcher_.reload(settings);
         service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
+        sweep();
       } catch (const Error& wrong) {
         service_log(LogSeverity::kError, 0, std::string("settings are kept as they were: ") + wrong.what());
       }
@@ -190,6 +192,8 @@ class Service {
           [this, purged](const std::exception_ptr&) { dispatcher_.remove_logs(*purged); });
     }
     api_.pictures().sweep(*ledger_);
+    constexpr int kForEver = 1000000;  // days
+    data_.sweep(*ledger_, std::chrono::hours(24) * (settings_.upload_days > 0 ? settings_.upload_days : kForEver));
     sweep_.expires_after(std::chrono::hours(1));
     sweep_.async_wait([this](const boost::system::error_code& error) {
       if (!error) sweep();
@@ -199,9 +203,11 @@ class Service {
   const ServiceOptions& options_;
   ServiceSettings settings_;
   std::unique_ptr<FolderLock> lock_;
+  DataFolder data_;
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   EventHub events_;
+  Turns turns_{io_};
   std::unique_ptr<QueueThread> ledger_;
   Dispatcher dispatcher_;
   HttpApi api_;

@@ -13,23 +13,11 @@
 namespace multum {
 namespace {
 
-const std::vector<std::string> kKeys = {"listen",
-                                        "token_file",
-                                        "roots",
-                                        "workers",
-                                        "threads_a_worker",
-                                        "memory_max",
-                                        "lease_s",
-                                        "no_progress_s",
-                                        "cancel_grace_s",
-                                        "shutdown_grace_s",
-                                        "back_off_first_s",
-                                        "back_off_max_s",
-                                        "upload_max",
-                                        "retention_days",
-                                        "connections_max",
-                                        "queue",
-                                        "device"};
+const std::vector<std::string> kKeys = {
+    "listen",           "token_file",      "roots",         "workers",        "threads_a_worker",
+    "memory_max",       "lease_s",         "no_progress_s", "cancel_grace_s", "shutdown_grace_s",
+    "back_off_first_s", "back_off_max_s",  "upload_max",    "retention_days", "data_max",
+    "upload_days",      "connections_max", "queue",         "device"};
 
 // "800M", "2G": as --memory takes it.
 std::optional<std::int64_t> parse_bytes(const std::string& text) {
@@ -107,6 +95,8 @@ void read_service_settings(const std::string& path, ServiceSettings& s) {
   s.retry.back_off_max = seconds(root, "back_off_max_s", std::chrono::milliseconds(s.retry.back_off_max), 0.0).count();
   s.upload_bytes_max = static_cast<int>(std::min<std::int64_t>(bytes(root, "upload_max", s.upload_bytes_max), 1 << 30));
   s.retention_days = root.whole("retention_days", 0, 100000, s.retention_days);
+  s.data_max = bytes(root, "data_max", s.data_max);
+  s.upload_days = root.whole("upload_days", 0, 100000, s.upload_days);
   s.connections_max = root.whole("connections_max", 8, 65536, s.connections_max);
   read_queues(root, path, s);
   read_devices(root, path, s);

@@ -27,7 +27,9 @@ struct ServiceSettings {
   std::chrono::milliseconds cancel_grace{10000};
   std::chrono::milliseconds shutdown_grace{30000};  // of running jobs, when asked to end; then they are handed back
   int upload_bytes_max = 64 << 20;
-  int retention_days = 30;  // of finished jobs, with their logs; 0: for ever
+  int retention_days = 30;                         // of finished jobs, with their logs; 0: for ever
+  std::int64_t data_max = std::int64_t{20} << 30;  // bytes of uploads, results and logs in `data`; 0: any
+  int upload_days = 7;                             // of uploads that no job waits for; 0: for ever
   int connections_max = 4096;
 };
 

@@ -58,6 +58,11 @@ std::optional<std::int64_t> SqliteStatement::optional_integer(int column) const 
   return integer(column);
 }
 
+std::optional<int> SqliteStatement::optional_int(int column) const {
+  const std::optional<std::int64_t> value = optional_integer(column);
+  return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
+}
+
 std::string SqliteStatement::text(int column) const {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
   return text == nullptr ? std::string()

@@ -40,6 +40,7 @@ class SqliteStatement {
   /// Columns from 0, of the row that step() has reached.
   std::int64_t integer(int column) const;
   std::optional<std::int64_t> optional_integer(int column) const;
+  std::optional<int> optional_int(int column) const;
   std::string text(int column) const;
 
  private:

@@ -21,6 +21,7 @@
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
 #include "host/service/drill.h"
+#include "host/service/job_types.h"
 #include "host/service/result_copy.h"
 
 namespace multum {
@@ -144,11 +145,20 @@ class Worker {
     };
     int code = 4;
     std::string message;
+    bool have_inputs_changed = true;
     try {
       const LogRedirection log(command.at("log").get<std::string>());
       const auto arguments = command.at("arguments").get<std::vector<std::string>>();
       if (const auto folder = command.at("folder").get<std::string>(); !folder.empty()) make_folder(folder);
-      code = run_arguments(arguments, callback);
+      have_inputs_changed = !has_inputs(command);
+      const auto copy_from = command.at("copy_from").get<std::string>();
+      if (copy_from.empty() || have_inputs_changed) {
+        code = run_arguments(arguments, callback);
+      } else {
+        copy_result(copy_from, command.at("copy_to").get<std::string>());
+        code = 0;
+      }
+      have_inputs_changed = have_inputs_changed || !has_inputs(command);
     } catch (const Cancelled&) {
       code = 130;
     } catch (const Error& error) {
@@ -157,7 +167,17 @@ class Worker {
     } catch (const std::exception& error) {
       message = error.what();
     }
-    send({{"ended", id}, {"attempt", command.at("attempt")}, {"exit_code", code}, {"message", message}});
+    send({{"ended", id},
+          {"attempt", command.at("attempt")},
+          {"exit_code", code},
+          {"message", message},
+          {"inputs_changed", have_inputs_changed}});
+  }
+
+  // As they were when the job was submitted.
+  static bool has_inputs(const Json& command) {
+    const JobType& type = find_job_type(command.at("type").get<std::string>());
+    return input_identity(type, Json::parse(command.at("parameters").get<std::string>())) == command.at("inputs");
   }
 
   int run_arguments(const std::vector<std::string>& arguments, const Progress::Callback& callback) {
@@ -165,9 +185,7 @@ class Worker {
       Progress progress(callback);
       return run_drill(arguments, progress, is_deaf_);
     }
-    if (arguments.front() != "copy") return run_(arguments, callback);
-    copy_result(arguments.at(1), arguments.at(2));
-    return 0;
+    return run_(arguments, callback);
   }
 
   int socket_;

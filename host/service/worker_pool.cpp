@@ -157,7 +157,8 @@ void WorkerPool::take_lines(Worker& worker) {
         worker.is_ending = true;
         send(workers_.at(worker.owner), R"({"end":true})");
       }
-      events_.ended(job, worker.owner, worker.attempt, said.value("exit_code", 4), said.value("message", ""));
+      events_.ended(job, worker.owner, worker.attempt,
+                    {said.value("exit_code", 4), said.value("message", ""), said.value("inputs_changed", false)});
       events_.ready();
     }
   }
@@ -202,7 +203,12 @@ bool WorkerPool::order(const std::string& owner, const WorkOrder& work) {
                         {"attempt", work.attempt},
                         {"arguments", work.arguments},
                         {"folder", work.folder},
-                        {"log", work.log}};
+                        {"log", work.log},
+                        {"type", work.type},
+                        {"parameters", work.parameters},
+                        {"inputs", work.inputs},
+                        {"copy_from", work.copy_from},
+                        {"copy_to", work.copy_to}};
   send(found->second, command.dump(-1, ' ', false, Json::error_handler_t::replace));
   return true;
 }
@@ -256,7 +262,7 @@ void WorkerPool::bury(const std::shared_ptr<Worker>& worker, const std::string& 
     not_before_ = Clock::now() + (failures_ > 1 ? kTick * (1 << std::min(failures_, kBackOffDoublingsMax)) : kTick * 0);
   }
   if (worker->job != 0)
-    events_.ended(worker->job, worker->owner, worker->attempt, -1, why.empty() ? death_of(status) : why);
+    events_.ended(worker->job, worker->owner, worker->attempt, {-1, why.empty() ? death_of(status) : why, false});
   if (!is_closing_) asio::post(io_, [this] { tick(); });
 }
 

@@ -31,6 +31,14 @@ struct WorkOrder {
   std::vector<std::string> arguments;
   std::string folder;  // made before
   std::string log;
+  std::string type, parameters, inputs;  // of the job: whether its inputs have changed is looked up
+  std::string copy_from, copy_to;        // instead, if they have not: a finished result; "": none
+};
+
+struct WorkResult {
+  int exit_code = 0;  // -1: the worker was lost
+  std::string message;
+  bool have_inputs_changed = false;  // since the job was submitted
 };
 
 struct JobProgress {
@@ -43,10 +51,7 @@ class WorkerPool {
   struct Events {
     std::function<void()> ready;  // there may be an idle one
     std::function<void(std::int64_t job, const JobProgress&)> progress;
-    /// `exit_code` is -1 when the worker was lost; `message` says how.
-    std::function<void(std::int64_t job, const std::string& owner, int attempt, int exit_code,
-                       const std::string& message)>
-        ended;
+    std::function<void(std::int64_t job, const std::string& owner, int attempt, const WorkResult& result)> ended;
   };
 
   WorkerPool(boost::asio::io_context& io, WorkerPoolSettings settings, std::string instance, Events events);

@@ -126,12 +126,13 @@ def main():
         result = multiprocessing.Queue()
         health = multiprocessing.Process(target=watch_health, args=(service.port, result, stop))
         health.start()
-        seconds = flood(service.port, 3 * options.in_flight, options.in_flight)
+        count = 10 * options.in_flight
+        seconds = flood(service.port, count, options.in_flight)
         stop.set()
         times = result.get()
         health.join()
-        print(f"{3 * options.in_flight} submissions, {options.in_flight} in flight, {options.streams} streams of "
-              f"events: {3 * options.in_flight / seconds:.0f} a second; /healthz "
+        print(f"{count} submissions, {options.in_flight} in flight, {options.streams} streams of "
+              f"events: {count / seconds:.0f} a second; /healthz "
               f"{1000 * percentile(times, 0.5):.1f} ms median, {1000 * percentile(times, 0.95):.1f} ms at 95 %, "
               f"{1000 * max(times):.1f} ms at most, {len(times)} asked")
         service.wait_until_idle()

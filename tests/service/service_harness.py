@@ -28,16 +28,16 @@ class Service:
         self.environment = dict(os.environ, MULTUM_CACHE_DIR=os.path.join(folder, "cache"), **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
-        self.listen = "127.0.0.1:0"
         self.port = 0
+        self.checker = None  # of every answer: an OpenapiCheck
 
-    def start(self, wait=True):
+    def start(self, wait=True, port=0):
         address = os.path.join(self.data, "address")
         if os.path.exists(address):
             os.remove(address)
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(
-                [self.multum, "serve", "--data", self.data, "--root", self.root, "--listen", self.listen]
+                [self.multum, "serve", "--data", self.data, "--root", self.root, "--listen", f"127.0.0.1:{port}"]
                 + self.options,
                 stdout=log, stderr=log, cwd=self.folder, env=self.environment)
         deadline = time.monotonic() + 30
@@ -93,9 +93,15 @@ class Service:
         text = response.read()
         if connection is None:
             use.close()
+        if self.checker is not None:
+            self.checker.check(method, target, response.status, response.headers, text)
         if response.headers.get("Content-Type", "").startswith("application/json"):
             return response.status, json.loads(text)
         return response.status, text
+
+    def metric(self, name):
+        text = self.ask("GET", "/metrics")[1].decode()
+        return next(float(line.split()[-1]) for line in text.splitlines() if line.startswith(name + " "))
 
     def submit(self, **job):
         status, answer = self.ask("POST", "/v1/jobs", job)

@@ -4,6 +4,7 @@
 
   MULTUM=build/release/bin/multum service_test.py [-v] [ServiceTest.test_...]
 """
+import contextlib
 import json
 import os
 import shutil
@@ -16,6 +17,7 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, resident_bytes  # noqa: E402
 
 MULTUM = os.environ.get("MULTUM", "multum")
@@ -34,6 +36,7 @@ class ServiceTest(unittest.TestCase):
 
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()
+        self.service.checker = OpenapiCheck(self.service.ask("GET", "/openapi.json")[1])
         return self.service
 
     def output(self, name):
@@ -86,6 +89,28 @@ class ServiceTest(unittest.TestCase):
         with open(self.output("a.ndf.exr"), "rb") as file:
             self.assertEqual(file.read(), data)
 
+    def test_an_input_that_changes_in_the_queue_is_no_earlier_one(self):
+        service = self.start()
+        for name, size in (("q", 32), ("other", 16)):
+            subprocess.run([MULTUM, "testmap", "--size", str(size), self.output(name)], check=True, capture_output=True)
+        source, first = self.output("q_normal.png"), self.output("first.png")
+        shutil.copy(source, first)
+
+        def job(output):
+            return {"type": "bake", "parameters": {"input": source, "lobes": 1}, "output": self.output(output)}
+
+        made = service.wait_for(service.submit(**job("a.ndf.exr")))
+        service.ask("POST", "/v1/queues/default/pause")
+        waiting = service.submit(**job("b.ndf.exr"))
+        shutil.copy(self.output("other_normal.png"), source)
+        service.ask("POST", "/v1/queues/default/resume")
+        self.assertIsNone(service.wait_for(waiting)["reused_from"], "its input is not what it was")
+        self.assertNotEqual(os.path.getsize(self.output("a.ndf.exr")), os.path.getsize(self.output("b.ndf.exr")))
+        # Its key names the first map: whoever has that one does not get what was made of the other.
+        os.replace(first, source)
+        copy = service.wait_for(service.submit(**job("c.ndf.exr")))
+        self.assertEqual(copy["reused_from"], made["id"])
+
     def test_uploads_are_baked_and_downloaded(self):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", os.path.join(service.root, "q")], check=True,
@@ -104,6 +129,85 @@ class ServiceTest(unittest.TestCase):
         self.refused(404, "nothing of this name", "PUT", "/v1/uploads/..%2Fb.png")
         self.refused(400, "file's name", "PUT", "/v1/uploads/a%20b.png")
         self.refused(400, "file's name", "PUT", "/v1/uploads/.hidden")
+
+    def test_what_clients_leave_is_held_to_a_limit(self):
+        service = self.start(QUICK + 'data_max = "100K"\n')
+
+        def upload(size):
+            with contextlib.closing(service.connection()) as connection:
+                connection.request("PUT", "/v1/uploads/a.bin", os.urandom(size))
+                response = connection.getresponse()
+                return response.status, json.loads(response.read())
+
+        self.assertEqual(upload(70 << 10)[0], 201)
+        status, answer = upload(40 << 10)
+        self.assertEqual((status, answer["error"]["code"]), (507, "quota"))
+        self.assertEqual(upload(20 << 10)[0], 201)
+        results = os.path.join(service.data, "results", "a.txt")
+        with open(os.path.join(service.data, "results", "large"), "wb") as file:
+            file.write(bytes(20 << 10))
+        time.sleep(10.5)  # for so long it is not counted again
+        self.refused(507, "too many", "POST", "/v1/jobs", {"type": "drill", "output": results})
+        service.wait_for(self.drill(output=self.output("a.txt")))
+
+    def test_a_full_disk_loses_nothing(self):
+        os.mkdir(os.path.join(self.folder, "data"))
+        data = os.path.join(self.folder, "data")
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", data], check=False,
+                          capture_output=True).returncode != 0:
+            self.skipTest("no file system can be mounted")
+        try:
+            service = self.start()
+            running = self.drill(3)
+            service.wait_for(running, ["running"])
+            with open(os.path.join(data, "ballast"), "wb") as ballast:
+                try:
+                    for _ in range(64):
+                        ballast.write(bytes(1 << 16))
+                        ballast.flush()
+                except OSError:
+                    pass
+            status = 201
+            for _ in range(2000):  # what room the ledger has of its own
+                status, answer = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"text": "x" * 900}})
+                if status != 201:
+                    break
+            self.assertEqual(status, 503, answer)
+            self.assertIn("full", answer["error"]["message"])
+            self.assertEqual(service.ask("GET", "/v1/jobs")[0], 200, "looking goes on")
+            time.sleep(4)
+            self.assertEqual(service.job(running)["state"], "running", "its end cannot be noted")
+            os.remove(os.path.join(data, "ballast"))
+            self.assertEqual(service.wait_for(running)["state"], "succeeded")
+            self.assertEqual(service.stop(), 0)
+        finally:
+            if self.service.process.poll() is None:
+                self.service.kill()
+            subprocess.run(["umount", data], check=True)
+
+    def test_systemd_is_told(self):
+        path = os.path.join(self.folder, "notify")
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notify:
+            notify.bind(path)
+            notify.settimeout(30)
+            service = self.start(environment={"NOTIFY_SOCKET": path, "WATCHDOG_USEC": "600000"})
+
+            def told(word):
+                deadline = time.monotonic() + 30
+                while time.monotonic() < deadline:
+                    if notify.recv(4096).decode() == word:
+                        return
+                self.fail(f"systemd was not told {word}")
+
+            told("READY=1")
+            told("WATCHDOG=1")
+            told("WATCHDOG=1")
+            service.process.send_signal(signal.SIGHUP)
+            told("RELOADING=1")
+            told("READY=1")
+            service.process.send_signal(signal.SIGTERM)
+            told("STOPPING=1")
+            self.assertEqual(service.process.wait(30), 0)
 
     def test_failures_are_tried_again_and_then_dead(self):
         service = self.start()
@@ -186,6 +290,30 @@ class ServiceTest(unittest.TestCase):
         overdue = self.drill(30, deadline_s=1)
         self.assertIn("deadline passed while it ran", service.wait_for(overdue)["message"])
 
+    def test_who_waits_misses_no_end_and_outlives_a_restart(self):
+        service = self.start()
+        # Jobs that end while the client asks: it must not wait for what has happened already.
+        for _ in range(20):
+            self.assertIn("succeeded", self.client("submit", "drill", "--wait"))
+        deadline = time.monotonic() + 5  # less than a pulse
+        while service.metric("multum_http_event_streams") > 0:
+            self.assertLess(time.monotonic(), deadline, "listeners who have gone are still told")
+        number = self.drill(20)
+        environment = dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}")
+        with subprocess.Popen([MULTUM, "wait", str(number)], env=environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True) as waiting:
+            deadline = time.monotonic() + 30
+            while service.metric("multum_http_event_streams") != 1:
+                self.assertLess(time.monotonic(), deadline, "nobody waits")
+            service.kill()
+            time.sleep(0.7)
+            service.start(port=service.port)
+            self.client("cancel", str(number))
+            out, err = waiting.communicate(timeout=60)
+        self.assertEqual(waiting.returncode, 1, err)
+        self.assertIn("cancelled", out)
+        self.assertIn("Trying again", err)
+
     def test_queues_limits_and_purge(self):
         service = self.start(QUICK + 'workers = 3\n[[queue]]\nname = "default"\njobs = 1\n[[queue]]\nname = "night"\n')
         jobs = [self.drill(0.3), self.drill(0.3), self.drill(0.3, queue="night")]
@@ -213,6 +341,12 @@ class ServiceTest(unittest.TestCase):
         for state in ("queued", "running", "succeeded"):
             self.assertIn(f'"state":"{state}"', text)
         self.assertIn("event: progress", text)
+        for event in text.split("\n\n"):
+            fields = dict(line.split(": ", 1) for line in event.splitlines() if ": " in line and not line[0] == ":")
+            if "data" in fields and len(fields) == 3:  # the last one may be cut
+                name = {"job": "Job", "progress": "ProgressEvent"}[fields["event"]]
+                self.assertEqual(service.checker.errors({"$ref": f"#/components/schemas/{name}"},
+                                                        json.loads(fields["data"])), [])
         first = int(text.split("id: ")[1].split("\n")[0])
         other = socket.create_connection(("127.0.0.1", service.port))
         other.sendall(f"GET /v1/events HTTP/1.1\r\nHost: localhost\r\nLast-Event-ID: {first}\r\n\r\n".encode())
@@ -342,8 +476,10 @@ class ServiceTest(unittest.TestCase):
         process = subprocess.Popen([MULTUM, "serve", "--data", self.service.data, "--root", self.service.root,
                                     "--listen", "unix:" + path], stderr=subprocess.DEVNULL)
         self.service.process = process
-        deadline = time.monotonic() + 20
-        while not os.path.exists(path) and time.monotonic() < deadline:
+        deadline = time.monotonic() + 60
+        while not os.path.exists(os.path.join(self.service.data, "address")):
+            self.assertIsNone(process.poll(), "the daemon ended")
+            self.assertLess(time.monotonic(), deadline, "the daemon does not listen")
             time.sleep(0.02)
         self.assertEqual(os.stat(path).st_mode & 0o777, 0o600)
         done = subprocess.run([MULTUM, "submit", "drill", "--wait", "--server", "unix:" + path], capture_output=True,

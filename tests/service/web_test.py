@@ -59,8 +59,7 @@ class Driver:
                 os.chmod(path, 0o600)
                 options = ["--token-file", path]
             service = self.services[name] = Service(self.multum, folder, options, CONFIG)
-        service.start()
-        service.listen = f"127.0.0.1:{service.port}"  # the same when it is started again
+        service.start(port=service.port)  # the same when it is started again
         return {"url": f"http://127.0.0.1:{service.port}", "root": service.root, "token": TOKEN}
 
     def stop(self, name):

@@ -50,8 +50,20 @@ class JobQueueTest : public ::testing::Test {
 
 TEST_F(JobQueueTest, EveryFieldComesBack) {
   const std::int64_t needed = submit(of(0));
-  const JobSubmission submission = {"bake", R"({"lobes":4})", "night", "a \"label\"", -7,           {needed},
-                                    3,      now_ + 50,        1 << 30, "gpu",         "/out/a.exr", "key"};
+  JobSubmission submission;
+  submission.type = "bake";
+  submission.parameters = R"({"lobes":4})";
+  submission.queue = "night";
+  submission.label = "a \"label\"";
+  submission.priority = -7;
+  submission.needs = {needed};
+  submission.attempt_max = 3;
+  submission.deadline = now_ + 50;
+  submission.memory_bytes = 1 << 30;
+  submission.device = "gpu";
+  submission.output = "/out/a.exr";
+  submission.key = "key";
+  submission.inputs = "inputs";
   const std::int64_t id = submit(submission);
   reopen();
   const Job job = *queue_->find(id);
@@ -68,6 +80,7 @@ TEST_F(JobQueueTest, EveryFieldComesBack) {
   EXPECT_EQ(job.device, "gpu");
   EXPECT_EQ(job.output, "/out/a.exr");
   EXPECT_EQ(job.key, "key");
+  EXPECT_EQ(job.inputs, "inputs");
   EXPECT_EQ(job.state, JobState::kWaiting);
   EXPECT_EQ(job.created, now_);
   EXPECT_EQ(queue_->find(77), std::nullopt);
@@ -250,6 +263,58 @@ TEST_F(JobQueueTest, TheSameKeyAndOutputIsTheSameJob) {
   EXPECT_TRUE(queue_->succeeded_with_key("").empty());
   submission.key = "";
   EXPECT_NE(submit(submission), submit(submission));
+}
+
+TEST_F(JobQueueTest, AResultOfOtherInputsIsNotTakenForItsKey) {
+  JobSubmission submission = of(0);
+  submission.key = "k";
+  submission.output = "/a";
+  const std::int64_t id = submit(submission);
+  queue_->begin_publishing(id, "a", claim()->attempt, "7:8");
+  queue_->forget_key(id);
+  queue_->published(id, now_);
+  EXPECT_TRUE(queue_->succeeded_with_key("k").empty());
+  EXPECT_NE(submit(submission), id);
+}
+
+// The clock of a machine may be set back by any amount, by hand or by its radio clock.
+TEST_F(JobQueueTest, AClockThatIsSetBackMakesNobodyWait) {
+  submit(of(0));
+  fail(*claim());
+  const std::int64_t running = submit(of(1));
+  const Job job = *claim();
+  EXPECT_EQ(job.id, running);
+  now_ -= 900000;
+  queue_->forgive_back_offs(now_);
+  EXPECT_EQ(claim("b")->attempt, 2) << "its back-off would have lasted for another fifteen minutes";
+  succeed(job);
+  EXPECT_LT(*queue_->find(running)->finished, *queue_->find(running)->started);
+  EXPECT_TRUE(queue_->purge_finished_before(now_, 10).empty());
+  EXPECT_EQ(queue_->purge_finished_before(now_ + 1, 10), Ids{running});
+  const std::int64_t later = submit(of(0));
+  EXPECT_EQ(claim()->id, later);
+}
+
+TEST_F(JobQueueTest, AChainOfThousandsDiesAndIsTriedAgainAtOnce) {
+  SqliteTransaction transaction(queue_->database());  // or each would wait for the disk
+  Ids chain = {submit(of(0))};
+  for (int i = 0; i < 20000; ++i) chain.push_back(submit(of(0, {chain.back()})));
+  fail(*claim(), AttemptOutcome::kRefused);
+  EXPECT_EQ(queue_->counts()["default"][JobState::kDead], 20001);
+  EXPECT_TRUE(queue_->retry(chain.front(), now_));
+  EXPECT_EQ(queue_->counts()["default"][JobState::kWaiting], 20000);
+  EXPECT_EQ(claim()->id, chain.front());
+}
+
+TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
+  JobSubmission submission = of(3);
+  submission.key = "k";
+  const std::int64_t id = submit(submission);
+  queue_->database().execute("ALTER TABLE jobs DROP COLUMN inputs; PRAGMA user_version = 1;");
+  reopen();
+  EXPECT_EQ(queue_->find(id)->priority, 3);
+  EXPECT_EQ(queue_->find(id)->key, "") << "nobody knows whether its inputs are what they were";
+  EXPECT_EQ(claim()->id, id);
 }
 
 TEST_F(JobQueueTest, ADeadProcessLeavesNothingRunning) {

@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
+#include <optional>
 #include <set>
+#include <thread>
 
 #include "host/base/error.h"
 #include "host/service/http_client.h"
@@ -164,6 +168,32 @@ void add_submit(CLI::App& app, int* exit_code) {
 
 // ---- wait, tail
 
+// Whoever waits for hours outlives a service that is started again: it is asked for so long after it was gone.
+constexpr auto kPatience = std::chrono::seconds(60);
+
+// Runs `body`, which talks to the service and calls `answered` when it does, until it returns true.
+void persist(const std::function<bool(const std::function<void()>& answered)>& body) {
+  using Clock = std::chrono::steady_clock;
+  bool was_answered = false;
+  std::optional<Clock::time_point> gone_since;
+  const auto answered = [&] {
+    was_answered = true;
+    gone_since.reset();
+  };
+  for (;;) {
+    try {
+      if (body(answered)) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the line was cut
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kEnvironment || !was_answered) throw;
+      if (!gone_since) std::fprintf(stderr, "multum: %s Trying again.\n", error.what());
+      gone_since = gone_since.value_or(Clock::now());
+      if (Clock::now() - *gone_since > kPatience) throw;
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    }
+  }
+}
+
 int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> ids) {
   bool all_succeeded = true;
   const auto settle = [&](const Json& job) {
@@ -173,17 +203,23 @@ int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> 
     all_succeeded = all_succeeded && state == "succeeded";
     print_job(o, job);
   };
-  while (!ids.empty()) {
-    // First who is done already: events tell of changes alone. Whoever changes in between is asked of again.
-    const std::set<std::int64_t> asked = ids;
-    for (const std::int64_t id : asked) settle(client.ask("GET", fmt::format("/v1/jobs/{}", id)));
-    if (ids.empty()) break;
-    int pulses = 0;
-    client.listen("/v1/events", [&](const std::string& kind, const Json& data) {
+  if (ids.empty()) return 0;
+  persist([&](const std::function<void()>& answered) {
+    // Who is done already is asked with the line open: events tell of changes alone.
+    const auto ask_all = [&] {
+      answered();
+      const std::set<std::int64_t> asked = ids;
+      for (const std::int64_t id : asked) settle(client.ask("GET", fmt::format("/v1/jobs/{}", id)));
+      return !ids.empty();
+    };
+    const std::string target = ids.size() == 1 ? fmt::format("/v1/jobs/{}/events", *ids.begin()) : "/v1/events";
+    client.listen(target, ask_all, [&](const std::string& kind, const Json& data) {
+      answered();
       if (kind == "job" && data.is_object()) settle(data);
-      return !ids.empty() && ++pulses < 200;  // then they are all asked of again
+      return !ids.empty();
     });
-  }
+    return ids.empty();
+  });
   return all_succeeded ? 0 : 1;
 }
 
@@ -214,21 +250,30 @@ int run_wait(WaitOptions& o) {
 
 int run_tail(ClientOptions& o, std::int64_t id) {
   HttpClient client = client_of(o);
-  std::string shown;
-  for (;;) {
+  std::size_t shown = 0;  // bytes
+  std::string state;
+  const auto show = [&] {
     const Json job = client.ask("GET", fmt::format("/v1/jobs/{}", id));
-    const Json text = client.ask("GET", fmt::format("/v1/jobs/{}/log", id));
-    const std::string log = text.is_string() ? text.get<std::string>() : text.dump();
-    if (log.size() > shown.size()) std::printf("%s", log.substr(shown.size()).c_str());
+    const std::string log = client.text(fmt::format("/v1/jobs/{}/log", id));
+    if (log.size() > shown) std::printf("%s", log.substr(shown).c_str());
     std::fflush(stdout);
-    shown = log;
-    const auto state = job["state"].get<std::string>();
-    if (state == "succeeded" || state == "dead" || state == "cancelled") {
-      std::fprintf(stderr, "%s\n", job_line(job).c_str());
-      return state == "succeeded" ? 0 : 1;
-    }
-    client.listen(fmt::format("/v1/jobs/{}/events", id), [](const std::string&, const Json&) { return false; });
-  }
+    shown = log.size();
+    state = job["state"].get<std::string>();
+    const bool is_done = state == "succeeded" || state == "dead" || state == "cancelled";
+    if (is_done) std::fprintf(stderr, "%s\n", job_line(job).c_str());
+    return !is_done;
+  };
+  persist([&](const std::function<void()>& answered) {
+    bool goes_on = true;
+    const auto look = [&] {
+      answered();
+      goes_on = show();
+      return goes_on;
+    };
+    client.listen(fmt::format("/v1/jobs/{}/events", id), look, [&](const std::string&, const Json&) { return look(); });
+    return !goes_on;
+  });
+  return state == "succeeded" ? 0 : 1;
 }
 
 // ---- The others

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the daemon keeps for others in DATA: uploads by content, results for those who have no other place, logs. Held
+// to a limit, and swept: what no job has any use for goes.
+#pragma once
+
+#include <boost/asio/thread_pool.hpp>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+#include "host/service/queue_thread.h"
+
+namespace multum {
+
+class DataFolder {
+ public:
+  /// `bytes_max`: of all of it together, but for the ledger; 0: any.
+  DataFolder(std::string path, std::int64_t bytes_max);
+  ~DataFolder();
+  DataFolder(const DataFolder&) = delete;
+  DataFolder& operator=(const DataFolder&) = delete;
+
+  std::string uploads() const { return path_ + "/uploads"; }
+  std::string results() const { return path_ + "/results"; }
+
+  struct Upload {
+    std::string path, sha256;
+  };
+  /// Blocks. The same content under the same name is one file, and as young as its last upload. Throws as check_room()
+  /// does, and Error(kEnvironment) as files do.
+  Upload store(const std::string& name, const std::string& bytes);
+  /// Blocks. Throws Refusal 507 "quota" when so many bytes more are too many.
+  void check_room(std::int64_t bytes);
+
+  /// On a thread of its own: removes uploads that are older than `upload_age` and that no unfinished job names, and
+  /// results and logs older than an hour whose jobs are in no ledger any more.
+  void sweep(QueueThread& ledger, std::chrono::hours upload_age);
+
+ private:
+  std::int64_t bytes();
+  const std::string path_;
+  const std::int64_t bytes_max_;
+  std::mutex mutex_;
+  std::int64_t bytes_ = 0;
+  std::chrono::steady_clock::time_point counted_;  // no moment: never
+  boost::asio::thread_pool pool_{1};
+};
+
+}  // namespace multum

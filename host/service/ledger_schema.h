@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tables of the ledger, and their rows as jobs.
+#pragma once
+
+#include <string>
+
+#include "host/service/job.h"
+#include "host/service/sqlite_database.h"
+
+namespace multum {
+
+/// Makes the tables of an empty database, and brings those of an earlier version up to this one. Throws Error(kInput)
+/// for a newer version.
+void prepare_ledger(SqliteDatabase& database);
+
+/// SELECT of all columns that job_from_row() wants; `rest`: from WHERE on.
+std::string select_jobs(const char* rest);
+/// But for what it needs, which is in a table of its own.
+Job job_from_row(const SqliteStatement& row);
+
+}  // namespace multum

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tasks that come together, by the thousand, run one at a time, each behind whatever else is ready by then: they do not
+// stand between a monitor and its answer.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <deque>
+#include <functional>
+
+namespace multum {
+
+/// On the thread of its io_context.
+class Turns {
+ public:
+  explicit Turns(boost::asio::io_context& io) : io_(io) {}
+  Turns(const Turns&) = delete;
+  Turns& operator=(const Turns&) = delete;
+
+  void add(std::function<void()> task) {
+    tasks_.push_back(std::move(task));
+    if (tasks_.size() == 1) post_next();
+  }
+
+ private:
+  // The io_context looks for what has come over lines between two handlers: hence one handler a task.
+  void post_next() {
+    boost::asio::post(io_, [this] {
+      tasks_.front()();
+      tasks_.pop_front();
+      if (!tasks_.empty()) post_next();
+    });
+  }
+
+  boost::asio::io_context& io_;
+  std::deque<std::function<void()>> tasks_;
+};
+
+}  // namespace multum
