@@ -30,7 +30,7 @@ class HttpApi {
   /// Before a body is read: who may not, and what is not there, is told so.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
-  /// "GET /v1/jobs/{}", of all there are.
+  /// "GET /v1/jobs/{}", of all that programs ask; the page is for people.
   static std::vector<std::string> routes();
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
   /// For /metrics.

@@ -123,8 +123,13 @@ void make_infer_thumbnail(const ThumbnailOptions& options) {
   const InferredManifest manifest = read_inferred_manifest((fs::path(options.result) / kInferredManifestName).string());
   if (manifest.samples.empty()) throw Error(ErrorCode::kInput, options.result + ": has no samples, expected one");
   const std::string frame = options.file("frame.png");
-  std::vector<std::string> words = {"multum-view", options.result, "--sample",  manifest.samples.front().name,
-                                    "-o",          frame,          "--context", options.context};
+  // In one word each: a name may begin with a dash.
+  std::vector<std::string> words = {"multum-view",
+                                    "--sample=" + manifest.samples.front().name,
+                                    "--output=" + frame,
+                                    "--context=" + options.context,
+                                    "--",
+                                    options.result};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   if (run_inferred(static_cast<int>(arguments.size()), arguments.data()) != 0) return;
