@@ -12,11 +12,11 @@ import sys
 
 LINE_LENGTH_MAX = 120
 COMMENT = {".h": "//", ".cpp": "//", ".cl": "//", ".clh": "//", ".glsl": "//", ".vert": "//", ".frag": "//", ".py": "#",
-           ".cmake": "#", ".txt": "#", "": "#"}
+           ".cmake": "#", ".txt": "#", "": "#", ".js": "//", ".mjs": "//", ".css": "/*"}
 # A source that no build names is dead; kernels are globbed, headers live by their includes.
 BUILT = {".cpp", ".cl", ".glsl", ".vert", ".frag"}
 SOURCE_FOLDERS = ("kernels", "host", "runtime_gl", "tools", "tests")
-SKIPPED = ("build", "out", ".git", "__pycache__")
+SKIPPED = ("build", "out", ".git", "__pycache__", "node_modules")
 
 
 def project_files(root):

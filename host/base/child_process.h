@@ -3,7 +3,9 @@
 // child alone; benchmarks run whole programs, and learn what they cost.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,10 +29,22 @@ struct ChildResult {
   int signal;          // 0 when it exited
   std::string output;  // stdout and stderr, interleaved
   ChildUsage usage;
+  bool is_over_time = false;
 };
 
-/// `arguments[0]` is the program (looked up in PATH). Throws Error(kEnvironment) when it cannot be started.
+/// What a child is held to that works on what strangers sent. One with limits has a process group of its own: Ctrl-C
+/// does not reach it, and what it has started ends with it when it is killed.
+struct ChildLimits {
+  std::chrono::milliseconds time_max{};     // then it is killed
+  int niceness = 0;                         // 0..19
+  std::uint64_t memory_max = 0;             // bytes that it may write to; 0: any. Not with -fsanitize=address or thread
+  std::function<bool()> is_cancelled = {};  // asked ten times a second; true: it is killed
+};
+
+/// `arguments[0]` is the program (looked up in PATH). It inherits no files but stdin. Throws Error(kEnvironment) when
+/// it cannot be started.
 ChildResult run_child(const std::vector<std::string>& arguments);
+ChildResult run_child(const std::vector<std::string>& arguments, const ChildLimits& limits);
 
 /// Largest resident memory of this process so far.
 std::uint64_t own_peak_memory_bytes();

@@ -26,6 +26,7 @@
 #include "host/service/metrics.h"
 #include "host/service/openapi.h"
 #include "host/service/staging.h"
+#include "host/service/web_files.h"
 
 namespace multum {
 namespace {
@@ -48,7 +49,8 @@ struct HttpApi::State {
         token(std::move(the_token)),
         roots(roots_of(the_settings, the_data)),
         results(PathRoots({the_data.results()})),
-        hashes(2) {}
+        hashes(2),
+        pictures(context, the_settings.data, roots) {}
 
   static std::vector<std::string> roots_of(const ServiceSettings& settings, const DataFolder& data) {
     std::vector<std::string> roots = settings.roots;
@@ -216,7 +218,10 @@ struct HttpApi::State {
                    : queue.purge(asked.jobs);
       queue.take_changed();
     });
-    co_await beside([&] { dispatcher.remove_logs(purged); });
+    co_await beside([&] {
+      dispatcher.remove_logs(purged);
+      pictures.remove(purged);
+    });
     co_return json_response({{"purged", purged}});
   }
 
@@ -243,6 +248,13 @@ struct HttpApi::State {
     response.file = roots.input(job.output);
     response.headers.emplace_back("Content-Disposition", "attachment");
     co_return response;
+  }
+
+  asio::awaitable<HttpResponse> picture(std::string text, const char* name) {
+    const Job job = co_await job_of(std::move(text));
+    std::string identity;
+    co_await in_ledger([&](JobQueue& queue) { identity = queue.result_identity(job.id); });
+    co_return co_await pictures.answer(job, identity, name);
   }
 
   asio::awaitable<HttpResponse> upload(std::string name, HttpRequest request) {
@@ -322,6 +334,7 @@ struct HttpApi::State {
   std::string token;
   PathRoots roots, results;
   FileHashes hashes;
+  JobPictures pictures;
   const HttpServer* server = nullptr;
 };
 
@@ -371,10 +384,23 @@ asio::awaitable<HttpResponse> job_events(HttpApi::State& state, std::string part
 asio::awaitable<HttpResponse> upload(HttpApi::State& state, std::string part, HttpRequest request) {
   return state.upload(std::move(part), std::move(request));
 }
+asio::awaitable<HttpResponse> web_file(HttpApi::State&, std::string, HttpRequest request) {
+  co_return web_file_response(request);
+}
+constexpr char kInputPicture[] = "input.png", kRenderPicture[] = "render.png", kErrorPicture[] = "error.png";
+template <const char* kName>
+asio::awaitable<HttpResponse> picture(HttpApi::State& state, std::string part, HttpRequest) {
+  return state.picture(std::move(part), kName);
+}
 using State = HttpApi::State;
 
+std::vector<Route> with_web_files(std::vector<Route> list) {
+  for (const EmbeddedFile& file : embedded_web_files()) list.push_back({"GET", {file.name}, true, web_file});
+  return list;
+}
+
 const std::vector<Route>& route_table() {
-  static const std::vector<Route> list = {
+  static const std::vector<Route> list = with_web_files({
       {"GET", {"healthz"}, true, health},
       {"GET", {"readyz"}, true, alone<&State::ready>},
       {"GET", {"metrics"}, false, alone<&State::metrics>},
@@ -395,7 +421,11 @@ const std::vector<Route>& route_table() {
       {"POST", {"v1", "retry"}, false, with_request<&State::retry_dead>},
       {"POST", {"v1", "purge"}, false, with_request<&State::purge>},
       {"PUT", {"v1", "uploads", "{}"}, false, upload},
-  };
+      {"GET", {"v1", "jobs", "{}", "pictures", kInputPicture}, false, picture<kInputPicture>},
+      {"GET", {"v1", "jobs", "{}", "pictures", kRenderPicture}, false, picture<kRenderPicture>},
+      {"GET", {"v1", "jobs", "{}", "pictures", kErrorPicture}, false, picture<kErrorPicture>},
+      {"GET", {""}, true, web_file},
+  });
   return list;
 }
 
@@ -448,6 +478,7 @@ HttpApi::~HttpApi() = default;
 
 void HttpApi::set_server(const HttpServer* server) { state_->server = server; }
 void HttpApi::set_token(std::string token) { state_->token = std::move(token); }
+JobPictures& HttpApi::pictures() { return state_->pictures; }
 
 bool HttpApi::is_upload(const std::string& method, const std::string& path) {
   return method == "PUT" && path.starts_with("/v1/uploads/");
@@ -456,7 +487,8 @@ bool HttpApi::is_upload(const std::string& method, const std::string& path) {
 std::vector<std::string> HttpApi::routes() {
   std::vector<std::string> names;
   for (const Route& route : route_table())
-    names.push_back(fmt::format("{} /{}", route.method, fmt::join(route.parts, "/")));
+    if (route.answer != web_file)  // for people, not for programs
+      names.push_back(fmt::format("{} /{}", route.method, fmt::join(route.parts, "/")));
   return names;
 }
 

@@ -13,6 +13,7 @@
 #include "host/service/dispatcher.h"
 #include "host/service/file_hashes.h"
 #include "host/service/http_server.h"
+#include "host/service/job_pictures.h"
 #include "host/service/path_roots.h"
 #include "host/service/service_settings.h"
 
@@ -29,12 +30,13 @@ class HttpApi {
   /// Before a body is read: who may not, and what is not there, is told so.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
-  /// "GET /v1/jobs/{}", of all there are.
+  /// "GET /v1/jobs/{}", of all that programs ask; the page is for people.
   static std::vector<std::string> routes();
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
   /// For /metrics.
   void set_server(const HttpServer* server);
   void set_token(std::string token);
+  JobPictures& pictures();
 
   struct State;  // of its handlers
 

@@ -191,6 +191,7 @@ class Service {
           },
           [this, purged](const std::exception_ptr&) { dispatcher_.remove_logs(*purged); });
     }
+    api_.pictures().sweep(*ledger_);
     constexpr int kForEver = 1000000;  // days
     data_.sweep(*ledger_, std::chrono::hours(24) * (settings_.upload_days > 0 ? settings_.upload_days : kForEver));
     sweep_.expires_after(std::chrono::hours(1));

@@ -119,6 +119,7 @@ class Worker {
     if (command.contains("cancel")) {
       cancelled_ = command["cancel"].get<std::int64_t>();
     } else {
+      if (command.contains("run")) cancelled_ = 0;  // it may be the same job, retried
       commands_.push_back(std::move(command));
       wake_.notify_one();
     }

@@ -42,6 +42,8 @@ pid_t spawn_process(const std::vector<std::string>& command, int socket) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, socket, kSocket);
+  // Connections and listeners are the daemon's alone: a line that it closes must be closed for its client.
+  posix_spawn_file_actions_addclosefrom_np(&actions, kSocket + 1);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   // A group of its own: what a worker has started ends with it, and Ctrl-C is the daemon's alone.

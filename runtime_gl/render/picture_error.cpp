@@ -23,11 +23,11 @@ PictureError picture_error(const FloatImage& picture, const FloatImage& truth) {
   return {total > 0.0 ? absolute / total : absolute, std::sqrt(square / count)};
 }
 
-FloatImage difference_image(const FloatImage& picture, const FloatImage& truth) {
+FloatImage difference_image(const FloatImage& picture, const FloatImage& truth, float gain) {
   MULTUM_CHECK(picture.rgba.size() == truth.rgba.size());
   FloatImage difference = picture;
   for (std::size_t i = 0; i < truth.rgba.size(); ++i)
-    difference.rgba[i] = i % 4 == 3 ? 1.0f : std::abs(picture.rgba[i] - truth.rgba[i]);
+    difference.rgba[i] = i % 4 == 3 ? 1.0f : gain * std::abs(picture.rgba[i] - truth.rgba[i]);
   return difference;
 }
 

@@ -14,7 +14,8 @@ struct PictureError {
 
 PictureError picture_error(const FloatImage& picture, const FloatImage& truth);
 
-/// |picture - truth|, alpha 1.
-FloatImage difference_image(const FloatImage& picture, const FloatImage& truth);
+/// |picture - truth| times `gain`, alpha 1.
+FloatImage difference_image(const FloatImage& picture, const FloatImage& truth, float gain = 1.0f);
+constexpr float kDifferenceGain = 4.0f;  // of differences to look at
 
 }  // namespace multum::gl

@@ -6,6 +6,7 @@
 #include <half.h>
 
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 #include <sstream>
 
@@ -381,6 +382,15 @@ TEST_F(InferredPictureTest, PngsAreSrgbOfTheSamePicture) {
     }
     EXPECT_EQ(clipped > 0, exposure > 2.0f);
   }
+}
+
+TEST_F(InferredPictureTest, TheThumbnailIsTheFirstSample) {
+  ASSERT_EQ(draw({"--sample", "still", "-o", path("still.png")}).exit_code, 0);
+  std::filesystem::create_directory(path("small"));
+  const ChildResult result = draw({"--thumbnails", path("small")});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(read_floats(path("small/render.png")).values, read_floats(path("still.png")).values);
+  EXPECT_FALSE(std::filesystem::exists(path("small/frame.png")));
 }
 
 TEST_F(InferredPictureTest, TheFolderMayBeNamedLastAndByItsManifest) {

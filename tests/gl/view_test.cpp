@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
@@ -333,6 +334,40 @@ TEST_F(ViewTest, LinksNeitherGlNorOpenCl) {
   ASSERT_NE(needed.output.find("libOpenImageIO"), std::string::npos);
   for (const char* library : {"libOpenCL", "libGL", "libEGL", "libOSMesa", "libOpenGL"})
     EXPECT_EQ(needed.output.find(library), std::string::npos) << library;
+}
+
+// The service shows what could be made before something failed.
+TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
+  const auto make = [&](const std::string& source) {
+    fs::remove_all(path("small"));
+    fs::create_directory(path("small"));
+    std::vector<std::string> arguments = {"--thumbnails", path("small"), "--context", "osmesa"};
+    if (!source.empty()) arguments.insert(arguments.end(), {"--source", path(source)});
+    return view(arguments);
+  };
+  const auto names = [&] {
+    std::set<std::string> found;
+    for (const fs::directory_entry& entry : fs::directory_iterator(path("small")))
+      found.insert(entry.path().filename().string());
+    return found;
+  };
+  std::vector<std::uint16_t> texels;
+  for (int i = 0; i < 16 * 16; ++i) texels.insert(texels.end(), {32768, 32768, 65535});
+  write_png16(path("flat.png"), 16, 16, texels, "Linear");
+  EXPECT_EQ(make("").exit_code, 0);
+  EXPECT_EQ(names(), std::set<std::string>({"render.png"}));
+  // No hash in the file: any source is taken for its own.
+  const ChildResult all = make("flat.png");
+  EXPECT_EQ(all.exit_code, 0) << all.output;
+  EXPECT_EQ(names(), std::set<std::string>({"render.png", "input.png", "error.png"}));
+
+  gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
+  map.mipmap.provenance.source_hash = std::string(64, '0');
+  write_movmf_mipmap(path("map.ndf.exr"), map.mipmap, {});
+  const ChildResult changed = make("flat.png");
+  EXPECT_EQ(changed.exit_code, 3);
+  EXPECT_NE(changed.output.find("has changed since it was baked"), std::string::npos) << changed.output;
+  EXPECT_EQ(names(), std::set<std::string>({"render.png"}));
 }
 
 }  // namespace

@@ -249,6 +249,30 @@ class ServiceTest(unittest.TestCase):
         self.assertEqual(service.wait_for(stall)["state"], "cancelled")
         self.assertEqual(os.listdir(service.root), [], "nothing half made is left")
 
+    def test_a_cancelled_job_that_is_retried_runs(self):
+        service = self.start(QUICK + "workers = 1\n")
+        job = self.drill(1)
+        service.wait_for(job, ["running"])
+        self.client("cancel", str(job))
+        service.wait_for(job, ["cancelled"])
+        self.client("retry", str(job))
+        job = service.wait_for(job)
+        self.assertEqual([one["outcome"] for one in job["attempts"]], ["cancelled", "succeeded"], job)
+
+    def test_workers_hold_no_connection_of_the_daemon(self):
+        service = self.start(QUICK + "workers = 1\n")
+        service.wait_for(self.drill())
+        with socket.create_connection(("127.0.0.1", service.port)) as client:
+            client.sendall(b"GET /v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            client.recv(100)
+            old = service.workers()
+            os.kill(old[0], signal.SIGKILL)
+            service.wait_for(self.drill())
+            worker = next(pid for pid in service.workers() if pid not in old)
+            files = os.listdir(f"/proc/{worker}/fd")
+            sockets = [file for file in files if os.readlink(f"/proc/{worker}/fd/{file}").startswith("socket:")]
+        self.assertEqual(sockets, ["3"], "of its own alone")
+
     def test_dependencies_deadlines_and_order(self):
         service = self.start(QUICK + "workers = 1\n")
         service.ask("POST", "/v1/queues/default/pause")

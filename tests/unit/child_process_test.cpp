@@ -46,6 +46,28 @@ TEST(ChildProcessTest, UsageIsTheChildsOwn) {
       << "one child's peak counts for the next";
 }
 
+TEST(ChildProcessTest, LimitsEndWhatTheChildHasStartedToo) {
+  // A grandchild that would hold the pipe open for a minute.
+  const ChildResult slow = run_child({"sh", "-c", "sleep 60 & sleep 60"}, {std::chrono::milliseconds(300)});
+  EXPECT_TRUE(slow.is_over_time);
+  EXPECT_EQ(slow.signal, SIGKILL);
+  EXPECT_LT(slow.usage.wall_seconds, 20.0);
+  ChildLimits limits{std::chrono::minutes(1)};
+  limits.is_cancelled = [] { return true; };
+  EXPECT_EQ(run_child({"sleep", "60"}, limits).signal, SIGKILL);
+}
+
+TEST(ChildProcessTest, LimitedChildrenAreNicerAndHaveLessMemory) {
+  ChildLimits limits{std::chrono::minutes(1), 7, std::uint64_t{64} << 20};
+  const ChildResult nice = run_child({"sh", "-c", "sleep 0.2; nice"}, limits);
+  EXPECT_EQ(nice.output, "7\n");
+  EXPECT_FALSE(nice.is_over_time);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  EXPECT_NE(run_child({"sh", "-c", "sleep 0.2; exec dd if=/dev/zero of=/dev/null bs=200M count=1"}, limits).exit_code,
+            0);
+#endif
+}
+
 TEST(ChildProcessTest, AMissingProgramIsNamed) {
   testing::expect_error(ErrorCode::kEnvironment, {"multum-no-such-program", "cannot be started", "No such file"},
                         [] { run_child({"multum-no-such-program"}); });

@@ -123,21 +123,13 @@ std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunct
   return pictures;
 }
 
-/// |picture - truth|, four times as bright.
-gl::FloatImage bright_difference(const gl::FloatImage& picture, const gl::FloatImage& truth) {
-  constexpr float kDifferenceGain = 4.0f;
-  gl::FloatImage difference = gl::difference_image(picture, truth);
-  for (float& value : difference.rgba) value *= kDifferenceGain;
-  return difference;
-}
-
 /// First row: the pictures; second, where there is a truth: what each is off by.
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, bool has_truth, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_truth ? 2 : 1);
   for (const NamedPicture& one : pictures) {
     rows[0].push_back({one.name, one.picture.image});
     if (!has_truth) continue;
-    gl::FloatImage difference = bright_difference(one.picture.image, pictures[0].picture.image);
+    gl::FloatImage difference = gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain);
     const double error = gl::picture_error(one.picture.image, pictures[0].picture.image).relative_l1;
     const bool is_truth = &one == &pictures[0];
     rows[1].push_back({is_truth ? "difference, 4 times" : fmt::format("{}: {:.1f} % off", one.name, 100.0 * error),
@@ -157,7 +149,8 @@ void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>&
     write_picture(picture_path(options, one.name), one.picture.image, options.exposure);
     if (has_truth && one.name != "truth")
       write_picture(picture_path(options, one.name + "_difference"),
-                    bright_difference(one.picture.image, pictures[0].picture.image), options.exposure);
+                    gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain),
+                    options.exposure);
   }
 }
 
@@ -252,6 +245,7 @@ bool has_option(int argc, char** argv, std::string_view name) {
 
 int run(int argc, char** argv) {
   if (has_option(argc, argv, "--probe")) return run_probe(argc, argv);
+  if (has_option(argc, argv, "--thumbnails")) return run_thumbnails(argc, argv);
   if (has_option(argc, argv, "--sample")) return run_inferred(argc, argv);
   int exit_code = 0;
   std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);

@@ -10,4 +10,7 @@ int run_probe(int argc, char** argv);
 /// `multum-view FOLDER --sample V,P -o frame.png`: draws objects with the textures inferred for them.
 int run_inferred(int argc, char** argv);
 
+/// `multum-view RESULT --thumbnails FOLDER`: small pictures of a job's input and result, for the page of the service.
+int run_thumbnails(int argc, char** argv);
+
 }  // namespace multum

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The daemon's answers, its token, and its events.
+
+import { byId, setText } from "./nodes.js";
+
+const TOKEN = "multum-token";
+const PATIENCE_MS = 70000; // pictures are given a minute
+
+export class Refused extends Error {
+  constructor(status, message) {
+    super(message);
+    this.status = status;
+  }
+}
+
+export const hasToken = () => sessionStorage.getItem(TOKEN) !== null;
+
+let asking = null; // for the token: one question for all who were refused
+
+function askForToken(isWrong) {
+  asking ??= new Promise((resolve) => {
+    const dialog = byId("token");
+    const input = byId("token-text");
+    setText(byId("token-wrong"), isWrong ? "That was not it." : "");
+    input.value = "";
+    dialog.addEventListener("cancel", (event) => event.preventDefault()); // there is nothing behind it to go back to
+    dialog.addEventListener("close", () => {
+      sessionStorage.setItem(TOKEN, input.value);
+      asking = null;
+      resolve();
+    }, { once: true });
+    dialog.showModal();
+    input.focus();
+  });
+  return asking;
+}
+
+/** The raw answer. Asks for the token when it is wanted; throws Refused, or TypeError when nobody answers. */
+export async function fetchAnswer(method, path, body = undefined, patience = PATIENCE_MS) {
+  for (;;) {
+    const token = sessionStorage.getItem(TOKEN);
+    const response = await fetch(path, {
+      method,
+      body: body === undefined || body instanceof Blob ? body : JSON.stringify(body),
+      headers: token === null ? {} : { Authorization: `Bearer ${token}` },
+      signal: AbortSignal.timeout(patience),
+    });
+    if (response.ok) return response;
+    if (response.status !== 401) {
+      const error = (await response.json().catch(() => null))?.error;
+      throw new Refused(response.status, error?.message ?? `the service answered ${response.status}`);
+    }
+    // Another question may have brought a new one meanwhile.
+    if (sessionStorage.getItem(TOKEN) === token) await askForToken(token !== null);
+  }
+}
+
+export const ask = async (method, path, body) => (await fetchAnswer(method, path, body)).json();
+
+/**
+ * All events, for as long as the page is looked at: browsers have six lines to a service, and tabs in the background
+ * shall not take them all. `on` has job(job), progress(progress), gap() when something may have been missed, and
+ * state("live" | "broken").
+ */
+export class EventLine {
+  constructor(on) {
+    this.on = on;
+    this.last = null;
+    this.source = null;
+    document.addEventListener("visibilitychange", () => this.look());
+    addEventListener("pagehide", () => this.close());
+    addEventListener("pageshow", () => this.look());
+  }
+
+  look() {
+    clearTimeout(this.hiding);
+    if (document.visibilityState === "visible") this.open();
+    else this.hiding = setTimeout(() => this.close(), 5000);
+  }
+
+  close() {
+    this.source?.close();
+    this.source = null;
+  }
+
+  open() {
+    if (this.source) return;
+    const token = sessionStorage.getItem(TOKEN);
+    const query = token === null ? "" : `?access_token=${encodeURIComponent(token)}`;
+    const source = new EventSource(`/v1/events${query}`);
+    this.source = source;
+    source.onopen = () => {
+      this.last = null;
+      this.on.state("live");
+      this.on.gap();
+    };
+    source.onerror = () => {
+      this.on.state("broken");
+      if (source.readyState !== EventSource.CLOSED) return; // the browser goes on by itself
+      this.close();
+      // Refused rather than broken: the token, as a rule, which the next question brings up.
+      setTimeout(() => fetchAnswer("GET", "/v1/queues").then(() => this.look(), () => this.look()), 2000);
+    };
+    source.addEventListener("job", (event) => this.take(event, this.on.job));
+    source.addEventListener("progress", (event) => this.take(event, this.on.progress));
+  }
+
+  take(event, deliver) {
+    const number = Number(event.lastEventId);
+    if (this.last !== null && number !== this.last + 1) this.on.gap();
+    this.last = number;
+    deliver(JSON.parse(event.data));
+  }
+}

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// One job: all that the service knows of it, its pictures, and its log as it grows.
+
+import { ask, fetchAnswer, hasToken } from "./client.js";
+import { ProgressBar, badge, byId, bytesText, canCancel, canRetry, durationText, isFinal, jobName, node, notify,
+  outputName, refreshTimes, setBadge, setText, timeNode, tookText } from "./nodes.js";
+
+const LOG_SHOWN = 200000; // characters, of its end
+const LOG_LARGE = 1000000; // a log that is read again every ten seconds rather than every two
+const PICTURES = [["input", "input"], ["render", "baked, rendered"], ["error", "error, four times"]];
+
+const table = (head, rows) => node("div", { class: "scroll" }, node("table", {},
+  node("thead", {}, node("tr", {}, ...head.map((one) => node("th", { scope: "col" }, one)))),
+  node("tbody", {}, ...rows.map((row) => node("tr", {}, ...row.map((one) => node("td", {}, one)))))));
+
+const facts = (pairs) => node("dl", { class: "facts" },
+  ...pairs.filter(([, value]) => value !== null && value !== "").flatMap(([name, value]) =>
+    [node("dt", {}, name), node("dd", {}, ...[value].flat())]));
+
+const jobLink = (id) => node("a", { href: `#job-${id}` }, `job ${id}`);
+
+export class JobDetail {
+  /** `on` has close(), cancel(job) and retry(job). */
+  constructor(on) {
+    this.on = on;
+    this.root = byId("detail");
+    this.job = null;
+    setInterval(() => this.tick(), 1000);
+  }
+
+  get isOpen() { return !this.root.hidden; }
+
+  async open(id) {
+    this.close();
+    this.number = id;
+    let job;
+    try {
+      job = await ask("GET", `/v1/jobs/${id}`);
+    } catch (error) {
+      notify(error.message, true);
+      return false;
+    }
+    if (this.number !== id) return false;
+    this.build(job);
+    this.root.hidden = false;
+    document.body.classList.add("has-detail");
+    this.root.scrollTop = 0;
+    this.title.focus();
+    this.loadLog();
+    this.loadPictures();
+    return true;
+  }
+
+  close() {
+    this.number = null;
+    this.job = null;
+    clearTimeout(this.logTimer);
+    for (const url of this.urls ?? []) URL.revokeObjectURL(url);
+    this.urls = [];
+    this.root.hidden = true;
+    this.root.replaceChildren();
+    document.body.classList.remove("has-detail");
+  }
+
+  build(job) {
+    this.title = node("h2", { id: "detail-title", tabindex: -1 }, `${job.type} ${job.id}: ${jobName(job)}`);
+    this.badge = badge(job.state);
+    this.took = node("span", { class: "soft" });
+    this.progress = new ProgressBar();
+    this.why = node("p", { class: "why", hidden: true });
+    this.cancelButton = node("button", { class: "danger", "aria-keyshortcuts": "c",
+      onclick: () => this.on.cancel(this.job) }, "Cancel");
+    this.retryButton = node("button", { "aria-keyshortcuts": "r", onclick: () => this.on.retry(this.job) }, "Retry");
+    this.download = node("a", { href: `/v1/jobs/${job.id}/result`, download: outputName(job),
+      onclick: (event) => this.fetchResult(event) }, "Download the result");
+    this.pictures = node("div", { class: "pictures" });
+    this.picturesPart = node("section", { "aria-label": "Pictures", hidden: true }, node("h3", {}, "Pictures"),
+      this.pictures);
+    this.facts = node("div");
+    this.attempts = node("div");
+    this.logNote = node("p", { class: "soft" });
+    this.log = node("pre", { class: "log", tabindex: 0, role: "log", "aria-label": "Log", "aria-live": "off" });
+    this.root.replaceChildren(
+      node("div", { class: "detail-top" }, this.title,
+        node("button", { onclick: () => this.on.close(), "aria-keyshortcuts": "Escape" }, "Close")),
+      node("p", {}, this.badge, " ", this.took), this.progress.root, this.why,
+      node("div", { class: "actions" }, this.cancelButton, this.retryButton, this.download),
+      this.picturesPart,
+      node("h3", {}, "Job"), this.facts,
+      node("h3", {}, "Attempts"), this.attempts,
+      node("h3", {}, "Log"), this.logNote, this.log);
+    this.logSize = -1;
+    this.show(job);
+  }
+
+  show(job) {
+    this.job = job;
+    setBadge(this.badge, job.state);
+    this.progress.show(job);
+    this.why.hidden = !job.message || job.state === "succeeded";
+    setText(this.why, job.message);
+    this.cancelButton.hidden = !canCancel(job);
+    this.retryButton.hidden = !canRetry(job);
+    this.download.hidden = job.state !== "succeeded" || !job.output;
+    this.showTook();
+    const time = (value) => (value ? timeNode(value) : null);
+    const after = job.state === "queued" && job.not_before && Date.parse(job.not_before) > Date.now();
+    this.facts.replaceChildren(facts([
+      ["label", job.label], ["output", job.output],
+      ...Object.entries(job.parameters).map(([name, value]) => [name, String(value)]),
+      ["queue", job.priority ? `${job.queue}, priority ${job.priority}` : job.queue],
+      ["needs", job.needs.length ? job.needs.flatMap((id, i) => (i ? [", ", jobLink(id)] : [jobLink(id)])) : null],
+      ["submitted", time(job.created)], ["started", time(job.started)], ["finished", time(job.finished)],
+      ["next attempt", after ? time(job.not_before) : null], ["deadline", time(job.deadline)],
+      ["memory", job.memory_bytes ? bytesText(job.memory_bytes) : null], ["device", job.device],
+      ["exit code", job.exit_code === null ? null : String(job.exit_code)],
+      ["taken from", job.reused_from === null ? null : jobLink(job.reused_from)]]));
+    const rows = (job.attempts ?? []).map((one) => [String(one.number), one.outcome, timeNode(one.started),
+      one.ended ? durationText(Date.parse(one.ended) - Date.parse(one.started)) : "",
+      one.exit_code === null ? "" : String(one.exit_code), one.message]);
+    this.attempts.replaceChildren(rows.length
+      ? table(["number", "outcome", "started", "took", "exit code", "message"], rows)
+      : node("p", { class: "soft" }, `None yet, of ${job.attempt_max} at most.`));
+  }
+
+  showTook() {
+    const words = this.job.finished ? "took" : "for";
+    setText(this.took, this.job.started ? `${words} ${tookText(this.job)}` : "not started yet");
+  }
+
+  // ---- As it goes on
+
+  takeJob(job) {
+    if (job.id !== this.job?.id) return;
+    const wasFinal = isFinal(this.job.state);
+    const progress = job.attempt === this.job.attempt ? this.job.progress : null;
+    this.show({ ...job, attempts: this.job.attempts, progress });
+    clearTimeout(this.reload);
+    this.reload = setTimeout(() => this.refresh(), 200);
+    if (isFinal(job.state) && !wasFinal) this.loadPictures();
+  }
+
+  takeProgress({ id, stage, done, total }) {
+    if (id !== this.job?.id) return;
+    this.job.progress = { stage, done, total };
+    this.progress.show(this.job);
+  }
+
+  /** After a break, or for what events do not tell. */
+  async refresh() {
+    const id = this.number;
+    if (id === null || !this.isOpen) return;
+    try {
+      const job = await ask("GET", `/v1/jobs/${id}`);
+      if (this.number !== id) return;
+      this.show(job);
+      this.loadLog();
+    } catch (error) {
+      if (error.status === 404) this.on.close();
+    }
+  }
+
+  tick() {
+    if (!this.job) return;
+    refreshTimes(this.root);
+    this.showTook();
+  }
+
+  async loadLog() {
+    clearTimeout(this.logTimer);
+    const id = this.number;
+    try {
+      const text = await (await fetchAnswer("GET", `/v1/jobs/${id}/log`)).text();
+      if (this.number !== id) return;
+      if (text.length !== this.logSize) this.showLog(text);
+    } catch {
+      // The line says that it is broken; the next look may have more luck.
+    }
+    if (this.number === id && this.job && !isFinal(this.job.state))
+      this.logTimer = setTimeout(() => this.loadLog(), this.logSize > LOG_LARGE ? 10000 : 2000);
+  }
+
+  showLog(text) {
+    const isAtEnd = this.log.scrollHeight - this.log.scrollTop - this.log.clientHeight < 8;
+    this.logSize = text.length;
+    const start = text.length > LOG_SHOWN ? text.indexOf("\n", text.length - LOG_SHOWN) + 1 : 0;
+    setText(this.logNote, start > 0 ? `its last ${bytesText(text.length - start)} of ${bytesText(text.length)}`
+      : text ? "" : isFinal(this.job.state) ? "Nothing was printed." : "Nothing was printed yet.");
+    this.logNote.hidden = this.logNote.textContent === "";
+    setText(this.log, text.slice(start));
+    this.log.hidden = text === "";
+    if (isAtEnd) this.log.scrollTop = this.log.scrollHeight;
+  }
+
+  // ---- Files
+
+  async loadPictures() {
+    const job = this.job;
+    const isShown = job.state === "succeeded" && (job.type === "bake" || job.type === "infer");
+    this.picturesPart.hidden = !isShown;
+    if (!isShown) return;
+    const wanted = job.type === "infer" ? [["render", "its first frame"]] : PICTURES;
+    const holes = wanted.map(([, caption]) => node("figure", {}, node("div", { class: "hole" }, "being made ..."),
+      node("figcaption", {}, caption)));
+    this.pictures.replaceChildren(...holes);
+    await Promise.all(wanted.map(async ([name, caption], i) => {
+      try {
+        const blob = await (await fetchAnswer("GET", `/v1/jobs/${job.id}/pictures/${name}.png`)).blob();
+        if (this.number !== job.id) return;
+        const url = URL.createObjectURL(blob);
+        this.urls.push(url);
+        holes[i].firstElementChild.replaceWith(node("button", { onclick: () => this.enlarge(url, caption) },
+          node("img", { src: url, alt: `${caption}, of job ${job.id}; larger` })));
+      } catch (error) {
+        holes[i].firstElementChild.textContent = error.status ? error.message : "nobody answers";
+      }
+    }));
+  }
+
+  enlarge(url, caption) {
+    const dialog = byId("picture");
+    dialog.replaceChildren(node("img", { src: url, alt: caption }), node("p", {}, caption),
+      node("div", { class: "actions" }, node("button", { onclick: () => dialog.close() }, "Close")));
+    dialog.showModal();
+  }
+
+  /** A link cannot send the token, and the token does not belong into a list of downloads. */
+  async fetchResult(event) {
+    if (!hasToken()) return;
+    event.preventDefault();
+    try {
+      const url = URL.createObjectURL(await (await fetchAnswer("GET", `/v1/jobs/${this.job.id}/result`)).blob());
+      node("a", { href: url, download: outputName(this.job) }).click();
+      setTimeout(() => URL.revokeObjectURL(url), 60000);
+    } catch (error) {
+      notify(error.message, true);
+    }
+  }
+}

@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of jobs: made once, by a child whose crash, hang or absence costs pictures alone. MULTUM names the program.
+
+  MULTUM=build/release/bin/multum pictures_test.py [-v] [PicturesTest.test_...]
+"""
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from service_harness import Service  # noqa: E402
+
+MULTUM = os.environ.get("MULTUM", "multum")
+
+
+def png_size(data):
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", data[:20]
+    return struct.unpack(">II", data[16:24])
+
+
+class PicturesTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.service = None
+
+    def tearDown(self):
+        if self.service is not None and self.service.process.poll() is None:
+            self.service.kill()
+        shutil.rmtree(self.folder)
+
+    def start(self, viewer=None, **more):
+        """`viewer`: the text of a shell script that is multum-view for this daemon; "": there is none."""
+        multum = MULTUM
+        if viewer is not None:
+            multum = os.path.join(self.folder, "bin", "multum")
+            os.makedirs(os.path.dirname(multum))
+            shutil.copy(MULTUM, multum)
+            if viewer:
+                with open(multum + "-view", "w", encoding="utf-8") as file:
+                    file.write("#!/bin/sh\n" + viewer)
+                os.chmod(multum + "-view", 0o755)
+        self.service = Service(multum, self.folder, config="back_off_first_s = 0.05\n", **more).start()
+        subprocess.run([MULTUM, "testmap", "--size", "64", self.path("q")], check=True, capture_output=True)
+        return self.service
+
+    def path(self, name):
+        return os.path.join(self.service.root, name)
+
+    def bake(self, output="q.ndf.exr", **parameters):
+        parameters = {"input": self.path("q_normal.png"), "lobes": 1, "no_measure": True, **parameters}
+        job = self.service.wait_for(self.service.submit(type="bake", parameters=parameters, output=self.path(output)))
+        self.assertEqual(job["state"], "succeeded", job)
+        return job["id"]
+
+    def ask(self, job, name):
+        return self.service.ask("GET", f"/v1/jobs/{job}/pictures/{name}.png", timeout=120)
+
+    def refused(self, job, name, words):
+        status, answer = self.ask(job, name)
+        self.assertEqual(status, 404, answer)
+        self.assertEqual(answer["error"]["code"], "no_picture")
+        self.assertIn(words, answer["error"]["message"])
+
+    def folders(self):
+        return sorted(os.listdir(os.path.join(self.service.data, "pictures")))
+
+    def test_three_pictures_of_a_bake(self):
+        self.start()
+        job = self.bake()
+        sizes = {name: png_size(self.ask(job, name)[1]) for name in ("input", "render", "error")}
+        self.assertEqual(sizes, {"input": (64, 64), "render": (384, 288), "error": (384, 288)})
+        self.assertEqual(len(self.folders()), 1)
+        self.assertTrue(self.folders()[0].startswith(f"{job}-"))
+        status, answer = self.service.ask("POST", "/v1/purge", {"jobs": [job]})
+        self.assertEqual((status, answer["purged"]), (200, [job]))
+        self.assertEqual(self.folders(), [])
+
+    def test_without_its_input_there_is_a_render(self):
+        self.start()
+        job = self.bake(first_level=1)
+        os.remove(self.path("q_normal.png"))
+        self.assertEqual(self.ask(job, "render")[0], 200)
+        self.refused(job, "input", "input is not there any more")
+        self.refused(job, "error", "input is not there any more")
+
+    def test_a_changed_input_or_result_is_not_shown(self):
+        self.start()
+        job, other = self.bake(), self.bake("b.ndf.exr", lobes=2)
+        shutil.copy(self.path("q_albedo.png"), self.path("q_normal.png"))
+        self.refused(job, "input", "has changed since it was baked")
+        self.assertEqual(self.ask(job, "render")[0], 200)
+        shutil.copy(self.path("q.ndf.exr"), self.path("b.ndf.exr"))
+        self.refused(other, "render", "its result was changed")
+        os.remove(self.path("q.ndf.exr"))
+        self.refused(job, "render", "its result was changed")
+
+    def test_who_has_none(self):
+        service = self.start()
+        drill = service.submit(type="drill", parameters={"seconds": 0})
+        service.wait_for(drill)
+        self.refused(drill, "render", "a drill makes nothing to look at")
+        bad = service.submit(type="bake", parameters={"input": self.path("q_normal.png"), "compression": "x"},
+                             output=self.path("c.ndf.exr"))
+        self.assertEqual(service.wait_for(bad)["state"], "dead")
+        self.refused(bad, "input", "is dead")
+        self.assertEqual(service.ask("GET", "/v1/jobs/99/pictures/input.png")[0], 404)
+        self.assertEqual(service.ask("GET", f"/v1/jobs/{drill}/pictures/other.png")[0], 404)
+
+    def test_a_crash_is_one_childs_and_is_remembered(self):
+        service = self.start(f"echo x >> '{self.folder}/begun'\nsleep 1\nkill -SEGV $$\n")
+        job = self.bake()
+        answers = []
+        threads = [threading.Thread(target=lambda: answers.append(self.ask(job, "render"))) for _ in range(10)]
+        for thread in threads:
+            thread.start()
+        begun = time.monotonic()
+        self.assertEqual(service.ask("GET", "/healthz")[0], 200)
+        healthy = time.monotonic() - begun
+        for thread in threads:
+            thread.join()
+        self.assertEqual({status for status, _ in answers}, {404})
+        self.assertIn("signal 11", answers[0][1]["error"]["message"])
+        self.assertLess(healthy, 0.9, "health waits for no child")
+        self.refused(job, "input", "signal 11")
+        with open(os.path.join(self.folder, "begun"), encoding="utf-8") as file:
+            self.assertEqual(len(file.read()), 2, "one child for all who ask, and none for who asks later")
+        # A daemon that starts tries it once more.
+        service.stop()
+        service.start()
+        self.refused(job, "render", "signal 11")
+        with open(os.path.join(self.folder, "begun"), encoding="utf-8") as file:
+            self.assertEqual(len(file.read()), 4)
+
+    def test_a_child_that_hangs_keeps_nobody_from_ending(self):
+        service = self.start("exec sleep 1000\n")
+        job = self.bake()
+        thread = threading.Thread(target=lambda: self.assertRaises(Exception, self.ask, job, "render"))
+        thread.start()
+        time.sleep(0.5)
+        begun = time.monotonic()
+        self.assertEqual(service.stop(), 0)
+        self.assertLess(time.monotonic() - begun, 20)
+        thread.join()
+        self.assertEqual([name for name in self.folders() if name != "unfinished"], [])
+
+    def test_without_the_viewer_and_after_its_installation(self):
+        self.start("", environment={"PATH": self.folder})
+        job = self.bake()
+        self.refused(job, "render", "multum-view is not installed")
+        with open(os.path.join(self.folder, "multum-view"), "w", encoding="utf-8") as file:
+            file.write(f'#!/bin/sh\nexec "{os.path.abspath(MULTUM)}-view" "$@"\n')
+        os.chmod(os.path.join(self.folder, "multum-view"), 0o755)
+        self.assertEqual(self.ask(job, "render")[0], 200)
+
+    def test_pictures_of_jobs_that_are_gone_are_swept(self):
+        service = self.start()
+        job = self.bake()
+        self.assertEqual(self.ask(job, "render")[0], 200)
+        service.stop()
+        pictures = os.path.join(service.data, "pictures")
+        shutil.copytree(os.path.join(pictures, self.folders()[0]), os.path.join(pictures, "77-1-2-3"))
+        service.start()
+        deadline = time.monotonic() + 10
+        while len(self.folders()) > 1 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.assertEqual([name.split("-")[0] for name in self.folders()], [str(job)])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

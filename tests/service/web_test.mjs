@@ -1,0 +1,555 @@
+// SPDX-License-Identifier: Apache-2.0
+// Walks through the page of the service in headless Chromium. Started by web_test.py, which starts and stops daemons
+// for lines on standard output that begin with "@".
+//
+//   node web_test.mjs CHROMIUM SCREENSHOTS [STEP]
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import readline from "node:readline";
+import { chromium } from "./web/node_modules/playwright-core/index.mjs";
+
+const [executablePath, screenshots, only] = process.argv.slice(2);
+const HOSTILE = `<img src=x onerror="window.isHacked = true">`;
+const PATIENCE = 30000; // ms: a machine may be busy with other things
+const ROWS_MAX = 50;
+
+const answers = readline.createInterface({ input: process.stdin })[Symbol.asyncIterator]();
+async function drive(...request) {
+  process.stdout.write(`@${JSON.stringify(request)}\n`);
+  return JSON.parse((await answers.next()).value);
+}
+
+const browser = await chromium.launch({
+  executablePath,
+  args: ["--no-sandbox", "--disable-gpu", "--headless=new", "--disable-dev-shm-usage"],
+});
+const service = await drive("start", "open");
+const complaints = []; // of any page: errors on its console, requests to others
+let isStopped = false; // then errors of the network are as they should be
+
+async function openPage(path = "", { width = 1280, height = 800, colorScheme = "light", at = service } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme, reducedMotion: "reduce" });
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE);
+  page.on("console", (message) => {
+    const isNetwork = /Failed to load resource/.test(message.text());
+    if (["error", "warning"].includes(message.type()) && !(isNetwork && (isStopped || page.expectsRefusal)))
+      complaints.push(message.text());
+  });
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("dialog", (dialog) => complaints.push(`a script of a stranger says ${dialog.message()}`));
+  page.on("request", (request) => {
+    if (!request.url().startsWith(at.url) && !request.url().startsWith(`blob:${at.url}`))
+      complaints.push(`a request to ${request.url()}`);
+  });
+  await page.goto(at.url + "/" + path);
+  if (at === service) await page.waitForSelector("#line[data-state=live]");
+  return page;
+}
+
+async function ask(method, path, body, at = service) {
+  const response = await fetch(at.url + path, { method, body: body && JSON.stringify(body) });
+  const answer = await response.json();
+  assert.ok(response.ok, JSON.stringify(answer));
+  return answer;
+}
+const drill = async (seconds, more = {}) => {
+  const { then, ...job } = more;
+  return (await ask("POST", "/v1/jobs", { type: "drill", parameters: { seconds, ...(then && { then }) }, ...job })).id;
+};
+const jobOf = (id) => ask("GET", `/v1/jobs/${id}`);
+
+async function until(what, check) {
+  const deadline = Date.now() + PATIENCE;
+  for (;;) {
+    const found = await check();
+    if (found) return found;
+    assert.ok(Date.now() < deadline, `still not: ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+}
+const stateOf = (id, state) => until(`job ${id} ${state}`, async () => (await jobOf(id)).state === state);
+const row = (page, id) => page.locator(`#rows tr[data-id="${id}"]`);
+const shows = (page, id, state) => row(page, id).locator(`.badge[data-state=${state}]`).waitFor();
+const focusedRow = (page) => page.evaluate(() => Number(document.activeElement.closest("#rows tr")?.dataset.id ?? 0));
+const focusedId = (page) => page.evaluate(() => document.activeElement.id);
+
+async function bake(name, parameters = {}) {
+  await drive("testmap", `${service.root}/${name}`);
+  const job = await ask("POST", "/v1/jobs", {
+    type: "bake", label: name, output: `${service.root}/${name}.ndf.exr`,
+    parameters: { input: `${service.root}/${name}_normal.png`, lobes: 4, ...parameters },
+  });
+  await stateOf(job.id, "succeeded");
+  return job.id;
+}
+
+/** The bake of an earlier step, or a new one. */
+const rock = async () => (await ask("GET", "/v1/jobs?state=succeeded&limit=1000")).jobs
+  .find((job) => job.label === "rock")?.id ?? bake("rock");
+
+/** Texts whose contrast is below that of WCAG AA, as the browser has laid them out. */
+const lowContrasts = (page) => page.evaluate(() => {
+  const parse = (colour) => {
+    const [r, g, b, a = 1] = colour.match(/[\d.]+/g).map(Number);
+    return { r, g, b, a };
+  };
+  const over = (top, under) => ({
+    r: top.r * top.a + under.r * (1 - top.a), g: top.g * top.a + under.g * (1 - top.a),
+    b: top.b * top.a + under.b * (1 - top.a), a: 1,
+  });
+  const luminance = ({ r, g, b }) => {
+    const [x, y, z] = [r, g, b].map((v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * x + 0.7152 * y + 0.0722 * z;
+  };
+  const canvas = parse(getComputedStyle(document.body).backgroundColor);
+  const backOf = (element) => {
+    const layers = [];
+    for (let one = element; one; one = one.parentElement) layers.push(parse(getComputedStyle(one).backgroundColor));
+    return layers.reverse().reduce((under, top) => over(top, under), canvas);
+  };
+  const found = [];
+  let count = 0;
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const modal = document.querySelector("dialog[open]");
+  while (walker.nextNode()) {
+    const element = walker.currentNode.parentElement;
+    if (!walker.currentNode.data.trim() || !element.checkVisibility({ visibilityProperty: true })) continue;
+    if (element.closest(".unseen, .skip, :disabled, noscript") || (modal && !modal.contains(element))) continue;
+    ++count;
+    const style = getComputedStyle(element);
+    const back = backOf(element);
+    const [light, dark] = [luminance(over(parse(style.color), back)), luminance(back)].sort((a, b) => b - a);
+    const ratio = (light + 0.05) / (dark + 0.05);
+    const size = parseFloat(style.fontSize);
+    const isLarge = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
+    if (ratio < (isLarge ? 3 : 4.5))
+      found.push(`${ratio.toFixed(2)}: ${walker.currentNode.data.trim().slice(0, 40)} (${style.color})`);
+  }
+  return { count, found };
+});
+
+async function checkContrast(page, least) {
+  const { count, found } = await lowContrasts(page);
+  assert.ok(count >= least, `${count} texts were looked at, expected ${least} at least`);
+  assert.deepEqual(found, []);
+}
+
+const noSideways = async (page, what) => {
+  const [scroll, client] = await page.evaluate(() =>
+    [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
+  assert.ok(scroll <= client, `${what} is ${scroll} px wide in ${client}`);
+};
+
+// ---- Steps. Each finds what the ones before have left.
+
+const steps = {
+  async filesAreServedAsTheyShould() {
+    const first = await fetch(service.url + "/");
+    const policy = first.headers.get("content-security-policy");
+    assert.match(policy, /default-src 'self'/);
+    assert.doesNotMatch(policy, /unsafe|data:/);
+    assert.equal(first.headers.get("referrer-policy"), "no-referrer");
+    assert.equal(first.headers.get("cache-control"), "no-cache");
+    const html = await first.text();
+    assert.doesNotMatch(html, /https?:\/\/|<style|\son[a-z]+=|style=/, "nothing inline, nothing from elsewhere");
+    for (const path of ["/", "/app.js", "/style.css", "/icon.svg"]) {
+      const etag = (await fetch(service.url + path)).headers.get("etag");
+      const again = await fetch(service.url + path, { headers: { "If-None-Match": etag } });
+      assert.equal(again.status, 304, path);
+    }
+    // The embedded bytes are the file's.
+    const source = await readFile(new URL("../../host/service/web/job_list.js", import.meta.url), "utf8");
+    assert.equal(await (await fetch(service.url + "/job_list.js")).text(), source);
+  },
+
+  async anEmptyListSaysWhatToDo() {
+    const page = await openPage();
+    await page.getByText("multum submit bake").waitFor();
+    await page.context().close();
+  },
+
+  async theListFillsAndLivesWithoutReload() {
+    const page = await openPage();
+    await page.evaluate(() => { window.isThisPage = true; });
+    const hostile = await drill(0, { label: HOSTILE, then: "refuse" });
+    await shows(page, hostile, "dead");
+    assert.ok((await row(page, hostile).innerText()).includes(HOSTILE), "a label is text");
+    const long = await drill(600, { label: "long one" });
+    await shows(page, long, "running");
+    const bar = row(page, long).locator("progress");
+    await bar.waitFor();
+    const share = await bar.evaluate((one) => one.value);
+    await until("progress moves", async () => (await bar.evaluate((one) => one.value)) > share);
+    await until("time left", async () => /left/.test(await row(page, long).innerText()));
+    await page.getByRole("button", { name: "Retry all dead (1)" }).waitFor();
+    await row(page, hostile).click();
+    await page.locator("#detail .why").getByText("a drill that was to be refused").waitFor();
+    assert.ok((await page.locator("#detail-title").innerText()).includes(HOSTILE));
+    assert.equal(await page.evaluate(() => document.querySelectorAll("#rows img, #detail img").length), 0);
+    assert.equal(await page.evaluate(() => window.isHacked), undefined);
+    assert.equal(await page.evaluate(() => window.isThisPage), true);
+    await page.context().close();
+  },
+
+  async aBakeHasPicturesAndALog() {
+    const id = await bake("rock");
+    const page = await openPage(`#job-${id}`);
+    await page.locator("#detail .log").getByText("measured error").waitFor();
+    await page.locator("#detail figure img").nth(2).waitFor();
+    const measure = (images) => Promise.all(images.map(async (image) => {
+      await image.decode();
+      const { naturalWidth: width, naturalHeight: height } = image;
+      const canvas = Object.assign(document.createElement("canvas"), { width, height });
+      const context = canvas.getContext("2d");
+      context.drawImage(image, 0, 0);
+      const values = context.getImageData(0, 0, width, height).data.filter((_, i) => i % 4 === 1);
+      const mean = values.reduce((sum, v) => sum + v, 0) / values.length;
+      const spread = Math.sqrt(values.reduce((sum, v) => sum + (v - mean) ** 2, 0) / values.length);
+      return { width, height, spread };
+    }));
+    const pictures = await page.locator("#detail figure img").evaluateAll(measure);
+    assert.deepEqual(pictures.map(({ width, height }) => [width, height]), [[64, 64], [384, 288], [384, 288]]);
+    for (const { spread } of pictures) assert.ok(spread > 10, `a picture of one colour: ${spread}`);
+    await page.locator("#detail figure button").first().click();
+    await page.locator("#picture img").waitFor();
+    await page.keyboard.press("Escape");
+    const downloading = page.waitForEvent("download");
+    await page.getByText("Download the result").click();
+    const download = await downloading;
+    assert.equal(download.suggestedFilename(), "rock.ndf.exr");
+    await page.context().close();
+  },
+
+  async theLogOfARunningJobGrows() {
+    const id = await drill(0, { then: "fail", attempt_max: 30 });
+    const page = await openPage(`#job-${id}`);
+    const attempts = page.locator("#detail tbody tr");
+    await until("attempts", async () => (await attempts.count()) > 2);
+    await shows(page, id, "queued");
+    await ask("POST", `/v1/jobs/${id}/cancel`);
+    await page.locator("#detail .badge[data-state=cancelled]").waitFor();
+    const good = await drill(2);
+    await page.goto(`${service.url}/#job-${good}`);
+    await page.getByText("Nothing was printed yet.").waitFor();
+    await page.locator("#detail .log").getByText("drill: done").waitFor();
+    await page.context().close();
+  },
+
+  async everythingByKeyboardAlone() {
+    for (const then of ["succeed", "refuse"]) await drill(0, { then });
+    const id = await drill(600, { label: "by keyboard" });
+    await stateOf(id, "running");
+    const page = await openPage();
+    const key = (name) => page.keyboard.press(name);
+    await shows(page, id, "running");
+    const seen = [];
+    for (let i = 0; i < 25 && (await focusedRow(page)) === 0; ++i) {
+      await key("Tab");
+      const [words, isVisible] = await page.evaluate(() => {
+        const style = getComputedStyle(document.activeElement);
+        return [document.activeElement.id || document.activeElement.textContent.trim(),
+          style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2];
+      });
+      assert.ok(isVisible, `no focus is seen on ${words}`);
+      seen.push(words);
+    }
+    const places = ["new-job", "theme", "help", "filter-state", "filter-queue", "filter-text", "retry-dead"];
+    assert.deepEqual(seen.filter((one) => places.includes(one)), places, "Tab goes through the page from the top");
+    assert.equal(await focusedRow(page), id, "Tab leads to the newest job");
+    await key("ArrowDown");
+    const second = await focusedRow(page);
+    assert.notEqual(second, id);
+    await key("j");
+    const third = await focusedRow(page);
+    assert.notEqual(third, second);
+    await key("k");
+    await key("ArrowUp");
+    await key("ArrowUp");
+    assert.equal(await focusedRow(page), id, "up ends at the first");
+
+    await key("Enter");
+    await page.locator("#detail-title").waitFor();
+    await until("focus in the job", async () => (await focusedId(page)) === "detail-title");
+    await key("Escape");
+    assert.equal(await page.locator("#detail").isVisible(), false);
+    assert.equal(await focusedRow(page), id, "Escape gives the focus back");
+
+    await key("c");
+    await page.locator("#confirm[open]").waitFor();
+    await key("Escape");
+    assert.equal((await jobOf(id)).state, "running", "not confirmed, not cancelled");
+    assert.equal(await focusedRow(page), id);
+    await key("c");
+    await page.locator("#confirm[open]").waitFor();
+    await key("Enter");
+    await shows(page, id, "cancelled");
+    assert.equal((await jobOf(id)).state, "cancelled");
+    assert.equal(await focusedRow(page), id);
+    await key("r");
+    await shows(page, id, "running");
+    await key("Enter");
+    await until("focus in the job", async () => (await focusedId(page)) === "detail-title");
+    await key("c");
+    await page.locator("#confirm[open]").waitFor();
+    await key("Enter");
+    await page.locator("#detail .badge[data-state=cancelled]").waitFor();
+    await until("the end is said", async () => (await page.locator("#announce").textContent()).includes("cancelled"));
+    await key("Escape");
+
+    await key("/");
+    assert.equal(await focusedId(page), "filter-text");
+    await page.keyboard.type("cj?");
+    assert.equal(await page.locator("#filter-text").inputValue(), "cj?", "letters that are typed do nothing else");
+    await page.getByText("None of the newest").waitFor();
+    await page.locator("#filter-text").fill("");
+    await shows(page, id, "cancelled");
+    await key("Escape");
+    assert.notEqual(await focusedRow(page), 0);
+    await key("?");
+    await page.locator("#keys[open]").waitFor();
+    await key("Escape");
+    await key("n");
+    await page.locator("#submit[open]").waitFor();
+    await key("Escape");
+    assert.equal(await page.locator("dialog[open]").count(), 0);
+
+    // No trap: with a job open too, Tab comes to the page's end and round again.
+    await key("Enter");
+    await until("focus in the job", async () => (await focusedId(page)) === "detail-title");
+    const round = new Set();
+    for (let i = 0; i < 60; ++i) {
+      await key("Tab");
+      round.add(await page.evaluate(() => document.activeElement.id || document.activeElement.tagName));
+    }
+    assert.ok(round.has("new-job") && round.has("PRE") === (await page.locator("#detail .log").isVisible()),
+      [...round].join(" "));
+    await page.context().close();
+  },
+
+  async filtersAndPages() {
+    for (let i = 0; i < ROWS_MAX; ++i) await drill(0, { label: `terrain tile ${i}`, queue: "night" });
+    await until("all done", async () => (await ask("GET", "/v1/queues")).queues.find((q) => q.name === "night").jobs
+      .succeeded === ROWS_MAX);
+    const page = await openPage();
+    await until("one page", async () => (await page.locator("#rows tr").count()) === ROWS_MAX);
+    const [top] = await page.locator("#rows tr").evaluateAll((rows) => rows.map((one) => Number(one.dataset.id)));
+    await page.getByRole("button", { name: "Older jobs" }).click();
+    await page.getByRole("button", { name: "Newer jobs" }).waitFor();
+    await until("the older page", async () => Number(await page.locator("#rows tr").first().getAttribute("data-id"))
+      === top - ROWS_MAX);
+    await page.getByRole("button", { name: "Newer jobs" }).click();
+    await row(page, top).waitFor();
+    await page.locator("#filter-state").selectOption("dead");
+    await until("the dead alone", async () => (await page.locator("#rows .badge").allInnerTexts())
+      .every((state) => state === "dead"));
+    await page.locator("#filter-state").selectOption("");
+    await page.locator("#filter-text").fill("TILE 7");
+    await page.getByText("1 found among").waitFor();
+    await page.locator("#filter-text").fill("");
+    await page.locator("#filter-queue").selectOption("default");
+    await until("one queue alone", async () => (await page.locator("#rows td.queue").allInnerTexts())
+      .every((queue) => queue === "default"));
+    await page.context().close();
+  },
+
+  async queuesArePausedAndTheDeadRetried() {
+    const page = await openPage();
+    await page.getByRole("button", { name: "Pause queue night" }).click();
+    await page.getByRole("button", { name: "Resume queue night" }).waitFor();
+    const id = await drill(0, { queue: "night" });
+    await shows(page, id, "queued");
+    await page.getByRole("button", { name: "Resume queue night" }).click();
+    await shows(page, id, "succeeded");
+    const dead = await drill(0, { then: "refuse" });
+    await shows(page, dead, "dead");
+    await page.locator("#retry-dead").click();
+    await page.getByRole("button", { name: "No, leave it" }).click();
+    assert.equal((await jobOf(dead)).attempt, 1);
+    await page.locator("#retry-dead").click();
+    await page.getByRole("button", { name: "Yes, retry them" }).click();
+    await until("another attempt", async () => (await jobOf(dead)).attempt === 2);
+    await page.context().close();
+  },
+
+  async theFormMakesJobs() {
+    const page = await openPage();
+    await page.locator("#new-job").click();
+    await page.locator("#submit-type").selectOption("drill");
+    await page.locator("#parameter-seconds").fill("0");
+    await page.locator("#submit-label").fill("from the form");
+    await page.locator("#submit-priority").fill("7");
+    await page.getByRole("button", { name: "Submit", exact: true }).click();
+    await page.waitForURL(/#job-\d+$/);
+    const id = Number(/\d+$/.exec(page.url()));
+    await stateOf(id, "succeeded");
+    const job = await jobOf(id);
+    assert.deepEqual([job.label, job.priority, job.parameters], ["from the form", 7, { seconds: 0 }]);
+
+    await page.keyboard.press("Escape");
+    await page.locator("#new-job").click();
+    await page.locator("#submit-type").selectOption("bake");
+    await page.locator("#submit input[type=file]").first().setInputFiles(`${service.root}/rock_normal.png`);
+    await until("the path", async () => (await page.locator("#parameter-input").inputValue()).includes("/uploads/"));
+    assert.match(await page.locator("#submit-output").inputValue(), /\/results\/rock_normal-[0-9a-f]{8}\.ndf\.exr$/);
+    await page.getByText(/^Parameters/).click();
+    await page.locator("#parameter-lobes").fill("2");
+    await page.locator("#parameter-compression").fill("brotli");
+    page.expectsRefusal = true;
+    await page.getByRole("button", { name: "Submit", exact: true }).click();
+    await page.waitForURL((url) => url.hash !== "" && url.hash !== `#job-${id}`);
+    await page.locator("#detail .badge[data-state=dead]").waitFor();
+    assert.match(await page.locator("#detail .why").innerText(), /brotli/);
+    await page.locator("#new-job").click();
+    await page.locator("#submit-type").selectOption("bake");
+    await page.locator("#parameter-input").fill("/nowhere/at/all.png");
+    assert.equal(await page.locator("#submit-output").inputValue(), "/nowhere/at/all.ndf.exr");
+    await page.getByRole("button", { name: "Submit", exact: true }).click();
+    await page.locator("#submit [role=alert]").getByText("not below a folder").waitFor();
+    await page.context().close();
+  },
+
+  async looksOfIt() {
+    const baked = await rock(); // while there is a worker for it
+    const running = await drill(900, { label: "cliff, 16384 x 16384" });
+    await drill(900, { label: "terrain tile 50", queue: "night" });
+    await drill(0, { label: "cliff, its frames", needs: [running] });
+    await stateOf(running, "running");
+    for (const colorScheme of ["light", "dark"]) {
+      const page = await openPage("", { width: 1360, height: 760, colorScheme });
+      await until("time left", async () => /left/.test(await row(page, running).innerText()));
+      await checkContrast(page, 40);
+      await until("notices are gone", async () => (await page.locator(".notice").count()) === 0);
+      await page.screenshot({ path: `${screenshots}/${colorScheme}.png` });
+      await page.goto(`${service.url}/#job-${baked}`);
+      await page.locator("#detail figure img").nth(2).waitFor();
+      await checkContrast(page, 70);
+      await page.setViewportSize({ width: 1500, height: 1000 });
+      await page.screenshot({ path: `${screenshots}/detail_${colorScheme}.png` });
+      await page.keyboard.press("Escape");
+      for (const name of ["n", "?", "c"]) {
+        if (name === "c") await row(page, running).locator("a").focus();
+        await page.keyboard.press(name);
+        await page.locator("dialog[open]").waitFor();
+        await checkContrast(page, 4);
+        if (name === "n") await page.screenshot({ path: `${screenshots}/form_${colorScheme}.png` });
+        await page.keyboard.press("Escape");
+      }
+      await page.context().close();
+    }
+    // The button goes before the system.
+    const page = await openPage("", { colorScheme: "light" });
+    const back = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    const light = await back();
+    await page.locator("#theme").click();
+    assert.equal(await back(), light);
+    await page.locator("#theme").click();
+    assert.notEqual(await back(), light);
+    await page.reload();
+    assert.notEqual(await back(), light, "and is remembered");
+    await page.context().close();
+    for (const state of ["queued", "running"]) // workers are for the next steps
+      for (const job of (await ask("GET", `/v1/jobs?state=${state}&limit=1000`)).jobs)
+        await ask("POST", `/v1/jobs/${job.id}/cancel`);
+  },
+
+  async narrowScreens() {
+    const baked = await rock();
+    const page = await openPage("", { width: 360, height: 740 });
+    await noSideways(page, "the list");
+    await page.screenshot({ path: `${screenshots}/narrow.png` });
+    await page.goto(`${service.url}/#job-${baked}`);
+    await page.locator("#detail figure img").nth(2).waitFor();
+    await noSideways(page, "a job");
+    assert.ok(await page.locator("#detail").evaluate((one) => one.scrollWidth <= one.clientWidth), "a job is too wide");
+    assert.equal(await page.locator("#main").evaluate((one) => one.inert), true, "what is covered takes no focus");
+    await page.screenshot({ path: `${screenshots}/narrow_detail.png` });
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("n");
+    await page.locator("#submit[open]").waitFor();
+    await noSideways(page, "the form");
+    assert.ok(await page.locator("#submit").evaluate((one) => one.scrollWidth <= one.clientWidth), "a form too wide");
+    await page.context().close();
+  },
+
+  async aTokenIsAskedFor() {
+    const guarded = await drive("start", "guarded");
+    const page = await openPage("", { at: guarded });
+    page.expectsRefusal = true;
+    await page.locator("#token[open]").waitFor();
+    await page.keyboard.press("Escape");
+    assert.equal(await page.locator("#token[open]").count(), 1, "there is nothing behind it");
+    await page.locator("#token-text").fill("a wrong token of letters");
+    await page.keyboard.press("Enter");
+    await page.getByText("That was not it.").waitFor();
+    await page.locator("#token-text").fill(guarded.token);
+    await page.keyboard.press("Enter");
+    await page.locator("#line[data-state=live]").waitFor();
+    const submitted = await fetch(`${guarded.url}/v1/jobs`, { method: "POST", body: JSON.stringify({ type: "drill" }),
+      headers: { Authorization: `Bearer ${guarded.token}` } });
+    const { id } = await submitted.json();
+    await shows(page, id, "succeeded");
+    await page.reload();
+    await shows(page, id, "succeeded");
+    assert.equal(await page.locator("#token[open]").count(), 0, "the tab remembers it");
+    assert.doesNotMatch(page.url(), /token/);
+    await page.context().close();
+  },
+
+  async aBrokenLineIsSeenAndMended() {
+    const page = await openPage();
+    const id = await drill(0);
+    await shows(page, id, "succeeded");
+    isStopped = true;
+    await drive("stop", "open");
+    await page.locator("#line[data-state=broken]").waitFor();
+    assert.match(await page.locator("#line").innerText(), /not connected/);
+    await page.screenshot({ path: `${screenshots}/broken.png` });
+    await drive("start", "open");
+    const meanwhile = await drill(0, { label: "meanwhile" });
+    await page.locator("#line[data-state=live]").waitFor();
+    await shows(page, meanwhile, "succeeded");
+    isStopped = false;
+    const after = await drill(0, { label: "after" });
+    await shows(page, after, "succeeded");
+    await page.context().close();
+  },
+
+  async thousandsOfJobsAreFewRows() {
+    const page = await openPage();
+    await page.evaluate(() => {
+      window.most = 0;
+      new MutationObserver(() => {
+        window.most = Math.max(window.most, document.querySelectorAll("#rows tr").length);
+      }).observe(document.getElementById("rows"), { childList: true });
+    });
+    let last = 0;
+    for (let i = 0; i < 2000; i += 100)
+      last = Math.max(last, ...await Promise.all(Array.from({ length: 100 }, () => drill(0))));
+    await shows(page, last, "succeeded");
+    const [most, nodes] = await page.evaluate(() => [window.most, document.querySelectorAll("*").length]);
+    assert.ok(most > 0 && most <= ROWS_MAX + 1, `${most} rows at once`);
+    assert.ok(nodes < 2500, `${nodes} elements`);
+    await page.context().close();
+  },
+};
+
+let failures = 0;
+for (const [name, step] of Object.entries(steps)) {
+  if (only && !name.includes(only)) continue;
+  const begun = Date.now();
+  try {
+    await step();
+    assert.deepEqual(complaints.splice(0), [], "consoles are empty, and nobody else is asked");
+    console.log(`ok      ${name} (${((Date.now() - begun) / 1000).toFixed(1)} s)`);
+  } catch (error) {
+    ++failures;
+    console.log(`FAILED  ${name}: ${error.stack}`, complaints.splice(0));
+    for (const context of browser.contexts()) {
+      await context.pages()[0]?.screenshot({ path: `${screenshots}/failed_${name}.png` });
+      await context.close();
+    }
+  }
+}
+await browser.close();
+process.exit(failures > 0 ? 1 : 0);

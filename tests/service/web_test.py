@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The page of the service in Debian's headless Chromium: starts daemons, then web_test.mjs, which asks for them.
+
+  web_test.py MULTUM SCREENSHOTS [--only STEP]      exit code 77: no Chromium, Node or playwright-core here
+"""
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from service_harness import Service  # noqa: E402
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+CONFIG = """back_off_first_s = 0.05
+back_off_max_s = 0.2
+workers = 2
+shutdown_grace_s = 1
+[[queue]]
+name = "default"
+[[queue]]
+name = "night"
+jobs = 1
+memory_max = "2G"
+priority = -5
+"""
+TOKEN = "a token of many letters"
+
+
+def missing():
+    for program in ("node", "chromium"):
+        if shutil.which(program) is None:
+            return program
+    return None if os.path.isdir(os.path.join(HERE, "web/node_modules/playwright-core")) else "playwright-core"
+
+
+class Driver:
+    """What web_test.mjs asks for."""
+
+    def __init__(self, multum, folder):
+        self.multum = multum
+        self.folder = folder
+        self.services = {}
+
+    def start(self, name):
+        folder = os.path.join(self.folder, name)
+        os.makedirs(folder, exist_ok=True)
+        service = self.services.get(name)
+        if service is None:
+            options = []
+            if name == "guarded":
+                path = os.path.join(folder, "token")
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(TOKEN + "\n")
+                os.chmod(path, 0o600)
+                options = ["--token-file", path]
+            service = self.services[name] = Service(self.multum, folder, options, CONFIG)
+        service.start(port=service.port)  # the same when it is started again
+        return {"url": f"http://127.0.0.1:{service.port}", "root": service.root, "token": TOKEN}
+
+    def stop(self, name):
+        return self.services[name].stop()
+
+    def testmap(self, prefix):
+        subprocess.run([self.multum, "testmap", "--size", "64", prefix], check=True, capture_output=True)
+
+    def close(self):
+        for service in self.services.values():
+            if service.process.poll() is None:
+                service.kill()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("multum")
+    parser.add_argument("screenshots")
+    parser.add_argument("--only", default="", help="a step's name, or a part of it")
+    arguments = parser.parse_args()
+    if missing() is not None:
+        print(f"{missing()} is not here: tools/install_dependencies test")
+        return 77
+    os.makedirs(arguments.screenshots, exist_ok=True)
+    folder = tempfile.mkdtemp()
+    driver = Driver(os.path.abspath(arguments.multum), folder)
+    # A home of its own: Chromium keeps things there, and who runs the tests may have none that can be written.
+    environment = dict(os.environ, HOME=folder)
+    try:
+        with subprocess.Popen(["node", os.path.join(HERE, "web_test.mjs"), shutil.which("chromium"),
+                               os.path.abspath(arguments.screenshots), arguments.only], env=environment, text=True,
+                              stdin=subprocess.PIPE, stdout=subprocess.PIPE) as node:
+            for line in node.stdout:
+                if not line.startswith("@"):
+                    print(line, end="", flush=True)
+                    continue
+                name, *words = json.loads(line[1:])
+                node.stdin.write(json.dumps(getattr(driver, name)(*words)) + "\n")
+                node.stdin.flush()
+        return node.returncode
+    finally:
+        driver.close()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

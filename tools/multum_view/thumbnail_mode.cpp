@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view --thumbnails: what the service shows of a job, in one process, so that whatever a map or a driver does to
+// it ends the pictures alone. They are made from what is trusted most to what is trusted least: what comes after a
+// failure is missing, what came before it is there.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "host/asset/inferred_texture.h"
+#include "host/asset/movmf_reader.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/image/colour_map.h"
+#include "host/image/normal_map.h"
+#include "host/image/reading_settings.h"
+#include "host/image/small_picture.h"
+#include "host/mesh/mesh.h"
+#include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/render/picture_error.h"
+#include "runtime_gl/render/renderer.h"
+#include "tools/command_line/usage_error.h"
+#include "tools/multum_view/modes.h"
+#include "tools/multum_view/write_image.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kInputSide = 512;
+constexpr int kWidth = 384, kHeight = 288;  // of renders
+constexpr int kSamples = 64;                // a pixel of the truth
+constexpr float kPlaneSize = 60.0f;         // as multum-view draws it without options
+// The nearest tile of the plane fills the picture: the levels that it samples are at most this wide.
+constexpr int kLevelSide = 1024;
+// Texels of the truth, which is drawn from the whole map: a third of a gigabyte in all.
+constexpr std::int64_t kTruthTexelsMax = std::int64_t{1} << 24;
+
+struct ThumbnailOptions {
+  std::string result;
+  std::string folder;
+  std::string source, albedo;
+  std::string context = "auto";
+
+  std::string file(const char* name) const { return (fs::path(folder) / name).string(); }
+};
+
+/// The levels that a picture of this size shows, as a map of their own, whatever finer ones there are.
+MovmfMipmap read_coarse_levels(const std::string& path) {
+  MovmfReader reader(path, 1);
+  const MovmfMipmap& header = reader.header();
+  int first = header.first_level;
+  const auto is_larger = [&](int level) {
+    const MovmfLevel& one = header.levels[static_cast<std::size_t>(level)];
+    return std::max(one.width, one.height) > kLevelSide;
+  };
+  while (first + 1 < static_cast<int>(header.levels.size()) && is_larger(first)) ++first;
+  MovmfMipmap coarse = header;
+  coarse.first_level = 0;
+  coarse.levels.clear();
+  for (int level = first; level < static_cast<int>(header.levels.size()); ++level)
+    coarse.levels.push_back(reader.read_level(level, 0, header.levels[static_cast<std::size_t>(level)].height));
+  return coarse;
+}
+
+gl::MeshData plane_data() {
+  const TriangleMesh mesh = make_plane(kPlaneSize);
+  gl::MeshData data;
+  data.indices = mesh.indices;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    data.vertices.push_back({mesh.positions[i], mesh.normals[i], mesh.tangents[i], mesh.uvs[i]});
+  return data;
+}
+
+/// Throws Error(kInput) when it is not what was baked.
+NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMipmap& mipmap) {
+  const std::string& baked = mipmap.provenance.source_hash;
+  if (const std::string found = hash_file(options.source); !baked.empty() && found != baked)
+    throw Error(ErrorCode::kInput, fmt::format("{}: has changed since it was baked: SHA-256 {}, expected {}",
+                                               options.source, found, baked));
+  NormalMapSettings settings = parse_reading_settings(mipmap.provenance.settings);
+  settings.wrap_s = mipmap.wrap_s;
+  settings.wrap_t = mipmap.wrap_t;
+  settings.repair_share_max = 1.0f;  // the bake took these very texels
+  settings.texel_count_max = kTruthTexelsMax;
+  return settings;
+}
+
+gl::NormalImage read_source(const ThumbnailOptions& options, const NormalMapSettings& settings) {
+  const NormalMap map = read_normal_map(options.source, settings, 1, nullptr);
+  gl::NormalImage image{map.width, map.height, {}, {}, settings.wrap_s, settings.wrap_t};
+  for (std::size_t i = 0; i < map.x.size(); ++i) image.normals.emplace_back(map.x[i], map.y[i], map.z[i]);
+  if (options.albedo.empty()) return image;
+  const ColourMap colours = read_albedo_map(options.albedo, map.width, map.height, 1);
+  for (std::size_t i = 0; i < colours.r.size(); ++i)
+    image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
+  return image;
+}
+
+void make_bake_thumbnails(const ThumbnailOptions& options) {
+  const MovmfMipmap mipmap = read_coarse_levels(options.result);
+  const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
+  const gl::Mesh mesh(context->functions(), plane_data());
+  gl::Scene scene;
+  scene.uv_scale = kPlaneSize;
+  gl::Renderer renderer(context->functions(), kWidth, kHeight);
+  const gl::MovmfMaterial baked(context->functions(), mipmap, 1.0f);
+  const gl::FloatImage render = renderer.draw_movmf(mesh, baked, scene, gl::LobeFormula::kProduct).image;
+  write_picture(options.file("render.png"), render, 1.0f);
+  if (options.source.empty()) return;
+
+  const NormalMapSettings settings = source_settings(options, mipmap);
+  write_png8(options.file("input.png"), read_small_picture(options.source, kInputSide));
+  if (mipmap.has_colours() && options.albedo.empty()) return;  // nothing to compare with
+  const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
+                                  gl::NormalMaterial::Sampling::kNearest, 1.0f);
+  const gl::FloatImage truth = renderer.draw_truth(mesh, finest, scene, kSamples).image;
+  write_picture(options.file("error.png"), gl::difference_image(render, truth, gl::kDifferenceGain), 1.0f);
+}
+
+/// A frame of the first sample, as multum-view --sample draws it.
+void make_infer_thumbnail(const ThumbnailOptions& options) {
+  const InferredManifest manifest = read_inferred_manifest((fs::path(options.result) / kInferredManifestName).string());
+  if (manifest.samples.empty()) throw Error(ErrorCode::kInput, options.result + ": has no samples, expected one");
+  const std::string frame = options.file("frame.png");
+  // In one word each: a name may begin with a dash.
+  std::vector<std::string> words = {"multum-view",
+                                    "--sample=" + manifest.samples.front().name,
+                                    "--output=" + frame,
+                                    "--context=" + options.context,
+                                    "--",
+                                    options.result};
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  if (run_inferred(static_cast<int>(arguments.size()), arguments.data()) != 0) return;
+  write_png8(options.file("render.png"), read_small_picture(frame, kInputSide));
+  fs::remove(frame);
+}
+
+}  // namespace
+
+int run_thumbnails(int argc, char** argv) {
+  ThumbnailOptions options;
+  CLI::App app(
+      "multum-view --thumbnails writes small pictures of a baked map into a folder: render.png and, if its source is\n"
+      "given and is still what was baked, input.png and error.png (four times as bright); of a folder of `multum\n"
+      "infer`, render.png.\n\n"
+      "  multum-view bricks.ndf.exr --thumbnails pictures/ --source bricks_normal.png",
+      "multum-view");
+  app.failure_message(usage_error);
+  app.add_option("result", options.result, "*.ndf.exr, or what multum infer wrote")->required();
+  app.add_option("--thumbnails", options.folder, "folder for the pictures, which is there")->required();
+  app.add_option("--source", options.source, "normal map that the file was baked from");
+  app.add_option("--albedo", options.albedo, "the source's colours");
+  app.add_option("--context", options.context, "auto, osmesa (software) or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : exit_code(ErrorCode::kUsage);
+  }
+  if (fs::is_directory(options.result)) make_infer_thumbnail(options);
+  else make_bake_thumbnails(options);
+  return 0;
+}
+
+}  // namespace multum
