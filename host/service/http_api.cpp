@@ -296,6 +296,7 @@ struct HttpApi::State {
                       {"summary", type.summary},
                       {"input", type.input.empty() ? Json(nullptr) : Json(type.input)},
                       {"output_is_folder", type.output_is_folder},
+                      {"output_extension", type.output_extension},
                       {"parameters", parameters_schema(type)}});
     return json_response({{"types", list}});
   }

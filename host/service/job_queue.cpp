@@ -133,6 +133,7 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
   best->owner = owner;
   ++best->attempt;
   best->started = now;
+  best->needs = needs_of(best->id);
   statement(
       "UPDATE jobs SET state = 2, owner = ?, attempt = ?, attempts_counted = attempts_counted + 1, started = ?, "
       "not_before = NULL, message = '', exit_code = NULL, reused_from = NULL WHERE id = ?")
@@ -408,10 +409,14 @@ std::optional<Job> JobQueue::find(std::int64_t id) {
   if (!query.step()) return std::nullopt;
   Job job = job_from_row(query);
   query.reset();
+  job.needs = needs_of(id);
+  return job;
+}
+
+std::vector<std::int64_t> JobQueue::needs_of(std::int64_t id) {
   SqliteStatement& needs = statement("SELECT needs FROM needs WHERE job = ? ORDER BY needs");
   needs.bind(1, id);
-  job.needs = ids(needs);
-  return job;
+  return ids(needs);
 }
 
 std::vector<Job> JobQueue::list(const JobFilter& filter) {
@@ -423,6 +428,7 @@ std::vector<Job> JobQueue::list(const JobFilter& filter) {
   query.bind(2, filter.queue).bind(3, filter.before).bind(4, std::clamp(filter.limit, 1, 1000));
   std::vector<Job> jobs;
   while (query.step()) jobs.push_back(job_from_row(query));
+  for (Job& job : jobs) job.needs = needs_of(job.id);
   return jobs;
 }
 

@@ -148,6 +148,7 @@ class JobQueue {
   std::optional<Job> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
                                      TimeMs now);
   SqliteStatement& statement(const char* sql);
+  std::vector<std::int64_t> needs_of(std::int64_t id);
   std::vector<std::int64_t> ids(SqliteStatement& query);
 
   /// Of running and publishing jobs, kept beside the database, which has the same.

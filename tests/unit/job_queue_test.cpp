@@ -73,6 +73,7 @@ TEST_F(JobQueueTest, EveryFieldComesBack) {
   EXPECT_EQ(job.label, "a \"label\"");
   EXPECT_EQ(job.priority, -7);
   EXPECT_EQ(job.needs, Ids{needed});
+  EXPECT_EQ(queue_->list({}).front().needs, Ids{needed});
   EXPECT_EQ(job.needs_left, 1);
   EXPECT_EQ(job.attempt_max, 3);
   EXPECT_EQ(job.deadline, now_ + 50);

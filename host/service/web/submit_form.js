@@ -13,7 +13,7 @@ const withoutEnding = (name) => name.replace(/(\.(png|tiff?|exr|jpe?g|webp|toml)
 function outputFor(type, input) {
   const upload = /^(.*)\/uploads\/([0-9a-f]{8})[0-9a-f]*\/([^/]+)$/.exec(input);
   const stem = upload ? `${upload[1]}/results/${withoutEnding(upload[3])}-${upload[2]}` : withoutEnding(input);
-  return type.output_is_folder ? `${stem}_textures` : `${stem}.ndf.exr`;
+  return type.output_is_folder ? `${stem}_textures` : stem + type.output_extension;
 }
 
 function inputFor(name, schema, isRequired) {
