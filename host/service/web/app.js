@@ -207,7 +207,10 @@ function say(job) {
 
 // ---- Keys
 
-const openForm = () => form.open(queues.map((queue) => queue.name));
+async function openForm() {
+  if (queues.length === 0) await lookAtQueues(); // the page is not there for long
+  form.open(queues.map((queue) => queue.name));
+}
 const lettersAreOn = () => localStorage.getItem("multum-letters") !== "off";
 const inRows = () => document.activeElement?.closest("#rows") !== null && document.activeElement !== document.body;
 /** What c and r are for: the open job when one stands in it, else the row. */

@@ -141,7 +141,8 @@ export class SubmitForm {
       const value = valueOf(input, this.type.parameters.properties[name]);
       if (value !== undefined) parameters[name] = value;
     }
-    const job = { type: this.type.name, parameters, queue: this.queue.value, priority: Number(this.priority.value) };
+    const job = { type: this.type.name, parameters, priority: Number(this.priority.value) };
+    if (this.queue.value) job.queue = this.queue.value;
     if (this.output.value) job.output = this.output.value;
     if (this.label.value) job.label = this.label.value;
     this.button.disabled = true;
