@@ -73,10 +73,11 @@ void DataFolder::check_room(std::int64_t more) {
   if (bytes_max_ <= 0) return;
   const std::int64_t there = bytes();
   if (there + more > bytes_max_)
-    throw Refusal{507, "quota",
-                  fmt::format("uploads, results and logs take {} bytes, and may take {}: {} more are too many; purge "
-                              "jobs, or ask for more by data_max",
-                              there, bytes_max_, more)};
+    throw Refusal{
+        507, "quota",
+        fmt::format("uploads, results, logs and pictures take {} bytes, and may take {}: {} more are too many; purge "
+                    "jobs, or ask for more by data_max",
+                    there, bytes_max_, more)};
 }
 
 DataFolder::Upload DataFolder::store(const std::string& name, const std::string& bytes) {
