@@ -111,8 +111,8 @@ MovmfMipmap make_header(const BakeJob& job, int width, int height) {
   return header;
 }
 
-MovmfProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings) {
-  MovmfProvenance from;
+BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings) {
+  BakedProvenance from;
   from.software = bake_software();
   from.source_name = source;
   from.source_hash = hash_file(job.input);
@@ -123,7 +123,7 @@ MovmfProvenance make_provenance(const BakeJob& job, const std::string& source, c
 
 // What the rows of a bake depend on: what a killed bake left is of use to no other.
 std::string checkpoint_key(const MovmfMipmap& header) {
-  const MovmfProvenance& from = header.provenance;  // the settings name the albedo's hash
+  const BakedProvenance& from = header.provenance;  // the settings name the albedo's hash
   return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 

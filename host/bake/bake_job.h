@@ -23,7 +23,7 @@ struct BakeJob {
   NormalMapSettings reading;
   MovmfSettings fitting;
   StorageEncoding encoding = StorageEncoding::kSnorm16;
-  MovmfWriteOptions writing;
+  BakedWriteOptions writing;
   bool measure = true;             // measure the error of what is written
   bool force = false;              // bake even if the output is from the same file and settings
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's

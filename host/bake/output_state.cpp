@@ -43,7 +43,7 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
   return changes;
 }
 
-std::optional<MovmfProvenance> read_provenance(const std::string& path, std::string& why_not) {
+std::optional<BakedProvenance> read_provenance(const std::string& path, std::string& why_not) {
   try {
     return read_movmf_header(path).provenance;
   } catch (const Error& error) {
@@ -86,7 +86,7 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(job.output, none)) return {OutputFinding::kMissing, "", {}};
   OutputState state{OutputFinding::kInPlace, "", {}};
-  const std::optional<MovmfProvenance> there = read_provenance(job.output, state.why);
+  const std::optional<BakedProvenance> there = read_provenance(job.output, state.why);
   if (!there) {
     state.finding = OutputFinding::kUnreadable;
     return state;

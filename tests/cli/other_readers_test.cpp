@@ -60,7 +60,7 @@ TEST_F(OtherReadersTest, OiiotoolFindsEveryPartChannelAndAttribute) {
     ASSERT_NE(found, std::string::npos) << line << " is not in its place in\n" << info.out;
     at = found + line.size();
   }
-  const MovmfProvenance from = read_movmf_header(path("map.ndf.exr")).provenance;
+  const BakedProvenance from = read_movmf_header(path("map.ndf.exr")).provenance;
   for (const std::string& attribute :
        {std::string("multum:representation: \"movmf\""), std::string("multum:formatVersion: 3\n"),
         std::string("multum:lobeCount: 3\n"), std::string("multum:hasColours: 1\n"),

@@ -54,7 +54,7 @@ TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
            {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert", "blinn-phong:20 coloured",
             "blinn-phong:100 coloured", "blinn-phong:500 coloured", "lambert coloured"})
         rows.push_back({level, point, brdf, 0.123456, 0.0, 1});
-  EXPECT_LE(measured_error_json(rows).size(), static_cast<std::size_t>(MovmfWriteOptions().measured_error_bytes));
+  EXPECT_LE(measured_error_json(rows).size(), static_cast<std::size_t>(BakedWriteOptions().measured_error_bytes));
 }
 
 // Rounding to six digits, then to four, is not rounding to four.

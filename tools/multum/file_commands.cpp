@@ -51,7 +51,7 @@ std::string on_the_gpu(const MovmfMipmap& file) {
 
 int run_info(const std::string& path) {
   const MovmfMipmap file = read_movmf_header(path);
-  const MovmfProvenance& from = file.provenance;
+  const BakedProvenance& from = file.provenance;
   std::string text;
   text += fmt::format("file            {}\n", path);
   text += fmt::format("representation  movmf: {} von Mises-Fisher lobes a texel{}\n", file.lobe_count(),

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/asset/moment_mipmap.h"
+
+#include <half.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/base/error.h"
+#include "host/base/parallel.h"
+
+namespace multum {
+namespace {
+
+// Of the square of the mean: less is what floats make of no variance (level 0: 2^-24; averages: some times that).
+constexpr double kVarianceZero = 1e-6;
+
+float as_half(float value) { return static_cast<float>(half(value)); }
+
+// The largest half that is not above.
+float half_below(double value) {
+  half h(static_cast<float>(value));
+  if (static_cast<double>(static_cast<float>(h)) > value && h.bits() != 0)
+    h.setBits(static_cast<unsigned short>(h.bits() - 1));
+  return static_cast<float>(h);
+}
+
+// E[b^2] about the rounded mean. Nearest where there is a variance; else down, so that readers clamp it to none.
+float rounded_square(float square, float mean, float rounded_mean) {
+  const double exact_mean = static_cast<double>(mean), about = static_cast<double>(rounded_mean);
+  const double variance = static_cast<double>(square) - exact_mean * exact_mean;
+  if (variance <= kVarianceZero * exact_mean * exact_mean) return half_below(about * about);
+  return as_half(static_cast<float>(variance + about * about));
+}
+
+void quantize_slopes(SlopeMoments& m) {
+  const SlopeMoments exact = m;
+  m.height = as_half(exact.height);
+  m.s = as_half(exact.s);
+  m.t = as_half(exact.t);
+  m.ss = rounded_square(exact.ss, exact.s, m.s);
+  m.tt = rounded_square(exact.tt, exact.t, m.t);
+  const double covariance = static_cast<double>(exact.st) - static_cast<double>(exact.s) * static_cast<double>(exact.t);
+  m.st = as_half(static_cast<float>(covariance + static_cast<double>(m.s) * static_cast<double>(m.t)));
+}
+
+// As a lobe of a = 1 is rounded: a single direction keeps a length of 1 (host/asset/movmf_quantize.cpp).
+void quantize_normals(MomentLevel& rows, StorageEncoding encoding, int threads) {
+  MovmfLevel lobe{rows.width, rows.height, {{}}, {}};
+  lobe.lobes[0].reserve(rows.normals.size());
+  for (const glm::vec3& n : rows.normals) lobe.lobes[0].emplace_back(n, 1.0f);
+  quantize_movmf(lobe, encoding, threads);
+  for (std::size_t i = 0; i < rows.normals.size(); ++i) rows.normals[i] = glm::vec3(lobe.lobes[0][i]);
+}
+
+template <typename Value>
+std::vector<Value> part_of(const std::vector<Value>& values, std::ptrdiff_t begin, std::ptrdiff_t end) {
+  return values.empty() ? std::vector<Value>() : std::vector<Value>(values.begin() + begin, values.begin() + end);
+}
+
+}  // namespace
+
+std::vector<MomentLevel> empty_moment_levels(int width, int height) {
+  std::vector<MomentLevel> levels;
+  for (int l = 0; l < mip_level_count(width, height); ++l)
+    levels.push_back({mip_level_size(width, l), mip_level_size(height, l), {}, {}, {}});
+  return levels;
+}
+
+MomentLevel rows_of(const MomentLevel& level, int first_row, int row_count) {
+  MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
+  const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(first_row) * level.width;
+  const std::ptrdiff_t end = begin + static_cast<std::ptrdiff_t>(row_count) * level.width;
+  return {level.width, row_count, part_of(level.slopes, begin, end), part_of(level.normals, begin, end),
+          part_of(level.colours, begin, end)};
+}
+
+void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) {
+  MULTUM_CHECK(encoding != StorageEncoding::kSnorm16);
+  if (encoding == StorageEncoding::kFloat) return;
+  const auto width = static_cast<std::size_t>(rows.width);
+  for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
+    const std::size_t end = static_cast<std::size_t>(row_end) * width;
+    for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < end; ++i) {
+      quantize_slopes(rows.slopes[i]);
+      if (!rows.colours.empty())
+        for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
+    }
+  });
+  quantize_normals(rows, encoding, threads);
+}
+
+float least_slope_deviation(StorageEncoding encoding) {
+  // A rounding to nearest moves E[b^2] = b^2 by b^2 / 2^12 (half: 11 bits) or b^2 / 2^24 at most. Floats are besides
+  // averaged in float, two roundings a level and block: 2^-22 is what an average of 2^28 texels was measured to keep.
+  constexpr double kQuarter = 0.25;
+  const double moved = encoding == StorageEncoding::kHalf ? std::ldexp(1.0, -12) : std::ldexp(1.0, -22);
+  return static_cast<float>(std::sqrt(moved / kQuarter));
+}
+
+}  // namespace multum
