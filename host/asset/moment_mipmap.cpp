@@ -92,10 +92,11 @@ void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) 
 }
 
 float least_slope_deviation(StorageEncoding encoding) {
-  // A rounding to nearest moves E[b^2] = b^2 by b^2 / 2^12 (half: 11 bits) or b^2 / 2^24 at most. Floats are besides
-  // averaged in float, two roundings a level and block: 2^-22 is what an average of 2^28 texels was measured to keep.
+  // A rounding to nearest moves E[b^2] by 2^-11 of it at most where it is a half. Floats are averages of floats: up to
+  // 15 roundings of pairs along a row of 32768 texels, each 2^-24 of the sum at most, and that of the mean counts
+  // twice.
   constexpr double kQuarter = 0.25;
-  const double moved = encoding == StorageEncoding::kHalf ? std::ldexp(1.0, -12) : std::ldexp(1.0, -22);
+  const double moved = encoding == StorageEncoding::kHalf ? std::ldexp(1.0, -11) : std::ldexp(1.0, -19);
   return static_cast<float>(std::sqrt(moved / kQuarter));
 }
 

@@ -55,7 +55,7 @@ MomentLevel rows_of(const MomentLevel& level, int first_row, int row_count);
 
 /// Rounds every value to what the encoding stores. kHalf (docs/FORMAT.md, "Moments"): first moments to nearest; second
 /// moments are those about the rounded first ones, so that the variance loses one rounding of the square and not two of
-/// the mean: it is off by at most b^2 / 4096, and a single direction (no variance) gets none. The mean normal as a lobe
+/// the mean: it is off by at most b^2 / 2048, and a single direction (no variance) gets none. The mean normal as a lobe
 /// of a = 1. kFloat: nothing is rounded.
 void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads);
 

@@ -13,8 +13,8 @@
 namespace multum {
 namespace {
 
-// What rounding allows: of a variance, of the square of its mean; of lengths, absolutely (docs/FORMAT.md). Rounding
-// down takes a whole step of the square, 2^-10 of it; averaging in float some 2^-24.
+// What rounding allows: of a variance or covariance, of the moment itself; of lengths, absolutely (docs/FORMAT.md).
+// Rounding down takes a whole step of the square, 2^-10 of it; averaging in float some 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 
@@ -38,12 +38,15 @@ bool is_finite(const float* values, int count) {
 
 // How far a second moment is below what its means' product allows; of the covariance, beyond Cauchy and Schwarz.
 double missing_variance(const SlopeMoments& m, double tolerance) {
+  constexpr double kLeastStep = 6e-8;  // of halfs near zero
+  const auto room = [&](double moment) { return tolerance * std::abs(moment) + kLeastStep; };
   const double s = static_cast<double>(m.s), t = static_cast<double>(m.t);
-  const double room_s = tolerance * (s * s + 1e-6), room_t = tolerance * (t * t + 1e-6);
+  const double room_s = room(std::max(static_cast<double>(m.ss), s * s));
+  const double room_t = room(std::max(static_cast<double>(m.tt), t * t));
   const double ss = static_cast<double>(m.ss) - s * s, tt = static_cast<double>(m.tt) - t * t;
   const double st = static_cast<double>(m.st) - s * t;
   const double wide_s = std::max(ss, 0.0) + room_s, wide_t = std::max(tt, 0.0) + room_t;
-  const double excess = std::abs(st) - std::sqrt(wide_s * wide_t) - tolerance * std::abs(s * t);
+  const double excess = std::abs(st) - std::sqrt(wide_s * wide_t) - room(static_cast<double>(m.st));
   return std::max({-ss - room_s, -tt - room_t, excess, 0.0});
 }
 

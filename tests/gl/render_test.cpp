@@ -155,13 +155,13 @@ TEST_P(RenderTest, WrapModesEqualTruth) {
     exact.push_back(truth(map, scene, 64));
     const FloatImage drawn = movmf(map, scene);
     EXPECT_LT(picture_error(drawn, exact.back()).relative_l1, 0.02) << wrap_mode_name(wrap);
-    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
       EXPECT_LT(picture_error(baseline(map, scene, which), exact.back()).relative_l1, 0.2) << wrap_mode_name(wrap);
     if (wrap != WrapMode::kBlack) continue;
     const std::size_t beyond = 4 * (kHeight / 4 * kWidth + kWidth * 3 / 4);
     EXPECT_EQ(drawn.rgba[beyond], 0.0f);
     EXPECT_EQ(exact.back().rgba[beyond], 0.0f);
-    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
       EXPECT_EQ(baseline(map, scene, which).rgba[beyond], 0.0f);
   }
   for (std::size_t i = 1; i < exact.size(); ++i)
@@ -251,7 +251,7 @@ TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
       scene.brdf.kind = kind;
       std::vector<FloatImage> pictures = {movmf(map, scene), truth(map, scene, 2)};
       if (kind == BrdfKind::kBlinnPhong) pictures.push_back(movmf(map, scene, LobeFormula::kPaper));
-      for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+      for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
         pictures.push_back(baseline(map, scene, which));
       for (const FloatImage& picture : pictures) {
         EXPECT_TRUE(std::all_of(picture.rgba.begin(), picture.rgba.end(), [](float v) { return std::isfinite(v); }));
