@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+
+#include "host/asset/movmf_finest.h"
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
@@ -45,13 +48,29 @@ void quantize_slopes(SlopeMoments& m) {
   m.st = as_half(static_cast<float>(covariance + static_cast<double>(m.s) * static_cast<double>(m.t)));
 }
 
-// As a lobe of a = 1 is rounded: a single direction keeps a length of 1 (host/asset/movmf_quantize.cpp).
-void quantize_normals(MomentLevel& rows, StorageEncoding encoding, int threads) {
-  MovmfLevel lobe{rows.width, rows.height, {{}}, {}};
-  lobe.lobes[0].reserve(rows.normals.size());
-  for (const glm::vec3& n : rows.normals) lobe.lobes[0].emplace_back(n, 1.0f);
-  quantize_movmf(lobe, encoding, threads);
-  for (std::size_t i = 0; i < rows.normals.size(); ++i) rows.normals[i] = glm::vec3(lobe.lobes[0][i]);
+// A single direction as level 0 of lobes is rounded, x and y to nearest and z up, so that it keeps a length of 1.
+bool quantize_direction(glm::vec3& n) {
+  constexpr float kLengthSquaredOne = 1.0f - 1e-6f;
+  if (glm::dot(n, n) < kLengthSquaredOne || n.z < 0.0f) return false;
+  n.x = as_half(n.x);
+  n.y = as_half(n.y);
+  n.z = finest_z(n.x, n.y, StorageEncoding::kHalf);
+  return true;
+}
+
+// What else there is of a row as lobes of a = 1 (host/asset/movmf_quantize.cpp).
+void quantize_normals(glm::vec3* normals, std::size_t count) {
+  MovmfLevel lobe{0, 1, {{}}, {}};
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (quantize_direction(normals[i])) continue;
+    places.push_back(i);
+    lobe.lobes[0].emplace_back(normals[i], 1.0f);
+  }
+  lobe.width = static_cast<int>(places.size());
+  if (lobe.width == 0) return;
+  quantize_movmf(lobe, StorageEncoding::kHalf, 1);
+  for (std::size_t i = 0; i < places.size(); ++i) normals[places[i]] = glm::vec3(lobe.lobes[0][i]);
 }
 
 template <typename Value>
@@ -82,13 +101,14 @@ void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) 
   const auto width = static_cast<std::size_t>(rows.width);
   for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
     const std::size_t end = static_cast<std::size_t>(row_end) * width;
-    for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < end; ++i) {
+    const std::size_t begin = static_cast<std::size_t>(row_begin) * width;
+    quantize_normals(rows.normals.data() + begin, end - begin);
+    for (std::size_t i = begin; i < end; ++i) {
       quantize_slopes(rows.slopes[i]);
       if (!rows.colours.empty())
         for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
     }
   });
-  quantize_normals(rows, encoding, threads);
 }
 
 float least_slope_deviation(StorageEncoding encoding) {

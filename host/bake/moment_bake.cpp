@@ -22,6 +22,9 @@ constexpr std::uint64_t kUsefulBandBytes = std::uint64_t{16} << 20;
 constexpr int kSideMax = 32768;  // products of two sides fit an int
 constexpr std::size_t kMapPlanes = 3;
 
+// Work-items are small: PoCL takes as long to begin a group of them as to run one.
+constexpr std::size_t kLocalSize = 64;
+
 std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
 // The columns of all levels that are averaged, and what each takes of a row.
@@ -210,12 +213,12 @@ class MomentPass {
   void average(int first_row, int rows) {
     const MultumMomentBand band = band_of(first_row, rows);
     const std::array<DeviceBuffer, kMapPlanes>& colours = has_colours() ? colours_ : normals_;  // or anything
-    finest_.launch({size_of(rows) * size_of(width_)}, normals_[0], normals_[1], normals_[2], colours[0], colours[1],
-                   colours[2], nodes_, band);
+    finest_.launch({size_of(rows) * size_of(width_), kLocalSize}, normals_[0], normals_[1], normals_[2], colours[0],
+                   colours[1], colours[2], nodes_, band);
     if (columns_.levels.empty()) return;
     for (int k = 1; k < blocks_.depth(); ++k)
-      sum_blocks_.launch({size_of(plane_count_) * size_of(rows) * size_of(blocks_.block_count(k))}, nodes_, band,
-                         static_cast<int>(blocks_.block_begin(k - 1)), static_cast<int>(blocks_.block_begin(k)),
+      sum_blocks_.launch({size_of(plane_count_) * size_of(rows) * size_of(blocks_.block_count(k)), kLocalSize}, nodes_,
+                         band, static_cast<int>(blocks_.block_begin(k - 1)), static_cast<int>(blocks_.block_begin(k)),
                          blocks_.block_count(k));
     int first_value = 0;
     for (MultumMomentLevel& level : columns_.levels) {
@@ -226,8 +229,8 @@ class MomentPass {
       first_value += plane_count_ * level.row_count * level.width;
     }
     device_.write(levels_, columns_.levels.data(), columns_.levels.size() * sizeof(MultumMomentLevel));
-    sum_levels_.launch({size_of(plane_count_) * size_of(column_count())}, nodes_, levels_, tap_begin_, taps_, sums_,
-                       averages_, band);
+    sum_levels_.launch({size_of(plane_count_) * size_of(column_count()), kLocalSize}, nodes_, levels_, tap_begin_,
+                       taps_, sums_, averages_, band);
   }
 
   void hand_over(int first_row, int rows) {
