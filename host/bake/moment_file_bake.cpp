@@ -20,8 +20,8 @@ namespace {
 // Of 16 levels with colours: three ways to shade four BRDFs, twice, at four points of each, some 45 bytes an entry.
 constexpr int kMeasuredErrorBytes = 80 * 1024;
 
-// Slopes that are cut off change the moments of all coarser texels. Measured: the test folder's normal maps have none,
-// but for those of spheres and half tubes, up to 1 %.
+// Slopes that are cut off change the moments of all coarser texels. Of 32 real maps one has 0.8 % of such normals
+// (asphalt, noise of every steepness), six a handful and the others none.
 constexpr double kLimitedNoted = 0.01;
 
 // Rounded, to the measurement and out.
