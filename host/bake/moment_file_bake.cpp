@@ -17,9 +17,6 @@
 namespace multum {
 namespace {
 
-// Of 16 levels with colours: three ways to shade four BRDFs, twice, at four points of each, some 45 bytes an entry.
-constexpr int kMeasuredErrorBytes = 80 * 1024;
-
 // Slopes that are cut off change the moments of all coarser texels. Of 32 real maps one has 0.8 % of such normals
 // (asphalt, noise of every steepness), six a handful and the others none.
 constexpr double kLimitedNoted = 0.01;
@@ -60,7 +57,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
       static_cast<std::uint64_t>(run.header.width) * static_cast<std::uint64_t>(run.header.height);
   progress_start(progress, 2 * texels);
   BakedWriteOptions writing = job.writing;
-  writing.measured_error_bytes = kMeasuredErrorBytes;
+  writing.measured_error_bytes = kMomentErrorBytes;
   MomentWriter writer(job.output, run.header, writing);
   AccuracySettings accuracy;
   accuracy.threads = job.threads;

@@ -37,6 +37,15 @@ struct NamedPicture {
   gl::Picture picture;
 };
 
+const char* moment_shading_name(gl::MomentShading shading) {
+  switch (shading) {
+    case gl::MomentShading::kToksvig: return "toksvig";
+    case gl::MomentShading::kLean: return "lean";
+    case gl::MomentShading::kLeanJacobian: return "lean-jacobian";
+  }
+  return "?";
+}
+
 /// A baked file of any representation, read.
 struct BakedMap {
   BakedHeader header;
@@ -277,6 +286,7 @@ void write_report(const ViewOptions& options, const std::string& context, const 
                                  {"brdf", is_phong ? "blinn-phong" : "torrance-sparrow"},
                                  {is_phong ? "exponent" : "sigma", is_phong ? brdf.exponent : brdf.sigma},
                                  {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
+                                 {"moments", moment_shading_name(options.moments.value_or(kUsualMomentShading))},
                                  {"anisotropy", options.anisotropy},
                                  {"pictures", pictures}};
   write_text_file(options.report, report.dump(2) + "\n");
