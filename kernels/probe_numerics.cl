@@ -3,6 +3,7 @@
 
 #include "device/vmf_shading.clh"
 #include "shared/mip_pyramid.h"
+#include "shared/moments.h"
 #include "shared/movmf_fit.h"
 #include "shared/vmf_lobe.h"
 
@@ -45,4 +46,12 @@ __kernel void probe_layout(__global int* sizes) {
   sizes[9] = (int)sizeof(MultumGather);
   sizes[10] = (int)sizeof(MultumGatherEntry);
   sizes[11] = (int)sizeof(MultumStrip);
+  sizes[12] = (int)sizeof(MultumMomentBand);
+  MultumMomentBand band;
+  sizes[13] = (int)((char*)&band.slope_z_min - (char*)&band);
+  sizes[14] = (int)sizeof(MultumMomentLevel);
+  sizes[15] = (int)sizeof(MultumMomentTap);
+  sizes[16] = (int)sizeof(MultumFilteredMoments);
+  MultumFilteredMoments moments;
+  sizes[17] = (int)((char*)&moments.map_share - (char*)&moments);
 }

@@ -23,7 +23,7 @@ METHODS = {
     "multum": ("multum", "the baked distribution of normals"),
     "mip": ("averages", "averaged normals: the plain mip pyramid of most engines"),
     "toksvig": ("Toksvig", "averaged normals with a wider highlight where they disagree"),
-    "lean": ("LEAN", "one Gaussian of slopes a texel"),
+    "lean-jacobian": ("LEAN", "one Gaussian of slopes a texel"),
 }
 BAKES = {
     "white": "the four-quarter map (spheres, rings, grooves, noise)",
@@ -246,7 +246,7 @@ def own_map():
     return """<h2 id="own">The same with your own map</h2>
 <pre>build/release/bin/multum bake bricks_normal.png -o bricks.ndf.exr
 build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
-    --source bricks_normal.png --compare truth,mip,toksvig,lean</pre>
+    --source bricks_normal.png --compare truth,mip,toksvig,lean-jacobian</pre>
 <p>The bake prints what it took the file for: OpenGL or DirectX green, unsigned or signed, normals or heights. If it is
 wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With
 colours: <code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:

@@ -39,6 +39,6 @@ ExrCompression parse_compression(const std::string& text) {
 
 bool is_compression(const std::string& text) { return find_compression(text).has_value(); }
 
-void validate(const MovmfWriteOptions& options) { parse_compression(options.compression); }
+void validate(const BakedWriteOptions& options) { parse_compression(options.compression); }
 
 }  // namespace multum

@@ -2,15 +2,25 @@
 #include "host/asset/gpu_bytes.h"
 
 namespace multum {
+namespace {
 
-std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap) {
+// Stored levels of so many textures of four channels.
+std::uint64_t texture_bytes(const BakedHeader& header, unsigned texture_count) {
   std::uint64_t texels = 0;
-  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l)
-    texels += static_cast<std::uint64_t>(mipmap.levels[l].width) * static_cast<std::uint64_t>(mipmap.levels[l].height);
-  const unsigned value_bytes = mipmap.encoding == StorageEncoding::kFloat ? 4 : 2;
-  const unsigned texture_count = static_cast<unsigned>(mipmap.lobe_count()) * (mipmap.has_colours() ? 2 : 1);
+  for (int l = header.first_level; l < header.level_count(); ++l)
+    texels += static_cast<std::uint64_t>(mip_level_size(header.width, l)) *
+              static_cast<std::uint64_t>(mip_level_size(header.height, l));
+  const unsigned value_bytes = header.encoding == StorageEncoding::kFloat ? 4 : 2;
   return texels * texture_count * 4 * value_bytes;
 }
+
+}  // namespace
+
+std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap) {
+  return texture_bytes(header_of(mipmap), static_cast<unsigned>(mipmap.lobe_count()) * (mipmap.has_colours() ? 2 : 1));
+}
+
+std::uint64_t moment_gpu_bytes(const BakedHeader& header) { return texture_bytes(header, header.has_colours ? 3 : 2); }
 
 std::uint64_t usual_gpu_bytes(int width, int height) {
   constexpr std::uint64_t kBlockBytes = 16 + 8;

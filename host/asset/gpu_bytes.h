@@ -12,6 +12,9 @@ namespace multum {
 /// again for colours, whose fourth channel is padding (RGBA16F or RGBA32F). Needs sizes alone, no texels.
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap);
 
+/// Stored levels of a file of moments: two textures of 4 channels (docs/FORMAT.md, "Moments"), and one for colours.
+std::uint64_t moment_gpu_bytes(const BakedHeader& header);
+
 /// All levels of a width x height map as a BC5 normal, 16 bytes a block of 4 x 4 texels, and a BC4 roughness, 8 bytes.
 /// Blocks are whole: a level of 1 x 1 takes one as well.
 std::uint64_t usual_gpu_bytes(int width, int height);

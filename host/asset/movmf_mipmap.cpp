@@ -1,28 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/asset/movmf_mipmap.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
 #include "host/base/error.h"
 
 namespace multum {
-
-const char* storage_encoding_name(StorageEncoding encoding) {
-  switch (encoding) {
-    case StorageEncoding::kSnorm16: return "snorm16";
-    case StorageEncoding::kHalf: return "half";
-    case StorageEncoding::kFloat: return "float";
-  }
-  return "?";
-}
-
-int mip_level_count(int width, int height) {
-  int count = 1;
-  for (int side = std::max(width, height); side > 1; side >>= 1) ++count;
-  return count;
-}
 
 MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count) {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
@@ -34,12 +15,9 @@ MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count) {
   return rows;
 }
 
-std::string levels_text(const MovmfMipmap& mipmap) {
-  const std::size_t count = mipmap.levels.size();
-  if (mipmap.first_level == 0) return fmt::format("{} levels", count);
-  const int coarsest = static_cast<int>(count) - 1;
-  if (mipmap.first_level == coarsest) return fmt::format("level {} of 0 to {}", coarsest, coarsest);
-  return fmt::format("levels {} to {} of 0 to {}", mipmap.first_level, coarsest, coarsest);
+BakedHeader header_of(const MovmfMipmap& mipmap) {
+  return {Representation::kMovmf, mipmap.encoding, mipmap.wrap_s,      mipmap.wrap_t,       mipmap.provenance,
+          mipmap.width(),         mipmap.height(), mipmap.first_level, mipmap.has_colours()};
 }
 
 void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {

@@ -16,21 +16,12 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "host/asset/baked_file.h"
 #include "host/base/progress.h"
-#include "host/base/wrap_mode.h"
 
 namespace multum {
 
 constexpr int kLobeCountMax = 8;
-
-/// How channel values are rounded when stored; docs/FORMAT.md states what each loses.
-enum class StorageEncoding {
-  kSnorm16,  // multiples of 1/32767 in a float channel: RGBA16_SNORM on the GPU, the default
-  kHalf,     // 16-bit floats: RGBA16F on the GPU
-  kFloat,    // 32-bit floats: RGBA32F on the GPU
-};
-
-const char* storage_encoding_name(StorageEncoding encoding);
 
 /// One level, level 0 = finest. Rows from the image's top to its bottom.
 struct MovmfLevel {
@@ -40,24 +31,13 @@ struct MovmfLevel {
   std::vector<std::vector<glm::vec3>> colours;  // [lobe][y * width + x] = a * linear RGB; empty: the map has no colours
 };
 
-/// What the file says of itself beside its pixels.
-struct MovmfProvenance {
-  std::string software;        // "multum 0.1.0"
-  std::string source_name;     // file name of the normal map, without folder
-  std::string source_hash;     // SHA-256 of the normal map's file, 64 hexadecimal digits
-  std::string settings;        // JSON: every setting that changes the file
-  std::string settings_hash;   // SHA-256 of `settings`
-  std::string measured_error;  // JSON: relative L1 error of file against source (docs/ACCURACY.md); may be empty
-  std::string content_hash;    // of every channel value in the file; filled by write and read, see movmf_content_hash()
-};
-
 /// Levels are numbered as those of the map, whatever is stored: levels[l] is level l. Those finer than `first_level`
 /// have their size and no texels: renderers take them from the normal map itself.
 struct MovmfMipmap {
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
-  MovmfProvenance provenance;
+  BakedProvenance provenance;
   int first_level = 0;             // the finest level that is stored, 0..levels - 1
   std::vector<MovmfLevel> levels;  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
 
@@ -68,36 +48,17 @@ struct MovmfMipmap {
   bool has_colours() const { return !levels.empty() && !levels.front().colours.empty(); }
 };
 
-/// "7 levels" where all are stored, else "levels 1 to 6 of 0 to 6", "level 6 of 0 to 6".
-std::string levels_text(const MovmfMipmap& mipmap);
+/// What files of every representation say, of a mipmap with or without texels.
+BakedHeader header_of(const MovmfMipmap& mipmap);
+inline std::string levels_text(const MovmfMipmap& mipmap) {
+  return levels_text(mipmap.first_level, static_cast<int>(mipmap.levels.size()));
+}
 
 /// Takes the texels of levels finer than `first_level` away; what is left is as it was.
 void drop_finer_levels(MovmfMipmap& mipmap, int first_level);
 
 /// Some rows of a level, as a level of their own.
 MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count);
-
-/// Number of ROUND_DOWN levels of a width x height map: 1 + floor(log2(max(width, height))).
-int mip_level_count(int width, int height);
-inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? size >> level : 1; }
-
-struct MovmfWriteOptions {
-  // docs/FORMAT.md, "Size and speed", has the measurements behind these two.
-  std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
-  int tile_size = 128;
-  int threads = 2;
-  // Room in the header for provenance.measured_error, which is known when all rows are written (MovmfWriter::commit()).
-  // That of 16 levels, the most that a bake makes, with colours, takes 25 KiB.
-  int measured_error_bytes = 32 * 1024;
-};
-
-/// Is it a compression that MovmfWriteOptions may name? kCompressionsInWords says which are.
-bool is_compression(const std::string& text);
-constexpr char kCompressionsInWords[] =
-    "none, rle, zips, zip or piz (every one is lossless), and for zip and zips an optional level such as zip:4";
-
-/// Throws Error(kUsage) for an unknown compression: before a bake, not after it.
-void validate(const MovmfWriteOptions& options);
 
 /// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's levels, the part of level 0 first, then lobes,
 /// then colours, finest level first; a level's digest covers its rows as little-endian 32-bit floats in channel order
@@ -108,7 +69,7 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 /// texels must be one single direction whole in one lobe, and of that x and y are stored. Throws Error(kEnvironment)
 /// when the disk refuses, Error(kUsage) for an unknown compression. Progress: counts no units; cancels at rows of
 /// tiles until the file gets its name. MovmfWriter (host/asset/movmf_writer.h) takes rows instead.
-void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options,
+void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress = nullptr);
 
 /// Reads a baked file. Throws Error(kInput) naming the file, what was found and what was expected. `threads`

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/asset/movmf_parts.h"
 
-#include <ImfThreading.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,17 +11,16 @@
 namespace multum {
 namespace {
 
-// Half values go to HALF channels exactly (they were rounded before); everything else to FLOAT.
-Imf::PixelType vector_type(StorageEncoding encoding) {
-  return encoding == StorageEncoding::kHalf ? Imf::HALF : Imf::FLOAT;
-}
-Imf::PixelType colour_type(StorageEncoding encoding) {
-  return encoding == StorageEncoding::kFloat ? Imf::FLOAT : Imf::HALF;
-}
+constexpr char kFinestText[] =
+    "normalX, normalY = x, y; z = sqrt(max(0,1-x*x-y*y)), +X right, +Y up, +Z out; lobe = number of the "
+    "lobe that has all of the texel; albedo = linear RGB; data, not colour";
+constexpr char kLobeText[] =
+    "R,G,B,A = a*r.x,a*r.y,a*r.z,a; r = mean normal, +X right, +Y up, +Z out; data, not colour";
+constexpr char kColourText[] = "R,G,B = a*linear RGB of the lobe; a is in the lobe part of the same number";
 
 // In the order in which OpenImageIO lists layers and their channels, as with the other parts.
 MovmfPart finest_part(const MovmfMipmap& header) {
-  MovmfPart part{MovmfPartKind::kFinest, 0, "finest", {}, 0, 1};
+  MovmfPart part{{"finest", {}, 0, 1, true, kFinestText}, MovmfPartKind::kFinest, 0};
   if (header.has_colours())
     for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
       part.channels.push_back({name, colour_type(header.encoding)});
@@ -50,13 +48,15 @@ std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header) {
   const int level_count = static_cast<int>(header.levels.size()) - first_level;
   if (level_count <= 0) return parts;
   for (int j = 0; j < header.lobe_count(); ++j) {
-    MovmfPart part{MovmfPartKind::kLobe, j, fmt::format("lobe.{}", j), {}, first_level, level_count};
+    MovmfPart part{
+        {fmt::format("lobe.{}", j), {}, first_level, level_count, false, kLobeText}, MovmfPartKind::kLobe, j};
     for (const char* channel : {"R", "G", "B", "A"})
       part.channels.push_back({fmt::format("lobe{}.vMF.{}", j, channel), vector_type(header.encoding)});
     parts.push_back(std::move(part));
   }
   for (int j = 0; header.has_colours() && j < header.lobe_count(); ++j) {
-    MovmfPart part{MovmfPartKind::kColour, j, fmt::format("colour.{}", j), {}, first_level, level_count};
+    MovmfPart part{
+        {fmt::format("colour.{}", j), {}, first_level, level_count, false, kColourText}, MovmfPartKind::kColour, j};
     for (const char* channel : {"R", "G", "B"})
       part.channels.push_back({fmt::format("colour{}.albedo.{}", j, channel), colour_type(header.encoding)});
     parts.push_back(std::move(part));
@@ -72,17 +72,6 @@ void interleave(const MovmfFinest& rows, std::size_t first_texel, std::size_t co
     *values++ = rows.normals[i].x;
     *values++ = rows.normals[i].y;
   }
-}
-
-void use_exr_threads(int threads) {
-  // With one, calls do their work themselves.
-  if (threads > 1 && Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
-}
-
-Imf::Slice row_slice(Imf::PixelType type, const void* first, std::size_t texel_stride, int width, int first_row,
-                     int row_count) {
-  return Imf::Slice::Make(type, first, Imath::V2i(0, first_row), width, row_count, texel_stride,
-                          texel_stride * static_cast<std::size_t>(width));
 }
 
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {

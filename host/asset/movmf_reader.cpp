@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/asset/movmf_reader.h"
 
-#include <ImfMultiPartInputFile.h>
-#include <ImfTiledInputPart.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
+#include "host/asset/baked_reader.h"
 #include "host/asset/movmf_header.h"
 #include "host/asset/movmf_parts.h"
 #include "host/base/error.h"
@@ -17,10 +15,6 @@
 namespace multum {
 namespace {
 
-int thread_count(int threads) {
-  return threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
-
 // Rows of tiles that are read at once where all rows are read.
 constexpr int kTileRowsAtOnce = 4;
 
@@ -28,17 +22,16 @@ constexpr int kTileRowsAtOnce = 4;
 
 class MovmfReader::File {
  public:
-  File(const std::string& path, int threads) : path_(path), threads_(thread_count(threads)) {
-    guarded([&] {
-      file_ = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), threads_);
-      header_ = parse_headers(*file_, path);
+  File(const std::string& path, int threads) : reader_(path, threads) {
+    reader_.guarded([&] {
+      header_ = parse_header(reader_.file().header(0), path);
       parts_ = movmf_parts(header_);
-      tile_size_ = static_cast<int>(file_->header(0).tileDescription().ySize);
+      reader_.expect(header_of(header_), {parts_.begin(), parts_.end()});
     });
   }
 
   const MovmfMipmap& header() const { return header_; }
-  int tile_size() const { return tile_size_; }
+  int tile_size() const { return reader_.tile_size(); }
 
   MovmfFinest read_finest(int first_row, int row_count) {
     MULTUM_CHECK(header_.first_level == 0);
@@ -47,11 +40,11 @@ class MovmfReader::File {
     const std::size_t texels = texel_count(rows.width, row_count);
     const std::size_t channels = parts_[0].channels.size();
     values_.resize(texels * channels);
-    guarded([&] { read_values(0, 0, first_row, row_count, values_.data()); });
+    reader_.read_values(0, 0, first_row, row_count, values_.data());
     rows.normals.resize(texels);
     rows.lobe.resize(texels);
     if (header_.has_colours()) rows.colours.resize(texels);
-    for_each_row_band(row_count, kRowsPerBand, threads_, [&](int, int row_begin, int row_end) {
+    for_each_row_band(row_count, kRowsPerBand, reader_.threads(), [&](int, int row_begin, int row_end) {
       for (int y = row_begin; y < row_end; ++y)
         for (int x = 0; x < rows.width; ++x) decode_texel(x, first_row, y, rows);
     });
@@ -67,14 +60,12 @@ class MovmfReader::File {
     if (header_.has_colours()) rows.colours.assign(rows.lobes.size(), std::vector<glm::vec3>(texels));
     if (texels == 0) return rows;
     if (level == 0) {
-      expand_into(read_finest(first_row, row_count), rows, 0, threads_);
+      expand_into(read_finest(first_row, row_count), rows, 0, reader_.threads());
       return rows;
     }
-    guarded([&] {
-      for (std::size_t i = 0; i < parts_.size(); ++i)
-        if (parts_[i].kind != MovmfPartKind::kFinest)
-          read_values(i, level, first_row, row_count, parts_[i].values(rows));
-    });
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      if (parts_[i].kind != MovmfPartKind::kFinest)
+        reader_.read_values(i, level, first_row, row_count, parts_[i].values(rows));
     return rows;
   }
 
@@ -83,47 +74,6 @@ class MovmfReader::File {
     MULTUM_CHECK(level >= 0 && level < static_cast<int>(header_.levels.size()));
     const int height = header_.levels[static_cast<std::size_t>(level)].height;
     MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= height);
-  }
-
-  // Library exceptions become Errors.
-  template <typename Body>
-  void guarded(const Body& body) const {
-    try {
-      body();
-    } catch (const Error&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& error) {
-      throw Error(ErrorCode::kInput, path_ + ": not a readable baked file: " + error.what());
-    }
-  }
-
-  // Interleaved floats of some rows. OpenEXR gives whole rows of tiles: where those are more, they go by way of a
-  // buffer.
-  void read_values(std::size_t part_index, int level, int first_row, int row_count, float* values) {
-    if (row_count == 0) return;
-    use_exr_threads(threads_);
-    const MovmfPart& part = parts_[part_index];
-    Imf::TiledInputPart in(*file_, static_cast<int>(part_index));
-    const int tile = static_cast<int>(in.tileYSize()), l = level - part.first_level;
-    const int width = header_.levels[static_cast<std::size_t>(level)].width;
-    const int height = header_.levels[static_cast<std::size_t>(level)].height;
-    const int tile_first = first_row / tile, tile_last = (first_row + row_count - 1) / tile;
-    const int row_begin = tile_first * tile, row_end = std::min(height, (tile_last + 1) * tile);
-    const bool exact = row_begin == first_row && row_end == first_row + row_count;
-    const std::size_t row_values = static_cast<std::size_t>(width) * part.channels.size();
-    std::vector<float> whole(exact ? 0 : static_cast<std::size_t>(row_end - row_begin) * row_values);
-    const float* target = exact ? values : whole.data();
-    Imf::FrameBuffer buffer;
-    for (std::size_t c = 0; c < part.channels.size(); ++c)
-      buffer.insert(part.channels[c].name, row_slice(Imf::FLOAT, target + c, part.channels.size() * sizeof(float),
-                                                     width, row_begin, row_end - row_begin));
-    in.setFrameBuffer(buffer);
-    in.readTiles(0, in.numXTiles(l) - 1, tile_first, tile_last, l);
-    if (!exact)
-      std::copy_n(whole.data() + static_cast<std::size_t>(first_row - row_begin) * row_values,
-                  static_cast<std::size_t>(row_count) * row_values, values);
   }
 
   void decode_texel(int x, int first_row, int y, MovmfFinest& rows) const {
@@ -145,16 +95,13 @@ class MovmfReader::File {
   }
 
   [[noreturn]] void refuse_texel(int x, int y, const std::string& found, const std::string& expected) const {
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: level 0, texel ({}, {}): found {}, expected {}", path_, x, y, found, expected));
+    throw Error(ErrorCode::kInput, fmt::format("{}: level 0, texel ({}, {}): found {}, expected {}", reader_.path(), x,
+                                               y, found, expected));
   }
 
-  const std::string path_;
-  const int threads_;
-  std::unique_ptr<Imf::MultiPartInputFile> file_;
+  BakedReader reader_;
   MovmfMipmap header_;
   std::vector<MovmfPart> parts_;
-  int tile_size_ = 1;
   std::vector<float> values_;  // of level 0, as they lie in the file
 };
 

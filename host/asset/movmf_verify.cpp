@@ -8,9 +8,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/baked_reader.h"
 #include "host/asset/movmf_parts.h"
 #include "host/asset/movmf_reader.h"
-#include "host/base/content_hash.h"
 #include "host/base/parallel.h"
 
 namespace multum {
@@ -62,49 +62,12 @@ void scan_rows(StorageEncoding encoding, int l, std::size_t first_texel, const M
   }
 }
 
-// movmf_content_hash() of a file whose rows come level by level, from the top.
-class RowHash {
- public:
-  explicit RowHash(const MovmfMipmap& header) : parts_(movmf_parts(header)) {
-    for (const MovmfPart& part : parts_)
-      for (int l = 0; l < part.level_count; ++l) items_.push_back({&part, part.first_level + l});
-    hashes_ = std::vector<ContentHash>(items_.size());
-  }
-
-  /// Of level 0.
-  void add(const MovmfFinest& rows) {
-    std::vector<float> values(rows.normals.size() * parts_[0].channels.size());
-    interleave(rows, 0, rows.normals.size(), values.data());
-    hashes_[0].update(values.data(), values.size() * sizeof(float));
-  }
-  void add(int level, const MovmfLevel& rows, int threads) {
-    for_each_item(static_cast<int>(items_.size()), threads, [&](int i) {
-      const auto [part, own_level] = items_[static_cast<std::size_t>(i)];
-      if (own_level != level) return;
-      const std::size_t count = texel_count(rows.width, rows.height) * part->channels.size();
-      hashes_[static_cast<std::size_t>(i)].update(part->values(rows), count * sizeof(float));
-    });
-  }
-  std::string finish() {
-    ContentHash all;
-    for (ContentHash& hash : hashes_) all.update(hash.finish());
-    return all.finish();
-  }
-
- private:
-  struct PartLevel {
-    const MovmfPart* part;
-    int level;
-  };
-  std::vector<MovmfPart> parts_;
-  std::vector<PartLevel> items_;  // as they are hashed: parts in order, of each the finest level first
-  std::vector<ContentHash> hashes_;
-};
-
 // Scans and hashes every stored level; returns the checksum.
 std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& seen, Scan& scan) {
   const MovmfMipmap& header = reader.header();
-  RowHash hash(header);
+  const std::vector<MovmfPart> parts = movmf_parts(header);
+  BakedRowHash hash({parts.begin(), parts.end()});
+  std::vector<float> values;
   for (int l = header.first_level; l < static_cast<int>(header.levels.size()); ++l) {
     const MovmfLevel& level = header.levels[static_cast<std::size_t>(l)];
     for (int row = 0; row < level.height; row += reader.tile_size()) {
@@ -112,11 +75,17 @@ std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& see
       MovmfLevel rows;
       if (l == 0) {
         const MovmfFinest finest = reader.read_finest(row, count);
-        hash.add(finest);
+        values.resize(finest.normals.size() * parts[0].channels.size());
+        interleave(finest, 0, finest.normals.size(), values.data());
+        hash.add(0, 0, values.data(), values.size());
         rows = expand(finest, header.lobe_count());
       } else {
         rows = reader.read_level(l, row, count);
-        hash.add(l, rows, threads);
+        for_each_item(static_cast<int>(parts.size()), threads, [&](int i) {
+          const auto p = static_cast<std::size_t>(i);
+          if (parts[p].has_level(l))
+            hash.add(p, l, parts[p].values(rows), texel_count(rows.width, rows.height) * parts[p].channels.size());
+        });
       }
       scan_rows(header.encoding, l, texel_count(level.width, row), rows, scan);
       if (seen) seen(l, row, rows);

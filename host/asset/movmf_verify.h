@@ -6,15 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "host/asset/baked_verify.h"
 #include "host/asset/movmf_mipmap.h"
 
 namespace multum {
-
-struct VerifyFinding {
-  std::string check;  // "finite", "sum of a", ...
-  bool passed;
-  std::string detail;  // what was found, where, and what was expected
-};
 
 /// Rows of a stored level, from the top: what else wants to look at the texels needs no second reading.
 using MovmfRowsSeen = std::function<void(int level, int first_row, const MovmfLevel& rows)>;

@@ -1,352 +1,127 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows wait in a queue for the writer's thread. Of every part and level it holds the row of tiles that is being filled:
-//
-//     rows of any count --> queue (16 MiB) --> a row of tiles a part and level --> SHA-256, halfs, OpenEXR's writeTiles
-//
-// writeTiles shares its tiles out to OpenEXR's own threads; tiles lie in the file in the order of these calls
-// (RANDOM_Y), and readers find them by the tables that OpenEXR writes last.
 #include "host/asset/movmf_writer.h"
 
-#include <ImfMultiPartOutputFile.h>
-#include <ImfThreading.h>
-#include <ImfTiledOutputPart.h>
-#include <half.h>
-
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
 #include <cstring>
-#include <deque>
-#include <mutex>
-#include <thread>
+#include <utility>
 
-#include "host/asset/exr_output.h"
+#include "host/asset/baked_writer.h"
 #include "host/asset/movmf_header.h"
 #include "host/asset/movmf_parts.h"
-#include "host/asset/zlib_compress.h"
-#include "host/base/atomic_file.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
 
 namespace multum {
 namespace {
 
-constexpr std::size_t kQueueBytesMax = std::size_t{16} << 20;
-
-// Rows of level 0, or of another level.
-struct Portion {
-  int level = 0;
-  MovmfFinest finest;
-  MovmfLevel rows;
-
-  int height() const { return level == 0 ? finest.height : rows.height; }
-  std::size_t bytes() const {
-    std::size_t sum = finest.normals.size() * (sizeof(glm::vec3) + 1) + finest.colours.size() * sizeof(glm::vec3);
-    for (const auto& lobe : rows.lobes) sum += lobe.size() * sizeof(glm::vec4);
-    for (const auto& colour : rows.colours) sum += colour.size() * sizeof(glm::vec3);
-    return sum;
-  }
+// What rows are checked against and taken apart by.
+struct Shape {
+  std::size_t lobe_count;
+  bool has_colours;
+  std::vector<MovmfPart> parts;
 };
 
-// First in, first out, for one that puts and one that takes.
-class PortionQueue {
+class FinestPortion : public BakedRows {
  public:
-  /// Waits for room; one portion always has room.
-  void put(Portion portion) {
-    const std::size_t bytes = portion.bytes();
-    std::unique_lock<std::mutex> lock(mutex_);
-    room_.wait(lock, [&] { return portions_.empty() || bytes_ + bytes <= kQueueBytesMax; });
-    portions_.push_back(std::move(portion));
-    bytes_ += bytes;
-    filled_.notify_one();
+  FinestPortion(const Shape& shape, MovmfFinest rows) : shape_(shape), rows_(std::move(rows)) {}
+
+  int level() const override { return 0; }
+  int height() const override { return rows_.height; }
+  std::size_t bytes() const override {
+    return rows_.normals.size() * (sizeof(glm::vec3) + 1) + rows_.colours.size() * sizeof(glm::vec3);
   }
-  /// Waits for a portion; false when there will be no more.
-  bool take(Portion& portion) {
-    std::unique_lock<std::mutex> lock(mutex_);
-    filled_.wait(lock, [&] { return !portions_.empty() || closed_; });
-    if (portions_.empty()) return false;
-    portion = std::move(portions_.front());
-    portions_.pop_front();
-    bytes_ -= portion.bytes();
-    room_.notify_one();
-    return true;
+  void check_sizes(int level_width) const override {
+    MULTUM_CHECK(rows_.width == level_width && rows_.height >= 0);
+    const std::size_t texels = texel_count(rows_.width, rows_.height);
+    MULTUM_CHECK(rows_.normals.size() == texels && rows_.lobe.size() == texels);
+    MULTUM_CHECK(rows_.colours.size() == (shape_.has_colours ? texels : 0));
+    for (const std::uint8_t lobe : rows_.lobe) MULTUM_CHECK(lobe < shape_.lobe_count);
   }
-  void close(bool discard) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (discard) portions_.clear();
-    closed_ = true;
-    filled_.notify_one();
+  void copy_values(std::size_t, std::size_t first, std::size_t count, float* values) const override {
+    interleave(rows_, first, count, values);
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable room_, filled_;
-  std::deque<Portion> portions_;
-  std::size_t bytes_ = 0;
-  bool closed_ = false;
+  const Shape& shape_;
+  const MovmfFinest rows_;
 };
 
-// One level of one part: the row of tiles that is being filled, and the digest of what came before it.
-struct PartLevel {
-  const MovmfPart* part;
-  int part_index;
-  std::vector<float> values;
-  ContentHash hash;
-};
+class LevelPortion : public BakedRows {
+ public:
+  LevelPortion(const Shape& shape, int level, MovmfLevel rows) : shape_(shape), level_(level), rows_(std::move(rows)) {}
 
-struct Level {
-  int width, height;
-  int rows_accepted = 0;  // by the caller's thread
-  int rows_written = 0;   // by the writer's thread, as rows_waiting
-  int rows_waiting = 0;   // in PartLevel::values
-  std::vector<std::unique_ptr<PartLevel>> parts;
-};
-
-// Values of `count` texels from texel `first` of the portion on, interleaved.
-void copy_values(const Portion& portion, const MovmfPart& part, std::size_t first, std::size_t count, float* values) {
-  const std::size_t channels = part.channels.size();
-  if (part.kind != MovmfPartKind::kFinest) {
-    std::memcpy(values, part.values(portion.rows) + first * channels, count * channels * sizeof(float));
-    return;
+  int level() const override { return level_; }
+  int height() const override { return rows_.height; }
+  std::size_t bytes() const override {
+    std::size_t sum = 0;
+    for (const auto& lobe : rows_.lobes) sum += lobe.size() * sizeof(glm::vec4);
+    for (const auto& colour : rows_.colours) sum += colour.size() * sizeof(glm::vec3);
+    return sum;
   }
-  interleave(portion.finest, first, count, values);
-}
+  void check_sizes(int level_width) const override {
+    MULTUM_CHECK(rows_.width == level_width && rows_.height >= 0);
+    const std::size_t texels = texel_count(rows_.width, rows_.height);
+    MULTUM_CHECK(rows_.lobes.size() == shape_.lobe_count);
+    MULTUM_CHECK(rows_.colours.size() == (shape_.has_colours ? shape_.lobe_count : 0));
+    for (const auto& lobe : rows_.lobes) MULTUM_CHECK(lobe.size() == texels);
+    for (const auto& colour : rows_.colours) MULTUM_CHECK(colour.size() == texels);
+  }
+  void copy_values(std::size_t part, std::size_t first, std::size_t count, float* values) const override {
+    const std::size_t channels = shape_.parts[part].channels.size();
+    std::memcpy(values, shape_.parts[part].values(rows_) + first * channels, count * channels * sizeof(float));
+  }
+
+ private:
+  const Shape& shape_;
+  const int level_;
+  const MovmfLevel rows_;
+};
 
 }  // namespace
 
 class MovmfWriter::Work {
  public:
-  Work(const std::string& path, const MovmfMipmap& header, const MovmfWriteOptions& options)
-      : file_(path), options_(options), lobe_count_(header.lobe_count()), has_colours_(header.has_colours()) {
-    const int level_count = static_cast<int>(header.levels.size());
-    MULTUM_CHECK(lobe_count_ >= 1 && lobe_count_ <= kLobeCountMax);
-    MULTUM_CHECK(level_count == mip_level_count(header.width(), header.height()));
-    MULTUM_CHECK(header.first_level >= 0 && header.first_level < level_count);
-    MULTUM_CHECK(replaces_zlib_compress());
-    MULTUM_CHECK(options.tile_size >= 1 && options.threads >= 1 && options.measured_error_bytes >= 0);
-    parts_ = movmf_parts(header);
-    const std::vector<Imf::Header> headers = make_headers(header, parts_, options);
-    for (const MovmfLevel& level : header.levels) levels_.push_back({level.width, level.height, 0, 0, 0, {}});
-    for (std::size_t i = 0; i < parts_.size(); ++i)
-      for (int l = 0; l < parts_[i].level_count; ++l)
-        levels_[static_cast<std::size_t>(parts_[i].first_level + l)].parts.emplace_back(
-            new PartLevel{&parts_[i], static_cast<int>(i), {}, {}});
-    stream_ = std::make_unique<ExrOutputStream>(file_.temporary_path(), path);
-    guarded([&] {
-      use_exr_threads(options.threads);
-      out_ = std::make_unique<Imf::MultiPartOutputFile>(*stream_, headers.data(), static_cast<int>(headers.size()),
-                                                        false, options.threads);
-    });
-    thread_ = std::jthread([this] { run(); });
-  }
+  Work(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options)
+      : shape_{static_cast<std::size_t>(header.lobe_count()), header.has_colours(), checked_parts(header)},
+        writer_(path, header_of(header), {shape_.parts.begin(), shape_.parts.end()},
+                make_headers(header, shape_.parts, options), options) {}
 
-  ~Work() { stop(true); }
-
-  void accept(int first_row, Portion portion) {
-    rethrow_failure();
-    MULTUM_CHECK(portion.level >= 0 && portion.level < static_cast<int>(levels_.size()));
-    Level& level = levels_[static_cast<std::size_t>(portion.level)];
-    MULTUM_CHECK(!level.parts.empty());  // a level that is stored
-    MULTUM_CHECK(first_row == level.rows_accepted && first_row + portion.height() <= level.height);
-    check_sizes(portion, level);
-    level.rows_accepted += portion.height();
-    queue_.put(std::move(portion));
-  }
-
-  void commit(const std::string& measured_error, Progress* progress) {
-    rethrow_failure();
-    for (const Level& level : levels_) MULTUM_CHECK(level.parts.empty() || level.rows_accepted == level.height);
-    MULTUM_CHECK(measured_error.size() <= static_cast<std::size_t>(options_.measured_error_bytes));
-    queue_.close(false);
-    wait(progress);
-    stop(false);
-    rethrow_failure();
-    guarded([&] { out_.reset(); });  // writes the tables of tiles
-    stream_->close();
-    content_hash_ = hash_all();
-    const std::string& temporary = file_.temporary_path();
-    const int with_error = fill_in_attribute(temporary, file_.path(), kMeasuredErrorAttribute, measured_error);
-    const int with_hash = fill_in_attribute(temporary, file_.path(), kContentHashAttribute, content_hash_);
-    MULTUM_CHECK(with_error == 1 && with_hash == static_cast<int>(parts_.size()));
-    progress_advance(progress, 0);  // the last chance to cancel
-    file_.commit();
-  }
-
-  const std::string& content_hash() const { return content_hash_; }
+  const Shape& shape() const { return shape_; }
+  BakedWriter& writer() { return writer_; }
 
  private:
-  void check_sizes(const Portion& portion, const Level& level) const {
-    const int width = portion.level == 0 ? portion.finest.width : portion.rows.width;
-    MULTUM_CHECK(width == level.width && portion.height() >= 0);
-    const std::size_t texels = texel_count(width, portion.height());
-    if (portion.level == 0) {
-      const MovmfFinest& rows = portion.finest;
-      MULTUM_CHECK(rows.normals.size() == texels && rows.lobe.size() == texels);
-      MULTUM_CHECK(rows.colours.size() == (has_colours_ ? texels : 0));
-      for (const std::uint8_t lobe : rows.lobe) MULTUM_CHECK(lobe < lobe_count_);
-      return;
-    }
-    const auto count = static_cast<std::size_t>(lobe_count_);
-    MULTUM_CHECK(portion.rows.lobes.size() == count && portion.rows.colours.size() == (has_colours_ ? count : 0));
-    for (const auto& lobe : portion.rows.lobes) MULTUM_CHECK(lobe.size() == texels);
-    for (const auto& colour : portion.rows.colours) MULTUM_CHECK(colour.size() == texels);
+  static std::vector<MovmfPart> checked_parts(const MovmfMipmap& header) {
+    MULTUM_CHECK(header.lobe_count() >= 1 && header.lobe_count() <= kLobeCountMax);
+    MULTUM_CHECK(static_cast<int>(header.levels.size()) == mip_level_count(header.width(), header.height()));
+    return movmf_parts(header);
   }
 
-  // What OpenEXR throws, as what it means to the caller.
-  template <typename Body>
-  void guarded(const Body& body) const {
-    try {
-      body();
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& error) {
-      throw Error(ErrorCode::kEnvironment, file_.path() + ": writing failed: " + error.what());
-    }
-  }
-
-  void run() {
-    Portion portion;
-    while (queue_.take(portion)) {
-      if (has_failed()) continue;  // the caller must not wait for room for ever
-      try {
-        guarded([&] { gather(portion); });
-      } catch (...) {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        failure_ = std::current_exception();
-      }
-    }
-    const std::lock_guard<std::mutex> lock(mutex_);
-    finished_ = true;
-    finished_changed_.notify_one();
-  }
-
-  // Puts the portion's rows to those that wait; writes every row of tiles that becomes full.
-  void gather(const Portion& portion) {
-    Level& level = levels_[static_cast<std::size_t>(portion.level)];
-    for (int row = 0; row < portion.height();) {
-      const int tile_rows = std::min(options_.tile_size, level.height - level.rows_written);
-      const int rows = std::min(portion.height() - row, tile_rows - level.rows_waiting);
-      for (const auto& at : level.parts) {
-        const std::size_t channels = at->part->channels.size();
-        at->values.resize(texel_count(level.width, tile_rows) * channels);
-        copy_values(portion, *at->part, texel_count(level.width, row), texel_count(level.width, rows),
-                    at->values.data() + texel_count(level.width, level.rows_waiting) * channels);
-      }
-      row += rows;
-      level.rows_waiting += rows;
-      if (level.rows_waiting == tile_rows) write_tiles(portion.level, level);
-    }
-  }
-
-  void write_tiles(int level_number, Level& level) {
-    for (const auto& at : level.parts) {
-      at->hash.update(at->values.data(), at->values.size() * sizeof(float));
-      Imf::TiledOutputPart part(*out_, at->part_index);
-      part.setFrameBuffer(slices(*at, level));
-      const int l = level_number - at->part->first_level, tile_row = level.rows_written / options_.tile_size;
-      part.writeTiles(0, part.numXTiles(l) - 1, tile_row, tile_row, l);
-    }
-    level.rows_written += level.rows_waiting;
-    level.rows_waiting = 0;
-    if (level.rows_written < level.height) return;
-    for (const auto& at : level.parts) at->values = std::vector<float>();
-  }
-
-  // Channels that are stored as floats are taken from where they lie; halfs, channel by channel, from `halfs_`.
-  Imf::FrameBuffer slices(const PartLevel& at, const Level& level) {
-    Imf::FrameBuffer buffer;
-    const std::size_t channels = at.part->channels.size(), texels = at.values.size() / channels;
-    halfs_.resize(texels * channels);
-    for (std::size_t c = 0; c < channels; ++c) {
-      const MovmfChannel& channel = at.part->channels[c];
-      const void* first = &at.values[c];
-      std::size_t stride = channels * sizeof(float);
-      if (channel.type == Imf::HALF) {
-        half* const converted = halfs_.data() + c * texels;
-        for (std::size_t i = 0; i < texels; ++i) converted[i] = half(at.values[i * channels + c]);
-        first = converted;
-        stride = sizeof(half);
-      }
-      buffer.insert(channel.name,
-                    row_slice(channel.type, first, stride, level.width, level.rows_written, level.rows_waiting));
-    }
-    return buffer;
-  }
-
-  std::string hash_all() {
-    ContentHash all;
-    for (std::size_t i = 0; i < parts_.size(); ++i)
-      for (const Level& level : levels_)
-        for (const auto& at : level.parts)
-          if (at->part_index == static_cast<int>(i)) all.update(at->hash.finish());
-    return all.finish();
-  }
-
-  bool has_failed() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return failure_ != nullptr;
-  }
-  void rethrow_failure() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (failure_) std::rethrow_exception(failure_);
-  }
-
-  // For the thread, listening for a cancel meanwhile.
-  void wait(Progress* progress) {
-    constexpr std::chrono::milliseconds kListenInterval(50);
-    std::unique_lock<std::mutex> lock(mutex_);
-    while (!finished_changed_.wait_for(lock, kListenInterval, [&] { return finished_; })) {
-      lock.unlock();
-      progress_advance(progress, 0);
-      lock.lock();
-    }
-  }
-
-  void stop(bool discard) {
-    queue_.close(discard);
-    if (thread_.joinable()) thread_.join();
-  }
-
-  // In this order: the thread ends first, then what it writes to, then the temporary file goes.
-  AtomicFile file_;
-  const MovmfWriteOptions options_;
-  const int lobe_count_;
-  const bool has_colours_;
-  std::vector<MovmfPart> parts_;
-  std::vector<Level> levels_;
-  std::vector<half> halfs_;
-  std::string content_hash_;
-  std::unique_ptr<ExrOutputStream> stream_;
-  std::unique_ptr<Imf::MultiPartOutputFile> out_;
-  PortionQueue queue_;
-  std::mutex mutex_;  // of what follows
-  std::condition_variable finished_changed_;
-  bool finished_ = false;
-  std::exception_ptr failure_;
-  std::jthread thread_;
+  const Shape shape_;  // outlives the portions
+  BakedWriter writer_;
 };
 
-MovmfWriter::MovmfWriter(const std::string& path, const MovmfMipmap& header, const MovmfWriteOptions& options)
+MovmfWriter::MovmfWriter(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options)
     : work_(std::make_unique<Work>(path, header, options)) {}
 
 MovmfWriter::~MovmfWriter() = default;
 
-void MovmfWriter::write_finest(int first_row, MovmfFinest rows) { work_->accept(first_row, {0, std::move(rows), {}}); }
+void MovmfWriter::write_finest(int first_row, MovmfFinest rows) {
+  work_->writer().write(first_row, std::make_unique<FinestPortion>(work_->shape(), std::move(rows)));
+}
 
 void MovmfWriter::write_level(int level, int first_row, MovmfLevel rows) {
   MULTUM_CHECK(level >= 1);
-  work_->accept(first_row, {level, {}, std::move(rows)});
+  work_->writer().write(first_row, std::make_unique<LevelPortion>(work_->shape(), level, std::move(rows)));
 }
 
 void MovmfWriter::commit(const std::string& measured_error, Progress* progress) {
-  work_->commit(measured_error, progress);
+  work_->writer().commit(measured_error, progress);
 }
 
-const std::string& MovmfWriter::content_hash() const { return work_->content_hash(); }
+const std::string& MovmfWriter::content_hash() const { return work_->writer().content_hash(); }
 
-void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const MovmfWriteOptions& options,
+void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress) {
-  MovmfWriteOptions exact = options;
+  BakedWriteOptions exact = options;
   exact.measured_error_bytes = static_cast<int>(mipmap.provenance.measured_error.size());
   MovmfWriter writer(path, mipmap, exact);
   for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {

@@ -19,7 +19,7 @@ class MovmfWriter {
   /// `header` has sizes, lobe count, encoding, wraps, first level, whether there are colours, and provenance; no
   /// texels. Its measured error and content hash are not read: commit() knows them. Throws as AtomicFile does for
   /// places that cannot be written, Error(kUsage) for an unknown compression.
-  MovmfWriter(const std::string& path, const MovmfMipmap& header, const MovmfWriteOptions& options);
+  MovmfWriter(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options);
   /// Without commit(), nothing stays.
   ~MovmfWriter();
   MovmfWriter(const MovmfWriter&) = delete;

@@ -79,13 +79,15 @@ class ErrorSums {
 // One measurement: the truth of as many directions as memory has room for, compared with the model; then of the next.
 class Comparison {
  public:
-  Comparison(const AccuracySettings& settings, const AccuracyPoints& points, bool has_colours)
+  Comparison(const AccuracySettings& settings, const AccuracyPoints& points, const AccuracyModel& model,
+             bool has_colours)
       : settings_(settings),
         points_(points),
+        shadings_(model.shadings()),
         channel_count_(has_colours ? 3 : 0),
         plain_count_(settings.exponents.size() + 1),
         averages_(points.texels(), static_cast<int>(points.texels().sizes().size())),
-        sums_(points, plain_count_ * (has_colours ? 2 : 1)) {}
+        sums_(points, brdf_count()) {}
 
   void run(Device& device, const FinestPlanes& planes, AccuracyModel& model, Progress* progress) {
     const TexelAverages map_averages(points_.texels(), model.first_level());
@@ -109,7 +111,7 @@ class Comparison {
     for (int l = 0; l < static_cast<int>(points_.texels().sizes().size()); ++l)
       for (AccuracyPoint kind :
            {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
-        for (std::size_t b = 0; b < plain_count_ * (channel_count_ > 0 ? 2 : 1); ++b) {
+        for (std::size_t b = 0; b < brdf_count(); ++b) {
           AccuracyRow made = sums_.row(l, kind, b, brdf_name(b));
           if (made.sample_count > 0) rows.push_back(std::move(made));
         }
@@ -148,7 +150,7 @@ class Comparison {
 
   void compare(Device& device, const Pass& pass, const AccuracyModel& model, bool is_first, Progress* progress) {
     constexpr std::size_t kSamplesPerBatch = 1 << 14;
-    PointShading shading(device, model, pass.directions);
+    const std::unique_ptr<PointShading> shading = model.make_shading(device, pass.directions);
     const std::size_t sample_count = points_.samples().size();
     std::vector<SamplePoint> points;
     std::vector<float> values;
@@ -158,14 +160,15 @@ class Comparison {
       points.clear();
       for (std::size_t i = first; i < std::min(first + kSamplesPerBatch, sample_count); ++i)
         points_.append_points(i, points);
-      for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
-        shading.shade(points, channel, settings_.threads, values);
-        compare_points(pass, points, values, channel, sums);
-        const std::size_t first_brdf = channel < 0 ? 0 : plain_count_;
-        for (std::size_t i = 0; i < points.size(); ++i)
-          for (std::size_t b = 0; b < plain_count_; ++b)
-            sums_.add(points[i], first_brdf + b, sums[i * plain_count_ + b]);
-      }
+      for (std::size_t way = 0; way < shadings_.size(); ++way)
+        for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
+          shading->shade(points, static_cast<int>(way), channel, settings_.threads, values);
+          compare_points(pass, points, values, channel, sums);
+          const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
+          for (std::size_t i = 0; i < points.size(); ++i)
+            for (std::size_t b = 0; b < plain_count_; ++b)
+              sums_.add(points[i], first_brdf + b, sums[i * plain_count_ + b]);
+        }
       for (std::size_t i = 0; i < points.size() && is_first; ++i) sums_.count(points[i]);
     }
   }
@@ -203,24 +206,31 @@ class Comparison {
     return sum;
   }
 
+  // Plain, and with colours.
+  std::size_t groups_per_shading() const { return channel_count_ > 0 ? 2 : 1; }
+  std::size_t brdf_count() const { return plain_count_ * groups_per_shading() * shadings_.size(); }
   std::string brdf_name(std::size_t brdf) const {
-    const std::size_t plain = brdf % plain_count_;
-    const std::string name =
+    const std::size_t plain = brdf % plain_count_, group = brdf / plain_count_;
+    std::string name =
         plain + 1 == plain_count_ ? "lambert" : fmt::format("blinn-phong:{}", settings_.exponents[plain]);
-    return brdf < plain_count_ ? name : name + " coloured";
+    const std::string& shading = shadings_[group / groups_per_shading()];
+    if (!shading.empty()) name += " " + shading;
+    return group % groups_per_shading() == 0 ? name : name + " coloured";
   }
 
   const AccuracySettings& settings_;
   const AccuracyPoints& points_;
+  const std::vector<std::string> shadings_;
   const std::size_t channel_count_;  // 0: no colours
   const std::size_t plain_count_;    // BRDFs: exponents, then Lambert
   const TexelAverages averages_;
   ErrorSums sums_;
 };
 
-std::vector<PlaneSize> level_sizes(const MovmfMipmap& mipmap) {
+std::vector<PlaneSize> level_sizes(int map_width, int map_height) {
   std::vector<PlaneSize> sizes;
-  for (const MovmfLevel& level : mipmap.levels) sizes.push_back({level.width, level.height});
+  for (int l = 0; l < mip_level_count(map_width, map_height); ++l)
+    sizes.push_back({mip_level_size(map_width, l), mip_level_size(map_height, l)});
   return sizes;
 }
 
@@ -237,10 +247,9 @@ AccuracyDirections accuracy_directions() {
   return directions;
 }
 
-AccuracyMeter::AccuracyMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
+AccuracyMeter::AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings)
     : settings_(settings),
-      points_(level_sizes(header), {settings.first_level, settings.samples_per_level, settings.seed}),
-      model_(header, has_colours, points_.texels()) {}
+      points_(level_sizes(map_width, map_height), {settings.first_level, settings.samples_per_level, settings.seed}) {}
 
 bool AccuracyMeter::needs_rows(int level, int first_row, int row_count) const {
   return points_.texels().row_begin(level, first_row) < points_.texels().row_begin(level, first_row + row_count);
@@ -250,22 +259,40 @@ std::vector<AccuracyRow> AccuracyMeter::run(Device& device, const PlaneStore& no
                                             Progress* progress) {
   const PlaneSize size = points_.texels().sizes().front();
   MULTUM_CHECK(normals.width() == size.width && normals.height() == size.height);
-  MULTUM_CHECK(albedo == nullptr || model_.has_colours());
-  Comparison comparison(settings_, points_, albedo != nullptr);
-  comparison.run(device, {normals, albedo}, model_, progress);
+  MULTUM_CHECK(albedo == nullptr || model().has_colours());
+  Comparison comparison(settings_, points_, model(), albedo != nullptr);
+  comparison.run(device, {normals, albedo}, model(), progress);
   return comparison.rows();
 }
 
-std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
-                                          const ColourMap* albedo, const AccuracySettings& settings,
-                                          Progress* progress) {
-  AccuracyMeter meter(mipmap, albedo != nullptr, settings);
-  for (int l = mipmap.first_level; l < static_cast<int>(mipmap.levels.size()); ++l)
-    meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
+namespace {
+
+std::vector<AccuracyRow> run_on_maps(Device& device, AccuracyMeter& meter, const NormalMap& map,
+                                     const ColourMap* albedo, Progress* progress) {
   const PlaneStore normals(map.width, map.height, {map.x.data(), map.y.data(), map.z.data()});
   if (albedo == nullptr) return meter.run(device, normals, nullptr, progress);
   const PlaneStore colours(albedo->width, albedo->height, {albedo->r.data(), albedo->g.data(), albedo->b.data()});
   return meter.run(device, normals, &colours, progress);
+}
+
+}  // namespace
+
+std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress) {
+  MovmfMeter meter(mipmap, albedo != nullptr, settings);
+  for (int l = mipmap.first_level; l < static_cast<int>(mipmap.levels.size()); ++l)
+    meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
+  return run_on_maps(device, meter, map, albedo, progress);
+}
+
+std::vector<AccuracyRow> measure_accuracy(Device& device, const MomentMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress) {
+  MomentMeter meter(mipmap.header, settings);
+  for (int l = mipmap.header.first_level; l < mipmap.header.level_count(); ++l)
+    meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
+  return run_on_maps(device, meter, map, albedo, progress);
 }
 
 }  // namespace multum

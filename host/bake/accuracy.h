@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers, in double
-// (accuracy_truth.h). Model: the stored, rounded lobes, filtered linearly and shaded by the runtime's formula
+// (accuracy_truth.h). Model: what is stored, rounded as stored, filtered linearly and shaded by the runtime's formula
 // (accuracy_model.h). Levels finer than the first that is stored: the normal map's own mips, in float, each texel one
 // lobe with the mean vector of the normals that it covers; between them and the stored levels both are shaded and
 // mixed, as renderers do. Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set of
@@ -16,6 +16,8 @@
 #include "host/asset/movmf_mipmap.h"
 #include "host/bake/accuracy_model.h"
 #include "host/bake/accuracy_points.h"
+#include "host/bake/moment_model.h"
+#include "host/bake/movmf_model.h"
 #include "host/base/progress.h"
 #include "host/image/normal_map.h"
 #include "host/image/plane_store.h"
@@ -26,7 +28,9 @@ namespace multum {
 struct AccuracyRow {
   int level;
   AccuracyPoint point;
-  std::string brdf;   // "lambert", "blinn-phong:20"; with " coloured" when multiplied by the colours
+  // "lambert", "blinn-phong:20"; with " toksvig", " lean", ... where there are several ways to shade it, and then with
+  // " coloured" when multiplied by the colours.
+  std::string brdf;
   double error;       // relative L1, 0.1 = 10 %
   double confidence;  // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
   std::int64_t sample_count;  // texels
@@ -48,32 +52,64 @@ struct AccuracySettings {
   int threads = 2;
 };
 
-/// Told what a bake stores, row by row, keeps the lobes of the texels that it looks at, and measures at the end. With
-/// 2048 samples a level that takes some 50 MB for maps of any size.
+/// Told what a bake stores, row by row, keeps what is stored of the texels that it looks at, and measures at the end.
+/// With 2048 samples a level that takes some 50 MB for maps of any size.
 class AccuracyMeter {
  public:
-  /// Of `header`: sizes of levels, lobe count, first level; no texels.
-  AccuracyMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings);
+  virtual ~AccuracyMeter() = default;
   AccuracyMeter(const AccuracyMeter&) = delete;
   AccuracyMeter& operator=(const AccuracyMeter&) = delete;
 
   /// Is any texel of these rows looked at? If not, they need not be added.
   bool needs_rows(int level, int first_row, int row_count) const;
-  /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.
-  void add_rows(int level, int first_row, const MovmfLevel& rows) { model_.add_rows(level, first_row, rows); }
 
-  /// After all rows that it needs, once. With `albedo`, which needs a mipmap with colours, those are compared too, per
+  /// After all rows that it needs, once. With `albedo`, which needs a file with colours, those are compared too, per
   /// channel. Reads every normal once, more often where it looks at millions of texels. Progress: counts no units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
+
+ protected:
+  AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings);
+  const AccuracyPoints& points() const { return points_; }
+  virtual AccuracyModel& model() = 0;
 
  private:
   const AccuracySettings settings_;
   const AccuracyPoints points_;
-  AccuracyModel model_;
+};
+
+/// Of lobes.
+class MovmfMeter : public AccuracyMeter {
+ public:
+  /// Of `header`: sizes of levels, lobe count, first level; no texels.
+  MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
+      : AccuracyMeter(header.width(), header.height(), settings), model_(header, has_colours, points().texels()) {}
+
+  /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.
+  void add_rows(int level, int first_row, const MovmfLevel& rows) { model_.add_rows(level, first_row, rows); }
+
+ private:
+  AccuracyModel& model() override { return model_; }
+  MovmfModel model_;
+};
+
+/// Of moments: each BRDF shaded as "toksvig", "lean" and "lean-jacobian".
+class MomentMeter : public AccuracyMeter {
+ public:
+  MomentMeter(const BakedHeader& header, const AccuracySettings& settings)
+      : AccuracyMeter(header.width, header.height, settings), model_(header, points().texels()) {}
+
+  void add_rows(int level, int first_row, const MomentLevel& rows) { model_.add_rows(level, first_row, rows); }
+
+ private:
+  AccuracyModel& model() override { return model_; }
+  MomentModel model_;
 };
 
 /// The same of a whole mipmap and a map in memory, which must be of one size. `albedo`: null, or of that size.
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress);
+std::vector<AccuracyRow> measure_accuracy(Device& device, const MomentMipmap& mipmap, const NormalMap& map,
                                           const ColourMap* albedo, const AccuracySettings& settings,
                                           Progress* progress);
 inline std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,

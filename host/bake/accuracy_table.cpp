@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
 
 namespace multum {
 namespace {
 
-constexpr const char* kColoured = " coloured";  // ends the names of coloured rows, see AccuracyRow::brdf
-constexpr int kLevelMax = 63;                   // of any file: sides fit into 32 bits
+constexpr int kLevelMax = 63;  // of any file: sides fit into 32 bits
 
 // As the file keeps it. The table rounds again, from this, so that it is the same from a bake and from its file.
 double rounded(double error) { return std::round(error * 1e6) / 1e6; }
@@ -29,9 +30,19 @@ std::string percent(const AccuracyRow* a, const AccuracyRow* b) {
   return fmt::format("{:.2f}", 100.0 * rounded(worse));
 }
 
+// What a table's heading says of " lean coloured": rows of one group differ in the BRDF alone.
+std::string group_text(std::string suffix) {
+  constexpr std::string_view kColoured = " coloured";  // ends the names of coloured rows, see AccuracyRow::brdf
+  std::string text;
+  if (suffix.ends_with(kColoured)) {
+    suffix.resize(suffix.size() - kColoured.size());
+    text = " with colours";
+  }
+  return (suffix.empty() ? "" : " of" + suffix) + text;
+}
+
 std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::string>& brdfs,
                   const std::string& suffix) {
-  if (brdfs.empty()) return "";
   int level_min = kLevelMax, level_max = 0;
   for (const AccuracyRow& row : rows) {
     level_min = std::min(level_min, row.level);
@@ -39,7 +50,7 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::s
   }
   std::string text = fmt::format(
       "measured error{}, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n  level",
-      suffix.empty() ? "" : " with colours");
+      group_text(suffix));
   for (const std::string& brdf : brdfs) text += fmt::format("{:>20}", brdf);
   text += "\n";
   for (int level = level_min; level <= level_max; ++level) {
@@ -65,15 +76,17 @@ std::optional<AccuracyPoint> parse_point(const std::string& name) {
 }  // namespace
 
 std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
-  std::vector<std::string> plain, coloured;
+  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // suffix -> BRDFs, as they come
   for (const AccuracyRow& row : rows) {
-    const bool is_coloured = row.brdf.ends_with(kColoured);
-    const std::string name =
-        is_coloured ? row.brdf.substr(0, row.brdf.size() - std::string(kColoured).size()) : row.brdf;
-    std::vector<std::string>& names = is_coloured ? coloured : plain;
+    const std::string name = row.brdf.substr(0, row.brdf.find(' ')), suffix = row.brdf.substr(name.size());
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& one) { return one.first == suffix; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {suffix, {}});
+    std::vector<std::string>& names = group->second;
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
-  return table(rows, plain, "") + table(rows, coloured, kColoured);
+  std::string text;
+  for (const auto& [suffix, brdfs] : groups) text += table(rows, brdfs, suffix);
+  return text;
 }
 
 std::string measured_error_json(const std::vector<AccuracyRow>& rows) {

@@ -10,7 +10,8 @@
 
 namespace multum {
 
-/// A line a level and a column a BRDF; when there are coloured rows, a second table with those. Empty without rows.
+/// A line a level and a column a BRDF; a table for each way of shading, and when there are coloured rows, tables with
+/// those. Empty without rows.
 std::string accuracy_table(const std::vector<AccuracyRow>& rows);
 
 /// JSON array of [level, point, BRDF, error to six digits behind the point].

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole bake from file to file: read, fit, round, measure, write. The command line and later the service call this.
+// A whole bake from file to file: read, fit or average, round, measure, write. The command line and later the service
+// call this.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/baked_file.h"
 #include "host/bake/bake_report.h"
 #include "host/bake/bake_settings.h"
 #include "host/bake/region_bake.h"
@@ -21,9 +22,10 @@ struct BakeJob {
   std::string output;  // *.ndf.exr
   std::string report;  // JSON file; empty: none
   NormalMapSettings reading;
-  MovmfSettings fitting;
+  Representation representation = Representation::kMovmf;
+  MovmfSettings fitting;  // of lobes; its first level is that of every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
-  MovmfWriteOptions writing;
+  BakedWriteOptions writing;
   bool measure = true;             // measure the error of what is written
   bool force = false;              // bake even if the output is from the same file and settings
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's

@@ -24,10 +24,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr char kWhole[] = "the manifest";
 
 const std::vector<std::string> kDefaultKeys = {
-    "error_max", "lobes",       "reference",   "iterations", "sweeps",       "order",       "align",
-    "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",       "coarse_normals",
-    "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel", "no_rehearsal",
-    "fixnan",    "checknan",    "repair_max",  "albedo",     "compression"};
+    "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
+    "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
+    "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
+    "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;
@@ -93,6 +93,7 @@ void read_options(const StrictTable& table, ManifestOptions& options) {
   read_choice(table, "swrap", kWrapModes, map.wrap_s);
   read_choice(table, "twrap", kWrapModes, map.wrap_t);
   if (table.has("albedo")) map.albedo = table.text("albedo", "");
+  read_choice(table, "ndf", kNdfs, map.ndf);
   read_whole(table, "lobes", kLobeCounts, map.lobes);
   read_whole(table, "iterations", kIterationCounts, map.iterations);
   read_whole(table, "sweeps", kSweepCounts, map.sweeps);
@@ -141,6 +142,17 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
   return {job};
 }
 
+// [defaults] may say how lobes are fitted for all maps that have any; a map that has none may not.
+void check_keys_of_lobes(const StrictTable& table, const MapOptions& map) {
+  const Representation representation = map.ndf.value_or(Representation::kMovmf);
+  if (representation == Representation::kMovmf) return;
+  for (const char* key :
+       {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal", "order", "coarse_normals"})
+    if (table.has(key))
+      table.refuse(key, fmt::format("is for ndf = \"vmf\", found ndf = \"{}\", which fits no lobes",
+                                    representation_info(representation).option));
+}
+
 struct ManifestEntry {
   StrictTable table;
   std::vector<ManifestMap> maps;
@@ -151,6 +163,7 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWhole), {}};
   ManifestOptions options = defaults;
   read_options(entry.table, options);
+  check_keys_of_lobes(entry.table, options.map);
   BakeJob job = pattern;
   apply(options.map, job);
   job.input = resolved(path, entry.table.text("input"));

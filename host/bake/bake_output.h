@@ -12,7 +12,7 @@ class BakeOutput {
  public:
   /// `header` is what the file's is; `meter` is null when nothing is measured. Fills BakeReport::beyond_storage and the
   /// times of rounding and writing.
-  BakeOutput(MovmfWriter& writer, AccuracyMeter* meter, const MovmfMipmap& header, int threads, BakeReport& report)
+  BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, BakeReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
 
   /// Rounds rows as they come from the fit to what is stored, and counts lobes that are sharper than that.
@@ -24,7 +24,7 @@ class BakeOutput {
 
  private:
   MovmfWriter& writer_;
-  AccuracyMeter* meter_;
+  MovmfMeter* meter_;
   const MovmfMipmap& header_;
   const int threads_;
   BakeReport& report_;

@@ -72,6 +72,7 @@ std::string BakeReport::to_json() const {
                     {"kappa_clamped", kappa_clamped},
                     {"dead_lobes", dead_lobes},
                     {"undirected_lobes", undirected_lobes},
+                    {"slopes_limited", slopes_limited},
                     {"beyond_storage", beyond_storage}};
   json["beyond_storage_share"] = beyond_storage_share;
   json["measured_error"] = accuracy_json(accuracy);
@@ -87,13 +88,16 @@ std::string BakeReport::to_text() const {
     total += stage.seconds;
   }
   text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device);
-  text += fmt::format(
-      "{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction, {} sharper than "
-      "the storage keeps\n",
-      lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes, beyond_storage);
-  if (!levels.empty() && levels.front().level > 0)
-    text += fmt::format("levels finer than {} are not stored: renderers take them from the normal map{}\n",
-                        levels.front().level, accuracy.empty() ? "" : ", as this table does");
+  if (lobe_count_total > 0)
+    text += fmt::format(
+        "{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction, {} sharper than "
+        "the storage keeps\n",
+        lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes, beyond_storage);
+  if (slopes_limited > 0)
+    text += fmt::format("{} normals nearer to the horizon than slopes go, taken at 87 degrees\n", slopes_limited);
+  if (first_level > 0)
+    text += fmt::format("levels finer than {} are not stored: renderers take them from the normal map{}\n", first_level,
+                        accuracy.empty() ? "" : ", as this table does");
   return text + accuracy_table(accuracy);
 }
 

@@ -25,6 +25,7 @@ struct LevelReport {
 
 struct BakeReport {
   std::string source;
+  int first_level = 0;     // the finest that is stored
   bool unchanged = false;  // the output was there already: nothing was done, and nothing else here says anything
   std::string device;
   std::uint64_t rows_resumed = 0;  // rows of levels that a killed bake had done
@@ -47,6 +48,7 @@ struct BakeReport {
   std::uint64_t kappa_clamped = 0;  // sharper than MovmfSettings::kappa_cap: EM may have fitted them as if less sharp
   std::uint64_t dead_lobes = 0;     // amplitude below 1e-6; below 1e-7 (DEAD_SHARE) EM keeps its last direction
   std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
+  std::uint64_t slopes_limited = 0;    // normals nearer to the horizon than slopes of moments go (kSlopeZMin)
   // Lobes of levels coarser than 0 whose spread the storage does not keep, and the share of those levels' normals that
   // they stand for (host/asset/movmf_mipmap.h, SharpLobes).
   std::uint64_t beyond_storage = 0;

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "host/asset/movmf_verify.h"
 #include "host/bake/bake_source.h"
+#include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -23,24 +23,23 @@ constexpr double kAllowedRelative = 0.01;
 constexpr double kAllowedAbsolute = 1e-4;
 
 // Of a file that names this source, yet was not baked from it.
-std::string other_shape(const MovmfMipmap& header, const BakeSource& source) {
+std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   const PlaneStore& normals = source.map.normals;
-  if (header.width() != normals.width() || header.height() != normals.height())
-    return fmt::format("holds {} x {} texels, its source has {} x {}", header.width(), header.height(), normals.width(),
+  if (header.width != normals.width() || header.height != normals.height())
+    return fmt::format("holds {} x {} texels, its source has {} x {}", header.width, header.height, normals.width(),
                        normals.height());
-  if (header.has_colours() != source.albedo.has_value())
-    return header.has_colours() ? "has colours, its source has none" : "has no colours, its source has an albedo";
+  if (header.has_colours != source.albedo.has_value())
+    return header.has_colours ? "has colours, its source has none" : "has no colours, its source has an albedo";
   return "";
 }
 
-// Verifies, and hands the meter every row on the way. Progress: a unit a row.
-std::string find_damage(const BakeJob& job, AccuracyMeter& meter, Progress* progress) {
-  const auto seen = [&](int level, int first_row, const MovmfLevel& rows) {
-    meter.add_rows(level, first_row, rows);
-    progress_advance(progress, static_cast<std::uint64_t>(rows.height));
-  };
+// Verifies, with a meter that sees every row on the way; what is damaged, in words, or nothing. Progress: a unit a row.
+std::string find_damage(const BakeJob& job, VerifiedFile& file, Progress* progress) {
+  AccuracySettings settings;
+  settings.threads = job.threads;
   try {
-    for (const VerifyFinding& finding : verify_movmf(job.output, job.threads, seen))
+    file = ndf_bake(job.representation).verify(job, settings, progress);
+    for (const VerifyFinding& finding : file.findings)
       if (!finding.passed) return fmt::format("{}: {}", finding.check, finding.detail);
   } catch (const Error& error) {
     // The source has been read by now: what cannot be read is the file, and that is what was asked.
@@ -50,10 +49,10 @@ std::string find_damage(const BakeJob& job, AccuracyMeter& meter, Progress* prog
   return "";
 }
 
-std::uint64_t stored_rows(const MovmfMipmap& header) {
+std::uint64_t stored_rows(const BakedHeader& header) {
   std::uint64_t rows = 0;
-  for (auto l = static_cast<std::size_t>(header.first_level); l < header.levels.size(); ++l)
-    rows += static_cast<std::uint64_t>(header.levels[l].height);
+  for (int l = header.first_level; l < header.level_count(); ++l)
+    rows += static_cast<std::uint64_t>(mip_level_size(header.height, l));
   return rows;
 }
 
@@ -68,20 +67,18 @@ std::string row_name(const AccuracyRow& row) {
 
 BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress) {
   const BakeSource source = read_bake_source(job, progress);
-  const MovmfMipmap header = read_movmf_header(job.output);
+  const BakedHeader header = read_baked_header(job.output);
   BakedCheck check;
   check.damage = other_shape(header, source);
   if (!check.damage.empty()) return check;
   progress_start(progress, stored_rows(header) + 1);
   progress_stage(progress, "verify");
-  AccuracySettings settings;
-  settings.threads = job.threads;
-  const PlaneStore* const albedo = source.albedo ? &*source.albedo : nullptr;
-  AccuracyMeter meter(header, albedo != nullptr, settings);
-  check.damage = find_damage(job, meter, progress);
+  VerifiedFile file;
+  check.damage = find_damage(job, file, progress);
   if (check.damage.empty()) {
     progress_stage(progress, "measure");
-    check.measured = meter.run(device, source.map.normals, albedo, progress);
+    const PlaneStore* const albedo = source.albedo ? &*source.albedo : nullptr;
+    check.measured = file.meter->run(device, source.map.normals, albedo, progress);
   }
   progress_finish(progress);
   return check;

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bake/map_options.h"
 
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "host/base/error.h"
+
 namespace multum {
 namespace {
 
@@ -26,9 +32,25 @@ void apply(const MapOptions& o, BakeJob& job) {
   if (o.wrap_s) job.reading.wrap_s = *o.wrap_s;
   if (o.wrap_t) job.reading.wrap_t = *o.wrap_t;
   if (o.albedo) job.albedo = *o.albedo;
+  if (o.ndf) job.representation = *o.ndf;
   apply_to_fit(o, job.fitting);
-  if (o.data_format) job.encoding = *o.data_format;
+  job.encoding = o.data_format.value_or(representation_info(job.representation).encodings.front());
   if (o.compression) job.writing.compression = *o.compression;
+}
+
+void check_options_of_lobes(const MapOptions& o) {
+  const Representation representation = o.ndf.value_or(Representation::kMovmf);
+  if (representation == Representation::kMovmf) return;
+  const std::pair<const char*, bool> options[] = {
+      {"--lobes", o.lobes.has_value()},           {"--reference", o.reference},
+      {"--iterations", o.iterations.has_value()}, {"--sweeps", o.sweeps.has_value()},
+      {"--order", o.order.has_value()},           {"--coarse-normals", o.coarse_normals.has_value()},
+      {"--no-rehearsal", o.no_rehearsal},         {"--align", o.alignment.has_value()},
+      {"--kappa-cap", o.kappa_cap.has_value()}};
+  for (const auto& [option, is_given] : options)
+    if (is_given)
+      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf, found --ndf {}, which fits no lobes", option,
+                                                 representation_info(representation).option));
 }
 
 }  // namespace multum

@@ -22,12 +22,19 @@ inline const Choices<WrapMode> kWrapModes = {{"black", WrapMode::kBlack},
                                              {"periodic", WrapMode::kPeriodic},
                                              {"mirror", WrapMode::kMirror}};
 
+inline const Choices<Representation> kNdfs = [] {
+  Choices<Representation> choices;
+  for (const RepresentationInfo& info : representations()) choices.emplace_back(info.option, info.representation);
+  return choices;
+}();
+
 /// Unset: not said, as the job has it.
 struct MapOptions {
   ReadingOptions reading;
   bool check_nan = false;
   std::optional<WrapMode> wrap, wrap_s, wrap_t;  // of both directions, of s alone, of t alone
   std::optional<std::string> albedo;
+  std::optional<Representation> ndf;
   std::optional<int> lobes, iterations, sweeps, first_level;
   std::optional<float> alignment, kappa_cap;
   bool reference = false;     // make_reference(), before the other options of the fit
@@ -39,5 +46,8 @@ struct MapOptions {
 };
 
 void apply(const MapOptions& options, BakeJob& job);
+
+/// Throws Error(kUsage) for an option that says how lobes are fitted where something else is baked.
+void check_options_of_lobes(const MapOptions& options);
 
 }  // namespace multum

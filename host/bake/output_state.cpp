@@ -10,6 +10,7 @@
 #include <set>
 
 #include "host/bake/accuracy_table.h"
+#include "host/bake/ndf_bake.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/image/reading_settings.h"
@@ -43,9 +44,9 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
   return changes;
 }
 
-std::optional<MovmfProvenance> read_provenance(const std::string& path, std::string& why_not) {
+std::optional<BakedProvenance> read_provenance(const std::string& path, std::string& why_not) {
   try {
-    return read_movmf_header(path).provenance;
+    return read_baked_header(path).provenance;
   } catch (const Error& error) {
     why_not = error.what();
     return std::nullopt;
@@ -67,14 +68,14 @@ MovmfSettings fitting_settings(const BakeJob& job) {
 }
 
 std::string all_settings_json(const BakeJob& job) {
-  nlohmann::json json = nlohmann::json::parse(settings_json(fitting_settings(job)));
+  nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
   json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
   if (job.region) {
     json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
-    json["onto"] = read_movmf_header(job.onto).provenance.content_hash;
+    json["onto"] = read_baked_header(job.onto).provenance.content_hash;
   }
   std::string kernels;
   for (const auto& [name, source] : kernel_sources()) kernels += source;
@@ -86,7 +87,7 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(job.output, none)) return {OutputFinding::kMissing, "", {}};
   OutputState state{OutputFinding::kInPlace, "", {}};
-  const std::optional<MovmfProvenance> there = read_provenance(job.output, state.why);
+  const std::optional<BakedProvenance> there = read_provenance(job.output, state.why);
   if (!there) {
     state.finding = OutputFinding::kUnreadable;
     return state;

@@ -17,47 +17,27 @@ void add_pairs(const double* __restrict values, int pair_count, double* __restri
 }  // namespace
 
 TexelAverages::TexelAverages(const TexelSelection& texels, int level_count)
-    : texels_(texels), level_count_(level_count) {
+    : texels_(texels), level_count_(level_count), blocks_(texels.sizes().front().width) {
   MULTUM_CHECK(level_count >= 0 && static_cast<std::size_t>(level_count) <= texels.sizes().size());
-  for (int blocks = texels.sizes().front().width; blocks > 0; blocks /= 2) {
-    block_begin_.push_back(row_length_);
-    row_length_ += static_cast<std::size_t>(blocks);
-  }
   for (int l = 0; l < level_count; ++l) {
     const bool is_empty = texels.level_begin(l) == texels.level_begin(l + 1);
     levels_.push_back(is_empty ? Level{} : make_level(texels.sizes()[static_cast<std::size_t>(l)].width));
   }
 }
 
-// Positions in units of 1/width of a finest texel: all are whole.
 TexelAverages::Level TexelAverages::make_level(int width) const {
-  const std::int64_t map_width = texels_.sizes().front().width, unit = width;
   Level level;
-  for (std::int64_t x = 0; x < unit; ++x) {
+  for (int x = 0; x < width; ++x) {
     level.tap_begin.push_back(static_cast<std::uint32_t>(level.taps.size()));
-    std::int64_t position = x * map_width;
-    for (const std::int64_t end = (x + 1) * map_width; position < end;) {
-      const std::int64_t texel = position / unit, left = std::min((texel + 1) * unit, end) - position;
-      if (left < unit) {
-        level.taps.push_back(
-            {static_cast<std::uint32_t>(texel), static_cast<double>(left) / static_cast<double>(unit)});
-        position += left;
-        continue;
-      }
-      std::size_t k = 0;  // the largest block that begins here and does not reach over the end
-      while (texel % (std::int64_t{2} << k) == 0 && (texel + (std::int64_t{2} << k)) * unit <= end) ++k;
-      level.taps.push_back({static_cast<std::uint32_t>(block_begin_[k] + static_cast<std::size_t>(texel >> k)), 1.0});
-      position += unit << k;
-    }
+    blocks_.append_taps(width, x, level.taps);
   }
   level.tap_begin.push_back(static_cast<std::uint32_t>(level.taps.size()));
   return level;
 }
 
 void TexelAverages::sum_blocks(double* row) const {
-  int blocks = texels_.sizes().front().width / 2;
-  for (std::size_t k = 1; k < block_begin_.size(); ++k, blocks /= 2)
-    add_pairs(row + block_begin_[k - 1], blocks, row + block_begin_[k]);
+  for (int k = 1; k < blocks_.depth(); ++k)
+    add_pairs(row + blocks_.block_begin(k - 1), blocks_.block_count(k), row + blocks_.block_begin(k));
 }
 
 void TexelAverages::add_row(int y, double* row, double* sums, std::size_t stride) const {

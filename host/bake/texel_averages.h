@@ -2,19 +2,15 @@
 // Exact averages over what some texels of a pyramid cover (host/bake/mip_coverage.h), of a plane that comes row by row:
 // nothing of it is kept but a sum for each of these texels.
 //
-// Along a row, a texel of any level covers whole blocks of 2^k finest texels and fractions of one at the ends, where
-// sizes do not nest:
-//
-//     finest texels   | 0 | 1 | 2 | 3 | 4 | 5 | 6 | ...
-//     blocks of 2     |   0   |   1   |   2   | ...
-//     a texel's part        [ .4|    1  |  .6 ]            three taps: .4 of texel 1, block 1, .6 of texel 4
-//
-// so that one pass of pairwise sums over a row serves all levels, and a texel takes few additions a row.
+// Along a row, a texel of any level covers whole blocks of 2^k finest texels and fractions of one at the ends
+// (row_blocks.h), so that one pass of pairwise sums over a row serves all levels, and a texel takes few additions a
+// row.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "host/bake/row_blocks.h"
 #include "host/bake/texel_selection.h"
 
 namespace multum {
@@ -29,7 +25,7 @@ class TexelAverages {
   /// Slots of these levels, a sum each.
   std::size_t slot_count() const { return texels_.level_begin(level_count_); }
   /// A row of the plane with the sums of its blocks behind it: so many values.
-  std::size_t row_length() const { return row_length_; }
+  std::size_t row_length() const { return blocks_.node_count(); }
   /// Adds row y of the plane, of which row[0..width) is given, to sums[slot * stride]; the rest of `row` is written
   /// over. Sums begin as 0; rows come from the top, each once.
   void add_row(int y, double* row, double* sums, std::size_t stride) const;
@@ -37,21 +33,16 @@ class TexelAverages {
   double share(int level) const;
 
  private:
-  struct Tap {
-    std::uint32_t node;  // of a row and its blocks
-    double weight;       // finest texels
-  };
   struct Level {
     std::vector<std::uint32_t> tap_begin;  // [column]; one more ends the last; empty when no texel is selected
-    std::vector<Tap> taps;
+    std::vector<RowBlocks::Tap> taps;
   };
   Level make_level(int width) const;
   void sum_blocks(double* row) const;
 
   const TexelSelection& texels_;
   int level_count_;
-  std::vector<std::size_t> block_begin_;  // [k]: the first block of 2^k among the nodes; block_begin_[0] = 0
-  std::size_t row_length_ = 0;
+  const RowBlocks blocks_;
   std::vector<Level> levels_;
 };
 

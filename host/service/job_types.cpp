@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/asset/representation.h"
 #include "host/bake/animation_job.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
@@ -22,9 +23,16 @@ using Kind = ParameterKind;
 constexpr std::int64_t kMiB = 1 << 20;
 constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f]*$";  // what is_plain_text() takes
 
+// As `multum bake --ndf` has them.
+std::vector<std::string> ndf_names() {
+  std::vector<std::string> names;
+  for (const RepresentationInfo& info : representations()) names.emplace_back(info.option);
+  return names;
+}
+
 JobType bake_type() {
   return {"bake",
-          "a normal map or height field into an aligned mixture-of-vMF mipmap",
+          "a normal map or height field into a mipmap of normal distributions",
           "bake",
           "input",
           true,
@@ -33,7 +41,8 @@ JobType bake_type() {
           ".ndf.exr",
           1024 * kMiB,
           {{"input", Kind::kInputFile, "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"},
-           {"albedo", Kind::kInputFile, "colour map of the same size: bakes colours per lobe"},
+           {"albedo", Kind::kInputFile, "colour map of the same size: bakes colours, per lobe or averaged"},
+           {"ndf", Kind::kChoice, "what texels hold", 0, 0, ndf_names()},
            {"lobes", Kind::kWhole, "lobes a texel", 1, 8},
            {"reference", Kind::kFlag, "every normal at every level, none cut short"},
            {"iterations", Kind::kWhole, "EM iterations a texel, at most", 1, 1000},
@@ -42,7 +51,7 @@ JobType bake_type() {
            {"align", Kind::kNumber, "weight of the alignment prior", 0, 1e6},
            {"kappa_cap", Kind::kNumber, "sharpest lobe on rough texels", 1, 1e9},
            {"first_level", Kind::kWhole, "finest level to store", 0, 15},
-           {"data_format", Kind::kChoice, "what lobes are rounded to", 0, 0, {"snorm16", "half", "float"}},
+           {"data_format", Kind::kChoice, "what is stored is rounded to", 0, 0, {"snorm16", "half", "float"}},
            {"compression", Kind::kText, "none, rle, zips, zip or piz, zip:1..9"},
            {"wrap", Kind::kChoice, "beyond the border", 0, 0, {"black", "clamp", "periodic", "mirror"}},
            {"green", Kind::kChoice, "which way the green channel points", 0, 0, {"up", "down"}},

@@ -2,8 +2,7 @@
 #include "runtime_gl/materials/movmf_material.h"
 
 #include "host/base/error.h"
-#include "runtime_gl/materials/mip_texture.h"
-#include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/materials/finest_levels.h"
 
 namespace multum::gl {
 namespace {
@@ -70,14 +69,9 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
       lobes_[j].upload_level(l, &mipmap.levels[static_cast<std::size_t>(mipmap.first_level + l)].lobes[j][0].x);
   }
   if (mipmap.first_level > 0) {
-    if (source == nullptr || source->width != mipmap.width() || source->height != mipmap.height())
-      throw Error(ErrorCode::kInput, "the finest levels of the baked map are not stored: found " +
-                                         (source == nullptr ? std::string("no normal map")
-                                                            : "a normal map of " + std::to_string(source->width) +
-                                                                  " x " + std::to_string(source->height)) +
-                                         ", expected the one of " + std::to_string(mipmap.width()) + " x " +
-                                         std::to_string(mipmap.height()) + " texels that was baked");
-    add_finest_levels(gl, mipmap, *source, sampler);
+    const LeftOutLevels left_out{mipmap.width(), mipmap.height(), mipmap.first_level, mipmap.has_colours()};
+    normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
+    if (has_finest_albedo(left_out, *source)) albedo_map_.emplace(upload_finest_albedo(gl, left_out, *source, sampler));
   }
   if (!mipmap.has_colours()) return;
   TextureShape colour_shape = shape;
@@ -87,19 +81,6 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
     colours_.emplace_back(gl, "colour of lobe " + std::to_string(j), colour_shape, sampler);
     upload_colours(colours_[j], mipmap, j);
   }
-}
-
-void MovmfMaterial::add_finest_levels(const GlFunctions& gl, const MovmfMipmap& mipmap, const NormalImage& source,
-                                      const SamplerSettings& sampler) {
-  TexelPlane normals{source.width, source.height, {}};
-  normals.texels.reserve(source.normals.size());
-  for (const glm::vec3& n : source.normals) normals.texels.emplace_back(n, 1.0f);
-  normal_map_.emplace(upload_mips(gl, "the normal map", std::move(normals), mipmap.first_level, sampler));
-  if (!mipmap.has_colours() || source.albedo.empty()) return;
-  TexelPlane albedo{source.width, source.height, {}};
-  albedo.texels.reserve(source.albedo.size());
-  for (const glm::vec3& colour : source.albedo) albedo.texels.emplace_back(colour, 1.0f);
-  albedo_map_.emplace(upload_mips(gl, "the albedo map", std::move(albedo), mipmap.first_level, sampler));
 }
 
 void MovmfMaterial::bind() const {

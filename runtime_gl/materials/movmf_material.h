@@ -33,9 +33,6 @@ class MovmfMaterial {
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
 
  private:
-  void add_finest_levels(const GlFunctions& gl, const MovmfMipmap& mipmap, const NormalImage& source,
-                         const SamplerSettings& sampler);
-
   std::vector<Texture> lobes_;
   std::vector<Texture> colours_;
   std::optional<Texture> normal_map_;  // (mean normal, 1), levels 0 to the first that is stored less one

@@ -2,26 +2,22 @@
 #include "runtime_gl/materials/normal_material.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
+#include "host/asset/moment_mipmap.h"
 #include "host/base/error.h"
 #include "runtime_gl/materials/mip_texture.h"
 
 namespace multum::gl {
 namespace {
 
-// Slopes grow without bound towards the horizon; 20 (87 degrees) keeps one such texel from drowning its neighbours.
-constexpr float kSlopeMax = 20.0f;
-
+// As bakes of moments have it: one texel at the horizon must not drown its neighbours.
 glm::vec2 slope(const glm::vec3& n) {
-  const float z = std::max(n.z, 1e-3f);
-  glm::vec2 b(n.x / z, n.y / z);
-  const float size = glm::length(b);
-  return size > kSlopeMax ? b * (kSlopeMax / size) : b;
+  const float z = std::max(n.z, kSlopeZMin);
+  return {-n.x / z, -n.y / z};
 }
 
 }  // namespace
@@ -39,6 +35,17 @@ NormalImage finest_normals(const MovmfMipmap& mipmap) {
     const float size = glm::length(normal);
     image.normals.push_back(size > 0.0f ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f));
     if (mipmap.has_colours()) image.albedo.push_back(colour);
+  }
+  return image;
+}
+
+NormalImage finest_normals(const MomentMipmap& mipmap) {
+  MULTUM_CHECK(!mipmap.levels.empty() && mipmap.header.first_level == 0);
+  const MomentLevel& level = mipmap.levels.front();
+  NormalImage image{level.width, level.height, {}, level.colours, mipmap.header.wrap_s, mipmap.header.wrap_t};
+  for (const glm::vec3& normal : level.normals) {
+    const float size = glm::length(normal);
+    image.normals.push_back(size > 0.0f ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f));
   }
   return image;
 }

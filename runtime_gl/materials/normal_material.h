@@ -8,6 +8,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
 #include "runtime_gl/gl/texture.h"
 
@@ -26,6 +27,8 @@ struct NormalImage {
 /// Level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised, and the sum of its
 /// colours.
 NormalImage finest_normals(const MovmfMipmap& mipmap);
+/// The same of a file of moments.
+NormalImage finest_normals(const MomentMipmap& mipmap);
 
 class NormalMaterial {
  public:
@@ -38,8 +41,8 @@ class NormalMaterial {
   bool has_albedo() const { return albedo_.has_value(); }
 
  private:
-  std::optional<Texture> normals_;  // mean n; w = E[b_x b_y]
-  std::optional<Texture> slopes_;   // E[b_x], E[b_y], E[b_x^2], E[b_y^2], b = n_xy / n_z
+  std::optional<Texture> normals_;  // mean n; w = E[b_s b_t]
+  std::optional<Texture> slopes_;   // E[b_s], E[b_t], E[b_s^2], E[b_t^2], b = -n_xy / n_z
   std::optional<Texture> albedo_;
 };
 

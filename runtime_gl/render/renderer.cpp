@@ -32,6 +32,25 @@ std::vector<std::string> with_brdf(std::vector<std::string> flags, const Scene& 
   return flags;
 }
 
+std::vector<std::string> baseline_flags(Baseline baseline) {
+  switch (baseline) {
+    case Baseline::kMip: return {"MULTUM_MIP"};
+    case Baseline::kToksvig: return {"MULTUM_TOKSVIG"};
+    case Baseline::kLean: return {"MULTUM_LEAN"};
+    case Baseline::kLeanJacobian: return {"MULTUM_LEAN", "MULTUM_JACOBIAN"};
+  }
+  return {};
+}
+
+// As NormalMaterial and MomentMaterial bind them.
+void set_baseline_units(const ShaderProgram& shader) {
+  shader.set("u_normals", 0);
+  shader.set("u_slopes", 1);
+  shader.set("u_albedo", 2);
+  shader.set("u_normal_map", 3);
+  shader.set("u_albedo_map", 4);
+}
+
 }  // namespace
 
 Renderer::Renderer(const GlFunctions& gl, int width, int height)
@@ -43,7 +62,10 @@ const ShaderProgram& Renderer::program(const std::string& name, const std::vecto
   std::unique_ptr<ShaderProgram>& entry = programs_[key];
   if (entry == nullptr)
     entry = std::make_unique<ShaderProgram>(
-        gl_, ShaderSources{name, flags, {shader_scene_vert}, {shader_common_movmf_shading_glsl, shader_scene_frag}});
+        gl_, ShaderSources{name,
+                           flags,
+                           {shader_scene_vert},
+                           {shader_common_movmf_shading_glsl, shader_common_moment_shading_glsl, shader_scene_frag}});
   return *entry;
 }
 
@@ -112,15 +134,24 @@ Picture Renderer::draw_movmf(const Mesh& mesh, const MovmfMaterial& material, co
   return draw_timed(shader, mesh, scene);
 }
 
+Picture Renderer::draw_moments(const Mesh& mesh, const MomentMaterial& material, const Scene& scene,
+                               MomentShading shading) {
+  const Baseline baseline = shading == MomentShading::kToksvig ? Baseline::kToksvig
+                            : shading == MomentShading::kLean  ? Baseline::kLean
+                                                               : Baseline::kLeanJacobian;
+  std::vector<std::string> flags = baseline_flags(baseline);
+  if (material.has_normal_map()) flags.push_back("MULTUM_NORMAL_MAP");
+  if (material.has_albedo_map()) flags.push_back("MULTUM_ALBEDO_MAP");
+  const ShaderProgram& shader = program("moments", with_brdf(std::move(flags), scene, material.has_colours()));
+  set_baseline_units(shader);
+  material.bind();
+  return draw_timed(shader, mesh, scene);
+}
+
 Picture Renderer::draw_baseline(const Mesh& mesh, const NormalMaterial& material, const Scene& scene,
                                 Baseline baseline) {
-  const char* const flag = baseline == Baseline::kMip       ? "MULTUM_MIP"
-                           : baseline == Baseline::kToksvig ? "MULTUM_TOKSVIG"
-                                                            : "MULTUM_LEAN";
-  const ShaderProgram& shader = program("baseline", with_brdf({flag}, scene, material.has_albedo()));
-  shader.set("u_normals", 0);
-  shader.set("u_slopes", 1);
-  shader.set("u_albedo", 2);
+  const ShaderProgram& shader = program("baseline", with_brdf(baseline_flags(baseline), scene, material.has_albedo()));
+  set_baseline_units(shader);
   material.bind();
   return draw_timed(shader, mesh, scene);
 }

@@ -10,13 +10,14 @@
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/gl/shader_program.h"
+#include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/scene.h"
 
 namespace multum::gl {
 
-enum class Baseline { kMip, kToksvig, kLean };
+enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 struct Picture {
   FloatImage image;
@@ -28,6 +29,8 @@ class Renderer {
   Renderer(const GlFunctions& gl, int width, int height);
 
   Picture draw_movmf(const Mesh& mesh, const MovmfMaterial& material, const Scene& scene, LobeFormula formula);
+  /// Of a file of moments, shaded as draw_baseline() shades what is averaged on the spot.
+  Picture draw_moments(const Mesh& mesh, const MomentMaterial& material, const Scene& scene, MomentShading shading);
   Picture draw_baseline(const Mesh& mesh, const NormalMaterial& material, const Scene& scene, Baseline baseline);
   /// The mean of `sample_count` pictures of unfiltered normals, each shifted by a fraction of a pixel (low-discrepancy
   /// sequence, box filter of one pixel): cosines and BRDF evaluated at every sample's own normal.

@@ -5,6 +5,7 @@
 namespace multum::gl {
 
 extern const char* const shader_common_movmf_shading_glsl;
+extern const char* const shader_common_moment_shading_glsl;
 extern const char* const shader_scene_vert;
 extern const char* const shader_scene_frag;
 extern const char* const shader_full_screen_vert;

@@ -2,11 +2,11 @@
 // Directional lights on a normal-mapped surface, in one of five ways of reading the map (exactly one is defined):
 //   MULTUM_MOVMF    lobes of the baked file, trilinear      MULTUM_TRUTH    the finest map's nearest texel
 //   MULTUM_MIP      averaged normal, normalised             MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
-//   MULTUM_LEAN     slope moments (Olano and Baker 2010), normalised: density of slopes / cos^3
+//   MULTUM_LEAN     slope moments (Olano and Baker 2010): density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
 // and MULTUM_LOBE_COUNT, MULTUM_COLOURS (lobes or texels carry colour), MULTUM_PAPER (Han's eq. 20),
 // MULTUM_TORRANCE_SPARROW, MULTUM_NORMAL_MAP (levels finer than those of the lobes come from the normal map),
-// MULTUM_ALBEDO_MAP (their colours from the albedo map). All vectors are taken to tangent space, where the map's
-// normals live.
+// MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP, TOKSVIG and LEAN read a baked file of moments, or mips of
+// the finest map, which are the same. All vectors are taken to tangent space, where the map's normals live.
 //
 // Outgoing radiance: sum over lights E ( albedo k_d / pi max(n.l, 0) + k_s f(n.h) max(n.l, 0) ), averaged over n. TRUTH
 // averages it over samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
@@ -37,12 +37,18 @@ uniform sampler2D u_normal_map;  // mean normals of the levels finer than those 
 uniform sampler2D u_albedo_map;
 #endif
 #else
-uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_x b_y] for LEAN
+uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_s b_t] for LEAN
+#ifdef MULTUM_NORMAL_MAP
+uniform sampler2D u_normal_map;  // averaged normals of the levels finer than those
+#ifdef MULTUM_ALBEDO_MAP
+uniform sampler2D u_albedo_map;
+#endif
+#endif
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_albedo;
 #endif
 #ifdef MULTUM_LEAN
-uniform sampler2D u_slopes;  // b_x, b_y, E[b_x^2], E[b_y^2]
+uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
 #endif
 #endif
 
@@ -114,39 +120,56 @@ vec3 shade(vec3 l, vec3 h) {
 
 #else
 
-vec3 shade(vec3 l, vec3 h) {
+vec3 shade_normal(vec3 mean, vec3 albedo, float facets, float diffuse, vec3 l) {
+  return u_diffuse / MULTUM_PI * albedo * diffuse + u_specular * (facets * max(dot(normalize(mean), l), 0.0));
+}
+
+vec3 shade_texel(vec3 l, vec3 h) {
   vec4 texel = texture(u_normals, v_st);
   float size = length(texel.xyz);
   // Beyond the border of a map that wraps black there is no material: 0, which no mean of normals above the surface is.
   if (size <= 1e-12) return vec3(0.0);
-  vec3 n = texel.xyz / size;
-  float cosine = max(dot(n, l), 0.0);
-  float diffuse = cosine;
-  float facets = facet_distribution(n, h);
-#if defined(MULTUM_TOKSVIG)
-  float gloss = size / (size + u_exponent * max(1.0 - size, 0.0));
-  facets = multum_blinn_phong(gloss * u_exponent, multum_one_minus_cosine(n, h));
-  diffuse = max(dot(texel.xyz, l), 0.0);
-#elif defined(MULTUM_LEAN)
-  vec4 slopes = texture(u_slopes, v_st);
-  float base = 1.0 / u_exponent;  // variance of slopes that the exponent stands for
-  float xx = max(slopes.z - slopes.x * slopes.x, 0.0) + base;
-  float yy = max(slopes.w - slopes.y * slopes.y, 0.0) + base;
-  float xy = texel.w - slopes.x * slopes.y;
-  float determinant = max(xx * yy - xy * xy, base * base);
-  facets = 0.0;
-  if (h.z > 1e-4) {
-    vec2 b = h.xy / h.z - slopes.xy;
-    float distance = (yy * b.x * b.x - 2.0 * xy * b.x * b.y + xx * b.y * b.y) / determinant;
-    facets = exp(-0.5 * distance) / (2.0 * MULTUM_PI * sqrt(determinant) * h.z * h.z * h.z);
-  }
-  diffuse = max(dot(texel.xyz, l), 0.0);
-#endif
   vec3 albedo = vec3(1.0);
 #ifdef MULTUM_COLOURS
   albedo = texture(u_albedo, v_st).rgb;
 #endif
-  return u_diffuse / MULTUM_PI * albedo * diffuse + u_specular * (facets * cosine);
+#if defined(MULTUM_TOKSVIG)
+  float facets = multum_moments_toksvig(texel.xyz, h, u_exponent);
+  float diffuse = max(dot(texel.xyz, l), 0.0);
+#elif defined(MULTUM_LEAN)
+#ifdef MULTUM_JACOBIAN
+  bool with_jacobian = true;
+#else
+  bool with_jacobian = false;
+#endif
+  float facets = multum_moments_lean(texture(u_slopes, v_st), texel.w, h, u_exponent, with_jacobian);
+  float diffuse = max(dot(texel.xyz, l), 0.0);
+#else
+  vec3 n = texel.xyz / size;
+  float facets = facet_distribution(n, h);
+  float diffuse = max(dot(n, l), 0.0);
+#endif
+  return shade_normal(texel.xyz, albedo, facets, diffuse, l);
+}
+
+vec3 shade(vec3 l, vec3 h) {
+#ifdef MULTUM_NORMAL_MAP
+  // Levels that the file leaves to the normal map have no moments of slopes: Toksvig's rule, shaded before it is mixed.
+  vec3 mean = texture(u_normal_map, v_st).xyz;
+  float share = multum_movmf_normal_map(mean, textureQueryLod(u_normals, v_st).y).w;
+  vec3 albedo = vec3(1.0);
+#if defined(MULTUM_ALBEDO_MAP)
+  albedo = texture(u_albedo_map, v_st).rgb;
+#elif defined(MULTUM_COLOURS)
+  albedo = texture(u_albedo, v_st).rgb;  // of the first stored level, the finest that is known
+#endif
+  vec3 finest = vec3(0.0);
+  if (length(mean) > 1e-12)
+    finest = shade_normal(mean, albedo, multum_moments_toksvig(mean, h, u_exponent), max(dot(mean, l), 0.0), l);
+  return mix(shade_texel(l, h), finest, share);
+#else
+  return shade_texel(l, h);
+#endif
 }
 
 #endif

@@ -86,6 +86,8 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "2"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "1", "--lobes", "8", "--albedo",
         path("tiny_albedo.png"), "--scalar", "--no-rehearsal"});
+  bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--ndf", "moments", "--no-measure"});
+  bake({path("tiny.png"), "--ndf", "moments", "--first-level", "1"});
 
   // The kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
   const std::regex counted("kernel '(\\w+)'");

@@ -8,6 +8,7 @@
 
 #include "host/asset/filter_matrix.h"
 #include "host/asset/inferred_texture.h"
+#include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/content_hash.h"
 #include "tests/cli/program.h"
@@ -60,7 +61,7 @@ TEST_F(OtherReadersTest, OiiotoolFindsEveryPartChannelAndAttribute) {
     ASSERT_NE(found, std::string::npos) << line << " is not in its place in\n" << info.out;
     at = found + line.size();
   }
-  const MovmfProvenance from = read_movmf_header(path("map.ndf.exr")).provenance;
+  const BakedProvenance from = read_movmf_header(path("map.ndf.exr")).provenance;
   for (const std::string& attribute :
        {std::string("multum:representation: \"movmf\""), std::string("multum:formatVersion: 3\n"),
         std::string("multum:lobeCount: 3\n"), std::string("multum:hasColours: 1\n"),
@@ -190,6 +191,60 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
     EXPECT_NE(finer.exit_code, 0);
     EXPECT_NE(finer.err.find("the file leaves this level to the normal map"), std::string::npos) << finer.err;
   }
+}
+
+// Of a file of moments, the three arrays of every level.
+constexpr char kMomentDriver[] = R"(
+import sys
+path, output, first_level, levels = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
+with open(output, "wb") as out:
+    for level in range(first_level, levels):
+        for values in read_moments(path, level):
+            out.write(np.ascontiguousarray(values, dtype="<f4").tobytes())
+print(content_hash(path))
+)";
+
+TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsMoments) {
+  const std::string python = MULTUM_OIIO_PYTHON;
+  if (python.empty()) GTEST_SKIP() << "no Python that imports OpenImageIO and numpy when this was configured";
+  write_bytes(path("read.py"), python_of_format_page() + kMomentDriver);
+  for (const int first_level : {0, 2}) {
+    bake({"--ndf", "moments", "--first-level", std::to_string(first_level), "--no-measure"});
+    const MomentMipmap mipmap = read_moment_mipmap(path("map.ndf.exr"));
+    const ProgramResult read =
+        run_program({python, path("read.py"), path("map.ndf.exr"), path("values"), std::to_string(first_level), "7"});
+    ASSERT_EQ(read.exit_code, 0) << read.err;
+    EXPECT_EQ(read.out, mipmap.header.provenance.content_hash + "\n");
+    FloatStream values(read_bytes(path("values")));
+    for (std::size_t l = static_cast<std::size_t>(first_level); l < mipmap.levels.size(); ++l) {
+      const MomentLevel& level = mipmap.levels[l];
+      for (const SlopeMoments& m : level.slopes)
+        for (const float value : {m.height, m.s, m.t, m.ss, m.tt, m.st}) ASSERT_EQ(values.next(), value);
+      for (const std::vector<glm::vec3>* plane : {&level.normals, &level.colours})
+        for (const glm::vec3& texel : *plane)
+          for (int c = 0; c < 3; ++c) ASSERT_EQ(values.next(), texel[c]);
+    }
+    EXPECT_EQ(values.left(), 0u);
+  }
+}
+
+TEST_F(OtherReadersTest, OiiotoolFindsThePartsAndAttributesOfMoments) {
+  if (!program_works("oiiotool", "--help")) GTEST_SKIP() << "no oiiotool (Debian package openimageio-tools)";
+  bake({"--ndf", "moments", "--wrap", "clamp"});
+  const ProgramResult info = run_program({"oiiotool", "--info", "-v", "-a", path("map.ndf.exr")});
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  for (const char* line : {"3 subimages: 64x64 [h,h,h,h,h,h], 64x64 [h,h,h], 64x64 [h,h,h]",
+                           "channel list: b0_h, b1_dhds, b2_dhdt, b3_dhds2, b4_dhdt2, b5_dh2dsdt",
+                           "channel list: normal.mean.X, normal.mean.Y, normal.mean.Z",
+                           "channel list: colour.albedo.R, colour.albedo.G, colour.albedo.B"})
+    EXPECT_EQ(count_of(line, info.out), 1) << line << " is not in\n" << info.out;
+  for (const char* attribute :
+       {"multum:representation: \"moments\"", "multum:formatVersion: 1\n", "multum:encoding: \"half\"",
+        "multum:slopeMax: 20\n", "multum:slopeDeviationMin: 0.044", "MIP-map levels: 64x64 32x32 16x16 8x8 4x4 2x2 1x1",
+        "wrapmodes: \"clamp,clamp\"", "multum:firstLevel: 0\n", "multum:hasColours: 1\n"})
+    EXPECT_EQ(count_of(attribute, info.out), 3) << attribute << " is not in each part of\n" << info.out;
+  EXPECT_EQ(count_of("multum:lobeCount", info.out) + count_of("multum:kappaMax", info.out), 0);
+  EXPECT_EQ(count_of("multum:measuredError: \"[[", info.out), 1);
 }
 
 // Reads a filter matrix and a texture; writes the lists as they come, and A x.

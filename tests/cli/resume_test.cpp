@@ -181,7 +181,7 @@ TEST_F(RegionTest, IsNearlyAsGoodAsAWholeBake) {
 
 TEST_F(RegionTest, OntoItselfAndTwiceIsRecognisedAsUnchanged) {
   ASSERT_EQ(bake("edited.png", "old.ndf.exr", region_).exit_code, 0);
-  const MovmfProvenance from = read_movmf_header(path("old.ndf.exr")).provenance;
+  const BakedProvenance from = read_movmf_header(path("old.ndf.exr")).provenance;
   EXPECT_NE(from.settings.find("\"region\":[172,140,40,40]"), std::string::npos) << from.settings;
   EXPECT_EQ(from.source_name, "edited.png");
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/base/split_mix.h"
@@ -62,6 +63,10 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
   FloatImage truth(const TestMap& map, const Scene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
     return renderer_->draw_truth(*mesh_, material, scene, samples).image;
+  }
+  FloatImage moments(const TestMap& map, const MomentMipmap& mipmap, const Scene& scene, MomentShading shading) {
+    const MomentMaterial material(context_->functions(), mipmap, 1.0f, &map.image);
+    return renderer_->draw_moments(*mesh_, material, scene, shading).image;
   }
   FloatImage baseline(const TestMap& map, const Scene& scene, Baseline which) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kMipmapped, 1.0f);
@@ -139,6 +144,64 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
   }
 }
 
+// A file of moments shows what the baselines make of the finest map themselves.
+TEST_P(RenderTest, MomentsEqualTheBaselines) {
+  const std::pair<MomentShading, Baseline> kWays[] = {{MomentShading::kToksvig, Baseline::kToksvig},
+                                                      {MomentShading::kLean, Baseline::kLean},
+                                                      {MomentShading::kLeanJacobian, Baseline::kLeanJacobian}};
+  for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kMirror, WrapMode::kClamp, WrapMode::kBlack}) {
+    TestMap map = make_noise_map(32, 1.5f, wrap);
+    for (const bool coloured : {false, true}) {
+      for (std::size_t i = 0; coloured && i < map.image.normals.size(); ++i)
+        map.image.albedo.emplace_back(0.5f + 0.5f * map.image.normals[i]);
+      for (const float exponent : {20.0f, 500.0f}) {
+        Scene scene;  // from magnified to far
+        scene.uv_scale = wrap == WrapMode::kPeriodic ? 30.0f : 1.0f;
+        scene.brdf.exponent = exponent;
+        scene.lights = {{{0.3f, 0.7f, 1.0f}, glm::vec3(3.0f)}};
+        for (const auto& [shading, which] : kWays) {
+          const FloatImage expected = baseline(map, scene, which);
+          const FloatImage exact = moments(map, make_moments(map.image, StorageEncoding::kFloat), scene, shading);
+          EXPECT_LT(picture_error(exact, expected).relative_l1, 2e-5) << wrap_mode_name(wrap) << " " << exponent;
+          const FloatImage rounded = moments(map, make_moments(map.image, StorageEncoding::kHalf), scene, shading);
+          EXPECT_LT(picture_error(rounded, expected).relative_l1, 5e-3) << wrap_mode_name(wrap) << " " << exponent;
+        }
+        // They are not all the same picture.
+        EXPECT_GT(picture_error(baseline(map, scene, Baseline::kLean), baseline(map, scene, Baseline::kLeanJacobian))
+                      .relative_l1,
+                  0.005);
+      }
+    }
+  }
+}
+
+// Levels that are left to the normal map are shaded by Toksvig's rule, whatever the moments are shaded by; from the
+// first that is stored on nothing is lost.
+TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
+  TestMap map = make_noise_map(64, 0.8f, WrapMode::kPeriodic);
+  const MomentMipmap whole = make_moments(map.image, StorageEncoding::kFloat);
+  MomentMipmap coarse = whole;
+  coarse.header.first_level = 1;
+  coarse.levels[0] = {coarse.levels[0].width, coarse.levels[0].height, {}, {}, {}};
+  const Scene far = distant_scene();
+  for (const MomentShading shading : {MomentShading::kToksvig, MomentShading::kLean, MomentShading::kLeanJacobian})
+    EXPECT_LT(picture_error(moments(map, coarse, far, shading), moments(map, whole, far, shading)).relative_l1, 1e-6);
+  Scene near = far;
+  near.uv_scale = 0.5f;  // magnified
+  const FloatImage toksvig = baseline(map, near, Baseline::kToksvig);
+  for (const MomentShading shading : {MomentShading::kToksvig, MomentShading::kLean, MomentShading::kLeanJacobian})
+    EXPECT_LT(picture_error(moments(map, coarse, near, shading), toksvig).relative_l1, 1e-5);
+  try {
+    const MomentMaterial material(context_->functions(), coarse, 1.0f, nullptr);
+    ADD_FAILURE() << "no normal map";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("expected the one of 64 x 64 texels"), std::string::npos) << error.what();
+  }
+  MomentMipmap cut = whole;
+  cut.levels[2].slopes.pop_back();
+  EXPECT_THROW(MomentMaterial(context_->functions(), cut, 1.0f), Error);
+}
+
 TEST_P(RenderTest, WrapModesEqualTruth) {
   // Seen from straight above, a corner of the map in the middle of the picture: the map's last row and column lie at
   // x = -10 and y = 40, and three of the picture's quarters are beyond the border.
@@ -155,13 +218,13 @@ TEST_P(RenderTest, WrapModesEqualTruth) {
     exact.push_back(truth(map, scene, 64));
     const FloatImage drawn = movmf(map, scene);
     EXPECT_LT(picture_error(drawn, exact.back()).relative_l1, 0.02) << wrap_mode_name(wrap);
-    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
       EXPECT_LT(picture_error(baseline(map, scene, which), exact.back()).relative_l1, 0.2) << wrap_mode_name(wrap);
     if (wrap != WrapMode::kBlack) continue;
     const std::size_t beyond = 4 * (kHeight / 4 * kWidth + kWidth * 3 / 4);
     EXPECT_EQ(drawn.rgba[beyond], 0.0f);
     EXPECT_EQ(exact.back().rgba[beyond], 0.0f);
-    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+    for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
       EXPECT_EQ(baseline(map, scene, which).rgba[beyond], 0.0f);
   }
   for (std::size_t i = 1; i < exact.size(); ++i)
@@ -251,7 +314,7 @@ TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
       scene.brdf.kind = kind;
       std::vector<FloatImage> pictures = {movmf(map, scene), truth(map, scene, 2)};
       if (kind == BrdfKind::kBlinnPhong) pictures.push_back(movmf(map, scene, LobeFormula::kPaper));
-      for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean})
+      for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
         pictures.push_back(baseline(map, scene, which));
       for (const FloatImage& picture : pictures) {
         EXPECT_TRUE(std::all_of(picture.rgba.begin(), picture.rgba.end(), [](float v) { return std::isfinite(v); }));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/gl/test_maps.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -103,6 +104,45 @@ TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encodi
       }
   }
   return map;
+}
+
+MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding) {
+  MomentMipmap mipmap;
+  mipmap.header.representation = Representation::kMoments;
+  mipmap.header.encoding = encoding;
+  mipmap.header.wrap_s = image.wrap_s;
+  mipmap.header.wrap_t = image.wrap_t;
+  mipmap.header.width = image.width;
+  mipmap.header.height = image.height;
+  mipmap.header.has_colours = !image.albedo.empty();
+  mipmap.levels = empty_moment_levels(image.width, image.height);
+  for (MomentLevel& level : mipmap.levels) {
+    const int across = image.width / level.width, down = image.height / level.height;
+    for (int y = 0; y < level.height; ++y)
+      for (int x = 0; x < level.width; ++x) {
+        glm::dvec3 normal(0.0), colour(0.0);
+        double s = 0.0, t = 0.0, ss = 0.0, tt = 0.0, st = 0.0;
+        const double share = 1.0 / (across * down);
+        for (int i = 0; i < across * down; ++i) {
+          const auto texel = static_cast<std::size_t>((y * down + i / across) * image.width + x * across + i % across);
+          const glm::dvec3 n(image.normals[texel]);
+          const double z = std::max(n.z, static_cast<double>(kSlopeZMin)), u = -n.x / z, v = -n.y / z;
+          normal += share * n;
+          if (mipmap.header.has_colours) colour += share * glm::dvec3(image.albedo[texel]);
+          s += share * u;
+          t += share * v;
+          ss += share * u * u;
+          tt += share * v * v;
+          st += share * u * v;
+        }
+        level.slopes.push_back({kNoHeight, static_cast<float>(s), static_cast<float>(t), static_cast<float>(ss),
+                                static_cast<float>(tt), static_cast<float>(st)});
+        level.normals.emplace_back(normal);
+        if (mipmap.header.has_colours) level.colours.emplace_back(colour);
+      }
+    quantize_moments(level, encoding, 1);
+  }
+  return mipmap;
 }
 
 }  // namespace multum::gl

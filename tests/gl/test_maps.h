@@ -28,4 +28,7 @@ TestMap make_wave_map(int size, WrapMode wrap);
 /// |r| = 1, of amplitude 1/2 each from level 1 on. `size` is a power of two.
 TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encoding, bool coloured);
 
+/// A baked file of moments of the same normals, every level the mean of the finest. The sides are powers of two.
+MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
+
 }  // namespace multum::gl

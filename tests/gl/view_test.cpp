@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "host/asset/moment_mipmap.h"
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
 #include "host/base/content_hash.h"
@@ -57,6 +59,42 @@ TEST_F(ViewTest, WritesPictureAndReport) {
   ASSERT_EQ(report["pictures"].size(), 5u);
   EXPECT_EQ(report["pictures"][0]["name"], "truth");
   EXPECT_GT(report["pictures"][1]["relative_l1"].get<double>(), 0.0);
+}
+
+// What a file of moments shows is what --compare makes of its source.
+TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
+  const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
+  write_moment_mipmap(path("map.ndf.exr"), gl::make_moments(map.image, StorageEncoding::kHalf), {});
+  const auto draw = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth,toksvig,lean,lean-jacobian",
+                                          "--size",    "64x48",         "--samples", "16",
+                                          "--context", "osmesa",        "--report",  path("r.json")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    std::map<std::string, double> errors;
+    const nlohmann::json report = nlohmann::json::parse(file);
+    for (const nlohmann::json& picture : report["pictures"])
+      if (picture["name"] != "truth") errors[picture["name"]] = picture["relative_l1"];
+    return errors;
+  };
+  for (const std::string shading : {"toksvig", "lean", "lean-jacobian"}) {
+    const std::map<std::string, double> errors = draw({"--moments", shading});
+    ASSERT_EQ(errors.size(), 4u);
+    EXPECT_NEAR(errors.at("multum"), errors.at(shading), 0.005 * errors.at(shading)) << shading;
+  }
+  const std::map<std::string, double> usual = draw({});
+  EXPECT_NEAR(usual.at("multum"), usual.at("lean-jacobian"), 0.005 * usual.at("lean-jacobian"));
+  EXPECT_GT(std::abs(usual.at("toksvig") - usual.at("lean-jacobian")), 0.01);
+}
+
+TEST_F(ViewTest, RefusesWhatIsForAnotherRepresentation) {
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "holds lobes, found --moments");
+  expect_refusal({"-o", path("out.png"), "--moments", "leen"}, 2, "--moments");
+  write_moment_mipmap(path("map.ndf.exr"), gl::make_moments(gl::make_flat_map(8).image, StorageEncoding::kHalf), {});
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds moments, found --formula paper");
+  expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, "truth, mip, toksvig, lean, lean-jacobian");
 }
 
 TEST_F(ViewTest, WarnsWhereTheRendererFiltersAnisotropicallyWrong) {

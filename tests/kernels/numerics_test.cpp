@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "kernels/shared/mip_pyramid.h"
+#include "kernels/shared/moments.h"
 #include "kernels/shared/movmf_fit.h"
 #include "tests/kernels/em_harness.h"
 
@@ -75,9 +76,9 @@ TEST(NumericsTest, DriverKeepsNanGuards) {
 
 TEST(SharedStructTest, DeviceAgreesOnSizesAndOffsets) {
   Device& device = test_device();
-  const DeviceBuffer sizes = device.make_buffer(12 * sizeof(int), "sizes");
+  const DeviceBuffer sizes = device.make_buffer(18 * sizeof(int), "sizes");
   device.kernel("probe_numerics", "probe_layout", {4, 1, false}).launch({1}, sizes);
-  std::vector<int> found(12);
+  std::vector<int> found(18);
   device.read(sizes, found.data(), sizeof(int) * found.size());
   const std::vector<int> expected = {sizeof(MultumVmfLobe),
                                      offsetof(MultumVmfLobe, amplitude),
@@ -90,7 +91,13 @@ TEST(SharedStructTest, DeviceAgreesOnSizesAndOffsets) {
                                      offsetof(MultumTap, fraction),
                                      sizeof(MultumGather),
                                      sizeof(MultumGatherEntry),
-                                     sizeof(MultumStrip)};
+                                     sizeof(MultumStrip),
+                                     sizeof(MultumMomentBand),
+                                     offsetof(MultumMomentBand, slope_z_min),
+                                     sizeof(MultumMomentLevel),
+                                     sizeof(MultumMomentTap),
+                                     sizeof(MultumFilteredMoments),
+                                     offsetof(MultumFilteredMoments, map_share)};
   EXPECT_EQ(found, expected);
 }
 

@@ -182,7 +182,7 @@ TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
     int unneeded_count = 0;
     for (const int threads : {2, 5}) {
       settings.threads = threads;
-      AccuracyMeter meter(header, true, settings);
+      MovmfMeter meter(header, true, settings);
       for (int l = first_level; l < static_cast<int>(mipmap.levels.size()); ++l) {
         const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
         for (int end = level.height; end > 0; end -= threads) {

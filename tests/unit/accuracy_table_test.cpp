@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measured errors as people and as files have them; any other text in the attribute is recognised as such.
 #include "host/bake/accuracy_table.h"
+#include "host/asset/moment_file.h"
 
 #include <gtest/gtest.h>
 
@@ -44,17 +45,37 @@ TEST(AccuracyTable, TheAttributeGivesBackTheTable) {
   EXPECT_EQ(parse_measured_error("[]")->size(), 0u);
 }
 
-// A writer of rows leaves room for it before anything is measured.
+// A writer of rows leaves room for it before anything is measured: as much as the longest takes, of each
+// representation.
 TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
-  std::vector<AccuracyRow> rows;
-  for (int level = 0; level < 16; ++level)
-    for (const AccuracyPoint point :
-         {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
-      for (const char* brdf :
-           {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert", "blinn-phong:20 coloured",
-            "blinn-phong:100 coloured", "blinn-phong:500 coloured", "lambert coloured"})
-        rows.push_back({level, point, brdf, 0.123456, 0.0, 1});
-  EXPECT_LE(measured_error_json(rows).size(), static_cast<std::size_t>(MovmfWriteOptions().measured_error_bytes));
+  const auto longest = [](const std::vector<std::string>& ways) {
+    std::vector<AccuracyRow> rows;
+    for (int level = 0; level < 16; ++level)
+      for (const AccuracyPoint point :
+           {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
+        for (const std::string& way : ways)
+          for (const std::string brdf : {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert"})
+            for (const char* coloured : {"", " coloured"})
+              rows.push_back({level, point, brdf + way + coloured, 0.123456, 0.0, 1});
+    return measured_error_json(rows).size();
+  };
+  EXPECT_LE(longest({""}), static_cast<std::size_t>(BakedWriteOptions().measured_error_bytes));
+  EXPECT_LE(longest({" toksvig", " lean", " lean-jacobian"}), static_cast<std::size_t>(kMomentErrorBytes));
+}
+
+// A table a way of shading and colours, each with a column a BRDF.
+TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
+  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert toksvig", 0.125, 0.0, 1},
+                                         {0, AccuracyPoint::kCentre, "lambert toksvig coloured", 0.25, 0.0, 1},
+                                         {0, AccuracyPoint::kCentre, "lambert lean", 0.5, 0.0, 1}};
+  const std::string text = accuracy_table(rows);
+  std::size_t at = 0;
+  for (const char* part : {"measured error of toksvig, relative", "12.50", "measured error of toksvig with colours, ",
+                           "25.00", "measured error of lean, relative", "50.00"}) {
+    const std::size_t found = text.find(part, at);
+    ASSERT_NE(found, std::string::npos) << part << " is not in its place in\n" << text;
+    at = found;
+  }
 }
 
 // Rounding to six digits, then to four, is not rounding to four.

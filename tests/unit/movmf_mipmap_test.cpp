@@ -38,7 +38,7 @@ TEST_P(MovmfRoundTripTest, BitForBitInEveryEncodingAndCompression) {
     quantize_movmf(mipmap, 2);
     for (const char* compression : {"none", "rle", "zips", "zip", "zip:1", "zips:9", "piz"}) {
       SCOPED_TRACE(std::string(storage_encoding_name(encoding)) + " " + compression);
-      MovmfWriteOptions options;
+      BakedWriteOptions options;
       options.compression = compression;
       write_movmf_mipmap(folder / "a.ndf.exr", mipmap, options);
       const MovmfMipmap found = read_movmf_mipmap(folder / "a.ndf.exr");
@@ -65,7 +65,7 @@ TEST(MovmfMipmapTest, BytesDoNotDependOnThreads) {
   quantize_movmf(three, 3);
   expect_same_bits(three, one);
   EXPECT_EQ(movmf_content_hash(one, 1), movmf_content_hash(one, 5));
-  MovmfWriteOptions options;
+  BakedWriteOptions options;
   options.threads = 1;
   write_movmf_mipmap(folder / "1.exr", one, options);
   options.threads = 3;
@@ -142,7 +142,7 @@ TEST(MovmfMipmapTest, LevelsAreRoundDown) {
 TEST(MovmfMipmapTest, UnknownCompressionsAreRefused) {
   const TemporaryFolder folder;
   for (const char* name : {"dwaa", "b44", "", "zip:0", "zip:10", "zip:", "zip:x", "piz:4", "none:1"}) {
-    MovmfWriteOptions options;
+    BakedWriteOptions options;
     options.compression = name;
     expect_error(ErrorCode::kUsage, {std::string("compression '") + name + "'", "none, rle, zips, zip or piz"}, [&] {
       write_movmf_mipmap(folder / "a.exr", random_mipmap(4, 4, 1, false, StorageEncoding::kFloat, 1), options);

@@ -34,7 +34,7 @@ using testing::write_bytes;
 class MovmfRefusalTest : public ::testing::Test {
  protected:
   MovmfRefusalTest() {
-    MovmfWriteOptions options;
+    BakedWriteOptions options;
     options.compression = "none";
     write_movmf_mipmap(good_, random_mipmap(40, 24, 4, true, StorageEncoding::kSnorm16, 2), options);
   }

@@ -23,7 +23,7 @@ class MovmfVerifyTest : public ::testing::TestWithParam<StorageEncoding> {
   }
 
   std::string write(const MovmfMipmap& mipmap) const {
-    MovmfWriteOptions options;
+    BakedWriteOptions options;
     options.compression = "none";
     write_movmf_mipmap(folder_ / "a.exr", mipmap, options);
     return folder_ / "a.exr";
@@ -67,7 +67,7 @@ TEST_P(MovmfVerifyTest, LevelsThatAreNotStoredAreNotMissed) {
 
 TEST_P(MovmfVerifyTest, EveryRowOfEveryTileIsSeenOnce) {
   MovmfMipmap mipmap = make();
-  MovmfWriteOptions options;
+  BakedWriteOptions options;
   options.tile_size = 5;  // 24 rows are four rows of tiles and one that is cut off
   for (const int first_level : {0, 2}) {
     drop_finer_levels(mipmap, first_level);

@@ -80,7 +80,7 @@ TEST_P(MovmfWriterTest, PortionsMakeTheSameFile) {
     MovmfMipmap mipmap = rounded_mipmap(c, encoding);
     write_movmf_mipmap(folder / "whole.exr", mipmap, {});
     for (const int threads : {1, 3}) {
-      MovmfWriteOptions options;
+      BakedWriteOptions options;
       options.tile_size = 32;
       options.threads = threads;
       MovmfWriter writer(folder / "rows.exr", without_texels(mipmap), options);
@@ -128,7 +128,7 @@ TEST_P(MovmfWriterTest, RowsAreReadAsTheyWereWritten) {
   const Shape c = GetParam();
   const TemporaryFolder folder;
   MovmfMipmap mipmap = rounded_mipmap(c, StorageEncoding::kHalf);
-  MovmfWriteOptions options;
+  BakedWriteOptions options;
   options.tile_size = 16;
   write_movmf_mipmap(folder / "a.exr", mipmap, options);
   MovmfReader reader(folder / "a.exr", 2);
@@ -199,7 +199,7 @@ TEST(MovmfWriterEndTest, APortionLargerThanTheQueue) {
     mipmap.levels.back().lobes.resize(8);
   }
   const MovmfMipmap header = mipmap;
-  MovmfWriteOptions options;
+  BakedWriteOptions options;
   options.compression = "none";
   MovmfWriter writer(folder / "a.exr", header, options);
   for (int l = 0; l < 11; ++l) {
@@ -267,7 +267,7 @@ TEST(MovmfWriterDeathTest, RowsOutOfOrderOrMissing) {
   const TemporaryFolder folder;
   const MovmfMipmap mipmap = random_mipmap(16, 8, 2, false, StorageEncoding::kFloat, 1);
   const auto write = [&](const std::function<void(MovmfWriter&)>& body) {
-    MovmfWriteOptions options;
+    BakedWriteOptions options;
     options.measured_error_bytes = 4;
     MovmfWriter writer(folder / "a.exr", without_texels(mipmap), options);
     body(writer);

@@ -196,7 +196,7 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
 // Bytes of the file, which is written beside the document for as long as it takes.
 std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptions& options) {
   const std::string path = options.output + ".first_level.ndf.exr";
-  MovmfWriteOptions writing;
+  BakedWriteOptions writing;
   writing.threads = options.threads;
   write_movmf_mipmap(path, mipmap, writing);
   const std::uintmax_t bytes = std::filesystem::file_size(path);

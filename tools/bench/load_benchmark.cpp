@@ -56,7 +56,7 @@ MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& ti
 // One file once: written and synced, read, handed to GL until GL says that it is done. Returns the checksum of what was
 // read.
 std::string measure_once(const Workplace& at, const MovmfMipmap& mipmap, const char* compression, FileTimes& times) {
-  const MovmfWriteOptions options{compression, MovmfWriteOptions().tile_size, at.threads};
+  const BakedWriteOptions options{compression, BakedWriteOptions().tile_size, at.threads};
   std::filesystem::remove(at.path);
   times.write.push_back(seconds_of([&] { write_movmf_mipmap(at.path, mipmap, options); }));
   times.bytes = std::filesystem::file_size(at.path);

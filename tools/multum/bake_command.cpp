@@ -95,6 +95,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   job.threads = job.writing.threads = apply(o.common);
   keep_freed_memory();
   if (has_manifest) return run_manifest(o.manifest, job, o.device, printing(o));
+  check_options_of_lobes(o.map);
   apply(o.map, job);
   job.measure = !o.no_measure;
   job.region = parse_region(o.region);
@@ -110,7 +111,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
 void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
   CLI::App* bake =
-      app.add_subcommand("bake", "bake a normal map or height field into an aligned mixture-of-vMF mipmap");
+      app.add_subcommand("bake", "bake a normal map or height field into a mipmap of normal distributions");
   bake->add_option("input", options->inputs,
                    "PNG, TIFF, EXR, JPEG or WebP, sides to 32768; several maps, or sets as rock_<UDIM>.png");
   add_output_options(*bake, *options);

@@ -8,9 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "host/asset/baked_verify.h"
 #include "host/asset/gpu_bytes.h"
+#include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
-#include "host/asset/movmf_verify.h"
 #include "host/bake/accuracy_table.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
@@ -41,27 +42,65 @@ std::string size_text(std::uint64_t bytes) {
   return kib < 1024.0 ? fmt::format("{:.1f} KiB", kib) : fmt::format("{:.1f} MiB", kib / 1024.0);
 }
 
+// What a file says that others do not: its texels, what survives its encoding, what it takes on a GPU. A row a
+// representation.
+struct InfoKind {
+  Representation representation;
+  std::string (*texels)(const std::string& path, const BakedHeader& file);
+  std::string (*survives)(const BakedHeader& file);
+  std::uint64_t (*gpu_bytes)(const std::string& path, const BakedHeader& file);
+};
+
+constexpr InfoKind kInfoKinds[] = {
+    {Representation::kMovmf,
+     [](const std::string& path, const BakedHeader& file) {
+       return fmt::format("{} von Mises-Fisher lobes a texel{}", read_movmf_header(path).lobe_count(),
+                          file.has_colours ? ", with a colour a lobe" : "");
+     },
+     [](const BakedHeader& file) {
+       return fmt::format("kappa up to {:.0f} survives it", static_cast<double>(storage_kappa_max(file.encoding)));
+     },
+     [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
+    {Representation::kMoments,
+     [](const std::string&, const BakedHeader& file) {
+       return fmt::format("mean normal, first and second moments of slopes{}", file.has_colours ? ", mean colour" : "");
+     },
+     [](const BakedHeader& file) {
+       return fmt::format("at a slope b, deviations of slopes down to {:.4f} b survive it",
+                          static_cast<double>(least_slope_deviation(file.encoding)));
+     },
+     [](const std::string&, const BakedHeader& file) { return moment_gpu_bytes(file); }},
+};
+
+const InfoKind& info_kind(Representation representation) {
+  for (const InfoKind& kind : kInfoKinds)
+    if (kind.representation == representation) return kind;
+  MULTUM_CHECK(false);
+  return kInfoKinds[0];
+}
+
 // Beside what renderers usually keep of the same map.
-std::string on_the_gpu(const MovmfMipmap& file) {
-  const std::uint64_t bytes = movmf_gpu_bytes(file), usual = usual_gpu_bytes(file.width(), file.height());
+std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
+  const std::uint64_t usual = usual_gpu_bytes(file.width, file.height);
   return fmt::format("on the GPU      {}{}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n",
                      size_text(bytes), file.first_level > 0 ? " beside the normal map itself" : "",
                      static_cast<double>(bytes) / static_cast<double>(usual), size_text(usual));
 }
 
 int run_info(const std::string& path) {
-  const MovmfMipmap file = read_movmf_header(path);
-  const MovmfProvenance& from = file.provenance;
+  const BakedHeader file = read_baked_header(path);
+  const BakedProvenance& from = file.provenance;
+  const InfoKind& kind = info_kind(file.representation);
   std::string text;
   text += fmt::format("file            {}\n", path);
-  text += fmt::format("representation  movmf: {} von Mises-Fisher lobes a texel{}\n", file.lobe_count(),
-                      file.has_colours() ? ", with a colour a lobe" : "");
-  text += fmt::format("size            {} x {}, {}, wrap {}, {}\n", file.width(), file.height(), levels_text(file),
-                      wrap_mode_name(file.wrap_s), wrap_mode_name(file.wrap_t));
-  text += fmt::format("encoding        {}; kappa up to {:.0f} survives it\n", storage_encoding_name(file.encoding),
-                      static_cast<double>(storage_kappa_max(file.encoding)));
+  text +=
+      fmt::format("representation  {}: {}\n", representation_info(file.representation).name, kind.texels(path, file));
+  text += fmt::format("size            {} x {}, {}, wrap {}, {}\n", file.width, file.height,
+                      levels_text(file.first_level, file.level_count()), wrap_mode_name(file.wrap_s),
+                      wrap_mode_name(file.wrap_t));
+  text += fmt::format("encoding        {}; {}\n", storage_encoding_name(file.encoding), kind.survives(file));
   text += fmt::format("on disk         {}\n", size_text(std::filesystem::file_size(path)));
-  text += on_the_gpu(file);
+  text += on_the_gpu(kind.gpu_bytes(path, file), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);
@@ -73,7 +112,7 @@ int run_info(const std::string& path) {
 
 int run_verify(const std::string& path, const CommonOptions& common) {
   bool all_passed = true;
-  for (const VerifyFinding& finding : verify_movmf(path, apply(common))) {
+  for (const VerifyFinding& finding : verify_baked(path, apply(common))) {
     std::printf("%-6s %-10s %s\n", finding.passed ? "ok" : "FAILED", finding.check.c_str(), finding.detail.c_str());
     all_passed = all_passed && finding.passed;
   }

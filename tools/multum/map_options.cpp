@@ -28,7 +28,9 @@ void add_fit_options(CLI::App& bake, MapOptions& o) {
   const auto add = [&](const char* option, auto& value, const auto& usual_value, const char* help) {
     bake.add_option(option, value, help)->default_str(fmt::format("{}", usual_value));
   };
-  add("--lobes", o.lobes, usual.lobe_count, "lobes a texel, 1..8: more are more accurate, larger and slower");
+  add("--lobes", o.lobes, usual.lobe_count,
+      "of vmf, as are the options of the fit below: lobes a texel, 1..8; more are more accurate, larger and "
+      "slower");
   bake.add_flag("--reference", o.reference,
                 "every normal at every level, 30 iterations, none cut short: what the defaults are measured against, "
                 "slower");
@@ -45,13 +47,23 @@ void add_fit_options(CLI::App& bake, MapOptions& o) {
       "sharpest lobe that EM uses on rough texels; smooth ones get sharper ones");
 }
 
+// "vmf: lobes (Han 2007), the most accurate; moments: ...", the default first.
+std::string ndf_help() {
+  std::string text = "what texels hold. ";
+  for (const RepresentationInfo& info : representations())
+    text += fmt::format("{}{}: {}", &info == &representations().front() ? "" : "; ", info.option, info.help);
+  return text;
+}
+
 void add_storage_options(CLI::App& bake, MapOptions& o) {
   const BakeJob usual;
+  add_choice_with_default(bake, "--ndf", o.ndf, kNdfs, usual.representation, ndf_help());
   bake.add_option("--first-level", o.first_level,
                   "finest level to store; renderers take finer ones from the normal map (docs/FORMAT.md)")
       ->default_str(fmt::format("{}", usual.fitting.first_level));
   add_choice_with_default(bake, "-d,--data-format", o.data_format, kStorageEncodings, usual.encoding,
-                          "what lobes are rounded to; half loses kappa above 1000 (docs/FORMAT.md)");
+                          "what is stored is rounded to; half loses kappa above 1000 of lobes, and is the default of "
+                          "moments (docs/FORMAT.md)");
   bake.add_option("--compression", o.compression, "none, rle, zips, zip or piz, zip:1..9")
       ->default_str(usual.writing.compression);
 }
@@ -68,7 +80,7 @@ void add_input_options(CLI::App& bake, MapOptions& o) {
   add_choice(bake, "--swrap", o.wrap_s, kWrapModes, "the same for s (x) alone");
   add_choice(bake, "--twrap", o.wrap_t, kWrapModes, "the same for t (y) alone");
   bake.add_flag("--checknan", o.check_nan, "refuse a file with NaN or Inf, naming the first");
-  bake.add_option("--albedo", o.albedo, "colour map of the same size: bakes colours per lobe");
+  bake.add_option("--albedo", o.albedo, "colour map of the same size: bakes colours, per lobe or averaged");
 }
 
 }  // namespace

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "host/asset/moment_mipmap.h"
+#include "host/asset/movmf_mipmap.h"
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
@@ -26,10 +29,36 @@ namespace {
 
 constexpr float kPlaneSize = 60.0f;
 
+// The one of least error on most maps, by the bakes' own measurements (docs/ALGORITHMS.md, "Moments").
+constexpr gl::MomentShading kUsualMomentShading = gl::MomentShading::kLeanJacobian;
+
 struct NamedPicture {
   std::string name;
   gl::Picture picture;
 };
+
+const char* moment_shading_name(gl::MomentShading shading) {
+  switch (shading) {
+    case gl::MomentShading::kToksvig: return "toksvig";
+    case gl::MomentShading::kLean: return "lean";
+    case gl::MomentShading::kLeanJacobian: return "lean-jacobian";
+  }
+  return "?";
+}
+
+/// A baked file of any representation, read.
+struct BakedMap {
+  BakedHeader header;
+  std::optional<MovmfMipmap> lobes;  // one of the two
+  std::optional<MomentMipmap> moments;
+};
+
+BakedMap read_baked_map(const std::string& path) {
+  BakedMap map{read_baked_header(path), std::nullopt, std::nullopt};
+  if (map.header.representation == Representation::kMovmf) map.lobes = read_movmf_mipmap(path);
+  else map.moments = read_moment_mipmap(path);
+  return map;
+}
 
 gl::MeshData to_mesh_data(const TriangleMesh& mesh) {
   gl::MeshData data;
@@ -62,36 +91,38 @@ gl::MeshData make_mesh(ViewOptions& options) {
 }
 
 /// As the bake read it, unless the command line says otherwise.
-NormalMapSettings source_settings(const ViewOptions& options, const MovmfMipmap& mipmap) {
-  NormalMapSettings settings = parse_reading_settings(mipmap.provenance.settings);
-  settings.wrap_s = mipmap.wrap_s;
-  settings.wrap_t = mipmap.wrap_t;
-  if (hash_file(options.source) == mipmap.provenance.source_hash) {
+NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader& baked) {
+  NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
+  settings.wrap_s = baked.wrap_s;
+  settings.wrap_t = baked.wrap_t;
+  if (hash_file(options.source) == baked.provenance.source_hash) {
     settings.repair_share_max = 1.0f;  // the bake took these very texels
-  } else if (!mipmap.provenance.source_hash.empty()) {
+  } else if (!baked.provenance.source_hash.empty()) {
     log_warning(fmt::format(
         "{}: is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map", options.source,
-        options.input, mipmap.provenance.source_name, mipmap.provenance.source_hash,
-        mipmap.first_level > 0 ? "the finest levels, the truth and the baselines" : "the truth and the baselines"));
+        options.input, baked.provenance.source_name, baked.provenance.source_hash,
+        baked.first_level > 0 ? "the finest levels, the truth and the baselines" : "the truth and the baselines"));
   }
   apply(options.reading, settings);
   return settings;
 }
 
-gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipmap) {
-  if (options.source.empty() && mipmap.first_level > 0)
+gl::NormalImage read_source(const ViewOptions& options, const BakedMap& baked_map) {
+  const BakedHeader& baked = baked_map.header;
+  if (options.source.empty() && baked.first_level > 0)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
                             "baked from, which has the finer ones ({}, SHA-256 {})",
-                            options.input, levels_text(mipmap), mipmap.width(), mipmap.height(),
-                            mipmap.provenance.source_name, mipmap.provenance.source_hash));
-  if (options.source.empty()) return gl::finest_normals(mipmap);
-  const NormalMap map = read_normal_map(options.source, source_settings(options, mipmap), 1, nullptr);
+                            options.input, levels_text(baked.first_level, baked.level_count()), baked.width,
+                            baked.height, baked.provenance.source_name, baked.provenance.source_hash));
+  if (options.source.empty())
+    return baked_map.lobes ? gl::finest_normals(*baked_map.lobes) : gl::finest_normals(*baked_map.moments);
+  const NormalMap map = read_normal_map(options.source, source_settings(options, baked), 1, nullptr);
   log_info(options.source + ": " + map.report.encoding);
-  if (map.width != mipmap.width() || map.height != mipmap.height())
+  if (map.width != baked.width || map.height != baked.height)
     throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source,
-                                               map.width, map.height, options.input, mipmap.width(), mipmap.height()));
-  gl::NormalImage image{map.width, map.height, {}, {}, mipmap.wrap_s, mipmap.wrap_t};
+                                               map.width, map.height, options.input, baked.width, baked.height));
+  gl::NormalImage image{map.width, map.height, {}, {}, baked.wrap_s, baked.wrap_t};
   for (std::size_t i = 0; i < map.x.size(); ++i) image.normals.emplace_back(map.x[i], map.y[i], map.z[i]);
   if (options.albedo.empty()) return image;
   const ColourMap colours = read_albedo_map(options.albedo, map.width, map.height, 1);
@@ -101,12 +132,18 @@ gl::NormalImage read_source(const ViewOptions& options, const MovmfMipmap& mipma
 }
 
 std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
-                                   const MovmfMipmap& mipmap, const gl::NormalImage& source) {
+                                   const BakedMap& map, const gl::NormalImage& source) {
   using gl::NormalMaterial;
   gl::Renderer renderer(gl, options.width, options.height);
   std::vector<NamedPicture> pictures;
-  const gl::MovmfMaterial baked(gl, mipmap, options.anisotropy, &source);
-  pictures.push_back({"multum", renderer.draw_movmf(mesh, baked, options.scene, options.formula)});
+  if (map.lobes) {
+    const gl::MovmfMaterial baked(gl, *map.lobes, options.anisotropy, &source);
+    pictures.push_back({"multum", renderer.draw_movmf(mesh, baked, options.scene, options.formula)});
+  } else {
+    const gl::MomentMaterial baked(gl, *map.moments, options.anisotropy, &source);
+    const gl::MomentShading shading = options.moments.value_or(kUsualMomentShading);
+    pictures.push_back({"multum", renderer.draw_moments(mesh, baked, options.scene, shading)});
+  }
   if (options.compare.empty()) return pictures;
   const NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
   for (const std::string& name : options.compare) {
@@ -116,7 +153,8 @@ std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunct
     } else {
       const gl::Baseline baseline = name == "mip"       ? gl::Baseline::kMip
                                     : name == "toksvig" ? gl::Baseline::kToksvig
-                                                        : gl::Baseline::kLean;
+                                    : name == "lean"    ? gl::Baseline::kLean
+                                                        : gl::Baseline::kLeanJacobian;
       pictures.push_back({name, renderer.draw_baseline(mesh, mipmapped, options.scene, baseline)});
     }
   }
@@ -176,33 +214,42 @@ bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
 /// Measured with Mesa 22.3.6: a plane seen from above, terrain of 403 x 344, averaged normals 85 % off with
 /// --anisotropy 4 and 60 % without; resized to 256 x 256, 65 and 66 %.
-void warn_of_wrong_anisotropy(const ViewOptions& options, const MovmfMipmap& mipmap, const std::string& renderer) {
+void warn_of_wrong_anisotropy(const ViewOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
-  if (is_power_of_two(mipmap.width()) && is_power_of_two(mipmap.height())) return;
+  if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;
   log_warning(
       fmt::format("{}: is {} x {} texels; this software renderer filters sizes that are no powers of two "
                   "wrongly with --anisotropy: leave it out for a right picture",
-                  options.input, mipmap.width(), mipmap.height()));
+                  options.input, baked.width, baked.height));
 }
 
 /// A file that holds every level draws itself; others take the finest from the source.
-bool needs_source(const ViewOptions& options, const MovmfMipmap& mipmap) {
-  return !options.compare.empty() || mipmap.first_level > 0;
+bool needs_source(const ViewOptions& options, const BakedHeader& baked) {
+  return !options.compare.empty() || baked.first_level > 0;
 }
 
-void warn_of_sources(const ViewOptions& options, const MovmfMipmap& mipmap) {
-  if (!needs_source(options, mipmap) && !options.source.empty())
+void warn_of_sources(const ViewOptions& options, const BakedHeader& baked) {
+  if (!needs_source(options, baked) && !options.source.empty())
     log_warning(options.source + ": is not read without --compare: the baked map's picture does not need it");
-  if (mipmap.first_level > 0 && mipmap.has_colours() && options.albedo.empty())
+  if (baked.first_level > 0 && baked.has_colours && options.albedo.empty())
     log_warning(
         fmt::format("{}: has colours from level {} on; without --albedo the finer levels have those of level "
                     "{}, blurred",
-                    options.input, mipmap.first_level, mipmap.first_level));
+                    options.input, baked.first_level, baked.first_level));
+}
+
+/// Refuses what is for files of another representation.
+void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
+  const bool has_lobes = baked.representation == Representation::kMovmf;
+  if (has_lobes && options.moments)
+    throw Error(ErrorCode::kUsage, options.input + ": holds lobes, found --moments, expected it for files of moments");
+  if (!has_lobes && options.formula == gl::LobeFormula::kPaper)
+    throw Error(ErrorCode::kUsage, options.input + ": holds moments, found --formula paper, expected it for lobes");
 }
 
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures, bool has_truth) {
   nlohmann::json rows = nlohmann::json::array();
-  fmt::print("{:10} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms");
+  fmt::print("{:14} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms");
   for (const NamedPicture& one : pictures) {
     nlohmann::json row = {{"name", one.name}, {"frame_time_ms", one.picture.frame_time_ms}};
     std::string l1 = "-";
@@ -232,6 +279,7 @@ void write_report(const ViewOptions& options, const std::string& context, const 
                                  {"brdf", is_phong ? "blinn-phong" : "torrance-sparrow"},
                                  {is_phong ? "exponent" : "sigma", is_phong ? brdf.exponent : brdf.sigma},
                                  {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
+                                 {"moments", moment_shading_name(options.moments.value_or(kUsualMomentShading))},
                                  {"anisotropy", options.anisotropy},
                                  {"pictures", pictures}};
   write_text_file(options.report, report.dump(2) + "\n");
@@ -251,15 +299,16 @@ int run(int argc, char** argv) {
   std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
   if (!options.has_value()) return exit_code;
   check_outputs(*options);
-  const MovmfMipmap mipmap = read_movmf_mipmap(options->input);
-  warn_of_sources(*options, mipmap);
+  const BakedMap map = read_baked_map(options->input);
+  check_options_of(*options, map.header);
+  warn_of_sources(*options, map.header);
   const gl::MeshData mesh_data = make_mesh(*options);
-  const gl::NormalImage source = needs_source(*options, mipmap) ? read_source(*options, mipmap) : gl::NormalImage{};
+  const gl::NormalImage source = needs_source(*options, map.header) ? read_source(*options, map) : gl::NormalImage{};
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
   log_info(context->description());
-  warn_of_wrong_anisotropy(*options, mipmap, context->description());
+  warn_of_wrong_anisotropy(*options, map.header, context->description());
   const gl::Mesh mesh(context->functions(), mesh_data);
-  const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, mipmap, source);
+  const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, map, source);
   const bool has_truth = pictures[0].name == "truth";
   const nlohmann::json rows = print_table(pictures, has_truth);
   write_picture(options->output,

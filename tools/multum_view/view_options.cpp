@@ -8,6 +8,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "host/base/choices.h"
 #include "host/base/error.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
@@ -16,6 +17,10 @@ namespace multum {
 namespace {
 
 /// The option values that need more than a type.
+const Choices<gl::MomentShading> kMomentShadings = {{"toksvig", gl::MomentShading::kToksvig},
+                                                    {"lean", gl::MomentShading::kLean},
+                                                    {"lean-jacobian", gl::MomentShading::kLeanJacobian}};
+
 struct RawOptions {
   std::string camera;
   std::string up;
@@ -27,6 +32,7 @@ struct RawOptions {
   std::string context = "auto";
   std::string formula = "product";
   std::string compare;
+  std::string moments;
 };
 
 [[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
@@ -146,8 +152,8 @@ void parse_size(const std::string& text, ViewOptions& options) {
 std::vector<std::string> parse_compare(const std::string& text) {
   std::vector<std::string> names;
   for (const std::string& name : CLI::detail::split(text, ',')) {
-    if (name != "truth" && name != "mip" && name != "toksvig" && name != "lean")
-      refuse("--compare", text, "a list of truth, mip, toksvig, lean");
+    if (name != "truth" && name != "mip" && name != "toksvig" && name != "lean" && name != "lean-jacobian")
+      refuse("--compare", text, "a list of truth, mip, toksvig, lean, lean-jacobian");
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   return names;
@@ -167,6 +173,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   parse_size(raw.size, options);
   options.context = gl::parse_context_backend(raw.context).value();
   options.formula = raw.formula == "paper" ? gl::LobeFormula::kPaper : gl::LobeFormula::kProduct;
+  if (!raw.moments.empty()) options.moments = find_choice(kMomentShadings, raw.moments);
   if (!raw.compare.empty()) options.compare = parse_compare(raw.compare);
   if (!options.albedo.empty() && options.source.empty())
     throw Error(ErrorCode::kUsage, "--albedo goes with --source: both describe the map that the file was baked from");
@@ -182,7 +189,7 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
                  "also write each picture by itself: PREFIX_multum.png, PREFIX_truth.png, "
                  "PREFIX_multum_difference.png, ...");
   app.add_option("--compare", raw.compare,
-                 "also draw these beside it, of truth,mip,toksvig,lean; with truth: errors too");
+                 "also draw these beside it, of truth,mip,toksvig,lean,lean-jacobian; with truth: errors too");
   app.add_option("--source", o.source,
                  "normal map that the file was baked from, for the truth and the baselines (default: level 0 of the "
                  "file) and, in files baked with --first-level, for the finest levels");
@@ -203,6 +210,9 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--formula", raw.formula, "lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)")
       ->check(CLI::IsMember({"product", "paper"}))
       ->capture_default_str();
+  app.add_option("--moments", raw.moments,
+                 "how a file of moments is shaded: toksvig, lean or lean-jacobian (default: lean-jacobian)")
+      ->check(CLI::IsMember(choice_names(kMomentShadings)));
   app.add_option("--size", raw.size, "of each picture, pixels")->capture_default_str();
   app.add_option("--samples", o.samples, "a pixel of the truth")->check(CLI::Range(1, 65536))->capture_default_str();
   app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")
@@ -225,7 +235,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
   CLI::App app(
       "multum-view renders a baked map without a window, in software or on a GPU.\n\n"
       "  multum-view bricks.ndf.exr -o frame.png\n"
-      "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean -o sheet.png\n"
+      "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean-jacobian -o sheet.png\n"
       "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
       "  multum-view out/ --sample 3,5 -o frame.png          textures of `multum infer`; --sample --help says more\n\n"
       "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/render/scene.h"
 #include "tools/command_line/reading_options.h"
 
@@ -26,7 +27,8 @@ struct ViewOptions {
   bool has_camera = false;
   glm::vec3 up{0.0f, 0.0f, 1.0f};  // unit; the camera's, also where the camera frames the mesh
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
-  std::vector<std::string> compare;  // of truth, mip, toksvig, lean
+  std::optional<gl::MomentShading> moments;  // of files of moments; unset: the usual one
+  std::vector<std::string> compare;          // of truth, mip, toksvig, lean, lean-jacobian
   int width = 640;
   int height = 480;
   int samples = 256;    // a pixel of the truth

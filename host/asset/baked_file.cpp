@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/asset/baked_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "host/asset/baked_reader.h"
+#include "host/asset/moment_verify.h"
+#include "host/asset/movmf_verify.h"
+
+namespace multum {
+namespace {
+
+// How files of a representation are looked at by what need not know it. A row a representation.
+struct FileKind {
+  Representation representation;
+  BakedHeader (*read_header)(const std::string& path);
+  std::vector<VerifyFinding> (*verify)(const std::string& path, int threads);
+};
+
+constexpr FileKind kFileKinds[] = {
+    {Representation::kMovmf, [](const std::string& path) { return header_of(read_movmf_header(path)); },
+     [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
+    {Representation::kMoments, read_moment_header,
+     [](const std::string& path, int threads) { return verify_moments(path, threads); }},
+};
+
+const FileKind& kind_of(const std::string& path) {
+  const BakedReader file(path, 1);
+  BakedHeader header;
+  file.guarded([&] { header = parse_baked_header(file.file().header(0), path); });
+  const auto found = std::find_if(std::begin(kFileKinds), std::end(kFileKinds),
+                                  [&](const FileKind& kind) { return kind.representation == header.representation; });
+  MULTUM_CHECK(found != std::end(kFileKinds));
+  return *found;
+}
+
+}  // namespace
+
+int BakedHeader::level_count() const { return mip_level_count(width, height); }
+
+int mip_level_count(int width, int height) {
+  int count = 1;
+  for (int side = std::max(width, height); side > 1; side >>= 1) ++count;
+  return count;
+}
+
+std::string levels_text(int first_level, int level_count) {
+  if (first_level == 0) return fmt::format("{} levels", level_count);
+  const int coarsest = level_count - 1;
+  if (first_level == coarsest) return fmt::format("level {} of 0 to {}", coarsest, coarsest);
+  return fmt::format("levels {} to {} of 0 to {}", first_level, coarsest, coarsest);
+}
+
+BakedHeader read_baked_header(const std::string& path) { return kind_of(path).read_header(path); }
+
+std::vector<VerifyFinding> verify_baked(const std::string& path, int threads) {
+  return kind_of(path).verify(path, threads);
+}
+
+}  // namespace multum

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every baked file is, whatever its representation: a multi-part, tiled, mip-mapped OpenEXR file whose header says
+// where it comes from (docs/FORMAT.md).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/asset/representation.h"
+#include "host/base/wrap_mode.h"
+
+namespace multum {
+
+/// What the file says of itself beside its pixels.
+struct BakedProvenance {
+  std::string software;        // "multum 0.1.0"
+  std::string source_name;     // file name of the normal map, without folder
+  std::string source_hash;     // SHA-256 of the normal map's file, 64 hexadecimal digits
+  std::string settings;        // JSON: every setting that changes the file
+  std::string settings_hash;   // SHA-256 of `settings`
+  std::string measured_error;  // JSON: relative L1 error of file against source (docs/ACCURACY.md); may be empty
+  std::string content_hash;    // of every channel value in the file (docs/FORMAT.md, "Checksum"); filled by write, read
+};
+
+/// All that files of every representation say.
+struct BakedHeader {
+  Representation representation = Representation::kMovmf;
+  StorageEncoding encoding = StorageEncoding::kSnorm16;
+  WrapMode wrap_s = WrapMode::kPeriodic;
+  WrapMode wrap_t = WrapMode::kPeriodic;
+  BakedProvenance provenance;
+  int width = 0, height = 0;  // of the map, that is, of level 0
+  int first_level = 0;        // the finest level that is stored, 0..level_count() - 1
+  bool has_colours = false;
+
+  int level_count() const;
+};
+
+struct BakedWriteOptions {
+  // docs/FORMAT.md, "Size and speed", has the measurements behind these two.
+  std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
+  int tile_size = 128;
+  int threads = 2;
+  // Room in the header for provenance.measured_error, which is known when all rows are written (MovmfWriter::commit()).
+  // That of 16 levels, the most that a bake makes, with colours, takes 25 KiB.
+  int measured_error_bytes = 32 * 1024;
+};
+
+/// Is it a compression that BakedWriteOptions may name? kCompressionsInWords says which are.
+bool is_compression(const std::string& text);
+constexpr char kCompressionsInWords[] =
+    "none, rle, zips, zip or piz (every one is lossless), and for zip and zips an optional level such as zip:4";
+
+/// Throws Error(kUsage) for an unknown compression: before a bake, not after it.
+void validate(const BakedWriteOptions& options);
+
+/// Number of ROUND_DOWN levels of a width x height map: 1 + floor(log2(max(width, height))).
+int mip_level_count(int width, int height);
+inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? size >> level : 1; }
+
+/// "7 levels" where all are stored, else "levels 1 to 6 of 0 to 6", "level 6 of 0 to 6".
+std::string levels_text(int first_level, int level_count);
+
+/// The header of a file of any representation. Cheap for files of any size. Throws Error(kInput) naming the file, what
+/// was found and what was expected.
+BakedHeader read_baked_header(const std::string& path);
+
+}  // namespace multum

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/asset/baked_header.h"
+
+#include <ImfChannelList.h>
+#include <ImfIntAttribute.h>
+#include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <fmt/format.h>
+
+#include "host/asset/exr_compression.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+constexpr int kSideMax = 1 << 20;
+
+void set_text(Imf::Header& header, const char* name, const std::string& text) {
+  header.insert(name, Imf::StringAttribute(text));
+}
+
+Imath::Box2i window_of(const BakedHeader& header, int level) {
+  return {{0, 0}, {mip_level_size(header.width, level) - 1, mip_level_size(header.height, level) - 1}};
+}
+
+// The layout of pixels: windows, tiles, channels. OpenEXR wants one display window for all parts.
+Imf::Header make_layout(const BakedHeader& baked, const BakedPart& part, const BakedWriteOptions& options) {
+  const ExrCompression choice = parse_compression(options.compression);
+  Imf::Header header(window_of(baked, baked.first_level), window_of(baked, part.first_level));
+  header.setName(part.name);
+  header.setType(Imf::TILEDIMAGE);
+  header.compression() = choice.compression;
+  if (choice.zip_level > 0) header.zipCompressionLevel() = choice.zip_level;
+  header.lineOrder() = Imf::RANDOM_Y;  // tiles are written as they become ready: OpenEXR holds none back
+  const auto tile = static_cast<unsigned>(options.tile_size);
+  const auto levels = part.is_one_level ? Imf::ONE_LEVEL : Imf::MIPMAP_LEVELS;
+  header.setTileDescription(Imf::TileDescription(tile, tile, levels, Imf::ROUND_DOWN));
+  for (const BakedChannel& channel : part.channels) header.channels().insert(channel.name, Imf::Channel(channel.type));
+  return header;
+}
+
+Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const BakedWriteOptions& options) {
+  Imf::Header header = make_layout(baked, part, options);
+  Imf::addWrapmodes(header, std::string(wrap_mode_name(baked.wrap_s)) + "," + wrap_mode_name(baked.wrap_t));
+  const BakedProvenance& from = baked.provenance;
+  const RepresentationInfo& info = representation_info(baked.representation);
+  set_text(header, "software", from.software);
+  set_text(header, "colorInteropID", "data");
+  set_text(header, "multum:representation", info.name);
+  header.insert("multum:formatVersion", Imf::IntAttribute(info.version));
+  header.insert("multum:mapWidth", Imf::IntAttribute(baked.width));
+  header.insert("multum:mapHeight", Imf::IntAttribute(baked.height));
+  header.insert("multum:firstLevel", Imf::IntAttribute(baked.first_level));
+  header.insert("multum:hasColours", Imf::IntAttribute(baked.has_colours ? 1 : 0));
+  set_text(header, "multum:encoding", storage_encoding_name(baked.encoding));
+  set_text(header, "multum:channels", part.channels_text);
+  set_text(header, "multum:sourceName", from.source_name);
+  set_text(header, "multum:sourceHash", from.source_hash);
+  set_text(header, "multum:settings", from.settings);
+  set_text(header, "multum:settingsHash", from.settings_hash);
+  set_text(header, kContentHashAttribute, std::string(kContentHashDigits, ' '));
+  return header;
+}
+
+std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+  if (attribute == nullptr)
+    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
+}
+
+// Without the spaces that stand for room that was not needed.
+std::string trimmed(const std::string& text) { return text.substr(0, text.find_last_not_of(' ') + 1); }
+
+// "snorm16, half or float".
+std::string in_words(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  return text;
+}
+
+const RepresentationInfo& parse_representation(const std::string& name, const std::string& path) {
+  std::vector<std::string> names;
+  for (const RepresentationInfo& info : representations()) {
+    if (name == info.name) return info;
+    names.push_back(std::string("'") + info.name + "'");
+  }
+  refuse_file(path, "representation '" + name + "'", in_words(names));
+}
+
+StorageEncoding parse_encoding(const std::string& name, const RepresentationInfo& info, const std::string& path) {
+  std::vector<std::string> names;
+  for (const StorageEncoding encoding : info.encodings) {
+    if (name == storage_encoding_name(encoding)) return encoding;
+    names.emplace_back(storage_encoding_name(encoding));
+  }
+  refuse_file(path, "encoding '" + name + "'", in_words(names));
+}
+
+WrapMode parse_wrap(const std::string& name, const std::string& path) {
+  const auto mode = parse_wrap_mode(name);
+  if (!mode) refuse_file(path, "wrap mode '" + name + "'", "black, clamp, periodic or mirror");
+  return *mode;
+}
+
+struct StoredLevels {
+  int map_width, map_height;
+  int first_level;
+};
+
+StoredLevels parse_stored_levels(const Imf::Header& header, const std::string& path) {
+  const StoredLevels stored = {int_attribute(header, "multum:mapWidth", path),
+                               int_attribute(header, "multum:mapHeight", path),
+                               int_attribute(header, "multum:firstLevel", path)};
+  const auto is_side = [](int side) { return side >= 1 && side <= kSideMax; };
+  if (!is_side(stored.map_width) || !is_side(stored.map_height))
+    refuse_file(path, fmt::format("a map of {} x {}", stored.map_width, stored.map_height),
+                fmt::format("1 to {} texels a side", kSideMax));
+  const int level_max = mip_level_count(stored.map_width, stored.map_height) - 1;
+  if (stored.first_level < 0 || stored.first_level > level_max)
+    refuse_file(path, fmt::format("first level {}", stored.first_level), fmt::format("0 to {}", level_max));
+  return stored;
+}
+
+void check_tiles(const Imf::Header& header, const BakedPart& part, const std::string& path) {
+  const bool one_level = part.is_one_level;
+  const bool good = header.hasTileDescription() &&
+                    header.tileDescription().mode == (one_level ? Imf::ONE_LEVEL : Imf::MIPMAP_LEVELS) &&
+                    (one_level || header.tileDescription().roundingMode == Imf::ROUND_DOWN);
+  if (good) return;
+  const std::string expected = one_level ? "tiles of one level" : "ROUND_DOWN mip levels";
+  refuse_file(path, "part " + part.name + " without " + expected, expected);
+}
+
+void check_channels(const Imf::Header& header, const BakedPart& part, StorageEncoding encoding,
+                    const std::string& path) {
+  for (const BakedChannel& expected : part.channels) {
+    const Imf::Channel* channel = header.channels().findChannel(expected.name);
+    if (channel == nullptr) refuse_file(path, "no channel " + expected.name + " in part " + part.name, "one");
+    if (channel->type != expected.type || channel->xSampling != 1 || channel->ySampling != 1)
+      refuse_file(path, "channel " + expected.name + " of another pixel type",
+                  std::string(expected.type == Imf::HALF ? "half" : "float") + " for encoding " +
+                      storage_encoding_name(encoding));
+  }
+}
+
+void check_part(const Imf::Header& header, int index, const BakedPart& part, const BakedHeader& baked,
+                const std::string& path) {
+  if (!header.hasName() || header.name() != part.name)
+    refuse_file(path, fmt::format("part {} named '{}'", index, header.hasName() ? header.name() : ""),
+                "'" + part.name + "'");
+  check_tiles(header, part, path);
+  const Imath::Box2i found = header.dataWindow(), expected = window_of(baked, part.first_level);
+  if (found != expected)
+    refuse_file(path,
+                fmt::format("part {} with a data window from ({}, {}) to ({}, {})", part.name, found.min.x, found.min.y,
+                            found.max.x, found.max.y),
+                fmt::format("(0, 0) to ({}, {}), level {} of a map of {} x {}", expected.max.x, expected.max.y,
+                            part.first_level, baked.width, baked.height));
+  check_channels(header, part, baked.encoding, path);
+}
+
+}  // namespace
+
+void refuse_file(const std::string& path, const std::string& found, const std::string& expected) {
+  throw Error(ErrorCode::kInput, path + ": found " + found + ", expected " + expected);
+}
+
+int int_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::IntAttribute>(name);
+  if (attribute == nullptr)
+    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
+}
+
+std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std::vector<BakedPart>& parts,
+                                            const BakedWriteOptions& options) {
+  std::vector<Imf::Header> headers;
+  for (const BakedPart& part : parts) headers.push_back(make_header(header, part, options));
+  const auto room = static_cast<std::size_t>(options.measured_error_bytes);
+  set_text(headers[0], kMeasuredErrorAttribute, std::string(room, ' '));
+  return headers;
+}
+
+BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
+  const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
+  const int version = int_attribute(header, "multum:formatVersion", path);
+  if (version != info.version)
+    refuse_file(path, fmt::format("format version {}", version), fmt::format("version {}", info.version));
+  const StoredLevels stored = parse_stored_levels(header, path);
+  BakedHeader baked;
+  baked.representation = info.representation;
+  baked.width = stored.map_width;
+  baked.height = stored.map_height;
+  baked.first_level = stored.first_level;
+  baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;
+  baked.encoding = parse_encoding(text_attribute(header, "multum:encoding", path), info, path);
+  const std::string wraps = Imf::hasWrapmodes(header) ? Imf::wrapmodes(header) : "periodic";
+  const std::size_t comma = wraps.find(',');
+  baked.wrap_s = parse_wrap(wraps.substr(0, comma), path);
+  baked.wrap_t = comma == std::string::npos ? baked.wrap_s : parse_wrap(wraps.substr(comma + 1), path);
+  baked.provenance = {text_attribute(header, "software", path),
+                      text_attribute(header, "multum:sourceName", path),
+                      text_attribute(header, "multum:sourceHash", path),
+                      text_attribute(header, "multum:settings", path),
+                      text_attribute(header, "multum:settingsHash", path),
+                      trimmed(text_attribute(header, kMeasuredErrorAttribute, path)),
+                      trimmed(text_attribute(header, kContentHashAttribute, path))};
+  return baked;
+}
+
+BakedHeader parse_baked_header(const Imf::Header& header, Representation expected, const std::string& path) {
+  const std::string name = text_attribute(header, "multum:representation", path);
+  const std::string expected_name = representation_info(expected).name;
+  if (name != expected_name) refuse_file(path, "representation '" + name + "'", "'" + expected_name + "'");
+  return parse_baked_header(header, path);
+}
+
+void check_baked_parts(const Imf::MultiPartInputFile& file, const BakedHeader& header,
+                       const std::vector<BakedPart>& parts, const std::string& path) {
+  if (file.parts() != static_cast<int>(parts.size()))
+    refuse_file(path, fmt::format("{} parts", file.parts()), fmt::format("{}", parts.size()));
+  for (int i = 0; i < file.parts(); ++i)
+    check_part(file.header(i), i, parts[static_cast<std::size_t>(i)], header, path);
+}
+
+}  // namespace multum

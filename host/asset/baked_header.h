@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The headers of a baked file's parts: attributes from what the file says of itself, and back. For host/asset alone.
+#pragma once
+
+#include <ImfHeader.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfPixelType.h>
+
+#include <string>
+#include <vector>
+
+#include "host/asset/baked_file.h"
+
+namespace multum {
+
+// What headers say that is known when the pixels are written: filled in at the end.
+constexpr char kMeasuredErrorAttribute[] = "multum:measuredError";  // in the first part alone: it is long
+constexpr char kContentHashAttribute[] = "multum:contentHash";      // in every part
+constexpr int kContentHashDigits = 64;
+
+struct BakedChannel {
+  std::string name;
+  Imf::PixelType type;
+};
+
+/// A part as writer, reader and checksum agree on it (docs/FORMAT.md, "Parts and channels").
+struct BakedPart {
+  std::string name;
+  std::vector<BakedChannel> channels;  // as values lie in memory, interleaved, and as they are hashed
+  int first_level;                     // of the map's levels
+  int level_count;
+  bool is_one_level;  // tiles of one level, no mip levels
+  std::string channels_text;
+
+  bool has_level(int level) const { return level >= first_level && level < first_level + level_count; }
+};
+
+/// One header a part, with spaces where the measured error and the content hash will be. A representation adds
+/// attributes of its own.
+std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std::vector<BakedPart>& parts,
+                                            const BakedWriteOptions& options);
+
+/// All but pixels, from the first part's header. Throws Error(kInput) naming `path`, what was found and what was
+/// expected.
+BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path);
+/// The same of a file that must be of one representation.
+BakedHeader parse_baked_header(const Imf::Header& header, Representation expected, const std::string& path);
+
+/// Checks that every part is there and as `parts` says.
+void check_baked_parts(const Imf::MultiPartInputFile& file, const BakedHeader& header,
+                       const std::vector<BakedPart>& parts, const std::string& path);
+
+/// For attributes of one representation.
+int int_attribute(const Imf::Header& header, const char* name, const std::string& path);
+[[noreturn]] void refuse_file(const std::string& path, const std::string& found, const std::string& expected);
+
+}  // namespace multum

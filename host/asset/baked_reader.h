@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads rows of a baked file of any representation, and hashes what it read. For host/asset alone: MovmfReader and
+// MomentReader are what others use.
+#pragma once
+
+#include <ImfMultiPartInputFile.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/asset/baked_header.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+
+namespace multum {
+
+/// Calls come from one thread at a time; each uses several.
+class BakedReader {
+ public:
+  /// Throws Error(kInput) naming the file. `threads` decompress; 0: as many as the machine has.
+  BakedReader(const std::string& path, int threads);
+
+  const std::string& path() const { return path_; }
+  int threads() const { return threads_; }
+  const Imf::MultiPartInputFile& file() const { return *file_; }
+  /// Rows are decompressed by rows of tiles of this height: multiples of it, from a multiple on, cost no row twice.
+  int tile_size() const { return tile_size_; }
+
+  /// Once, before rows are read: what the file has, by its header. Throws Error(kInput) where it has something else.
+  void expect(const BakedHeader& header, std::vector<BakedPart> parts);
+  /// Interleaved floats of some rows of a level that the part has.
+  void read_values(std::size_t part, int level, int first_row, int row_count, float* values);
+
+  /// Library exceptions become Errors.
+  template <typename Body>
+  void guarded(const Body& body) const {
+    try {
+      body();
+    } catch (const Error&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw Error(ErrorCode::kInput, path_ + ": not a readable baked file: " + error.what());
+    }
+  }
+
+ private:
+  const std::string path_;
+  const int threads_;
+  std::unique_ptr<Imf::MultiPartInputFile> file_;
+  int tile_size_ = 1;
+  BakedHeader header_;
+  std::vector<BakedPart> parts_;
+};
+
+/// The checksum of docs/FORMAT.md of a file whose rows come level by level, from the top.
+class BakedRowHash {
+ public:
+  explicit BakedRowHash(const std::vector<BakedPart>& parts);
+
+  /// The next rows of a part's level, interleaved. Different parts and levels may be added from different threads.
+  void add(std::size_t part, int level, const float* values, std::size_t value_count);
+  std::string finish();
+
+ private:
+  std::vector<int> first_levels_;                 // [part]
+  std::vector<std::vector<ContentHash>> hashes_;  // [part][level of the part]
+};
+
+}  // namespace multum

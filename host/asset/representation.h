@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a baked file may hold of the normals under a texel. Another representation is a row here, one in the table of
+// files (baked_file.cpp) and one in that of the bakes (host/bake/ndf_bake.cpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace multum {
+
+enum class Representation {
+  kMovmf,    // mixtures of von Mises-Fisher lobes (host/asset/movmf_mipmap.h)
+  kMoments,  // first and second moments of slopes, and the mean normal (host/asset/moment_mipmap.h)
+};
+
+/// How channel values are rounded when stored; docs/FORMAT.md states what each loses.
+enum class StorageEncoding {
+  kSnorm16,  // multiples of 1/32767 in a float channel: RGBA16_SNORM on the GPU
+  kHalf,     // 16-bit floats: RGBA16F on the GPU
+  kFloat,    // 32-bit floats: RGBA32F on the GPU
+};
+
+const char* storage_encoding_name(StorageEncoding encoding);
+
+struct RepresentationInfo {
+  Representation representation;
+  const char* option;                      // of --ndf
+  const char* name;                        // attribute multum:representation
+  int version;                             // attribute multum:formatVersion
+  std::vector<StorageEncoding> encodings;  // that suit it, the default first
+  const char* help;                        // what it is, in a line
+};
+
+/// All of them, the default first.
+const std::vector<RepresentationInfo>& representations();
+const RepresentationInfo& representation_info(Representation representation);
+
+/// Throws Error(kUsage) for an encoding that does not suit the representation.
+void check_encoding(Representation representation, StorageEncoding encoding);
+
+}  // namespace multum

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/moment_model.h"
+
+#include <array>
+
+#include "host/base/error.h"
+#include "host/base/parallel.h"
+
+namespace multum {
+namespace {
+
+constexpr int kPointsPerBand = 4096;
+
+// Sums over taps: of stored texels normal, share, five moments and colour, of the normal map's normal, share and
+// colour.
+enum Sum : std::size_t {
+  kNormal = 0,
+  kShare = 3,
+  kSlopes = 4,
+  kColour = 9,
+  kMapNormal = 10,
+  kMapShare = 13,
+  kMapColour = 14,
+  kSumCount = 15
+};
+
+class MomentShading : public PointShading {
+ public:
+  MomentShading(Device& device, const MomentModel& model, const ShadingDirections& directions)
+      : device_(device),
+        model_(model),
+        directions_(device, directions),
+        kernel_(device.kernel("moment_shade", "moment_shade", {1, 1, false})) {}
+
+  void shade(const std::vector<SamplePoint>& points, int shading, int channel, int threads,
+             std::vector<float>& values) override {
+    const std::vector<MultumFilteredMoments> moments = model_.filtered(points, channel, threads);
+    const std::size_t count = directions_.value_count(), byte_count = points.size() * count * sizeof(float);
+    values.resize(points.size() * count);
+    const DeviceBuffer moment_buffer =
+        device_.wrap_buffer(moments.data(), moments.size() * sizeof(MultumFilteredMoments), "filtered moments");
+    if (value_buffer_.byte_count() < byte_count) value_buffer_ = device_.make_buffer(byte_count, "shaded values");
+    kernel_.launch({points.size()}, moment_buffer, directions_.half_vectors(), directions_.lights(),
+                   directions_.exponents(), value_buffer_, static_cast<int>(points.size()), directions_.half_count(),
+                   directions_.light_count(), directions_.exponent_count(), shading);
+    device_.read(value_buffer_, values.data(), byte_count);
+  }
+
+ private:
+  Device& device_;
+  const MomentModel& model_;
+  const DirectionBuffers directions_;
+  Kernel kernel_;
+  DeviceBuffer value_buffer_;
+};
+
+}  // namespace
+
+MomentModel::MomentModel(const BakedHeader& header, const TexelSelection& texels)
+    : texels_(texels),
+      first_level_(header.first_level),
+      has_colours_(header.has_colours),
+      first_slot_(texels.level_begin(header.first_level)),
+      missing_count_(texels.slot_count() - first_slot_),
+      slopes_(missing_count_),
+      normals_(missing_count_),
+      colours_(has_colours_ ? missing_count_ : 0) {}
+
+void MomentModel::add_rows(int level, int first_row, const MomentLevel& rows) {
+  const PlaneSize size = texels_.sizes()[static_cast<std::size_t>(level)];
+  MULTUM_CHECK(level >= first_level_ && rows.width == size.width);
+  MULTUM_CHECK(first_row >= 0 && first_row + rows.height <= size.height);
+  for (int y = 0; y < rows.height; ++y) {
+    const std::size_t end = texels_.row_end(level, first_row + y);
+    for (std::size_t slot = texels_.row_begin(level, first_row + y); slot < end; ++slot) {
+      const std::size_t texel = static_cast<std::size_t>(y) * static_cast<std::size_t>(rows.width) +
+                                static_cast<std::size_t>(texels_.column(slot));
+      const std::size_t kept = slot - first_slot_;
+      slopes_[kept] = rows.slopes[texel];
+      normals_[kept] = rows.normals[texel];
+      if (has_colours_) colours_[kept] = rows.colours[texel];
+      MULTUM_CHECK(missing_count_ > 0);
+      --missing_count_;
+    }
+  }
+}
+
+const std::vector<std::string>& MomentModel::shadings() const {
+  static const std::vector<std::string> kNames = {"toksvig", "lean", "lean-jacobian"};  // as MULTUM_SHADE_...
+  return kNames;
+}
+
+std::unique_ptr<PointShading> MomentModel::make_shading(Device& device, const ShadingDirections& directions) const {
+  return std::make_unique<MomentShading>(device, *this, directions);
+}
+
+void MomentModel::add_tap(std::size_t slot, double weight, int channel, double* sums) const {
+  if (slot < first_slot_) {
+    for (std::size_t c = 0; c < 3; ++c) sums[kMapNormal + c] += weight * map_averages_->at(slot, c);
+    sums[kMapShare] += weight;
+    if (channel >= 0) sums[kMapColour] += weight * map_averages_->at(slot, 3 + static_cast<std::size_t>(channel));
+    return;
+  }
+  const glm::vec3& n = normals_[slot - first_slot_];
+  const SlopeMoments& m = slopes_[slot - first_slot_];
+  for (int c = 0; c < 3; ++c) sums[kNormal + static_cast<std::size_t>(c)] += weight * static_cast<double>(n[c]);
+  sums[kShare] += weight;
+  if (channel >= 0) sums[kColour] += weight * static_cast<double>(colours_[slot - first_slot_][channel]);
+  const std::array<float, 5> slopes = {m.s, m.t, m.ss, m.tt, m.st};
+  for (std::size_t i = 0; i < slopes.size(); ++i) sums[kSlopes + i] += weight * static_cast<double>(slopes[i]);
+}
+
+std::vector<MultumFilteredMoments> MomentModel::filtered(const std::vector<SamplePoint>& points, int channel,
+                                                         int threads) const {
+  MULTUM_CHECK(missing_count_ == 0 && (first_level_ == 0 || map_averages_ != nullptr));
+  std::vector<MultumFilteredMoments> filtered(points.size());
+  for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, threads, [&](int, int begin, int end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      std::array<double, kSumCount> sums{};
+      for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
+        add_tap(points[i].slots[t], points[i].weights[t], channel, sums.data());
+      const auto colour = [&](Sum sum, Sum share) {
+        return channel < 0 || sums[share] == 0.0 ? 1.0 : sums[sum] / sums[share];
+      };
+      const double stored = colour(kColour, kShare), of_map = colour(kMapColour, kMapShare);
+      const auto value = [&](std::size_t number) {
+        return static_cast<float>(sums[number] * (number < kMapNormal ? stored : of_map));
+      };
+      filtered[i] = {
+          value(kNormal),     value(kNormal + 1),    value(kNormal + 2),    value(kShare),      value(kSlopes),
+          value(kSlopes + 1), value(kSlopes + 2),    value(kSlopes + 3),    value(kSlopes + 4), {},
+          value(kMapNormal),  value(kMapNormal + 1), value(kMapNormal + 2), value(kMapShare)};
+    }
+  });
+  return filtered;
+}
+
+}  // namespace multum

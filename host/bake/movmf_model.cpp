@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/movmf_model.h"
+
+#include <algorithm>
+#include <array>
+
+#include "host/base/error.h"
+#include "host/base/parallel.h"
+
+namespace multum {
+
+MovmfModel::MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels)
+    : texels_(texels),
+      lobe_count_(static_cast<std::size_t>(mipmap.lobe_count())),
+      first_level_(mipmap.first_level),
+      first_slot_(texels.level_begin(mipmap.first_level)),
+      missing_count_(texels.slot_count() - first_slot_),
+      lobes_(missing_count_ * lobe_count_),
+      colours_(has_colours ? lobes_.size() : 0) {
+  MULTUM_CHECK(mipmap.lobe_count() >= 1 && mipmap.lobe_count() <= kLobeCountMax);
+}
+
+void MovmfModel::add_rows(int level, int first_row, const MovmfLevel& rows) {
+  const PlaneSize size = texels_.sizes()[static_cast<std::size_t>(level)];
+  MULTUM_CHECK(level >= first_level_ && rows.width == size.width && rows.lobes.size() == lobe_count_);
+  MULTUM_CHECK(first_row >= 0 && first_row + rows.height <= size.height);
+  for (int y = 0; y < rows.height; ++y) {
+    const std::size_t end = texels_.row_end(level, first_row + y);
+    for (std::size_t slot = texels_.row_begin(level, first_row + y); slot < end; ++slot) {
+      const std::size_t texel = static_cast<std::size_t>(y) * static_cast<std::size_t>(rows.width) +
+                                static_cast<std::size_t>(texels_.column(slot));
+      const std::size_t kept = (slot - first_slot_) * lobe_count_;
+      for (std::size_t j = 0; j < lobe_count_; ++j) lobes_[kept + j] = rows.lobes[j][texel];
+      for (std::size_t j = 0; j < lobe_count_ && has_colours(); ++j) colours_[kept + j] = rows.colours[j][texel];
+      MULTUM_CHECK(missing_count_ > 0);
+      --missing_count_;
+    }
+  }
+}
+
+// Adds weight * (a r, a) of each lobe, and, with a channel, weight * a y.
+void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const {
+  if (slot < first_slot_) {  // not stored: a lobe of amplitude 1 behind the others
+    const glm::dvec3 normal(map_averages_->at(slot, 0), map_averages_->at(slot, 1), map_averages_->at(slot, 2));
+    lobes[lobe_count_] += weight * glm::dvec4(normal, 1.0);
+    if (channel >= 0) colours[lobe_count_] += weight * map_averages_->at(slot, 3 + static_cast<std::size_t>(channel));
+    return;
+  }
+  const std::size_t kept = (slot - first_slot_) * lobe_count_;
+  for (std::size_t j = 0; j < lobe_count_; ++j) {
+    lobes[j] += weight * glm::dvec4(lobes_[kept + j]);
+    if (channel >= 0) colours[j] += weight * static_cast<double>(colours_[kept + j][channel]);
+  }
+}
+
+// Shading is linear in (a r, a), so T(a y) / T(a) times the lobe shades to T(a y) times its shape.
+std::vector<glm::vec4> MovmfModel::filtered_lobes(const std::vector<SamplePoint>& points, int channel,
+                                                  int threads) const {
+  constexpr int kPointsPerBand = 4096;
+  MULTUM_CHECK(is_complete() && (first_level_ == 0 || map_averages_ != nullptr));
+  const std::size_t count = lobe_count();
+  std::vector<glm::vec4> filtered(points.size() * count);
+  for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, threads, [&](int, int begin, int end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      std::array<glm::dvec4, kLobeCountMax + 1> lobes{};
+      std::array<double, kLobeCountMax + 1> colours{};
+      for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
+        add_tap(points[i].slots[t], points[i].weights[t], channel, lobes.data(), colours.data());
+      for (std::size_t j = 0; j < count; ++j) {
+        if (channel >= 0 && lobes[j].w > 0.0) lobes[j] *= colours[j] / lobes[j].w;
+        filtered[i * count + j] = glm::vec4(lobes[j]);
+      }
+    }
+  });
+  return filtered;
+}
+
+namespace {
+
+class MovmfShading : public PointShading {
+ public:
+  MovmfShading(Device& device, const MovmfModel& model, const ShadingDirections& directions)
+      : device_(device),
+        model_(model),
+        directions_(device, directions),
+        kernel_(device.kernel("movmf_shade", "movmf_shade", {static_cast<int>(model.lobe_count()), 1, false})) {}
+
+  void shade(const std::vector<SamplePoint>& points, int, int channel, int threads,
+             std::vector<float>& values) override {
+    const std::vector<glm::vec4> lobes = model_.filtered_lobes(points, channel, threads);
+    const std::size_t byte_count = points.size() * directions_.value_count() * sizeof(float);
+    values.resize(points.size() * directions_.value_count());
+    const DeviceBuffer lobe_buffer =
+        device_.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "filtered lobes");
+    if (value_buffer_.byte_count() < byte_count) value_buffer_ = device_.make_buffer(byte_count, "shaded values");
+    kernel_.launch({points.size()}, lobe_buffer, directions_.half_vectors(), directions_.lights(),
+                   directions_.exponents(), value_buffer_, static_cast<int>(points.size()), directions_.half_count(),
+                   directions_.light_count(), directions_.exponent_count());
+    device_.read(value_buffer_, values.data(), byte_count);
+  }
+
+ private:
+  Device& device_;
+  const MovmfModel& model_;
+  const DirectionBuffers directions_;
+  Kernel kernel_;
+  DeviceBuffer value_buffer_;
+};
+
+}  // namespace
+
+const std::vector<std::string>& MovmfModel::shadings() const {
+  static const std::vector<std::string> kOne = {""};
+  return kOne;
+}
+
+std::unique_ptr<PointShading> MovmfModel::make_shading(Device& device, const ShadingDirections& directions) const {
+  return std::make_unique<MovmfShading>(device, *this, directions);
+}
+
+}  // namespace multum

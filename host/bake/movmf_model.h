@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a renderer shows of a baked mipmap of lobes: the lobes of the texels around a point, filtered linearly, and
+// shaded by the runtime's formula on the device (kernels/movmf_shade.cl). Keeps the lobes of the texels that points
+// read, no others.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/bake/accuracy_model.h"
+
+namespace multum {
+
+class MovmfModel : public AccuracyModel {
+ public:
+  /// `mipmap` without texels; `texels` must outlive it.
+  MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels);
+
+  void add_rows(int level, int first_row, const MovmfLevel& rows);
+  /// Have all texels come?
+  bool is_complete() const { return missing_count_ == 0; }
+  bool has_colours() const override { return !colours_.empty(); }
+
+  void set_map_averages(const TexelSums* averages) override { map_averages_ = averages; }
+  int first_level() const override { return first_level_; }
+  const std::vector<std::string>& shadings() const override;
+  std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
+  /// Of filtered points: behind the lobes, one of the averages where there are any.
+  std::size_t lobe_count() const { return lobe_count_ + (first_level_ > 0 ? 1 : 0); }
+
+  /// lobes[point][lobe] as hardware filtering gives them; multiplied by their colours in `channel` unless it is -1.
+  std::vector<glm::vec4> filtered_lobes(const std::vector<SamplePoint>& points, int channel, int threads) const;
+
+ private:
+  void add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const;
+
+  const TexelSelection& texels_;
+  std::size_t lobe_count_;
+  int first_level_;
+  std::size_t first_slot_;  // the first texel that is stored
+  std::size_t missing_count_;
+  std::vector<glm::vec4> lobes_;    // [slot - first_slot][lobe]
+  std::vector<glm::vec3> colours_;  // the same
+  const TexelSums* map_averages_ = nullptr;
+};
+
+}  // namespace multum

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bake from file to file (host/bake/bake_job.h) leaves to the representation: one row in the table of
+// ndf_bake.cpp each.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/asset/baked_verify.h"
+#include "host/bake/accuracy.h"
+#include "host/bake/bake_job.h"
+#include "host/bake/bake_source.h"
+
+namespace multum {
+
+/// Appends the time since its making, or since the last stage, to the report.
+class StageClock {
+ public:
+  explicit StageClock(BakeReport& report) : report_(report) {}
+  void finish(const std::string& name) {
+    const auto now = std::chrono::steady_clock::now();
+    report_.stages.push_back({name, std::chrono::duration<double>(now - last_).count()});
+    last_ = now;
+  }
+
+ private:
+  BakeReport& report_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// One bake, its source read.
+struct BakeRun {
+  const BakeJob& job;
+  Device& device;
+  const BakeSource& source;
+  BakedHeader header;          // of the file to be
+  std::uint64_t memory_bytes;  // for windows and buffers
+  StageClock& clock;
+};
+
+/// A file's findings, and a meter that has seen its rows.
+struct VerifiedFile {
+  std::vector<VerifyFinding> findings;
+  std::unique_ptr<AccuracyMeter> meter;
+};
+
+struct NdfBake {
+  Representation representation;
+  /// Throws Error(kUsage) for settings out of range, before anything is read.
+  void (*check_settings)(const BakeJob& job);
+  /// What of them changes texels: a JSON object.
+  std::string (*settings)(const BakeJob& job);
+  /// Throws Error(kInput), Error(kUsage) for a map that cannot be baked with them.
+  void (*check_map)(const BakeJob& job, int width, int height);
+  /// Bakes, measures unless the job says no, and writes JOB.output. Fills `report` but for what every bake has.
+  void (*bake)(const BakeRun& run, BakeReport& report, Progress* progress);
+  /// Verifies JOB.output. Throws Error(kInput) when it cannot be read. Progress: a unit a row.
+  VerifiedFile (*verify)(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress);
+};
+
+const NdfBake& ndf_bake(Representation representation);
+
+// The rows, each in a file of its own: movmf_file_bake.cpp, moment_file_bake.cpp.
+extern const NdfBake kMovmfBake;
+extern const NdfBake kMomentBake;
+
+}  // namespace multum

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which sums of a row's texels the columns of coarser levels take. Nodes of a row are its texels and, behind them, the
+// sums of its whole blocks of 2, of 4, ... texels; a column of any level, of any size, is a few of them:
+//
+//     finest texels   | 0 | 1 | 2 | 3 | 4 | 5 | 6 | ...
+//     blocks of 2     |   0   |   1   |   2   | ...
+//     a column              [ .4|    1  |  .6 ]            three taps: .4 of texel 1, block 1, .6 of texel 4
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace multum {
+
+class RowBlocks {
+ public:
+  struct Tap {
+    std::uint32_t node;
+    double weight;  // finest texels
+  };
+
+  explicit RowBlocks(int row_width);
+
+  std::size_t node_count() const { return node_count_; }
+  /// Of blocks of 2^k texels, k from 0 to depth() - 1: where they begin, how many they are.
+  int depth() const { return static_cast<int>(block_begin_.size()); }
+  std::size_t block_begin(int k) const { return block_begin_[static_cast<std::size_t>(k)]; }
+  int block_count(int k) const { return row_width_ >> k; }
+  /// What column `column` of a level `level_width` wide covers, from the left.
+  void append_taps(int level_width, int column, std::vector<Tap>& taps) const;
+
+ private:
+  const int row_width_;
+  std::vector<std::size_t> block_begin_;
+  std::size_t node_count_ = 0;
+};
+
+}  // namespace multum

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime_gl/materials/moment_material.h"
+
+#include <utility>
+#include <vector>
+
+#include <glm/vec4.hpp>
+
+#include "host/base/error.h"
+#include "runtime_gl/materials/finest_levels.h"
+
+namespace multum::gl {
+namespace {
+
+void check_levels(const MomentMipmap& mipmap) {
+  const BakedHeader& header = mipmap.header;
+  for (int l = header.first_level; l < header.level_count(); ++l) {
+    const int width = mip_level_size(header.width, l), height = mip_level_size(header.height, l);
+    const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const auto index = static_cast<std::size_t>(l);
+    const bool good = index < mipmap.levels.size() && mipmap.levels[index].slopes.size() == texels &&
+                      mipmap.levels[index].normals.size() == texels &&
+                      mipmap.levels[index].colours.size() == (header.has_colours ? texels : 0);
+    if (!good)
+      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map has not " +
+                                         std::to_string(width) + " x " + std::to_string(height) + " texels of moments");
+  }
+}
+
+// A texture whose level 0 is the first level that is stored; texel(level, i) of each.
+template <typename TexelOf>
+Texture upload(const GlFunctions& gl, const char* name, const MomentMipmap& mipmap, const SamplerSettings& sampler,
+               const TexelOf& texel) {
+  const BakedHeader& header = mipmap.header;
+  const TexelFormat format = header.encoding == StorageEncoding::kFloat ? TexelFormat::kRgba32f : TexelFormat::kRgba16f;
+  Texture texture(gl, name,
+                  {mip_level_size(header.width, header.first_level), mip_level_size(header.height, header.first_level),
+                   header.level_count() - header.first_level, format},
+                  sampler);
+  for (int l = 0; l < texture.shape().level_count; ++l) {
+    const MomentLevel& level = mipmap.levels[static_cast<std::size_t>(header.first_level + l)];
+    std::vector<glm::vec4> texels;
+    texels.reserve(level.normals.size());
+    for (std::size_t i = 0; i < level.normals.size(); ++i) texels.push_back(texel(level, i));
+    texture.upload_level(l, &texels[0].x);
+  }
+  return texture;
+}
+
+}  // namespace
+
+MomentMaterial::MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap, float anisotropy,
+                               const NormalImage* source) {
+  check_levels(mipmap);
+  const BakedHeader& header = mipmap.header;
+  const SamplerSettings sampler{header.wrap_s, header.wrap_t, true, anisotropy};
+  means_.emplace(upload(gl, "mean normals", mipmap, sampler, [](const MomentLevel& level, std::size_t i) {
+    return glm::vec4(level.normals[i], level.slopes[i].st);
+  }));
+  slopes_.emplace(upload(gl, "slopes", mipmap, sampler, [](const MomentLevel& level, std::size_t i) {
+    const SlopeMoments& m = level.slopes[i];
+    return glm::vec4(m.s, m.t, m.ss, m.tt);
+  }));
+  if (header.has_colours)
+    colours_.emplace(upload(gl, "colours", mipmap, sampler,
+                            [](const MomentLevel& level, std::size_t i) { return glm::vec4(level.colours[i], 1.0f); }));
+  if (header.first_level == 0) return;
+  const LeftOutLevels left_out{header.width, header.height, header.first_level, header.has_colours};
+  normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
+  if (has_finest_albedo(left_out, *source)) albedo_map_.emplace(upload_finest_albedo(gl, left_out, *source, sampler));
+}
+
+void MomentMaterial::bind() const {
+  int unit = 0;
+  for (const std::optional<Texture>* texture : {&means_, &slopes_, &colours_, &normal_map_, &albedo_map_}) {
+    if (texture->has_value()) (*texture)->bind(unit);
+    ++unit;
+  }
+}
+
+}  // namespace multum::gl

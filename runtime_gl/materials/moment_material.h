@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// A baked file of moments on the GPU (docs/FORMAT.md, "Moments"): a texture of the mean normal with the moment
+// E[b_s b_t], one of the other slope moments, and one of colours if the file has them. Level for level as they are in
+// the file. Levels that the file leaves to the normal map are textures of that map.
+#pragma once
+
+#include <optional>
+
+#include "host/asset/moment_mipmap.h"
+#include "runtime_gl/gl/texture.h"
+
+namespace multum::gl {
+
+struct NormalImage;
+
+/// How moments are shaded (shaders/common/moment_shading.glsl).
+enum class MomentShading { kToksvig, kLean, kLeanJacobian };
+
+class MomentMaterial {
+ public:
+  /// half -> RGBA16F, float -> RGBA32F. `source`: the map that was baked; needed, and used, when the file's first level
+  /// is not 0. Throws Error(kInput) when a level has not the texels that it should, or `source` is missing or of
+  /// another size.
+  MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap, float anisotropy,
+                 const NormalImage* source = nullptr);
+
+  /// Units: 0 mean normals, 1 slopes, 2 colours, 3 the normal map, 4 the albedo map; those that there are.
+  void bind() const;
+  bool has_colours() const { return colours_.has_value(); }
+  bool has_normal_map() const { return normal_map_.has_value(); }
+  bool has_albedo_map() const { return albedo_map_.has_value(); }
+
+ private:
+  std::optional<Texture> means_;   // E[n]; w = E[b_s b_t]
+  std::optional<Texture> slopes_;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
+  std::optional<Texture> colours_, normal_map_, albedo_map_;
+};
+
+}  // namespace multum::gl
