@@ -251,9 +251,9 @@ class ServiceTest(unittest.TestCase):
 
     def test_a_cancelled_job_that_is_retried_runs(self):
         service = self.start(QUICK + "workers = 1\n")
-        job = self.drill(1)
+        job = self.drill(5)
         service.wait_for(job, ["running"])
-        self.client("cancel", str(job))
+        self.assertEqual(service.ask("POST", f"/v1/jobs/{job}/cancel")[0], 202)
         service.wait_for(job, ["cancelled"])
         self.client("retry", str(job))
         job = service.wait_for(job)
