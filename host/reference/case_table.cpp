@@ -40,7 +40,7 @@ std::string case_table(const NumericalRun& run) {
   };
   std::string text = row("case", "worst", "bound", "without", "verdict");
   for (const NumericalVerdict& v : run.verdicts)
-    text += row(v.text.name, error_text(v.worst), error_text(v.text.bound),
+    text += row(v.text.name, error_text(v.worst), bound_text(v.text.bound),
                 v.without_guard ? error_text(*v.without_guard) : "-",
                 v.holds() ? "ok" : fmt::format("BROKEN ({}, at {})", v.text.formula, v.worst_input));
   return text;

@@ -30,4 +30,6 @@ std::string error_text(double error) {
   return error == 0.0 ? "0" : fmt::format("{:.1e}", error);
 }
 
+std::string bound_text(double bound) { return error_text(bound <= kNothingWrong ? 0.0 : bound); }
+
 }  // namespace multum

@@ -13,6 +13,9 @@
 
 namespace multum {
 
+/// The bound of cases that count what is wrong, or that must be exact: nothing may be.
+constexpr double kNothingWrong = 1e-30;
+
 /// What a case says of itself.
 struct NumericalCaseText {
   std::string name;           // unique, lower case, words joined by '-'
@@ -63,5 +66,7 @@ struct NumericalRun {
 
 /// "3.1e-07", "NaN", "inf".
 std::string error_text(double error);
+/// The same of a bound: "0" where it is kNothingWrong.
+std::string bound_text(double bound);
 
 }  // namespace multum

@@ -206,11 +206,11 @@ std::vector<NumericalCase> level_cases() {
        strips_and_odd_sizes,
        {{"movmf_start", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
       {{"a-dead-lobe-takes-nothing", "movmf_level_zero", "a lobe of no normals, or of no direction, is the nearest",
-        "lobes of an amplitude up to 1e-6 are passed over", 1e-30, "texels wrong", "none may be"},
+        "lobes of an amplitude up to 1e-6 are passed over", kNothingWrong, "texels wrong", "none may be"},
        a_dead_lobe_takes_nothing,
        {{"movmf_level_zero", "lobe.amplitude > 1e-6f && gap < least", "gap < least"}}},
       {{"any-normal-gets-a-lobe", "movmf_level_zero", "no comparison with NaN holds: no number is written",
-        "lobe 0 unless another is nearer", 1e-30, "texels wrong", "none may be"},
+        "lobe 0 unless another is nearer", kNothingWrong, "texels wrong", "none may be"},
        any_normal_gets_a_lobe,
        {{"movmf_level_zero", "int lobe_of_least = 0;", "int lobe_of_least = 255;"}}},
   };

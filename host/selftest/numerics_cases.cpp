@@ -205,7 +205,7 @@ std::vector<NumericalCase> kappa_cases() {
        shading_kappa,
        {probe_edit("(3.0f - x + x * (1.0f - x) * p)", "(3.0f - x)")}},
       {{"shading-kappa-of-no-width", "device/vmf_shading.clh", "q = 0 divides by 0: kappa is infinite",
-        "the denominator is at least 1e-12", 1e-30, "0 or NaN", "finite is what is asked"},
+        "the denominator is at least 1e-12", kNothingWrong, "0 or NaN", "finite is what is asked"},
        shading_kappa_of_nothing,
        {probe_edit("max(q * (2.0f - q), 1e-12f)", "(q * (2.0f - q))")}},
       {{"vmf-normaliser-12-decades", "device/vmf_shading.clh", "kappa / (1 - exp(-2 kappa)) is 0 / 0 at kappa 0",
@@ -222,12 +222,12 @@ std::vector<NumericalCase> numerics_cases() {
   for (NumericalCase& c : kappa_cases()) cases.push_back(std::move(c));
   cases.push_back(
       {{"driver-keeps-nan", "probe_numerics", "-cl-finite-math-only answers no for every NaN: guards are deleted",
-        "no option that relaxes mathematics (host/opencl/build_options)", 1e-30, "answers wrong", "none"},
+        "no option that relaxes mathematics (host/opencl/build_options)", kNothingWrong, "answers wrong", "none"},
        nan_guards,
        {probe_edit("isnan(x) ? 1.0f : 0.0f", "0.0f")}});
   cases.push_back(
       {{"driver-lays-structs-out-alike", "probe_numerics", "every field after a hole is read from the wrong place",
-        "plain structs of ints and floats, no float3, no bool, no size_t", 1e-30, "bytes off", "none"},
+        "plain structs of ints and floats, no float3, no bool, no size_t", kNothingWrong, "bytes off", "none"},
        struct_layout,
        {probe_edit("int first_row;\n", "long first_row;\n")}});
   return cases;

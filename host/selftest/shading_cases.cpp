@@ -8,18 +8,17 @@
 #include <cmath>
 #include <numbers>
 
-#include <glm/vec4.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 
 #include "host/reference/shading.h"
 #include "host/selftest/case_lists.h"
+#include "host/selftest/shade_launch.h"
 
 namespace multum {
-namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-// Values of one lobe at directions `angles` away from +z: Blinn-Phong of exponent s, or Lambert where s is 0.
-std::vector<double> shaded(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions) {
+std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s,
+                               const std::vector<glm::vec4>& directions) {
   const int count = static_cast<int>(directions.size());
   const DeviceBuffer lobes = device.wrap_buffer(&lobe, sizeof(lobe), "lobe");
   const DeviceBuffer vectors =
@@ -36,14 +35,18 @@ std::vector<double> shaded(Device& device, const glm::vec4& lobe, float s, const
   return {values.begin(), values.end()};
 }
 
-glm::vec4 direction(double theta) {
-  return {static_cast<float>(std::sin(theta)), 0.0f, static_cast<float>(std::cos(theta)), 0.0f};
+double angle_seen(const glm::dvec3& mu, const glm::vec4& w) {
+  return 2.0 * std::asin(std::min(1.0, 0.5 * glm::length(mu - glm::dvec3(w))));
 }
 
-// The angle from +z to the vector that the kernel sees, which is not quite of length 1: e = |mu - w|^2 / 2.
-double angle_of(const glm::vec4& w) {
-  const double x = static_cast<double>(w.x), z = static_cast<double>(w.z) - 1.0;
-  return 2.0 * std::asin(std::min(1.0, 0.5 * std::sqrt(x * x + z * z)));
+namespace {
+
+const glm::dvec3 kUp(0.0, 0.0, 1.0);
+
+constexpr double kPi = std::numbers::pi;
+
+glm::vec4 direction(double theta) {
+  return {static_cast<float>(std::sin(theta)), 0.0f, static_cast<float>(std::cos(theta)), 0.0f};
 }
 
 std::vector<glm::vec4> directions_to(double theta_max, int count) {
@@ -62,9 +65,9 @@ constexpr double kSpreads[] = {0.0, 0x1p-23, 0x1p-20, 0x1p-14, 0x1p-7, 0.125, 0.
 void add_blinn_phong(Device& device, const glm::vec4& lobe, double spread, double s,
                      const std::vector<glm::vec4>& directions, WorstError& worst) {
   const double amplitude = static_cast<double>(lobe.w), peak = reference::product_blinn_phong(s, spread, 0.0);
-  const std::vector<double> values = shaded(device, lobe, static_cast<float>(s), directions);
+  const std::vector<double> values = shade_lobe(device, lobe, static_cast<float>(s), directions);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double theta = angle_of(directions[i]);
+    const double theta = angle_seen(kUp, directions[i]);
     worst.add(values[i] / amplitude, reference::product_blinn_phong(s, spread, theta), peak,
               fmt::format("s {}, 1 - |r| = {:.3g}, {:.4g} degrees", s, spread, theta * 180.0 / kPi));
   }
@@ -99,7 +102,7 @@ void no_direction(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = directions_to(kPi, 16);
   for (const glm::vec4 lobe : {glm::vec4(0.0f, 0.0f, 0.0f, 1.0f), glm::vec4(-0.0f, 0.0f, 1e-40f, 1.0f)}) {
     for (const double s : {1.0, 100.0, 1e5}) add_blinn_phong(device, lobe, 1.0, s, directions, worst);
-    for (const double value : shaded(device, lobe, 0.0f, directions)) worst.add(value, 0.25, 0.25, "Lambert");
+    for (const double value : shade_lobe(device, lobe, 0.0f, directions)) worst.add(value, 0.25, 0.25, "Lambert");
   }
 }
 
@@ -113,7 +116,7 @@ void vanishing_amplitude(Device& device, WorstError& worst) {
       continue;
     }
     for (const float s : {0.0f, 1.0f, 1e5f})
-      for (const double value : shaded(device, lobe, s, directions_to(1.0, 4)))
+      for (const double value : shade_lobe(device, lobe, s, directions_to(1.0, 4)))
         worst.add(value == 0.0 ? 0.0 : 1.0 + 0.0 * value, fmt::format("amplitude {}", amplitude));
   }
 }
@@ -121,9 +124,9 @@ void vanishing_amplitude(Device& device, WorstError& worst) {
 void lambert_of_every_spread(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = directions_to(kPi, 48);
   const auto add = [&](double spread, const std::function<double(double)>& exact) {
-    const std::vector<double> values = shaded(device, lobe_of(1.0, spread), 0.0f, directions);
+    const std::vector<double> values = shade_lobe(device, lobe_of(1.0, spread), 0.0f, directions);
     for (std::size_t i = 0; i < values.size(); ++i)
-      worst.add(values[i], exact(angle_of(directions[i])), 1.0,
+      worst.add(values[i], exact(angle_seen(kUp, directions[i])), 1.0,
                 fmt::format("1 - |r| = {:.3g}, direction {}", spread, i));
   };
   add(0.0, [](double theta) { return std::max(std::cos(theta), 0.0); });
