@@ -13,18 +13,31 @@
 
 #define PROBE_EXP2 0
 #define PROBE_LOG2 1
-#define PROBE_KAPPA 2  // of a mean length given as spread
-#define PROBE_ISNAN 3  // 1 where isnan() sees a NaN: relaxed mathematics would answer 0
+#define PROBE_KAPPA 2          // of a mean length given as spread
+#define PROBE_ISNAN 3          // 1 where isnan() sees a NaN: relaxed mathematics would answer 0
+#define PROBE_LOG_PEAK 4       // of amplitude 1, at kappa
+#define PROBE_ONE_MINUS_LOG 5  // log2(1 - e)
+#define PROBE_SHADING_KAPPA 6  // of q = 1 - A
+#define PROBE_VMF_PEAK 7       // vMF density at its mean, at kappa
+
+static float probed(float x, int function) {
+  switch (function) {
+    case PROBE_EXP2: return exp2_v(x);
+    case PROBE_LOG2: return log2_v(x);
+    case PROBE_KAPPA: return kappa_of_mean_length(1.0f - x, x);
+    case PROBE_ISNAN: return isnan(x) ? 1.0f : 0.0f;
+    case PROBE_LOG_PEAK: return log_peak(1.0f, x);
+    case PROBE_ONE_MINUS_LOG: return log2_one_minus(x);
+    case PROBE_SHADING_KAPPA: return shading_kappa(x);
+    default: return vmf_shape(x).peak;
+  }
+}
 
 // One work-item = one input; global size count. values[i] = function(inputs[i]).
 __kernel void probe_functions(__global const float* inputs, __global float* values, int count, int function) {
   const int i = (int)get_global_id(0);
   if (i >= count) return;
-  const float x = inputs[i];
-  values[i] = function == PROBE_EXP2    ? exp2_v(x)
-              : function == PROBE_LOG2  ? log2_v(x)
-              : function == PROBE_KAPPA ? kappa_of_mean_length(1.0f - x, x)
-                                        : (isnan(x) ? 1.0f : 0.0f);
+  values[i] = probed(inputs[i], function);
 }
 
 // One work-item in all. sizes: the device's idea of the structs that it shares with the host.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -128,8 +129,9 @@ class Solver {
         if (range_weight_ > 0.0)
           curvature[t][c] = static_cast<float>(0.5 * range_weight_ * range_term(static_cast<double>(x)).curvature);
         const float diagonal = system_.diagonal[t] + curvature[t][c];
-        // Texels that nothing looks at, without pyramidal regularisation: they stay as they are.
-        if (is_held || !(diagonal > 0.0f)) continue;
+        // Texels that nothing looks at, without pyramidal regularisation: they stay as they are. So do those with so
+        // little of it that the inverse of the diagonal would be infinite.
+        if (is_held || !(diagonal >= std::numeric_limits<float>::min())) continue;
         inverse[t][c] = system_.settings.precondition ? 1.0f / diagonal : 1.0f;
       }
     upload(free_, is_free);

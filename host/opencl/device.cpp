@@ -210,9 +210,13 @@ void Device::fill_zero(DeviceBuffer& buffer) {
 void Device::finish() { check_cl(clFinish(state_->queue), "clFinish"); }
 void Device::flush() { check_cl(clFlush(state_->queue), "clFlush"); }
 
+void Device::edit_kernels(std::vector<SourceEdit> edits) { state_->edits = std::move(edits); }
+
 Kernel Device::kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant) {
   const std::string options = build_options(variant);
-  const std::string key = file + " " + options;
+  std::string key = file + " " + options;
+  for (const SourceEdit& edit : state_->edits)
+    if (edit.file == file) key += "\n" + edit.text + "\n" + edit.replacement;
   auto found = state_->programs.find(key);
   if (found == state_->programs.end())
     found = state_->programs.emplace(key, load_program(*state_, file, options)).first;

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/source_edit.h"
 #include "host/opencl/build_options.h"
 
 namespace multum {
@@ -100,6 +101,10 @@ class Device {
 
   /// A kernel of kernels/FILE.cl, built with the variant's options or taken from the program cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
+
+  /// From now on programs are built from kernels edited so; an empty list ends that. Kernels made before stay as they
+  /// are. For showing what a guard is for (host/selftest), never for a bake.
+  void edit_kernels(std::vector<SourceEdit> edits);
 
   /// Waits for all launches.
   void finish();

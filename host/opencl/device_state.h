@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "host/opencl/cl_headers.h"
 #include "host/opencl/device.h"
@@ -21,7 +22,8 @@ class DeviceState {
   cl_device_id device = nullptr;
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
-  std::map<std::string, cl_program> programs;  // by file and options
+  std::map<std::string, cl_program> programs;  // by file, options and edits of the file
+  std::vector<SourceEdit> edits;
   std::map<std::string, std::uint64_t> launch_counts;
 };
 

@@ -101,9 +101,10 @@ void set_program_cache_folder(const std::string& folder) { g_cache_folder = fold
 cl_program load_program(DeviceState& state, const std::string& file, const std::string& options) {
   const auto found = kernel_sources().find(file);
   MULTUM_CHECK(found != kernel_sources().end());
-  if (g_cache_folder.empty()) return build_from_source(state, file, found->second, options);
+  const std::string source = edited_source(found->second, file, state.edits);
+  if (g_cache_folder.empty()) return build_from_source(state, file, source, options);
   ContentHash key;
-  for (std::string_view part : {found->second, std::string_view(options), std::string_view(state.info.name),
+  for (std::string_view part : {std::string_view(source), std::string_view(options), std::string_view(state.info.name),
                                 std::string_view(state.info.platform), std::string_view(state.info.driver)}) {
     key.update(part);
     key.update("\n");
@@ -113,7 +114,7 @@ cl_program load_program(DeviceState& state, const std::string& file, const std::
     log_verbose("program cache: " + file + " loaded");
     return cached;
   }
-  cl_program program = build_from_source(state, file, found->second, options);
+  cl_program program = build_from_source(state, file, source, options);
   save_binary(program, path);
   return program;
 }

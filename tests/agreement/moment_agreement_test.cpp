@@ -11,10 +11,10 @@
 #include <glm/geometric.hpp>
 
 #include "host/opencl/device.h"
+#include "host/reference/moments.h"
 #include "kernels/shared/moments.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tests/gl/shader_harness.h"
-#include "tests/reference/moments.h"
 
 namespace multum {
 namespace {

@@ -11,9 +11,9 @@
 #include <glm/vec3.hpp>
 
 #include "host/opencl/device.h"
+#include "host/reference/shading.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tests/gl/shader_harness.h"
-#include "tests/reference/shading.h"
 
 namespace multum {
 namespace {

@@ -7,16 +7,18 @@
 
 #include <glm/vec4.hpp>
 
+#include "host/base/source_edit.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/gl/texture.h"
 
 namespace multum::gl {
 
 struct ShaderHarnessInput {
-  std::string expression;            // a vec4, of the vec4s a and b, with movmf_shading.glsl's functions
-  std::vector<glm::vec4> a;          // at most 16384 elements
-  std::vector<glm::vec4> b;          // as many
-  const Texture* texture = nullptr;  // bound to the sampler `map`
+  std::string expression;              // a vec4, of the vec4s a and b, with movmf_shading.glsl's functions
+  std::vector<glm::vec4> a;            // at most 16384 elements
+  std::vector<glm::vec4> b;            // as many
+  const Texture* texture = nullptr;    // bound to the sampler `map`
+  std::vector<SourceEdit> edits = {};  // of "movmf_shading": what takes a guard out
 };
 
 /// The output is poisoned with NaN first: an element that no fragment wrote shows.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/reference/shading.h"
 #include "tests/gl/shader_harness.h"
-#include "tests/reference/shading.h"
 
 namespace multum::gl {
 namespace {

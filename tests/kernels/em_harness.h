@@ -7,9 +7,9 @@
 #include "host/bake/mip_schedule.h"
 #include "host/image/normal_map.h"
 #include "host/opencl/device.h"
+#include "host/reference/movmf_em.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
-#include "tests/reference/movmf_em.h"
 
 namespace multum::testing {
 

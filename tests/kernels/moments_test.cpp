@@ -12,8 +12,8 @@
 
 #include "host/bake/moment_bake.h"
 #include "host/base/error.h"
+#include "host/reference/moments.h"
 #include "tests/kernels/em_harness.h"
-#include "tests/reference/moments.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {

@@ -11,11 +11,17 @@
 #include "host/bake/texture_system.h"
 #include "host/base/error.h"
 #include "host/base/split_mix.h"
+#include "host/reference/texture_inference.h"
 #include "tests/kernels/em_harness.h"
-#include "tests/reference/texture_inference.h"
 
 namespace multum::testing {
 namespace {
+
+using reference::InferenceProblem;
+using reference::interpolation;
+using reference::InterpolationEntry;
+using reference::objective;
+using reference::random_matrix;
 
 struct Case {
   int width, height;

@@ -7,7 +7,7 @@
 #include <array>
 
 #include "host/asset/movmf_mipmap.h"
-#include "tests/reference/movmf_rounding.h"
+#include "host/reference/movmf_rounding.h"
 #include "tests/unit/movmf_test_mipmap.h"
 
 namespace multum {

@@ -35,6 +35,7 @@ void add_bake_command(CLI::App& app, int* exit_code);
 void add_infer_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
+void add_selftest_command(CLI::App& app, int* exit_code);
 void add_verify_command(CLI::App& app, int* exit_code);
 void add_testmap_command(CLI::App& app, int* exit_code);
 /// serve, and the worker that it starts.

@@ -44,6 +44,8 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
       "  multum bake --manifest maps.toml --check            bake what changed of a project, and say what it was\n"
       "  multum-view bricks.ndf.exr -o frame.png             render it\n"
       "  multum info bricks.ndf.exr                          look inside\n"
+      "  multum selftest                                     does this machine's OpenCL driver compute what it "
+      "should?\n"
       "  multum animation renders -o animation.toml          what a folder of ray-traced pictures holds, as a job\n"
       "  multum serve --data jobs                            a service that bakes what clients submit",
       "multum");
@@ -55,6 +57,7 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   add_info_command(app, &exit_code);
   add_verify_command(app, &exit_code);
   add_devices_command(app, &exit_code);
+  add_selftest_command(app, &exit_code);
   add_testmap_command(app, &exit_code);
   add_animation_command(app, &exit_code);
   add_infer_command(app, &exit_code);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/reference/moments.h"
+#include "host/reference/moments.h"
 
 #include <algorithm>
 #include <cmath>

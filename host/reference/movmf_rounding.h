@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounding of a texel's lobes, written for obviousness: every way to round is tried in the words of docs/FORMAT.md
-// ("Rounding"). The oracle of host/asset/movmf_quantize.cpp. Never shipped.
+// ("Rounding"). The oracle of host/asset/movmf_quantize.cpp. No bake uses it.
 #pragma once
 
 #include <vector>

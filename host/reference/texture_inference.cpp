@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/reference/texture_inference.h"
+#include "host/reference/texture_inference.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "host/base/split_mix.h"
 
-namespace multum::testing {
+namespace multum::reference {
 namespace {
 
 struct Tap {
@@ -112,4 +112,4 @@ FilterMatrix random_matrix(int texture_width, int texture_height, WrapMode wrap,
   return m;
 }
 
-}  // namespace multum::testing
+}  // namespace multum::reference

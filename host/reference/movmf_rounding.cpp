@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/reference/movmf_rounding.h"
+#include "host/reference/movmf_rounding.h"
 
 #include <half.h>
 

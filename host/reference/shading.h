@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading of a von Mises-Fisher lobe in double precision, written for being obviously right: never shipped.
+// Shading of a von Mises-Fisher lobe in double precision, written for being obviously right: no bake uses it.
 #pragma once
 
 namespace multum::reference {

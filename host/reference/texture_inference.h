@@ -6,7 +6,7 @@
 
 #include "host/asset/filter_matrix.h"
 
-namespace multum::testing {
+namespace multum::reference {
 
 struct InferenceProblem {
   std::vector<const FilterMatrix*> matrices;
@@ -28,4 +28,4 @@ std::vector<InterpolationEntry> interpolation(const FilterMatrix& matrix);
 /// A filter matrix of random trilinear footprints, two levels each, `rows` of them, as one of a picture `rows` wide.
 FilterMatrix random_matrix(int texture_width, int texture_height, WrapMode wrap, int rows, unsigned seed);
 
-}  // namespace multum::testing
+}  // namespace multum::reference

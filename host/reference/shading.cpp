@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/reference/shading.h"
+#include "host/reference/shading.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/reference/movmf_em.h"
+#include "host/reference/movmf_em.h"
 
 #include <algorithm>
 #include <cmath>

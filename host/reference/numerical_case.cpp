@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/reference/numerical_case.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace multum {
+
+void WorstError::add(double error, const std::string& input) {
+  ++count_;
+  if (std::isnan(value_)) return;
+  if (!std::isnan(error) && error <= value_ && !input_.empty()) return;
+  value_ = error;
+  input_ = input;
+}
+
+void WorstError::add(double found, double expected, double unit, const std::string& input) {
+  add(found == expected ? 0.0 : std::abs(found - expected) / unit, input);
+}
+
+bool NumericalRun::holds() const {
+  return std::all_of(verdicts.begin(), verdicts.end(), [](const NumericalVerdict& v) { return v.holds(); });
+}
+
+std::string error_text(double error) {
+  if (std::isnan(error)) return "NaN";
+  if (std::isinf(error)) return "inf";
+  return error == 0.0 ? "0" : fmt::format("{:.1e}", error);
+}
+
+std::string bound_text(double bound) { return error_text(bound <= kNothingWrong ? 0.0 : bound); }
+
+}  // namespace multum

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parts of the registry, one a family of kernels. Private to host/selftest.
+#pragma once
+
+#include <vector>
+
+#include "host/selftest/selftest.h"
+
+namespace multum {
+
+std::vector<NumericalCase> numerics_cases();   // kernels/device: exponentials, logarithms, inverses of A(kappa)
+std::vector<NumericalCase> em_cases();         // movmf_em_texels
+std::vector<NumericalCase> level_cases();      // movmf_start, movmf_pack, movmf_level_zero
+std::vector<NumericalCase> sum_cases();        // movmf_em_chunks, movmf_em_mstep, movmf_features, movmf_condense
+std::vector<NumericalCase> shading_cases();    // movmf_shade
+std::vector<NumericalCase> inference_cases();  // filter_matrix_spmv, pyramidal_regularization, conjugate_gradient
+std::vector<NumericalCase> storage_cases();    // host/asset/movmf_quantize: no kernel, but what kernels' results become
+
+}  // namespace multum

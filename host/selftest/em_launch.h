@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Launches movmf_em_texels on given samples from given lobes, and the reference on the same (Han et al. 2007, section
+// 7, Algorithm 1): the samples of a case are what the case says, with no map in between. Private to host/selftest.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <glm/vec4.hpp>
+
+#include "host/opencl/device.h"
+#include "host/reference/movmf_em.h"
+#include "host/reference/numerical_case.h"
+
+namespace multum {
+
+struct EmTexel {
+  std::vector<reference::Sample> samples;  // rounded to float before either side sees them
+  std::vector<reference::Lobe> lobes;      // the start, likewise; 1..8
+};
+
+struct EmSettings {
+  int iterations = 5;
+  float kappa_cap = 500.0f;
+  float kappa_cap_slope = 10.0f;
+  float settled_change = 0.0f;
+};
+
+struct FittedTexel {
+  std::vector<glm::dvec4> lobes;  // (r, a)
+  std::vector<double> kappa;      // of the last E-step
+};
+
+/// Up to 16 texels side by side, all of as many samples, weight and lobes as the first.
+std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& texels, const EmSettings& settings,
+                                    bool scalar);
+
+/// The reference on one of them.
+FittedTexel fit_in_double(const EmTexel& texel, const EmSettings& settings);
+
+/// Adds |a - a'| and |a r - a' r'| of every lobe, of both variants of the kernel, against the reference.
+void add_em_errors(Device& device, const EmTexel& texel, const EmSettings& settings, const std::string& input,
+                   WorstError& worst);
+
+/// One group's buffers as the kernels have them: samples [sample][4][MULTUM_GROUP], and start
+/// [lobe][MULTUM_START_PLANES][MULTUM_GROUP] without a prior. Lanes beyond the texels repeat the last.
+std::vector<float> packed_samples(const std::vector<EmTexel>& texels);
+std::vector<float> packed_start(const std::vector<EmTexel>& texels);
+
+/// A unit vector, tilted by so many degrees from +z towards an azimuth in radians.
+glm::dvec3 tilted(double degrees, double azimuth = 0.3);
+
+}  // namespace multum

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// What surrounds a launch of EM: starts from a parent's lobes and the packing of covered normals (movmf_start.cl), and
+// the finest level (movmf_level_zero.cl).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/reference/movmf_em.h"
+#include "host/selftest/case_lists.h"
+#include "kernels/shared/movmf_fit.h"
+#include "kernels/shared/vmf_lobe.h"
+
+namespace multum {
+namespace {
+
+constexpr std::size_t kGroup = MULTUM_GROUP;
+constexpr double kLog2e = 1.4426950408889634;
+
+// One texel with one parent.
+MultumMovmfFit one_texel_fit() {
+  MultumMovmfFit fit = {};
+  fit.map_width = fit.map_height = 2;
+  fit.width = fit.height = fit.window_rows = 1;
+  fit.parent_width = fit.parent_height = fit.parent_window_rows = 1;
+  fit.map_window_rows = 2;
+  fit.slot_count = MULTUM_GROUP;
+  fit.start_kappa_factor = 0.5f;
+  fit.start_amplitude_min = 0.02f;
+  fit.alignment = 0.1f;
+  return fit;
+}
+
+// The planes of a texel that starts from `parent`.
+std::vector<double> start_from(Device& device, const MultumVmfLobe& parent, int width) {
+  const std::vector<int> list(kGroup, 0);
+  const MultumVmfLobe nothing = {};
+  const DeviceBuffer parents = device.wrap_buffer(&parent, sizeof(parent), "parent");
+  const DeviceBuffer level = device.wrap_buffer(&nothing, sizeof(nothing), "level");
+  const DeviceBuffer directed = device.wrap_buffer(&nothing, sizeof(nothing), "directions");
+  const DeviceBuffer texels = device.wrap_buffer(list.data(), list.size() * sizeof(int), "texels");
+  std::vector<float> start(MULTUM_START_PLANES * kGroup, NAN);
+  DeviceBuffer out = device.make_buffer(start.size() * sizeof(float), "start");
+  device.write(out, start.data(), out.byte_count());
+  device.kernel("movmf_start", "movmf_start", {1, width, false})
+      .launch({kGroup / static_cast<std::size_t>(width)}, parents, level, directed, texels, out, one_texel_fit());
+  device.read(out, start.data(), out.byte_count());
+  std::vector<double> planes;
+  for (std::size_t p = 0; p < MULTUM_START_PLANES; ++p) planes.push_back(static_cast<double>(start[p * kGroup + 3]));
+  return planes;
+}
+
+void add_start(Device& device, const MultumVmfLobe& parent, WorstError& worst) {
+  const glm::dvec3 r(parent.mean_x, parent.mean_y, parent.mean_z);
+  const double length = glm::length(r), bounded = std::min(length, 1.0 - 1e-6);
+  const glm::dvec3 mu = length > 1e-12 ? r / length : glm::dvec3(0.0, 0.0, 1.0);
+  const double kappa = std::clamp(0.5 * (length > 1e-12 ? reference::kappa_of_mean_length(bounded) : 0.0), 0.05, 1e6);
+  const double amplitude = std::max(static_cast<double>(parent.amplitude), 0.02);
+  const double log_weight = std::log2(amplitude * kappa / -std::expm1(-2.0 * kappa));
+  for (const int width : {1, device.vector_width()}) {
+    const std::vector<double> found = start_from(device, parent, width);
+    const std::string input = fmt::format("|r| = {:.9g}, a = {:.3g}", length, parent.amplitude);
+    for (int k = 0; k < 3; ++k) {
+      worst.add(found[static_cast<std::size_t>(k)], mu[k], 1.0, input);
+      // A zero stays one: no prior of a lobe without a direction.
+      const double prior = length > 1e-12 ? 0.1 * static_cast<double>(parent.amplitude) * mu[k] : 0.0;
+      worst.add(found[MULTUM_START_PRIOR + static_cast<std::size_t>(k)], prior, 1.0, input);
+    }
+    worst.add(found[MULTUM_START_SHARPNESS] / kLog2e, kappa, kappa, input);
+    worst.add(found[MULTUM_START_LOG], log_weight, 1.0, input);
+  }
+}
+
+void starts_from_degenerate_lobes(Device& device, WorstError& worst) {
+  for (const float amplitude : {0.0f, 1e-40f, 1e-6f, 0.5f, 1.0f}) {
+    add_start(device, {0.0f, 0.0f, 0.0f, amplitude}, worst);
+    add_start(device, {-0.0f, 1e-40f, 0.0f, amplitude}, worst);
+    add_start(device, {0.0f, 1e-20f, 0.0f, amplitude}, worst);
+    for (const float length : {1e-6f, 0.25f, 1.0f - 0x1p-10f, 1.0f - 0x1p-23f, 1.0f, 1.0f + 0x1p-20f}) {
+      add_start(device, {0.0f, 0.0f, length, amplitude}, worst);
+      add_start(device, {-length, 0.0f, 0.0f, amplitude}, worst);
+      add_start(device, {0.0f, 0.0f, -length, amplitude}, worst);
+    }
+  }
+}
+
+// The largest number of finest texels that a texel spans.
+int span(int map_size, int level_size) {
+  int most = 0;
+  for (int t = 0; t < level_size; ++t)
+    most = std::max(most, ((t + 1) * map_size + level_size - 1) / level_size - t * map_size / level_size);
+  return most;
+}
+
+// Weights of the samples of a level's texels: each texel's must sum to W H / (w h), or finest texels count twice.
+void add_coverage(Device& device, int map_width, int map_height, int level_number, WorstError& worst) {
+  MultumMovmfFit fit = {};
+  fit.map_width = map_width;
+  fit.map_height = fit.map_window_rows = map_height;
+  fit.width = mip_level_size(map_width, level_number);
+  fit.height = fit.window_rows = mip_level_size(map_height, level_number);
+  fit.sample_columns = span(map_width, fit.width);
+  fit.sample_rows = span(map_height, fit.height);
+  const auto texel_count = static_cast<std::size_t>(fit.width * fit.height);
+  const std::size_t slots = (texel_count + kGroup - 1) / kGroup * kGroup;
+  fit.slot_count = static_cast<int>(slots);
+  std::vector<int> list(slots, -1);
+  std::iota(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(texel_count), 0);
+  const std::vector<float> plane(static_cast<std::size_t>(map_width * map_height), 0.5f);
+  const DeviceBuffer normals = device.wrap_buffer(plane.data(), plane.size() * sizeof(float), "normals");
+  const DeviceBuffer texels = device.wrap_buffer(list.data(), list.size() * sizeof(int), "texels");
+  const auto sample_count = static_cast<std::size_t>(fit.sample_columns * fit.sample_rows);
+  std::vector<float> samples(slots * sample_count * 4, NAN);
+  DeviceBuffer out = device.make_buffer(samples.size() * sizeof(float), "samples");
+  device.write(out, samples.data(), out.byte_count());
+  const DeviceBuffer counts = device.make_buffer(slots / kGroup * sizeof(int), "sample counts");
+  device.kernel("movmf_start", "movmf_pack", {4, 1, true})
+      .launch({static_cast<std::size_t>(fit.sample_rows) * slots / kGroup}, normals, normals, normals, texels, out,
+              counts, fit);
+  device.read(out, samples.data(), out.byte_count());
+  const double exact = static_cast<double>(map_width) * map_height / static_cast<double>(texel_count);
+  for (std::size_t t = 0; t < texel_count; ++t) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < sample_count; ++i)
+      sum += static_cast<double>(samples[((t / kGroup * sample_count + i) * 4 + 3) * kGroup + t % kGroup]);
+    worst.add(sum, exact, exact, fmt::format("{} x {}, level {}, texel {}", map_width, map_height, level_number, t));
+  }
+}
+
+void strips_and_odd_sizes(Device& device, WorstError& worst) {
+  for (const auto& [width, height] : {std::pair{1, 37}, {37, 1}, {37, 21}, {21, 37}, {3, 2}, {64, 1}, {101, 63}})
+    for (int level = 1; level < mip_level_count(width, height); ++level)
+      add_coverage(device, width, height, level, worst);
+}
+
+// Numbers of the lobes that normals are given to.
+std::vector<int> nearest_lobes(Device& device, const std::vector<MultumVmfLobe>& parent,
+                               const std::vector<glm::vec3>& normals) {
+  MultumMovmfFit fit = {};
+  fit.map_width = static_cast<int>(normals.size());
+  fit.map_height = 1;
+  fit.width = fit.height = fit.window_rows = 1;
+  std::vector<float> planes[3];
+  for (const glm::vec3& n : normals)
+    for (int k = 0; k < 3; ++k) planes[k].push_back(n[k]);
+  const std::size_t bytes = normals.size() * sizeof(float);
+  const DeviceBuffer x = device.wrap_buffer(planes[0].data(), bytes, "x"),
+                     y = device.wrap_buffer(planes[1].data(), bytes, "y"),
+                     z = device.wrap_buffer(planes[2].data(), bytes, "z"),
+                     lobes = device.wrap_buffer(parent.data(), parent.size() * sizeof(MultumVmfLobe), "parent");
+  std::vector<unsigned char> nearest(normals.size(), 255);
+  DeviceBuffer out = device.make_buffer(nearest.size(), "nearest");
+  device.write(out, nearest.data(), nearest.size());
+  device.kernel("movmf_level_zero", "movmf_level_zero", {static_cast<int>(parent.size()), 1, false})
+      .launch({normals.size()}, x, y, z, lobes, out, fit, 1, 0, 0, 1);
+  device.read(out, nearest.data(), nearest.size());
+  return {nearest.begin(), nearest.end()};
+}
+
+void a_dead_lobe_takes_nothing(Device& device, WorstError& worst) {
+  const glm::vec3 n(0.6f, 0.0f, 0.8f), far(-0.6f, 0.0f, 0.8f);
+  for (const float amplitude : {0.0f, 1e-40f, 1e-7f}) {
+    const std::vector<MultumVmfLobe> parent = {{n.x, n.y, n.z, amplitude},
+                                               {0.0f, 0.0f, 0.0f, amplitude},
+                                               {far.x, far.y, far.z, 1.0f},
+                                               {0.0f, 0.8f, 0.6f, 0.5f}};
+    const std::vector<int> found = nearest_lobes(device, parent, {n, far, {0.0f, 1.0f, 0.0f}});
+    const int expected[] = {3, 2, 3};
+    for (std::size_t i = 0; i < found.size(); ++i)
+      worst.add(found[i] == expected[i] ? 0.0 : 1.0, fmt::format("amplitude {}, normal {}", amplitude, i));
+  }
+}
+
+// Whatever a normal is, the number of a lobe is written: an index beyond the lobes would be read later.
+void any_normal_gets_a_lobe(Device& device, WorstError& worst) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<MultumVmfLobe> parent = {{0.0f, 0.0f, 0.9f, 0.5f}, {0.9f, 0.0f, 0.0f, 0.5f}};
+  const std::vector<glm::vec3> normals = {{kNan, 0.0f, 1.0f},   {HUGE_VALF, 0.0f, 0.0f}, {-HUGE_VALF, HUGE_VALF, 0.0f},
+                                          {0.0f, 0.0f, 0.0f},   {-0.0f, 1e-40f, -0.0f},  {0.0f, 0.0f, -1.0f},
+                                          {3e38f, 3e38f, 3e38f}};
+  const std::vector<int> found = nearest_lobes(device, parent, normals);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    worst.add(found[i] >= 0 && found[i] < 2 ? 0.0 : 1.0, fmt::format("normal {}", i));
+}
+
+}  // namespace
+
+std::vector<NumericalCase> level_cases() {
+  return {
+      {{"starts-from-degenerate-lobes", "movmf_start", "r = 0 is normalised: 0 / 0; |r| > 1 has a negative kappa",
+        "+z where r is 0; |r| at most 1, its spread at least 1e-6; amplitudes at least 0.02", 1e-4,
+        "absolute, of mu, of C a mu and of log2 of the weight; relative, of kappa",
+        "3.3e-5 of kappa's inverse; its logarithm"},
+       starts_from_degenerate_lobes,
+       {{"movmf_start", "const int_v directed = squared > 1e-24f;", "const int_v directed = squared >= 0.0f;"},
+        {"movmf_start", "sqrt(MAX_V(squared, (real_v)(1e-24f)))", "sqrt(squared)"}}},
+      {{"strips-and-odd-sizes", "movmf_start", "finest texels on an edge count whole in both texels",
+        "fractional weights: each finest texel counts once a level", 1e-6, "relative, of a texel's weight",
+        "a rounding a sample"},
+       strips_and_odd_sizes,
+       {{"movmf_start", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
+      {{"a-dead-lobe-takes-nothing", "movmf_level_zero", "a lobe of no normals, or of no direction, is the nearest",
+        "lobes of an amplitude up to 1e-6 are passed over", kNothingWrong, "texels wrong", "none may be"},
+       a_dead_lobe_takes_nothing,
+       {{"movmf_level_zero", "lobe.amplitude > 1e-6f && gap < least", "gap < least"}}},
+      {{"any-normal-gets-a-lobe", "movmf_level_zero", "no comparison with NaN holds: no number is written",
+        "lobe 0 unless another is nearer", kNothingWrong, "texels wrong", "none may be"},
+       any_normal_gets_a_lobe,
+       {{"movmf_level_zero", "int lobe_of_least = 0;", "int lobe_of_least = 255;"}}},
+  };
+}
+
+}  // namespace multum

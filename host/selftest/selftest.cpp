@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/selftest/selftest.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <memory>
+
+#include "host/base/error.h"
+#include "host/selftest/case_lists.h"
+
+namespace multum {
+namespace {
+
+bool is_wanted(const NumericalCase& c, const std::string& filter) {
+  return c.text.name.find(filter) != std::string::npos || c.text.formula.find(filter) != std::string::npos;
+}
+
+// A case that compares nothing would hold whatever the kernels do.
+double worst_of(const WorstError& worst) {
+  return worst.count() > 0 ? worst.value() : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+const std::vector<NumericalCase>& numerical_cases() {
+  static const std::vector<NumericalCase> cases = [] {
+    std::vector<NumericalCase> all;
+    for (auto* part : {numerics_cases, em_cases, level_cases, sum_cases, shading_cases, inference_cases, storage_cases})
+      for (NumericalCase& c : part()) all.push_back(std::move(c));
+    return all;
+  }();
+  return cases;
+}
+
+NumericalVerdict run_case(const NumericalCase& the_case, Device& device, bool without_guard) {
+  WorstError worst;
+  the_case.run(device, worst);
+  NumericalVerdict verdict{the_case.text, worst_of(worst), worst.input(), {}};
+  if (!without_guard) return verdict;
+  WorstError naive;
+  if (the_case.naive) {
+    the_case.naive(naive);
+  } else {
+    device.edit_kernels(the_case.without);
+    const auto restore = [&device](void*) { device.edit_kernels({}); };
+    const std::unique_ptr<void, decltype(restore)> restored(&device, restore);
+    the_case.run(device, naive);
+  }
+  verdict.without_guard = worst_of(naive);
+  return verdict;
+}
+
+NumericalRun run_selftest(Device& device, const SelftestOptions& options, Progress* progress) {
+  std::vector<const NumericalCase*> wanted;
+  for (const NumericalCase& c : numerical_cases())
+    if (is_wanted(c, options.filter)) wanted.push_back(&c);
+  if (wanted.empty())
+    throw Error(ErrorCode::kUsage, fmt::format("no case or kernel has '{}' in its name; expected a part of one of the "
+                                               "{} that docs/STABILITY.md lists",
+                                               options.filter, numerical_cases().size()));
+  NumericalRun run{"OpenCL",
+                   device.info().name,
+                   device.info().platform,
+                   "driver " + device.info().driver,
+                   std::string("multum ") + MULTUM_VERSION,
+                   {}};
+  progress_start(progress, wanted.size());
+  for (const NumericalCase* c : wanted) {
+    progress_stage(progress, c->text.name);
+    run.verdicts.push_back(run_case(*c, device, options.without_guards));
+    progress_advance(progress, 1);
+  }
+  return run;
+}
+
+}  // namespace multum

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum selftest as a user runs it: what it prints and writes, and what it refuses. That a broken guard is named is in
+// tests/hard_cases/selftest_test.cpp.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace multum::testing {
+namespace {
+
+class SelftestCommandTest : public CliTest {};
+
+TEST_F(SelftestCommandTest, NamesTheDeviceAndEveryCase) {
+  const ProgramResult result = multum({"selftest", "--filter", "movmf_level_zero", "--json", path("verdicts.json")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* part :
+       {"device  ", "driver", "a-dead-lobe-takes-nothing", "any-normal-gets-a-lobe", "ok", "2 cases, 0 broken"})
+    EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
+  EXPECT_EQ(result.out.find("without"), std::string::npos) << "a column of what was not run";
+  const nlohmann::json json = nlohmann::json::parse(read_bytes(path("verdicts.json")));
+  EXPECT_TRUE(json.at("holds").get<bool>());
+  EXPECT_EQ(json.at("cases").size(), 2u);
+  EXPECT_FALSE(json.at("device").get<std::string>().empty());
+  EXPECT_TRUE(json.at("cases")[0].at("worst_without_guard").is_null());
+}
+
+TEST_F(SelftestCommandTest, ShowsWhatGuardsAreFor) {
+  const ProgramResult result = multum({"selftest", "--filter", "exp2-far-below", "--without-guards"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("without"), std::string::npos);
+  EXPECT_NE(result.out.find("NaN"), std::string::npos) << result.out;
+}
+
+TEST_F(SelftestCommandTest, RefusesWhatItCannotDo) {
+  const std::pair<std::vector<std::string>, const char*> refused[] = {
+      {{"selftest", "--filter", "nothing-like-it"}, "nothing-like-it"},
+      {{"selftest", "--with", "gl.json"}, "--markdown"},
+      {{"selftest", "--markdown", path("page.md"), "--filter", "exp2"}, "--filter"}};
+  for (const auto& [arguments, part] : refused) {
+    const ProgramResult result = multum(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  }
+  const ProgramResult missing = multum({"selftest", "--markdown", path("page.md"), "--with", path("none.json")});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_NE(missing.err.find("none.json"), std::string::npos) << missing.err;
+  const ProgramResult device = multum({"selftest", "--device", "no such device"});
+  EXPECT_EQ(device.exit_code, 4);
+  EXPECT_FALSE(std::filesystem::exists(path("page.md")));
+}
+
+}  // namespace
+}  // namespace multum::testing

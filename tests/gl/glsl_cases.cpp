@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/gl/glsl_cases.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/reference/shading.h"
+
+namespace multum::gl {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr char kFile[] = "movmf_shading";
+
+using Edits = std::vector<SourceEdit>;
+
+// One point: a lobe along +z, so that (a r, a) is exact in float, a direction in the plane y = 0, and a parameter.
+struct Point {
+  double amplitude, spread, theta, parameter;
+};
+
+glm::vec4 lobe_of(const Point& p) {
+  return {0.0f, 0.0f, static_cast<float>(p.amplitude * (1.0 - p.spread)), static_cast<float>(p.amplitude)};
+}
+glm::vec4 direction_of(const Point& p) {
+  return {static_cast<float>(std::sin(p.theta)), 0.0f, static_cast<float>(std::cos(p.theta)),
+          static_cast<float>(p.parameter)};
+}
+
+// The angle that the shader sees: its vectors are not quite of length 1.
+double angle_seen(const Point& p) {
+  const glm::vec4 w = direction_of(p);
+  const double x = static_cast<double>(w.x), z = static_cast<double>(w.z) - 1.0;
+  return 2.0 * std::asin(std::min(1.0, 0.5 * std::sqrt(x * x + z * z)));
+}
+
+std::string text_of(const Point& p) {
+  return fmt::format("a {:.3g}, 1 - |r| = {:.3g}, {:.4g} degrees, parameter {:.3g}", p.amplitude, p.spread,
+                     p.theta * 180.0 / kPi, p.parameter);
+}
+
+std::vector<double> evaluated(const GlFunctions& gl, const Edits& edits, const std::string& expression,
+                              const std::vector<Point>& points) {
+  ShaderHarnessInput input{"vec4(" + expression + ")", {}, {}, nullptr, edits};
+  for (const Point& p : points) {
+    input.a.push_back(lobe_of(p));
+    input.b.push_back(direction_of(p));
+  }
+  std::vector<double> values;
+  for (const glm::vec4& value : evaluate_shader(gl, input)) values.push_back(static_cast<double>(value.x));
+  return values;
+}
+
+// A function of one number, `b.w`, over `inputs`: relative errors.
+void add_function(const GlFunctions& gl, const Edits& edits, const std::string& expression,
+                  const std::vector<double>& inputs, const std::function<double(double)>& exact, WorstError& worst) {
+  std::vector<Point> points;
+  for (const double x : inputs) points.push_back({1.0, 0.0, 0.0, static_cast<double>(static_cast<float>(x))});
+  const std::vector<double> values = evaluated(gl, edits, expression, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double expected = exact(points[i].parameter);
+    worst.add(values[i], expected, std::abs(expected), fmt::format("at {:.9g}", points[i].parameter));
+  }
+}
+
+std::vector<double> decades(double low, double high, double factor) {
+  std::vector<double> values;
+  for (double x = low; x < high; x *= factor) values.push_back(x);
+  return values;
+}
+
+constexpr char kBlinnPhong[] = "multum_movmf_blinn_phong(a, b.xyz, b.w)";
+
+void add_blinn_phong(const GlFunctions& gl, const Edits& edits, const std::vector<Point>& points, WorstError& worst) {
+  const std::vector<double> values = evaluated(gl, edits, kBlinnPhong, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& p = points[i];
+    const double spread = std::clamp(p.spread, 0.0, 1.0);
+    worst.add(values[i] / p.amplitude, reference::product_blinn_phong(p.parameter, spread, angle_seen(p)),
+              reference::product_blinn_phong(p.parameter, spread, 0.0), text_of(p));
+  }
+}
+
+void kappa(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<double> inputs = decades(1e-6, 0.5, 1.0117);
+  for (double mean = 0.5; mean > 3e-7; mean *= 0.97) inputs.push_back(1.0 - mean);
+  add_function(
+      gl, edits, "multum_vmf_kappa(b.w)", inputs, [](double q) { return reference::vmf_kappa(q); }, worst);
+}
+
+void normaliser(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<double> inputs = decades(1e-6, 1e6, 1.0231);
+  for (const double kappa_of_zero : {0.0, 1e-30, 1e-40}) inputs.push_back(kappa_of_zero);
+  add_function(
+      gl, edits, "multum_vmf_density(b.w, 0.0)", inputs, [](double k) { return reference::vmf_density(k, 0.0); },
+      worst);
+}
+
+void log_one_minus(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  add_function(
+      gl, edits, "multum_log_one_minus(b.w)", decades(1e-9, 0.999, 1.0171), [](double e) { return std::log1p(-e); },
+      worst);
+}
+
+void exponents_to_1e5(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<Point> points;
+  for (const double s : {1.0, 5.0, 20.0, 100.0, 2000.0, 1e5})
+    for (const double spread : {0.0, 0x1p-23, 0x1p-20, 0x1p-14, 0x1p-7, 0.125, 0.5, 0.875, 1.0})
+      for (int i = 0; i < 40; ++i)
+        points.push_back(
+            {1.0, spread, std::min(0.5 * kPi, 4.0 * std::sqrt(spread + 1.0 / (s + 2.0))) * (i + 0.5) / 40, s});
+  add_blinn_phong(gl, edits, points, worst);
+}
+
+void horizon_and_below(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<Point> points;
+  for (const double s : {1.0, 5.0, 100.0, 1e5})
+    for (const double spread : {0.0, 0.5, 0.625, 0.875})
+      for (const double theta : {0.5 * kPi - 1e-4, 0.5 * kPi + 1e-4, 2.0, 3.0, kPi})
+        points.push_back({1.0, spread, theta, s});
+  add_blinn_phong(gl, edits, points, worst);
+}
+
+void longer_than_amplitude(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<Point> points;
+  for (const double excess : {0x1p-23, 0x1p-17, 1e-3})
+    for (const double s : {5.0, 100.0, 1e5})
+      for (int i = 0; i < 20; ++i) points.push_back({1.0, -excess, 3.0 / std::sqrt(s) * (i + 0.5) / 20, s});
+  add_blinn_phong(gl, edits, points, worst);
+}
+
+void no_direction(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<Point> points;
+  for (const double s : {1.0, 100.0, 1e5})
+    for (int i = 0; i < 16; ++i) points.push_back({1.0, 1.0, kPi * (i + 0.5) / 16, s});
+  add_blinn_phong(gl, edits, points, worst);
+  for (const double value : evaluated(gl, edits, "multum_movmf_lambert(a, b.xyz)", points))
+    worst.add(value, 0.25, 0.25, "Lambert");
+}
+
+void amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<Point> lit, dark;
+  for (const double amplitude : {0.5, 1e-3, 1.0 / 32767.0, 2e-6}) {
+    const double stored = static_cast<double>(static_cast<float>(amplitude));
+    const double mean = static_cast<double>(static_cast<float>(stored * 0.875));
+    for (const double theta : {0.0, 0.2, 0.9}) lit.push_back({stored, 1.0 - mean / stored, theta, 50.0});
+  }
+  add_blinn_phong(gl, edits, lit, worst);
+  for (const double amplitude : {1e-6, 1e-8, 1e-30, 1e-40, 0.0})
+    for (const double s : {1.0, 1e5}) dark.push_back({amplitude, 0.125, 0.1, s});
+  for (const char* expression : {kBlinnPhong, "multum_movmf_blinn_phong_paper(a, b.xyz, b.w)",
+                                 "multum_movmf_lambert(a, b.xyz)", "multum_movmf_torrance_sparrow(a, b.xyz, 0.3)"}) {
+    const std::vector<double> values = evaluated(gl, edits, expression, dark);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      worst.add(values[i] == 0.0 ? 0.0 : 1.0 + 0.0 * values[i], fmt::format("{}: {}", expression, text_of(dark[i])));
+  }
+}
+
+// The paper's rule is kept for comparison: it may be off from the truth, and not from its own formula.
+void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<Point> points;
+  for (const double s : {1.0, 100.0, 1e5})
+    for (const double spread : {0.0, 0x1p-20, 0x1p-7, 0.5, 0.875})
+      for (int i = 0; i < 20; ++i) points.push_back({1.0, spread, 3.0 / std::sqrt(s) * (i + 0.5) / 20, s});
+  const std::vector<double> values = evaluated(gl, edits, "multum_movmf_blinn_phong_paper(a, b.xyz, b.w)", points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& p = points[i];
+    const double lobe_kappa = p.spread > 0.0 ? reference::vmf_kappa(p.spread) : 1e12;
+    const double power = lobe_kappa * p.parameter / (lobe_kappa + p.parameter);
+    worst.add(values[i], reference::blinn_phong(power, angle_seen(p)), reference::blinn_phong(power, 0.0), text_of(p));
+  }
+}
+
+// sigma = 1 / sqrt(2 kappa_f), from mirrors to what is hardly a facet distribution any more.
+void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<Point> points;
+  for (const double sigma : {1e-3, 0.01, 0.1, 0.5, 1.0})
+    for (const double spread : {0.0, 0x1p-20, 0x1p-7, 0.5, 1.0})
+      for (int i = 0; i < 20; ++i)
+        points.push_back({1.0, spread, std::min(kPi, 3.0 * (sigma + std::sqrt(spread))) * (i + 0.5) / 20,
+                          static_cast<double>(static_cast<float>(sigma))});
+  const std::vector<double> values = evaluated(gl, edits, "multum_movmf_torrance_sparrow(a, b.xyz, b.w)", points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& p = points[i];
+    const double of_brdf = reference::vmf_spread(0.5 / (p.parameter * p.parameter));
+    const double shape = reference::vmf_kappa(p.spread + (1.0 - p.spread) * of_brdf);
+    worst.add(values[i], reference::vmf_density(shape, angle_seen(p)), reference::vmf_density(shape, 0.0), text_of(p));
+  }
+}
+
+void lambert(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  const auto add = [&](double spread, const std::function<double(double)>& exact) {
+    std::vector<Point> points;
+    for (int i = 0; i < 48; ++i) points.push_back({1.0, spread, kPi * (i + 0.5) / 48, 0.0});
+    const std::vector<double> values = evaluated(gl, edits, "multum_movmf_lambert(a, b.xyz)", points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      worst.add(values[i], exact(angle_seen(points[i])), 1.0, text_of(points[i]));
+  };
+  add(0.0, [](double theta) { return std::max(std::cos(theta), 0.0); });
+  add(1.0, [](double) { return 0.25; });
+  for (const double kappa_of_lobe : {0.1, 1.0, 3.0, 10.0, 50.0, 500.0})
+    add(reference::vmf_spread(kappa_of_lobe),
+        [=](double theta) { return reference::convolved_lambert(kappa_of_lobe, theta); });
+}
+
+// Shares stay within 0 and 1 however far the level of detail is.
+void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  std::vector<Point> points;
+  for (const double lod : {-1e30, -40.0, -1.0, -0.25, -0.0, 0.0, 1e-40, 3.0, 1e30})
+    points.push_back({1.0, 0.0, 0.0, lod});
+  const std::vector<double> values = evaluated(gl, edits, "multum_movmf_normal_map(a.xyz, b.w).w", points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    worst.add(values[i], std::clamp(-points[i].parameter, 0.0, 1.0), 1.0, text_of(points[i]));
+}
+
+SourceEdit edit(const std::string& text, const std::string& replacement) { return {kFile, text, replacement}; }
+
+std::vector<GlslCase> function_cases() {
+  const std::string file = "movmf_shading.glsl";
+  return {
+      {{"glsl-kappa-12-decades", file, "Banerjee's factor 3 - A^2 alone is per cent off",
+        "the factor refined by a polynomial, 1 - A^2 = q (2 - q) without cancellation", 2.4e-4, "relative",
+        "2.3e-4 of the polynomial"},
+       {edit("(3.0 - x + x * (1.0 - x) * p)", "(3.0 - x)")},
+       kappa},
+      {{"glsl-vmf-normaliser-12-decades", file, "kappa / (1 - exp(-2 kappa)) is 0 / 0 at kappa 0",
+        "(1 + kappa) / 2 below kappa 1e-3", 1e-4, "relative", "exp rounds at 1: 6e-8 / 2e-3 where the branch begins"},
+       {edit("kappa > 1e-3 ?", "kappa > -1.0 ?")},
+       normaliser},
+      {{"glsl-log-of-one-minus-e", file, "t = 1 - e is rounded to 6e-8, which s = 1e5 multiplies",
+        "the series of -2 atanh(e / (2 - e)) below e = 0.1", 1e-6, "relative",
+        "3e-9 of the series left out; the GL's log"},
+       {edit("if (e > 0.1) return", "if (e > -1.0) return")},
+       log_one_minus},
+      {{"glsl-normal-map-share", file, "far levels of detail: shares of -1e30 and of 1e30", "a share within 0 and 1",
+        1e-6, "absolute", "a share is a copy"},
+       {edit("clamp(-lod, 0.0, 1.0)", "(-lod)")},
+       normal_map_share},
+  };
+}
+
+std::vector<GlslCase> lobe_cases() {
+  const std::string file = "movmf_shading.glsl", reason = "2.3e-4 of kappa's inverse, in the peak and in the exponent";
+  const SourceEdit unclamped = edit("clamp((lobe.w - length(lobe.xyz)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0, 1.0)",
+                                    "((lobe.w - length(lobe.xyz)) / max(lobe.w, MULTUM_AMPLITUDE_MIN))");
+  return {
+      {{"glsl-exponents-to-1e5", file, "1 - mu . h is rounded to 6e-8, which s = 1e5 multiplies",
+        "1 - mu . h = |mu - h|^2 / 2; q = 1 - A as a sum of what is small", 6e-4, "of the peak", reason},
+       {edit("return 0.5 * dot(difference, difference);", "return 1.0 - dot(mu, w);")},
+       exponents_to_1e5},
+      {{"glsl-the-horizon-and-below", file, "the cosine power of a negative cosine lights what is turned away",
+        "0 where 1 - t >= 1", 6e-4, "of the peak", reason},
+       {edit("return e < 1.0 ?", "return e < 3.0 ?")},
+       horizon_and_below},
+      {{"glsl-longer-than-its-amplitude", file, "rounding leaves |a r| > a: the spread is negative, so is kappa",
+        "the spread is held within 0 and 1", 6e-4, "of the peak", reason},
+       {unclamped},
+       longer_than_amplitude},
+      {{"glsl-no-direction", file, "r = 0 is normalised: 0 / 0", "any direction: nothing depends on it", 6e-4,
+        "of the peak", reason},
+       {edit("size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0)", "lobe.xyz / size")},
+       no_direction},
+      {{"glsl-amplitude-to-0", file, "a lobe of no normals is divided by its amplitude, or lights up",
+        "no lobe at or below an amplitude of 1e-6, a thirtieth of the least stored", 6e-4,
+        "of the peak times the amplitude; 1 where there should be none", reason},
+       {edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;", "")},
+       amplitude_to_0},
+      {{"glsl-the-papers-rule", file, "a single direction has kappa 1 / 0, and inf / inf follows",
+        "the denominator of kappa is at least 1e-12", 6e-4, "of the peak", reason},
+       {edit("max(q * (2.0 - q), 1e-12)", "(q * (2.0 - q))")},
+       papers_rule},
+      {{"glsl-torrance-sparrow-of-every-sigma", file, "1 - 1/kappa_f alone for the mean cosine is off for rough facets",
+        "both terms of A, the exponent held at 80 where the second is nothing", 6e-4, "of the peak", reason},
+       {edit("1.0 / kappa_f - 2.0 / (exp(min(2.0 * kappa_f, 80.0)) - 1.0)", "1.0 / kappa_f")},
+       torrance_sparrow},
+      {{"glsl-lambert-of-every-spread", file, "max(mu . l, 0), the paper's shortcut, knows no spread",
+        "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
+        "0.22 % of the model (tools/fit_shading.py)"},
+       {edit("return lobe.w * 0.5 * (m + sqrt(m * m + v * exp(-g)));", "return lobe.w * max(m / max(r, 1e-6), 0.0);")},
+       lambert},
+  };
+}
+
+}  // namespace
+
+const std::vector<GlslCase>& glsl_cases() {
+  static const std::vector<GlslCase> cases = [] {
+    std::vector<GlslCase> all = function_cases();
+    for (GlslCase& c : lobe_cases()) all.push_back(std::move(c));
+    return all;
+  }();
+  return cases;
+}
+
+}  // namespace multum::gl

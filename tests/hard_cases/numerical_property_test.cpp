@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// Properties of kernels on random inputs that RapidCheck shrinks when they fail. The seed is fixed, so that every run
+// is the same; RC_PARAMS="seed=N max_success=3000" in the environment takes another, and what failed prints its own.
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include <glm/geometric.hpp>
+
+#include "host/asset/movmf_mipmap.h"
+#include "host/bake/texture_system.h"
+#include "host/reference/shading.h"
+#include "host/selftest/em_launch.h"
+#include "host/selftest/shade_launch.h"
+
+namespace multum {
+namespace {
+
+// Before the first property: RapidCheck reads it then.
+const int g_seeded = setenv("RC_PARAMS", "seed=20261122 max_success=300", 0);
+
+Device& test_device() {
+  static Device& device = *new Device(Device::open(""));
+  return device;
+}
+
+// A direction of the whole sphere, the poles and the equator among them often.
+rc::Gen<glm::dvec3> directions() {
+  return rc::gen::map(rc::gen::pair(rc::gen::oneOf(rc::gen::inRange(0, 1801), rc::gen::element(0, 900, 1800)),
+                                    rc::gen::inRange(0, 3600)),
+                      [](const std::pair<int, int>& degrees) {
+                        return glm::dvec3(glm::vec3(tilted(0.1 * degrees.first, 0.1 * degrees.second * M_PI / 180.0)));
+                      });
+}
+
+// 10^low to 10^high.
+rc::Gen<double> decades(int low, int high) {
+  return rc::gen::map(rc::gen::inRange(100 * low, 100 * high + 1), [](int e) { return std::pow(10.0, 0.01 * e); });
+}
+
+EmTexel random_texel(int kappa_decades) {
+  EmTexel texel;
+  const auto count = *rc::gen::inRange<std::size_t>(1, 41);
+  for (const glm::dvec3& n : *rc::gen::container<std::vector<glm::dvec3>>(count, directions()))
+    texel.samples.push_back({n, *decades(-3, 3)});
+  for (int j = 0; j < 3; ++j) texel.lobes.push_back({*directions(), *decades(-1, kappa_decades), *decades(-6, 0)});
+  return texel;
+}
+
+// Whatever the start: shares sum to 1, no r is longer than 1, and first moments are the normals' own.
+RC_GTEST_PROP(EmProperty, MomentsAreKept, ()) {
+  const EmTexel texel = random_texel(6);
+  EmSettings settings;
+  settings.iterations = *rc::gen::inRange(1, 9);
+  glm::dvec4 mean(0.0);
+  double weight = 0.0;
+  for (const reference::Sample& s : texel.samples) {
+    mean += s.weight * glm::dvec4(s.normal, 1.0);
+    weight += s.weight;
+  }
+  for (const bool scalar : {false, true}) {
+    const std::vector<FittedTexel> found = fit_texels(test_device(), {texel}, settings, scalar);
+    glm::dvec4 sum(0.0);
+    for (const glm::dvec4& lobe : found.front().lobes) {
+      RC_ASSERT(lobe.w >= 0.0);
+      RC_ASSERT(glm::length(glm::dvec3(lobe)) <= 1.0 + 2e-7);
+      sum += lobe.w * glm::dvec4(glm::dvec3(lobe), 1.0);
+    }
+    RC_ASSERT(glm::length(sum - mean / weight) < 2e-5);
+  }
+}
+
+// One E-step has nothing that amplifies; exponents of kappa 100 carry 100 * 2.4e-7.
+RC_GTEST_PROP(EmProperty, OneStepEqualsTheReference, ()) {
+  const EmTexel texel = random_texel(2);
+  EmSettings settings;
+  settings.iterations = 1;
+  WorstError worst;
+  add_em_errors(test_device(), texel, settings, "random", worst);
+  RC_ASSERT(worst.value() <= 5e-5);
+}
+
+// Against the formula in double, at any lobe, exponent and direction; rounding of (a r, a) is 1.2e-7 of a spread.
+RC_GTEST_PROP(ShadingProperty, EqualsItsFormula, ()) {
+  const glm::dvec3 mu = *directions();
+  const double spread = *rc::gen::oneOf(decades(-6, 0), rc::gen::element(0.0, 0.5, 1.0)), s = *decades(0, 5);
+  const double amplitude = *rc::gen::element(1.0, 0.25, 1.0 / 1024.0);
+  const glm::vec4 lobe(glm::dvec4(mu * (1.0 - spread), 1.0) * amplitude);
+  const glm::vec4 h(glm::vec3(*directions()), 0.0f);
+  // Near the mean too, where all the light is.
+  const glm::vec4 near(glm::vec3(glm::normalize(mu + 0.5 / std::sqrt(s) * glm::dvec3(h))), 0.0f);
+  const double peak = reference::product_blinn_phong(s, spread, 0.0);
+  for (const double value : shade_lobe(test_device(), lobe, static_cast<float>(s), {h, near}))
+    RC_ASSERT(value >= 0.0 && value <= amplitude * peak * (1.0 + 6e-4 + 1e-6 * (s + 2.0)));
+  const double theta = angle_seen(mu, near);
+  RC_PRE(theta < 0.49 * M_PI);
+  const double found = shade_lobe(test_device(), lobe, static_cast<float>(s), {near})[0] / amplitude;
+  RC_ASSERT(std::abs(found - reference::product_blinn_phong(s, spread, theta)) <= peak * (6e-4 + 1e-6 * (s + 2.0)));
+}
+
+RC_GTEST_PROP(ShadingProperty, LambertIsBetweenNothingAndOne, ()) {
+  const double r = *rc::gen::element(0.0, 1e-7, 0.3, 0.9, 0.999999, 1.0, 1.000001);
+  const glm::vec4 lobe(glm::dvec4(*directions() * r, 1.0));
+  for (const double value : shade_lobe(test_device(), lobe, 0.0f, {glm::vec4(glm::vec3(*directions()), 0.0f)}))
+    RC_ASSERT(value >= 0.0 && value <= 1.0 + 1e-6);
+}
+
+// Amplitudes of a stored texel sum to 1, and one direction keeps its length.
+RC_GTEST_PROP(StorageProperty, SnormSumsToOneAndKeepsDirections, ()) {
+  MovmfLevel level;
+  level.width = level.height = 1;
+  const auto count = *rc::gen::inRange<std::size_t>(1, 9);
+  std::vector<double> shares;
+  double total = 0.0;
+  for (std::size_t j = 0; j < count; ++j) total += shares.emplace_back(*decades(-6, 0));
+  for (const double share : shares)
+    level.lobes.push_back({glm::vec4(glm::dvec4(*directions(), 1.0) * (share / total))});
+  quantize_movmf(level, StorageEncoding::kSnorm16, 1);
+  double steps = 0.0;
+  for (const auto& lobe : level.lobes) {
+    steps += std::round(static_cast<double>(lobe[0].w) * 32767.0);
+    RC_ASSERT(glm::length(glm::dvec3(lobe[0])) >= static_cast<double>(lobe[0].w) * (1.0 - 1e-7));
+  }
+  RC_ASSERT(steps == 32767.0);
+}
+
+// Rows of any length, none included, weights of either sign over twelve decades.
+RC_GTEST_PROP(InferenceProperty, ProductsAreSums, ()) {
+  SparseRows rows;
+  const auto lengths = *rc::gen::nonEmpty(rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 20)));
+  for (const int length : lengths) {
+    for (int i = 0; i < length; ++i) {
+      rows.columns.push_back(*rc::gen::inRange(0u, 30u));
+      rows.weights.push_back(static_cast<float>(*decades(-6, 6)) * *rc::gen::element(1.0f, -1.0f));
+    }
+    rows.begin.push_back(static_cast<std::uint32_t>(rows.columns.size()));
+  }
+  std::vector<Colour4> x(30), y(lengths.size(), Colour4{NAN, NAN, NAN, NAN});
+  for (Colour4& value : x) value = {static_cast<float>(*decades(-6, 0)), 1.0f, -0.0f, 0.0f};
+  Device& device = test_device();
+  const DeviceRows on_device(device, rows, "rows");
+  const DeviceBuffer in = device.wrap_buffer(x.data(), x.size() * sizeof(Colour4), "x");
+  DeviceBuffer out = device.make_buffer(y.size() * sizeof(Colour4), "y");
+  device.write(out, y.data(), out.byte_count());
+  Kernel kernel = device.kernel("filter_matrix_spmv", "filter_matrix_spmv", {1, 1, false});
+  on_device.multiply(kernel, in, out);
+  device.read(out, y.data(), out.byte_count());
+  for (std::size_t r = 0; r < y.size(); ++r)
+    for (std::size_t c = 0; c < 3; ++c) {
+      double sum = 0.0, magnitude = 0.0;
+      for (std::uint32_t i = rows.begin[r]; i < rows.begin[r + 1]; ++i) {
+        const double product = static_cast<double>(rows.weights[i]) * static_cast<double>(x[rows.columns[i]][c]);
+        sum += product;
+        magnitude += std::abs(product);
+      }
+      RC_ASSERT(std::abs(static_cast<double>(y[r][c]) - sum) <= 1e-6 * magnitude);
+    }
+}
+
+}  // namespace
+}  // namespace multum

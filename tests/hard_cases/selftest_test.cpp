@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every numerical case of the kernels holds its bound, and breaks it without its guard: a case that could not fail
+// would say nothing. docs/STABILITY.md has these cases and no others.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "host/base/error.h"
+#include "host/reference/case_page.h"
+#include "host/reference/case_table.h"
+#include "host/selftest/selftest.h"
+
+namespace multum {
+namespace {
+
+Device& test_device() {
+  static Device& device = *new Device(Device::open(""));
+  return device;
+}
+
+std::vector<std::string> formulas() {
+  std::vector<std::string> found;
+  for (const NumericalCase& c : numerical_cases())
+    if (std::find(found.begin(), found.end(), c.text.formula) == found.end()) found.push_back(c.text.formula);
+  return found;
+}
+
+class SelftestCases : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Of, SelftestCases, ::testing::ValuesIn(formulas()), [](const auto& formula) {
+  std::string name = formula.param;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+});
+
+TEST_P(SelftestCases, HoldWithTheirGuardsAndBreakWithout) {
+  for (const NumericalCase& c : numerical_cases()) {
+    if (c.text.formula != GetParam()) continue;
+    const NumericalVerdict verdict = run_case(c, test_device(), true);
+    EXPECT_TRUE(verdict.holds()) << c.text.name << ": worst " << error_text(verdict.worst) << " at "
+                                 << verdict.worst_input << ", bound " << error_text(c.text.bound);
+    EXPECT_TRUE(verdict.guard_matters()) << c.text.name << ": without its guard the worst error is "
+                                         << error_text(verdict.without_guard.value_or(0.0)) << ", within the bound of "
+                                         << error_text(c.text.bound);
+  }
+}
+
+TEST(SelftestRegistry, CasesSayWhatTheyAre) {
+  std::set<std::string> names;
+  for (const NumericalCase& c : numerical_cases()) {
+    EXPECT_TRUE(names.insert(c.text.name).second) << c.text.name << " is there twice";
+    EXPECT_EQ(c.text.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-"), std::string::npos) << c.text.name;
+    EXPECT_NE(c.without.empty(), c.naive == nullptr) << c.text.name << " has to show what its guard is for, one way";
+    for (const std::string& text :
+         {c.text.formula, c.text.without_guard, c.text.guard, c.text.unit, c.text.bound_reason})
+      EXPECT_FALSE(text.empty()) << c.text.name;
+    EXPECT_GT(c.text.bound, 0.0) << c.text.name;
+  }
+}
+
+TEST(SelftestRegistry, IsWhatThePageHas) {
+  std::ifstream in(MULTUM_SOURCE_DIR "/docs/STABILITY.md");
+  const std::string page{std::istreambuf_iterator<char>(in), {}};
+  std::vector<std::string> names;
+  for (const NumericalCase& c : numerical_cases()) names.push_back(c.text.name);
+  // The page has them by kernel.
+  std::vector<std::string> of_page = cases_of_page(page.substr(0, page.find("\n## movmf_shading.glsl")));
+  std::sort(names.begin(), names.end());
+  std::sort(of_page.begin(), of_page.end());
+  EXPECT_EQ(of_page, names) << "docs/STABILITY.md says how it is made again";
+}
+
+// A driver that breaks a guard: the kernel is not what it says.
+TEST(SelftestRun, NamesABrokenGuard) {
+  Device device = Device::open("");
+  device.edit_kernels({{"probe_numerics", "isnan(x) ? 1.0f : 0.0f", "0.0f"}});
+  const NumericalRun run = run_selftest(device, {"probe_numerics", false}, nullptr);
+  EXPECT_FALSE(run.holds());
+  ASSERT_EQ(run.verdicts.size(), 2u);
+  EXPECT_FALSE(run.verdicts[0].holds());
+  EXPECT_TRUE(run.verdicts[1].holds());
+  EXPECT_NE(case_table(run).find("driver-keeps-nan"), std::string::npos);
+  EXPECT_NE(case_table(run).find("BROKEN (probe_numerics, at input nan)"), std::string::npos) << case_table(run);
+  EXPECT_FALSE(run.device.empty() || run.platform.empty() || run.driver.empty());
+}
+
+TEST(SelftestRun, RefusesAFilterThatLeavesNothing) {
+  try {
+    run_selftest(test_device(), {"no such case", false}, nullptr);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    EXPECT_NE(std::string(error.what()).find("no such case"), std::string::npos);
+  }
+}
+
+TEST(SelftestRun, CancelsBetweenCases) {
+  int events = 0;
+  Progress progress([&](const ProgressEvent&) { return ++events < 3; });
+  EXPECT_THROW(run_selftest(test_device(), {"kappa-12-decades", false}, &progress), Cancelled);
+  EXPECT_NO_THROW(run_selftest(test_device(), {"kappa-12-decades", false}, nullptr));
+}
+
+TEST(WorstErrorTest, NotANumberIsWorst) {
+  WorstError worst;
+  worst.add(1.0, "one");
+  worst.add(std::nan(""), "nan");
+  worst.add(HUGE_VAL, "inf");
+  EXPECT_TRUE(std::isnan(worst.value()));
+  EXPECT_EQ(worst.input(), "nan");
+  EXPECT_FALSE((NumericalVerdict{{"", "", "", "", 1.0, "", ""}, worst.value(), "", {}}).holds());
+}
+
+TEST(CaseJson, ComesBack) {
+  NumericalRun run{"OpenCL", "d", "p", "v", "s", {}};
+  run.verdicts.push_back({{"a", "f", "w", "g", 1e-6, "u", "r"}, std::nan(""), "here", HUGE_VAL});
+  run.verdicts.push_back({{"b", "f", "w", "g", 1e-6, "u", "r"}, 1e-7, "there", {}});
+  const NumericalRun back = parse_case_json(case_json(run), "x.json");
+  EXPECT_EQ(case_json(back), case_json(run));
+  EXPECT_EQ(stability_page({back}), stability_page({run}));
+  EXPECT_EQ(cases_of_page(stability_page({run})), (std::vector<std::string>{"a", "b"}));
+  EXPECT_FALSE(back.verdicts[0].holds());
+  EXPECT_TRUE(back.verdicts[0].guard_matters());
+  EXPECT_THROW(parse_case_json("{}", "x.json"), Error);
+}
+
+}  // namespace
+}  // namespace multum

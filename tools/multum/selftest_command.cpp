@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum selftest: the numerical cases of the kernels on the user's own device and driver.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/reference/case_page.h"
+#include "host/reference/case_table.h"
+#include "host/selftest/selftest.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+struct Options {
+  std::string device;
+  std::string json;
+  std::string markdown;
+  std::string with;
+  SelftestOptions selftest;
+  CommonOptions common;
+};
+
+NumericalRun read_run(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw Error(ErrorCode::kInput, path + ": cannot be read");
+  return parse_case_json({std::istreambuf_iterator<char>(in), {}}, path);
+}
+
+void check(const Options& options) {
+  if (!options.with.empty() && options.markdown.empty())
+    throw Error(ErrorCode::kUsage, "--with is for --markdown, which is not given");
+  if (!options.markdown.empty() && !options.selftest.filter.empty())
+    throw Error(ErrorCode::kUsage, "--markdown is of all cases, and --filter leaves some out");
+}
+
+int run_selftest_command(Options options) {
+  check(options);
+  apply(options.common);
+  options.selftest.without_guards = options.selftest.without_guards || !options.markdown.empty();
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<NumericalRun> runs;
+  if (!options.with.empty()) runs.push_back(read_run(options.with));  // before the work, which takes a while
+  Device device = Device::open(options.device);
+  const auto progress = make_progress(options.common);
+  const NumericalRun run = run_selftest(device, options.selftest, progress.get());
+  progress_finish(progress.get());
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  std::fputs(fmt::format("device  {} ({}, {})\n\n", run.device, run.platform, run.driver).c_str(), stdout);
+  std::fputs(case_table(run).c_str(), stdout);
+  std::size_t broken = 0;
+  for (const NumericalVerdict& v : run.verdicts) broken += v.holds() ? 0 : 1;
+  std::fputs(fmt::format("\n{} cases, {} broken, {:.1f} s\n", run.verdicts.size(), broken, seconds.count()).c_str(),
+             stdout);
+  if (!options.json.empty()) write_text_file(options.json, case_json(run));
+  if (!options.markdown.empty()) {
+    runs.insert(runs.begin(), run);
+    write_text_file(options.markdown, stability_page(runs));
+  }
+  if (broken > 0)
+    throw Error(ErrorCode::kVerification,
+                fmt::format("{} of {} numerical cases are broken on {} ({}, {}): do not trust bakes made there", broken,
+                            run.verdicts.size(), run.device, run.platform, run.driver));
+  return 0;
+}
+
+}  // namespace
+
+void add_selftest_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* selftest =
+      app.add_subcommand("selftest", "run the numerical hard cases on your device: does its driver keep the guards?");
+  selftest->add_option("--device", options->device, "a number of `multum devices`, or part of a name");
+  selftest->add_option("--filter", options->selftest.filter, "only cases or kernels with this text in their name");
+  selftest->add_flag("--without-guards", options->selftest.without_guards,
+                     "run each case without its guard too: what the guard is for");
+  selftest->add_option("--json", options->json, "write the verdicts to this file");
+  selftest->add_option("--markdown", options->markdown, "write docs/STABILITY.md to this file; runs --without-guards");
+  selftest->add_option("--with", options->with, "for --markdown: the GL's verdicts, a file of gl_stability_test");
+  add_common_options(*selftest, options->common);
+  selftest->callback([options, exit_code] { *exit_code = run_selftest_command(*options); });
+}
+
+}  // namespace multum
