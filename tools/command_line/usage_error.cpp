@@ -7,7 +7,8 @@ namespace multum {
 
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   const std::vector<CLI::App*> chosen = app->get_subcommands();
-  const std::vector<const CLI::App*> commands = app->get_subcommands([](const CLI::App*) { return true; });
+  const auto is_shown = [](const CLI::App* command) { return !command->get_group().empty(); };  // in the help
+  const std::vector<const CLI::App*> commands = app->get_subcommands(is_shown);
   std::string text = app->get_name() + ": " + error.what();
   if (chosen.empty() && !commands.empty()) {
     const std::vector<std::string> unknown = app->remaining();
