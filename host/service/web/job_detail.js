@@ -33,6 +33,7 @@ export class JobDetail {
   async open(id) {
     this.close();
     this.number = id;
+    this.wasTold = false; // of a change, while the answer was on its way: it may be older
     let job;
     try {
       job = await ask("GET", `/v1/jobs/${id}`);
@@ -48,6 +49,7 @@ export class JobDetail {
     this.title.focus();
     this.loadLog();
     this.loadPictures();
+    if (this.wasTold) this.refresh();
     return true;
   }
 
@@ -131,6 +133,7 @@ export class JobDetail {
   // ---- As it goes on
 
   takeJob(job) {
+    if (job.id === this.number) this.wasTold = true;
     if (job.id !== this.job?.id) return;
     const wasFinal = isFinal(this.job.state);
     const progress = job.attempt === this.job.attempt ? this.job.progress : null;
