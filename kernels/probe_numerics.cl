@@ -41,30 +41,32 @@ __kernel void probe_functions(__global const float* inputs, __global float* valu
 }
 
 // One work-item in all. sizes: the device's idea of the structs that it shares with the host.
-__kernel void probe_layout(__global int* sizes) {
+__kernel void probe_layout(__global int* sizes, int count) {
   if (get_global_id(0) != 0) return;
   MultumMovmfFit fit;
   MultumVmfLobe lobe;
-  sizes[0] = (int)sizeof(MultumVmfLobe);
-  sizes[1] = (int)((char*)&lobe.amplitude - (char*)&lobe);
-  sizes[2] = (int)sizeof(MultumMovmfFit);
-  sizes[3] = (int)((char*)&fit.kappa_cap_slope - (char*)&fit);
-  sizes[4] = (int)((char*)&fit.total_weight_inverse - (char*)&fit);
   MultumMipLevel level;
   MultumTap tap;
-  sizes[5] = (int)sizeof(MultumMipLevel);
-  sizes[6] = (int)((char*)&level.gathers_y - (char*)&level);
-  sizes[7] = (int)sizeof(MultumTap);
-  sizes[8] = (int)((char*)&tap.fraction - (char*)&tap);
-  sizes[9] = (int)sizeof(MultumGather);
-  sizes[10] = (int)sizeof(MultumGatherEntry);
-  sizes[11] = (int)sizeof(MultumStrip);
-  sizes[12] = (int)sizeof(MultumMomentBand);
   MultumMomentBand band;
-  sizes[13] = (int)((char*)&band.slope_z_min - (char*)&band);
-  sizes[14] = (int)sizeof(MultumMomentLevel);
-  sizes[15] = (int)sizeof(MultumMomentTap);
-  sizes[16] = (int)sizeof(MultumFilteredMoments);
   MultumFilteredMoments moments;
-  sizes[17] = (int)((char*)&moments.map_share - (char*)&moments);
+  const int layout[] = {(int)sizeof(MultumVmfLobe),
+                        (int)((char*)&lobe.amplitude - (char*)&lobe),
+                        (int)sizeof(MultumMovmfFit),
+                        (int)((char*)&fit.kappa_cap_slope - (char*)&fit),
+                        (int)((char*)&fit.total_weight_inverse - (char*)&fit),
+                        (int)sizeof(MultumMipLevel),
+                        (int)((char*)&level.gathers_y - (char*)&level),
+                        (int)sizeof(MultumTap),
+                        (int)((char*)&tap.fraction - (char*)&tap),
+                        (int)sizeof(MultumGather),
+                        (int)sizeof(MultumGatherEntry),
+                        (int)sizeof(MultumStrip),
+                        (int)sizeof(MultumMomentBand),
+                        (int)((char*)&band.slope_z_min - (char*)&band),
+                        (int)sizeof(MultumMomentLevel),
+                        (int)sizeof(MultumMomentTap),
+                        (int)sizeof(MultumFilteredMoments),
+                        (int)((char*)&moments.map_share - (char*)&moments)};
+  const int known = (int)(sizeof(layout) / sizeof(layout[0]));
+  for (int i = 0; i < count; ++i) sizes[i] = i < known ? layout[i] : -1;
 }

@@ -4,16 +4,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numbers>
 
 #include "host/reference/movmf_em.h"
 #include "host/reference/shading.h"
 #include "host/selftest/case_lists.h"
-#include "kernels/shared/mip_pyramid.h"
-#include "kernels/shared/movmf_fit.h"
-#include "kernels/shared/vmf_lobe.h"
+#include "host/selftest/struct_layout.h"
 
 namespace multum {
 namespace {
@@ -135,25 +132,10 @@ void nan_guards(Device& device, WorstError& worst) {
     worst.add(values[i], std::isnan(inputs[i]) ? 1.0 : 0.0, 1.0, fmt::format("input {}", inputs[i]));
 }
 
-void struct_layout(Device& device, WorstError& worst) {
-  const std::vector<std::size_t> expected = {sizeof(MultumVmfLobe),
-                                             offsetof(MultumVmfLobe, amplitude),
-                                             sizeof(MultumMovmfFit),
-                                             offsetof(MultumMovmfFit, kappa_cap_slope),
-                                             offsetof(MultumMovmfFit, total_weight_inverse),
-                                             sizeof(MultumMipLevel),
-                                             offsetof(MultumMipLevel, gathers_y),
-                                             sizeof(MultumTap),
-                                             offsetof(MultumTap, fraction),
-                                             sizeof(MultumGather),
-                                             sizeof(MultumGatherEntry),
-                                             sizeof(MultumStrip)};
-  std::vector<int> found(expected.size(), -1);
-  const DeviceBuffer sizes = device.make_buffer(found.size() * sizeof(int), "sizes");
-  device.kernel("probe_numerics", "probe_layout", {4, 1, false}).launch({1}, sizes);
-  device.read(sizes, found.data(), found.size() * sizeof(int));
-  for (std::size_t i = 0; i < found.size(); ++i)
-    worst.add(found[i], static_cast<double>(expected[i]), 1.0, fmt::format("size or offset {}", i));
+void struct_layouts_agree(Device& device, WorstError& worst) {
+  const StructLayout layout = struct_layout(device);
+  for (std::size_t i = 0; i < layout.host.size(); ++i)
+    worst.add(layout.device[i], layout.host[i], 1.0, fmt::format("size or offset {}", i));
 }
 
 SourceEdit probe_edit(const std::string& text, const std::string& replacement) {
@@ -228,7 +210,7 @@ std::vector<NumericalCase> numerics_cases() {
   cases.push_back(
       {{"driver-lays-structs-out-alike", "probe_numerics", "every field after a hole is read from the wrong place",
         "plain structs of ints and floats, no float3, no bool, no size_t", kNothingWrong, "bytes off", "none"},
-       struct_layout,
+       struct_layouts_agree,
        {probe_edit("int first_row;\n", "long first_row;\n")}});
   return cases;
 }

@@ -4,12 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstddef>
 #include <limits>
 
-#include "kernels/shared/mip_pyramid.h"
-#include "kernels/shared/moments.h"
-#include "kernels/shared/movmf_fit.h"
+#include "host/selftest/struct_layout.h"
 #include "tests/kernels/em_harness.h"
 
 namespace multum::testing {
@@ -75,30 +72,8 @@ TEST(NumericsTest, DriverKeepsNanGuards) {
 }
 
 TEST(SharedStructTest, DeviceAgreesOnSizesAndOffsets) {
-  Device& device = test_device();
-  const DeviceBuffer sizes = device.make_buffer(18 * sizeof(int), "sizes");
-  device.kernel("probe_numerics", "probe_layout", {4, 1, false}).launch({1}, sizes);
-  std::vector<int> found(18);
-  device.read(sizes, found.data(), sizeof(int) * found.size());
-  const std::vector<int> expected = {sizeof(MultumVmfLobe),
-                                     offsetof(MultumVmfLobe, amplitude),
-                                     sizeof(MultumMovmfFit),
-                                     offsetof(MultumMovmfFit, kappa_cap_slope),
-                                     offsetof(MultumMovmfFit, total_weight_inverse),
-                                     sizeof(MultumMipLevel),
-                                     offsetof(MultumMipLevel, gathers_y),
-                                     sizeof(MultumTap),
-                                     offsetof(MultumTap, fraction),
-                                     sizeof(MultumGather),
-                                     sizeof(MultumGatherEntry),
-                                     sizeof(MultumStrip),
-                                     sizeof(MultumMomentBand),
-                                     offsetof(MultumMomentBand, slope_z_min),
-                                     sizeof(MultumMomentLevel),
-                                     sizeof(MultumMomentTap),
-                                     sizeof(MultumFilteredMoments),
-                                     offsetof(MultumFilteredMoments, map_share)};
-  EXPECT_EQ(found, expected);
+  const StructLayout layout = struct_layout(test_device());
+  EXPECT_EQ(layout.device, layout.host);
 }
 
 }  // namespace
