@@ -269,9 +269,9 @@ namespace {
 
 std::vector<AccuracyRow> run_on_maps(Device& device, AccuracyMeter& meter, const NormalMap& map,
                                      const ColourMap* albedo, Progress* progress) {
-  const PlaneStore normals(map.width, map.height, {map.x.data(), map.y.data(), map.z.data()});
+  const PlaneStore normals = planes_of(map);
   if (albedo == nullptr) return meter.run(device, normals, nullptr, progress);
-  const PlaneStore colours(albedo->width, albedo->height, {albedo->r.data(), albedo->g.data(), albedo->b.data()});
+  const PlaneStore colours = planes_of(*albedo);
   return meter.run(device, normals, &colours, progress);
 }
 

@@ -309,9 +309,7 @@ MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap*
                           BakeReport& report, Progress* progress) {
   const PlaneStore normals = planes_of(map);
   std::optional<PlaneStore> colours;
-  if (albedo != nullptr)
-    colours.emplace(albedo->width, albedo->height,
-                    std::array<const float*, 3>{albedo->r.data(), albedo->g.data(), albedo->b.data()});
+  if (albedo != nullptr) colours = planes_of(*albedo);
   MomentBakeInputs all = inputs;
   all.normals = &normals;
   all.albedo = colours ? &*colours : nullptr;

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -164,9 +163,7 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
                        BakeReport& report, Progress* progress) {
   const PlaneStore normals = planes_of(map);
   std::optional<PlaneStore> colours;
-  if (albedo != nullptr)
-    colours.emplace(albedo->width, albedo->height,
-                    std::array<const float*, 3>{albedo->r.data(), albedo->g.data(), albedo->b.data()});
+  if (albedo != nullptr) colours = planes_of(*albedo);
   MovmfBakeInputs inputs;
   inputs.normals = &normals;
   inputs.albedo = colours ? &*colours : nullptr;

@@ -20,6 +20,11 @@ struct ColourMap {
   std::int64_t clamped_count = 0;  // texels with a negative or non-finite value, which was read as 0
 };
 
+/// The map's planes, to be read by rows; the map must outlive it.
+inline PlaneStore planes_of(const ColourMap& map) {
+  return {map.width, map.height, {map.r.data(), map.g.data(), map.b.data()}};
+}
+
 /// Reads an albedo: 8- and 16-bit integers are sRGB unless the file says otherwise, floats are linear; grey becomes
 /// RGB; alpha is ignored. Throws Error(kInput); also when its size is not `width` x `height`.
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);

@@ -9,13 +9,12 @@ import shutil
 import struct
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from service_harness import Service  # noqa: E402
+from service_harness import Service, ServiceCase  # noqa: E402
 
 MULTUM = os.environ.get("MULTUM", "multum")
 
@@ -25,16 +24,7 @@ def png_size(data):
     return struct.unpack(">II", data[16:24])
 
 
-class PicturesTest(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.service = None
-
-    def tearDown(self):
-        if self.service is not None and self.service.process.poll() is None:
-            self.service.kill()
-        shutil.rmtree(self.folder)
-
+class PicturesTest(ServiceCase):
     def start(self, viewer=None, **more):
         """`viewer`: the text of a shell script that is multum-view for this daemon; "": there is none."""
         multum = MULTUM

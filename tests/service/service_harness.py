@@ -4,11 +4,14 @@ import atexit
 import http.client
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
+import unittest
 
 
 class Service:
@@ -144,6 +147,19 @@ class Service:
                 return counts
             assert time.monotonic() < deadline, f"jobs are left: {counts}"
             time.sleep(0.05)
+
+
+class ServiceCase(unittest.TestCase):
+    """A test with a folder of its own, and a daemon, which `start()` of its own class makes, that ends with it."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.service = None
+
+    def tearDown(self):
+        if self.service is not None and self.service.process.poll() is None:
+            self.service.kill()
+        shutil.rmtree(self.folder)
 
 
 def resident_bytes(pid):

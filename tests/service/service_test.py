@@ -12,28 +12,18 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from openapi_check import OpenapiCheck  # noqa: E402
-from service_harness import Service, resident_bytes  # noqa: E402
+from service_harness import Service, ServiceCase, resident_bytes  # noqa: E402
 
 MULTUM = os.environ.get("MULTUM", "multum")
 QUICK = "back_off_first_s = 0.05\nback_off_max_s = 0.2\n"
 
 
-class ServiceTest(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.service = None
-
-    def tearDown(self):
-        if self.service is not None and self.service.process.poll() is None:
-            self.service.kill()
-        shutil.rmtree(self.folder)
-
+class ServiceTest(ServiceCase):
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()
         self.service.checker = OpenapiCheck(self.service.ask("GET", "/openapi.json")[1])
