@@ -27,7 +27,7 @@ const std::vector<std::string> kDefaultKeys = {
     "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
     "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
     "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
-    "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression"};
+    "no_rehearsal",   "unaligned", "fixnan",      "checknan",    "repair_max", "albedo",       "compression"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;
@@ -102,6 +102,7 @@ void read_options(const StrictTable& table, ManifestOptions& options) {
   read_number(table, "kappa_cap", number_range(kKappaCaps), map.kappa_cap);
   map.reference = table.boolean("reference", map.reference);
   map.no_rehearsal = table.boolean("no_rehearsal", map.no_rehearsal);
+  map.unaligned = table.boolean("unaligned", map.unaligned);
   read_choice(table, "order", kFitOrders, map.order);
   read_choice(table, "coarse_normals", kCoarseNormals, map.coarse_normals);
   read_choice(table, "data_format", kStorageEncodings, map.data_format);
@@ -146,8 +147,8 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
 void check_keys_of_lobes(const StrictTable& table, const MapOptions& map) {
   const Representation representation = map.ndf.value_or(Representation::kMovmf);
   if (representation == Representation::kMovmf) return;
-  for (const char* key :
-       {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal", "order", "coarse_normals"})
+  for (const char* key : {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal",
+                          "unaligned", "order", "coarse_normals"})
     if (table.has(key))
       table.refuse(key, fmt::format("is for ndf = \"vmf\", found ndf = \"{}\", which fits no lobes",
                                     representation_info(representation).option));

@@ -25,6 +25,12 @@ void make_reference(MovmfSettings& settings) {
   settings.iteration_count_again = 10;
 }
 
+void make_unaligned(MovmfSettings& settings) {
+  settings.aligned_start = false;
+  settings.alignment = 0.0f;
+  settings.sweep_count = 1;
+}
+
 void validate(const MovmfSettings& s) {
   check_range("--lobes", s.lobe_count, kLobeCounts);
   check_range("--iterations", s.iteration_count, kIterationCounts);

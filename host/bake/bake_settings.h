@@ -62,6 +62,9 @@ struct MovmfSettings {
 /// are measured against (docs/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 
+/// Every texel by itself, as nobody should: what alignment is for is seen beside it (Tan et al. 2005, figures 5 and 6).
+void make_unaligned(MovmfSettings& settings);
+
 /// Throws Error(kUsage) naming the setting, its value and its range.
 void validate(const MovmfSettings& settings);
 

@@ -12,6 +12,7 @@ namespace {
 
 void apply_to_fit(const MapOptions& o, MovmfSettings& fit) {
   if (o.reference) make_reference(fit);
+  if (o.unaligned) make_unaligned(fit);
   if (o.lobes) fit.lobe_count = *o.lobes;
   if (o.iterations) fit.iteration_count = fit.iteration_count_coarse = *o.iterations;
   if (o.sweeps) fit.sweep_count = *o.sweeps;
@@ -46,7 +47,7 @@ void check_options_of_lobes(const MapOptions& o) {
       {"--iterations", o.iterations.has_value()}, {"--sweeps", o.sweeps.has_value()},
       {"--order", o.order.has_value()},           {"--coarse-normals", o.coarse_normals.has_value()},
       {"--no-rehearsal", o.no_rehearsal},         {"--align", o.alignment.has_value()},
-      {"--kappa-cap", o.kappa_cap.has_value()}};
+      {"--kappa-cap", o.kappa_cap.has_value()},   {"--unaligned", o.unaligned}};
   for (const auto& [option, is_given] : options)
     if (is_given)
       throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf, found --ndf {}, which fits no lobes", option,

@@ -39,6 +39,7 @@ struct MapOptions {
   std::optional<float> alignment, kappa_cap;
   bool reference = false;     // make_reference(), before the other options of the fit
   bool no_rehearsal = false;  // MovmfSettings::rehearse_start
+  bool unaligned = false;     // make_unaligned(), before --align and --sweeps
   std::optional<FitOrder> order;
   std::optional<CoarseNormals> coarse_normals;
   std::optional<StorageEncoding> data_format;

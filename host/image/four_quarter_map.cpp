@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every quarter is size/2 texels wide; (x, y) are texel centres counted from its top left corner, rows downwards. The
-// second slope is used as it stands for y, although rows grow downwards: the numbers are those that
-// docs/ACCURACY.md was measured with, and as a surface they are one with green down. The statistics of a reader say so.
+// Every quarter is size/2 texels wide (size, where it is alone); (x, y) are texel centres counted from its top left
+// corner, rows downwards. The second slope is used as it stands for y, although rows grow downwards: the numbers are
+// those that docs/ACCURACY.md was measured with, and as a surface they are one with green down. The statistics of a
+// reader say so.
 //   armour   unit hemispheres clipped at r^2 = 0.9025 (slope 3.04), rows shifted by half a period
 //   rings    slope 1.2 sin(2 pi phase / 0.55) for phase < 0.55 of a wavelength of 16, along the radius
 //   grooves  slope -1, +1, 0 for 40, 40, 20 % of a period of 12, along (cos 30, sin 30)
@@ -13,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "host/base/error.h"
@@ -103,14 +105,17 @@ struct FourQuarterRows {
 
 class FourQuarterGenerator {
  public:
-  FourQuarterGenerator(int size, std::uint64_t seed) : size_(size), half_(size / 2), noise_(size / 2, seed) {
+  FourQuarterGenerator(int size, std::uint64_t seed, std::optional<Quarter> alone)
+      : size_(size), quarter_size_(alone ? size : size / 2), alone_(alone), noise_(quarter_size_, seed) {
     MULTUM_CHECK(size >= 16 && size % 2 == 0);
   }
 
   // The next rows; the noise quarter is made from the top.
   FourQuarterRows rows(int row_begin, int row_end) {
     std::vector<NoiseSlopes> noise;
-    for (int row = std::max(row_begin, half_); row < row_end; ++row) noise.push_back(noise_.row(row - half_));
+    const int noise_begin = first_noise_row();
+    for (int row = std::max(row_begin, noise_begin); row < row_end; ++row)
+      noise.push_back(noise_.row(row - noise_begin));
     const std::size_t row_values = 3 * static_cast<std::size_t>(size_);
     FourQuarterRows rows;
     rows.normal_codes.resize(row_values * static_cast<std::size_t>(row_end - row_begin));
@@ -118,7 +123,7 @@ class FourQuarterGenerator {
     for_each_item(row_end - row_begin, 0, [&](int i) {
       const int row = row_begin + i;
       const NoiseSlopes* slopes =
-          row < half_ ? nullptr : &noise[static_cast<std::size_t>(row - std::max(row_begin, half_))];
+          row < noise_begin ? nullptr : &noise[static_cast<std::size_t>(row - std::max(row_begin, noise_begin))];
       const std::size_t first = static_cast<std::size_t>(i) * row_values;
       for (int column = 0; column < size_; ++column) {
         const Texel made = texel(column, row, slopes);
@@ -133,16 +138,35 @@ class FourQuarterGenerator {
   }
 
  private:
+  Quarter quarter(int column, int row) const {
+    if (alone_) return *alone_;
+    const bool right = column >= quarter_size_;
+    if (row < quarter_size_) return right ? Quarter::kRings : Quarter::kArmour;
+    return right ? Quarter::kNoise : Quarter::kGrooves;
+  }
+
+  // The first row with noise in it; size_: there is none.
+  int first_noise_row() const {
+    if (!alone_) return quarter_size_;
+    return alone_ == Quarter::kNoise ? 0 : size_;
+  }
+
   Texel texel(int column, int row, const NoiseSlopes* noise) const {
-    const double x = column % half_ + 0.5;
-    const double y = row % half_ + 0.5;
-    const bool right = column >= half_;
-    if (row < half_) return right ? ring_texel(x, y, half_) : armour_texel(x, y);
-    return right ? noise_texel(*noise, column - half_) : groove_texel(x, y);
+    const int quarter_column = column % quarter_size_;
+    const double x = quarter_column + 0.5;
+    const double y = row % quarter_size_ + 0.5;
+    switch (quarter(column, row)) {
+      case Quarter::kArmour: return armour_texel(x, y);
+      case Quarter::kRings: return ring_texel(x, y, quarter_size_);
+      case Quarter::kGrooves: return groove_texel(x, y);
+      case Quarter::kNoise: return noise_texel(*noise, quarter_column);
+    }
+    return {};
   }
 
   int size_;
-  int half_;
+  int quarter_size_;
+  std::optional<Quarter> alone_;
   NoiseQuarter noise_;
 };
 
@@ -150,8 +174,8 @@ constexpr int kBandRows = 16;  // 5 MB of a row of 16384 texels
 
 }  // namespace
 
-FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed) {
-  FourQuarterGenerator generator(size, seed);
+FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional<Quarter> alone) {
+  FourQuarterGenerator generator(size, seed, alone);
   FourQuarterMap map;
   map.normals.width = map.normals.height = map.albedo.width = map.albedo.height = size;
   const std::size_t count = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
@@ -178,8 +202,8 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed) {
   return map;
 }
 
-void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix) {
-  FourQuarterGenerator generator(size, seed);
+void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix, std::optional<Quarter> alone) {
+  FourQuarterGenerator generator(size, seed, alone);
   Png16Writer normals(prefix + "_normal.png", size, size, "Linear");
   Png16Writer albedo(prefix + "_albedo.png", size, size, "sRGB");
   for (int row = 0; row < size; row += kBandRows) {

@@ -75,6 +75,13 @@ TEST_F(BakeManifestTest, MapsStandOnTheDefaults) {
   EXPECT_EQ(read("[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n")[0].error_max, std::nullopt);
 }
 
+TEST_F(BakeManifestTest, UnalignedIsWithoutParentsPriorOrSecondSweep) {
+  const MovmfSettings fit = read("[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\nunaligned = true\n")[0].job.fitting;
+  EXPECT_FALSE(fit.aligned_start);
+  EXPECT_EQ(fit.alignment, 0.0f);
+  EXPECT_EQ(fit.sweep_count, 1);
+}
+
 // Every key, set to what is not its default, against options set by hand: both make the same settings of the file.
 TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
   const std::string whole =
@@ -245,11 +252,11 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
 // The page has a row for every key that is read, in backquotes.
 TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/CI.md");
-  for (const char* key :
-       {"input",       "output",         "error_max", "lobes",       "reference",   "iterations", "sweeps",
-        "order",       "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",
-        "twrap",       "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale",
-        "two_channel", "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression"})
+  for (const char* key : {"input",    "output",     "error_max",    "lobes",          "reference",    "iterations",
+                          "sweeps",   "order",      "align",        "kappa_cap",      "first_level",  "data_format",
+                          "wrap",     "swrap",      "twrap",        "coarse_normals", "green",        "signed",
+                          "unsigned", "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "unaligned",
+                          "fixnan",   "checknan",   "repair_max",   "albedo",         "compression"})
     EXPECT_NE(page.find("`" + std::string(key) + "`"), std::string::npos) << key;
 }
 

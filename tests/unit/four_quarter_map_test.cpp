@@ -2,8 +2,10 @@
 // The test map is the one that its description says: reproducible, of unit length, with each quarter's statistics.
 #include "host/image/four_quarter_map.h"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "tests/unit/image_test_files.h"
 
@@ -48,6 +50,24 @@ TEST(FourQuarterMap, UnitNormalsAtAnyEvenSize) {
     ASSERT_EQ(map.x.size(), static_cast<std::size_t>(size * size));
     for (std::size_t i = 0; i < map.x.size(); ++i)
       ASSERT_NEAR(std::sqrt(map.x[i] * map.x[i] + map.y[i] * map.y[i] + map.z[i] * map.z[i]), 1.0, 3e-7);
+  }
+}
+
+TEST(FourQuarterMap, AQuarterAloneFillsTheMap) {
+  const int half = 32;
+  const NormalMap four = make_four_quarter_map(2 * half, 7).normals;
+  const std::array<std::pair<Quarter, int>, 4> quarters = {{{Quarter::kArmour, 0},
+                                                            {Quarter::kRings, half},
+                                                            {Quarter::kGrooves, 2 * half * half},
+                                                            {Quarter::kNoise, 2 * half * half + half}}};
+  for (const auto& [quarter, first] : quarters) {
+    const NormalMap alone = make_four_quarter_map(half, 7, quarter).normals;
+    ASSERT_EQ(alone.width, half);
+    ASSERT_EQ(alone.y.size(), static_cast<std::size_t>(half * half));
+    for (int row = 0; row < half; ++row)
+      for (int column = 0; column < half; ++column)
+        ASSERT_EQ(alone.y[static_cast<std::size_t>(row * half + column)],
+                  four.y[static_cast<std::size_t>(first + row * 2 * half + column)]);
   }
 }
 

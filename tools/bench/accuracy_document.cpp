@@ -126,9 +126,7 @@ std::vector<Variant> compared_variants() {
   for (int lobes : {1, 2, 3, 4, 6, 8})
     variants.push_back({fmt::format("{} lobe{}", lobes, lobes == 1 ? "" : "s"), with_lobes(lobes)});
   Variant unaligned{"4 lobes, every texel by itself", with_lobes(4)};
-  unaligned.settings.aligned_start = false;
-  unaligned.settings.alignment = 0.0f;
-  unaligned.settings.sweep_count = 1;
+  make_unaligned(unaligned.settings);
   variants.push_back(unaligned);
   Variant no_prior{"4 lobes, started from the parent, no prior", with_lobes(4)};
   no_prior.settings.alignment = 0.0f;

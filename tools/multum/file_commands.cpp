@@ -16,6 +16,7 @@
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
 #include "host/opencl/device.h"
+#include "tools/command_line/choices.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -160,6 +161,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
     std::string prefix;
     int size = 1024;
     std::uint64_t seed = 7;
+    std::optional<Quarter> quarter;
   };
   auto options = std::make_shared<Options>();
   CLI::App* testmap = app.add_subcommand("testmap", "make the four-quarter test map: scales, rings, grooves, noise");
@@ -168,10 +170,11 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(16, 32768))
       ->capture_default_str();
   testmap->add_option("--seed", options->seed, "of the noise quarter")->capture_default_str();
+  add_choice(*testmap, "--quarter", options->quarter, kQuarters, "one of them alone: armour, rings, grooves or noise");
   testmap->callback([options, exit_code] {
     if (options->size % 2 != 0)
       throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));
-    write_four_quarter_map(options->size, options->seed, options->prefix);
+    write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter);
     const char* prefix = options->prefix.c_str();
     // Its statistics look like green down (host/image/four_quarter_map.cpp).
     std::printf("%s_normal.png, %s_albedo.png: written; bake with --green up\n", prefix, prefix);

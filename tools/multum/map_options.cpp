@@ -42,6 +42,8 @@ void add_fit_options(CLI::App& bake, MapOptions& o) {
                           "what EM sees of coarse texels: all, or condensed (cells of like normals: faster)");
   bake.add_flag("--no-rehearsal", o.no_rehearsal,
                 "start from the candidate of least error, without trying them all: saves half a second");
+  bake.add_flag("--unaligned", o.unaligned,
+                "every texel's lobes by themselves, for comparison: filtering then mixes them up");
   add("--align", o.alignment, usual.alignment, "weight of the alignment prior; 0: none");
   add("--kappa-cap", o.kappa_cap, usual.kappa_cap,
       "sharpest lobe that EM uses on rough texels; smooth ones get sharper ones");

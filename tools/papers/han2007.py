@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Han, Sun, Ramamoorthi and Grinspun 2007, "Frequency Domain Normal Map Filtering": figures 1 to 4 and 6 to 9.
+
+Left out: figure 5, a simulated cloth, whose point is that of figure 4 on a moving mesh.
+"""
+import numpy as np
+from ndf import density_error, density_of_lobes, density_of_normals, disk, picture, read_lobes, read_normals
+from report_page import percent
+from study import relative_l1
+
+TITLE = "Han et al. 2007: frequency domain normal map filtering"
+FRAME = ("--size", "400x300")
+BASELINES = ("truth", "mip", "toksvig", "lean-jacobian")
+LABELS = {"truth": "truth", "multum": "multum", "mip": "averaged normals", "toksvig": "Toksvig",
+          "lean-jacobian": "LEAN"}
+
+
+def compare(study, view, names, name):
+    study.figures([(view[n], LABELS[n]) for n in names], name=name)
+    study.table(["method", "relative L1", "frame, ms"],
+                [[LABELS[n], percent(relative_l1(view[n], view["truth"])), f"{view.frame_ms[n]:.1f}"]
+                 for n in names if n != "truth"])
+
+
+def v_groove(study):
+    source = study.testmap("groove", "--quarter", "grooves")
+    study.bake("groove", source, "--green", "up")
+    study.heading("Figure 1: a V-groove")
+    study.paragraph("Two slopes and a floor. Near by each has its own highlight; far off all three lie in one pixel, and",
+                    "their average points straight up, where almost no normal of the map does.")
+    lobes = ("--brdf", "blinn-phong:60", "--diffuse", "0.4", "--specular", "0.15", "--light", "0.8,0.5,0.7", *FRAME)
+    near = study.view("groove_near", "groove", *lobes, "--repeat", "60", "--camera", "0,0,0.7,0,0.7,0,45",
+                      compare=BASELINES)
+    far = study.view("groove_far", "groove", *lobes, "--repeat", "60", "--camera", "0,0,4,0,8,0,45",
+                     compare=BASELINES)
+    study.paragraph("Near:")
+    study.figures([(near[n], LABELS[n]) for n in ("truth", "multum", "mip")], name="groove_near")
+    study.paragraph("Far:")
+    compare(study, far, ("truth", "multum", "mip", "toksvig", "lean-jacobian"), "groove_far")
+    normals = read_normals(source)
+    directions, inside = disk(120)
+    level = 5
+    truth = density_of_normals(normals[:32, :32].reshape(-1, 3), directions)
+    fitted = density_of_lobes(read_lobes(study.path("groove.ndf.exr"), level)[:, 0, 0], directions)
+    study.paragraph("The distribution of normals under one texel of level 5, and the four lobes that stand for it:")
+    study.figures([(picture(truth, inside, truth.max()), "the normals"),
+                   (picture(fitted, inside, truth.max()), "four lobes")], name="groove_ndf")
+
+
+def methods(study):
+    source = study.testmap("quarters")
+    study.bake("quarters", source, "--green", "up", "--albedo", study.path("quarters_albedo.png"), "--lobes", "6")
+    study.bake("one_lobe", source, "--green", "up", "--albedo", study.path("quarters_albedo.png"), "--lobes", "1")
+    material = ("--source", source, "--green", "up", "--albedo", study.path("quarters_albedo.png"), "--brdf",
+                "blinn-phong:200", "--diffuse", "0.8", "--specular", "0.15", *FRAME)
+    six = study.view("six", "quarters", *material, compare=BASELINES)
+    one = study.view("one", "one_lobe", *material)
+    study.heading("Figure 2: six lobes with colours against other methods")
+    study.figures([(six["truth"], "truth"), (six["multum"], "six lobes"), (one["multum"], "one lobe"),
+                   (six["toksvig"], "Toksvig"), (six["mip"], "averaged normals")], name="methods")
+    rows = [["six lobes", six["multum"], six.frame_ms["multum"]], ["one lobe", one["multum"], one.frame_ms["multum"]],
+            *[[LABELS[n], six[n], six.frame_ms[n]] for n in ("toksvig", "lean-jacobian", "mip")]]
+    study.table(["method", "relative L1", "frame, ms"],
+                [[label, percent(relative_l1(shown, six["truth"])), f"{ms:.1f}"] for label, shown, ms in rows])
+    return material
+
+
+def harmonics(study, material):
+    source = study.path("quarters_normal.png")
+    study.heading("Figure 3: spherical harmonics and anisotropic filtering, Lambert")
+    study.paragraph("Nine coefficients a texel. They are plain averages, so that the hardware's anisotropic filter is",
+                    "right for them; averaged normals lose their darkness, for max(n . l, 0) is not linear.")
+    study.bake("sh2", source, "--green", "up", "--ndf", "sh", "--sh-order", "2")
+    matt = ("--source", source, "--green", "up", "--brdf", "lambert", "--diffuse", "0.9", "--light", "0.9,0.3,0.3",
+            *FRAME)
+    plain = study.view("sh_plain", "sh2", *matt, compare=("truth", "mip"))
+    wide = study.view("sh_wide", "sh2", *matt, "--anisotropy", "8")
+    study.figures([(plain["truth"], "truth"), (wide["multum"], "SH, 8 times anisotropic"),
+                   (plain["multum"], "SH, trilinear"), (plain["mip"], "averaged normals")], name="sh")
+    study.table(["method", "relative L1"],
+                [[label, percent(relative_l1(shown, plain["truth"]))]
+                 for label, shown in (("SH, 8 times anisotropic", wide["multum"]), ("SH, trilinear", plain["multum"]),
+                                      ("averaged normals", plain["mip"]))])
+
+
+def shininess(study, material):
+    study.heading("Figures 6 and 8: scale, shininess and light, changed without another bake")
+    without = list(material)
+    at = without.index("--brdf")
+    del without[at:at + 2]
+    rows = []
+    for s in (10, 50, 200, 1000):
+        view = study.view(f"shininess{s}", "quarters", *without, "--brdf", f"blinn-phong:{s}",
+                          compare=("truth", "toksvig"))
+        study.figures([(view["truth"], f"truth, s = {s}"), (view["multum"], "six lobes"),
+                       (view["toksvig"], "Toksvig")], name="shininess")
+        rows.append([s, percent(relative_l1(view["multum"], view["truth"])),
+                     percent(relative_l1(view["toksvig"], view["truth"]))])
+    study.table(["s", "six lobes", "Toksvig"], rows)
+
+
+def lobe_counts(study):
+    source = study.testmap("scales", "--quarter", "armour", size=256)
+    normals = read_normals(source)
+    directions, inside = disk(120)
+    level, row, column = 5, 3, 3
+    block = normals[row << level:(row + 1) << level, column << level:(column + 1) << level].reshape(-1, 3)
+    truth = density_of_normals(block, directions)
+    study.heading("Figure 7: one texel's normals, by one to six lobes, and by planar Gaussians")
+    study.paragraph("A texel of level 5 of the scales, whose normals reach 72 degrees: near the rim of the disk a planar",
+                    "Gaussian is a broad smear on the sphere. The error is that of the density shown, over solid angle.")
+    shown, rows = [(picture(truth, inside, truth.max()), "the normals")], []
+    for count in range(1, 7):
+        vmf_bake = study.bake(f"scales_vmf{count}", source, "--green", "up", "--lobes", str(count))
+        gmm_bake = study.bake(f"scales_gmm{count}", source, "--green", "up", "--lobes", str(count), "--ndf", "gmm")
+        density = density_of_lobes(read_lobes(study.path(f"scales_vmf{count}.ndf.exr"), level)[:, row, column],
+                                   directions)
+        shown.append((picture(density, inside, truth.max()), f"{count} lobe{'s' if count > 1 else ''}"))
+        rows.append([count, percent(density_error(density, truth, directions, inside)),
+                     *[percent(measured(bake, level, "blinn-phong:100")) for bake in (vmf_bake, gmm_bake)]])
+    study.figures(shown, name="lobes")
+    study.table(["lobes", "density, vmf", "highlight s = 100, level 5, vmf", "the same, gmm"], rows)
+
+
+def measured(bake, level, brdf):
+    return next(one["relative_l1"] for one in bake["measured_error"]
+                if one["level"] == level and one["point"] == "centre" and one["brdf"].startswith(brdf))
+
+
+def reproduce(study):
+    v_groove(study)
+    material = methods(study)
+    harmonics(study, material)
+    shininess(study, material)
+    lobe_counts(study)

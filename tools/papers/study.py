@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One paper's comparisons: runs multum and multum-view, keeps what they draw as arrays, and writes a page.
+
+Pictures are linear RGB, float32 [height, width, 3], as multum-view writes them to EXR files; those on the page are PNGs
+of the same numbers. Every figure of the page comes from a file that stays beside it.
+"""
+import json
+import pathlib
+import shlex
+import subprocess
+import sys
+import time
+
+import numpy as np
+import OpenImageIO as oiio
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from report_page import STYLE, machine, table, text  # noqa: E402
+
+DIFFERENCE_GAIN = 4.0
+
+
+class StepFailed(Exception):
+    """A program that was run said no: its command, exit code and last words."""
+
+
+def read_picture(path, subimage=0, miplevel=0):
+    """All channels, float32 [height, width, channels]."""
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        raise StepFailed(f"{path}: cannot be read: {oiio.geterror()}")
+    if not source.seek_subimage(subimage, miplevel):
+        raise StepFailed(f"{path}: has no part {subimage}, level {miplevel}")
+    pixels = source.read_image(subimage, miplevel, 0, source.spec().nchannels, oiio.FLOAT)
+    source.close()
+    return np.asarray(pixels, dtype=np.float32)
+
+
+def srgb(linear):
+    """Displayed values, 0..1."""
+    c = np.clip(linear, 0.0, 1.0)
+    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
+
+
+def write_picture(path, pixels, kind=oiio.UINT8):
+    """`pixels` as they are to be stored: 0..1 for integers."""
+    height, width, channels = pixels.shape
+    output = oiio.ImageOutput.create(str(path))
+    if output is None or not output.open(str(path), oiio.ImageSpec(width, height, channels, kind)):
+        raise StepFailed(f"{path}: cannot be written: {oiio.geterror()}")
+    output.write_image(np.ascontiguousarray(pixels, dtype=np.float32))
+    output.close()
+
+
+def relative_l1(picture, truth):
+    """sum |picture - truth| / sum truth, linear: what multum-view and the bakes report."""
+    return float(np.abs(picture - truth).sum() / truth.sum())
+
+
+def colour_distance(picture, truth):
+    """Tan et al.'s "normalized Euclidean color error per pixel", which they do not define: here the distance of the
+    displayed (sRGB, clamped) colours over that of black and white, its mean over the pixels that the object covers."""
+    covered = truth.max(axis=2) > 0
+    return float((np.linalg.norm(srgb(picture) - srgb(truth), axis=2) / np.sqrt(3))[covered].mean())
+
+
+def flicker(frames, truths):
+    """How much frames change beyond what the truth's do: the mean over neighbours in time of
+    sum |(f' - f) - (t' - t)| / sum t. 0: as steady as the truth."""
+    changes = [np.abs((frames[i + 1] - frames[i]) - (truths[i + 1] - truths[i])).sum() / truths[i].sum()
+               for i in range(len(frames) - 1)]
+    return float(np.mean(changes))
+
+
+class View:
+    """What one run of multum-view drew: pictures by name ("truth", "multum", "toksvig", ...), and its report."""
+
+    def __init__(self, pictures, report):
+        self.pictures, self.report = pictures, report
+        self.frame_ms = {one["name"]: one["frame_time_ms"] for one in report["pictures"]}
+
+    def __getitem__(self, name):
+        return self.pictures[name]
+
+
+class Study:
+    def __init__(self, title, folder, programs, data, size, samples):
+        """`programs`: folder of multum and multum-view; `data`: folder of shared real data, or None; `size`: texels a
+        side of the maps that are made; `samples`: a pixel of the truth."""
+        self.title, self.folder, self.programs, self.data = title, folder, programs, data
+        self.size, self.samples, self.picture_count = size, samples, 0
+        self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
+        folder.mkdir(parents=True, exist_ok=True)
+
+    # ---- steps
+
+    def run(self, program, *arguments):
+        """Runs a program to its end; its output is in commands.txt. Returns seconds."""
+        command = [str(self.programs / program), *map(str, arguments)]
+        shown = " ".join([program, *(shlex.quote(str(a).replace(f"{self.folder}/", "")) for a in arguments)])
+        print(f"  {shown[:150]}", flush=True)
+        begin = time.monotonic()
+        done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        seconds = time.monotonic() - begin
+        self.commands.append((shown, seconds))
+        if done.returncode != 0:
+            last = "\n".join((done.stdout + done.stderr).splitlines()[-20:])
+            raise StepFailed(f"exit code {done.returncode}: {shown}\n{last}")
+        return seconds
+
+    def path(self, name):
+        return self.folder / name
+
+    def testmap(self, name, *options, size=None):
+        """Makes NAME_normal.png and NAME_albedo.png; returns the first's path. Options of `multum testmap`."""
+        normal = self.path(f"{name}_normal.png")
+        self.run("multum", "testmap", self.path(name), "--size", size or self.size, *options)
+        return normal
+
+    def torus(self):
+        """A mesh that shows every angle; returns its path."""
+        mesh = self.path("torus.obj")
+        if not mesh.is_file():
+            subprocess.run([sys.executable, pathlib.Path(__file__).resolve().parents[1] / "torus_mesh.py", mesh],
+                           check=True)
+        return mesh
+
+    def bake(self, name, source, *options):
+        """Bakes NAME.ndf.exr. Returns the report."""
+        report = self.path(f"{name}.bake.json")
+        self.run("multum", "bake", source, "-o", self.path(f"{name}.ndf.exr"), "--report", report, "--quiet", "--force",
+                 *options)
+        loaded = json.loads(report.read_text())
+        self.devices.add(loaded["device"])
+        return loaded
+
+    def view(self, name, baked, *options, compare=()):
+        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and what else `compare` names."""
+        report = self.path(f"{name}.view.json")
+        command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
+                   "--report", report, "--samples", self.samples, *options]
+        if compare:
+            command += ["--compare", ",".join(compare)]
+        self.run("multum-view", *command)
+        loaded = json.loads(report.read_text())
+        self.contexts.add(loaded["context"])
+        self.versions.add(loaded["software"].split()[-1])
+        names = [one["name"] for one in loaded["pictures"]]
+        return View({n: read_picture(self.path(f"{name}_{n}.exr"))[:, :, :3] for n in names}, loaded)
+
+    # ---- the page
+
+    def heading(self, words, level=2):
+        self.parts.append(f"<h{level}>{text(words)}</h{level}>")
+
+    def paragraph(self, *words):
+        self.parts.append(f"<p>{text(' '.join(words))}</p>")
+
+    def table(self, head, rows):
+        self.parts.append(table(head, rows))
+
+    def html(self, markup):
+        self.parts.append(markup)
+
+    def figures(self, shown, exposure=1.0, name="figure"):
+        """`shown`: (linear picture, caption) each, beside one another."""
+        cells = []
+        for picture, caption in shown:
+            self.picture_count += 1
+            file = f"page_{self.picture_count:02d}_{name}.png"
+            write_picture(self.path(file), srgb(exposure * picture))
+            cells.append(f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}" loading="lazy">'
+                         f"</a><figcaption>{text(caption)}</figcaption></figure>")
+        self.parts.append('<div class="pictures">' + "".join(cells) + "</div>")
+
+    def write_page(self):
+        rows = [[command, f"{seconds:.1f}"] for command, seconds in self.commands]
+        page = f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>multum: {text(self.title)}</title><style>{STYLE}</style></head><body>
+<h1>{text(self.title)}</h1>
+{"".join(self.parts)}
+<h2>How it was made</h2>
+{machine(self.devices, self.contexts, self.versions)}
+<details><summary>every command, and its seconds</summary>{table(["command", "seconds"], rows)}</details>
+</body></html>
+"""
+        partial = self.path("index.html.tmp")
+        partial.write_text(page, encoding="utf-8")
+        partial.replace(self.path("index.html"))
