@@ -28,7 +28,7 @@ def v_groove(study):
     study.heading("Figure 1: a V-groove")
     study.paragraph("Two slopes and a floor. Near by each has its own highlight; far off all three lie in one pixel, and",
                     "their average points straight up, where almost no normal of the map does.")
-    lobes = ("--brdf", "blinn-phong:60", "--diffuse", "0.4", "--specular", "0.15", "--light", "0.8,0.5,0.7", *FRAME)
+    lobes = ("--brdf", "blinn-phong:60", "--diffuse", "0.4", "--specular", "0.15", "--light", "-0.775,0.442,0.445", *FRAME)
     near = study.view("groove_near", "groove", *lobes, "--repeat", "60", "--camera", "0,0,0.7,0,0.7,0,45",
                       compare=BASELINES)
     far = study.view("groove_far", "groove", *lobes, "--repeat", "60", "--camera", "0,0,4,0,8,0,45",

@@ -171,7 +171,7 @@ class Study:
             write_picture(self.path(file), srgb(exposure * picture))
             cells.append(f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}" loading="lazy">'
                          f"</a><figcaption>{text(caption)}</figcaption></figure>")
-        self.parts.append('<div class="pictures">' + "".join(cells) + "</div>")
+        self.parts.append('<div class="pictures first">' + "".join(cells) + "</div>")
 
     def write_page(self):
         rows = [[command, f"{seconds:.1f}"] for command, seconds in self.commands]
