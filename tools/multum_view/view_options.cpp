@@ -124,17 +124,17 @@ void parse_up(const std::string& text, ViewOptions& options) {
   camera.up = options.up;
 }
 
-void parse_brdf(const std::string& text, gl::Brdf& brdf) {
+void parse_brdf(const std::string& text, Brdf& brdf) {
   const char* const expected = "blinn-phong:S with S 1..100000, or torrance-sparrow:SIGMA with SIGMA 0.002..1 radians";
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos) refuse("--brdf", text, expected);
   const std::string name = text.substr(0, colon);
   const std::vector<float> n = parse_numbers("--brdf", text.substr(colon + 1), expected);
   if (name == "blinn-phong" && n.size() == 1 && n[0] >= 1.0f && n[0] <= 1e5f) {
-    brdf.kind = gl::BrdfKind::kBlinnPhong;
+    brdf.kind = BrdfKind::kBlinnPhong;
     brdf.exponent = n[0];
   } else if (name == "torrance-sparrow" && n.size() == 1 && n[0] >= 0.002f && n[0] <= 1.0f) {
-    brdf.kind = gl::BrdfKind::kTorranceSparrow;
+    brdf.kind = BrdfKind::kTorranceSparrow;
     brdf.sigma = n[0];
   } else {
     refuse("--brdf", text, expected);
@@ -177,7 +177,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   if (!raw.compare.empty()) options.compare = parse_compare(raw.compare);
   if (!options.albedo.empty() && options.source.empty())
     throw Error(ErrorCode::kUsage, "--albedo goes with --source: both describe the map that the file was baked from");
-  if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind == gl::BrdfKind::kTorranceSparrow)
+  if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind == BrdfKind::kTorranceSparrow)
     throw Error(ErrorCode::kUsage, "--formula paper is Blinn-Phong's; use it with --brdf blinn-phong:S");
   check_picture_path(options.output);
 }
