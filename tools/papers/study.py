@@ -52,6 +52,22 @@ def write_picture(path, pixels, kind=oiio.UINT8):
     output.close()
 
 
+def write_sky(path, width=256):
+    """A made latitude-longitude environment, linear: sky, ground, a sun of five degrees, three bright windows."""
+    height = width // 2
+    polar = (np.arange(height) + 0.5)[:, None] / height * np.pi
+    azimuth = (np.arange(width) + 0.5)[None, :] / width * 2 * np.pi
+    up = np.cos(polar) * np.ones_like(azimuth)
+    colour = lambda r, g, b: np.array([r, g, b], dtype=np.float32)
+    sky = np.where(up[:, :, None] > 0, colour(0.9, 0.95, 1.0) + up[:, :, None] * (colour(0.25, 0.45, 0.9) - 0.9),
+                   colour(0.22, 0.17, 0.12))
+    towards = np.dstack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), up])
+    sky[towards @ (np.array([0.5, 0.4, 0.768]) / np.linalg.norm([0.5, 0.4, 0.768])) > np.cos(np.radians(5))] = 120.0
+    for middle in (2.6, 3.6, 4.6):
+        sky[(np.abs(azimuth - middle) < 0.25) & (np.abs(polar - 1.2) < 0.3)] = colour(6.0, 5.0, 3.5)
+    write_picture(path, sky, oiio.FLOAT)
+
+
 def relative_l1(picture, truth):
     """sum |picture - truth| / sum truth, linear: what multum-view and the bakes report."""
     return float(np.abs(picture - truth).sum() / truth.sum())
