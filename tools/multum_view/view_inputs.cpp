@@ -85,10 +85,12 @@ gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map) {
   const NormalMap normals = read_normal_map(options.source, source_settings(options, baked), 1, nullptr);
   log_info(options.source + ": " + normals.report.encoding);
   if (normals.width != baked.width || normals.height != baked.height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source,
-                                               normals.width, normals.height, options.input, baked.width, baked.height));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source, normals.width,
+                            normals.height, options.input, baked.width, baked.height));
   gl::NormalImage image{normals.width, normals.height, {}, {}, baked.wrap_s, baked.wrap_t};
-  for (std::size_t i = 0; i < normals.x.size(); ++i) image.normals.emplace_back(normals.x[i], normals.y[i], normals.z[i]);
+  for (std::size_t i = 0; i < normals.x.size(); ++i)
+    image.normals.emplace_back(normals.x[i], normals.y[i], normals.z[i]);
   if (options.albedo.empty()) return image;
   const ColourMap colours = read_albedo_map(options.albedo, normals.width, normals.height, 1);
   for (std::size_t i = 0; i < colours.r.size(); ++i)
