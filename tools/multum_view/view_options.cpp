@@ -6,10 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 
 #include "host/base/choices.h"
 #include "host/base/error.h"
+#include "host/brdf/measured_file.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
 
@@ -34,6 +36,7 @@ struct RawOptions {
   std::string formula = "product";
   std::string compare;
   std::string moments;
+  std::string environment_mode = "prefiltered";
 };
 
 [[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
@@ -181,6 +184,11 @@ Brdf parse_brdf(const std::string& text, int term_count) {
   } else if (has_numbers && name == "ggx") {
     brdf.kind = BrdfKind::kGgx;
     brdf.roughness = numbers(0.05f, 1.0f, true);
+  } else if (std::filesystem::exists(text)) {
+    brdf.kind = BrdfKind::kMeasured;
+    brdf.measured = std::make_shared<const MeasuredBrdf>(read_measured_brdf(text));
+    brdf.diffuse = glm::vec3(brdf.measured->diffuse);
+    brdf.specular = glm::vec3(1.0f);
   } else {
     refuse("--brdf", text, kBrdfExpected);
   }
@@ -214,7 +222,10 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   if (!raw.camera.empty()) parse_camera(raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
   parse_up(raw.up, options);
-  if (!raw.lights.empty() || !raw.point_lights.empty()) scene.lights.clear();
+  if (!raw.lights.empty() || !raw.point_lights.empty() || !options.environment.empty()) scene.lights.clear();
+  scene.environment_mode =
+      raw.environment_mode == "sh" ? gl::EnvironmentMode::kHarmonics : gl::EnvironmentMode::kPrefiltered;
+  scene.environment_up = options.up;
   if (raw.lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
   for (const std::string& light : raw.lights) scene.lights.push_back(parse_light(light));
   if (raw.point_lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--point-light: at most 8 lights");
@@ -258,6 +269,12 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
   app.add_option("--point-light", raw.point_lights,
                  "at x,y,z, with an intensity: x,y,z,i or x,y,z,r,g,b; up to 8 times");
+  app.add_option("--environment", o.environment,
+                 "light from everywhere: an image over latitude and longitude, .exr or .hdr");
+  app.add_option("--environment-mode", raw.environment_mode,
+                 "its highlights: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for broad BRDFs)")
+      ->check(CLI::IsMember({"sh", "prefiltered"}))
+      ->capture_default_str();
   app.add_option("--brdf", raw.brdf,
                  "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or a "
                  "measured one's file (.brdf text, .binary of MERL, .json of a fit)")

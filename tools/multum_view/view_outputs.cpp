@@ -92,7 +92,7 @@ void check_outputs(const ViewOptions& options) {
       if (compares_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
     }
   }
-  check_paths_differ({options.input, options.source, options.albedo, options.mesh}, outputs);
+  check_paths_differ({options.input, options.source, options.albedo, options.mesh, options.environment}, outputs);
   for (const std::string& path : outputs) check_writable(path);
 }
 
@@ -134,6 +134,9 @@ void write_report(const ViewOptions& options, const std::string& context, const 
                            {"anisotropy", options.anisotropy},
                            {"pictures", pictures}};
   report.update(brdf_json(options.scene.brdf));
+  if (!options.environment.empty())
+    report["environment_mode"] =
+        options.scene.environment_mode == gl::EnvironmentMode::kHarmonics ? "sh" : "prefiltered";
   write_text_file(options.report, report.dump(2) + "\n");
 }
 
