@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/brdf/facet_distribution.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "host/brdf/measured_brdf.h"
 
 namespace multum {
 namespace {
@@ -19,19 +22,45 @@ double blinn_phong(double s, double e) {
 
 double vmf(double kappa, double e) { return kappa / (2.0 * kPi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e); }
 
+// alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2)
+double ggx(double alpha, double e) {
+  if (e >= 1.0) return 0.0;
+  const double square = alpha * alpha, t = 1.0 - e, y = square * t * t + e * (2.0 - e);
+  return square / (kPi * y * y);
+}
+
 }  // namespace
 
 glm::dvec3 facet_density(const Brdf& brdf, double e) {
   switch (brdf.kind) {
     case BrdfKind::kBlinnPhong: return glm::dvec3(blinn_phong(static_cast<double>(brdf.exponent), e));
-    case BrdfKind::kTorranceSparrow: return glm::dvec3(vmf(equivalent_exponent(brdf), e));
+    case BrdfKind::kTorranceSparrow:
+    case BrdfKind::kCookTorrance: return glm::dvec3(vmf(equivalent_exponent(brdf), e));
+    case BrdfKind::kGgx: return glm::dvec3(ggx(static_cast<double>(ggx_alpha(brdf)), e));
+    case BrdfKind::kMeasured: return measured_facets(*brdf.measured, e);
+    case BrdfKind::kLambert: break;
   }
   return glm::dvec3(0.0);
 }
 
 double equivalent_exponent(const Brdf& brdf) {
-  const auto sigma = static_cast<double>(brdf.sigma);
-  return brdf.kind == BrdfKind::kTorranceSparrow ? 0.5 / (sigma * sigma) : static_cast<double>(brdf.exponent);
+  switch (brdf.kind) {
+    case BrdfKind::kBlinnPhong: return static_cast<double>(brdf.exponent);
+    case BrdfKind::kTorranceSparrow:
+    case BrdfKind::kCookTorrance: {
+      const auto sigma = static_cast<double>(brdf.sigma);
+      return 0.5 / (sigma * sigma);
+    }
+    case BrdfKind::kGgx:
+    case BrdfKind::kMeasured: {
+      // Of equal peak: (s + 1) / (2 pi) = f(0) / integral of f.
+      const auto mean = [](const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; };
+      const double total = mean(integrate_zonal([&](double e) { return facet_density(brdf, e); }));
+      return std::max(2.0 * kPi * mean(facet_density(brdf, 0.0)) / std::max(total, 1e-30) - 1.0, 1.0);
+    }
+    case BrdfKind::kLambert: break;
+  }
+  return 1.0;
 }
 
 // Panels that double in width from e = 1e-12 on find every f of a width above that, wherever its tail goes; e = 1,

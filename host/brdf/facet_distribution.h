@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// f per solid angle, of e = 1 - n.h, 0..2: exact for narrow f, where n.h would round.
+/// f per solid angle, of e = 1 - n.h, 0..2, which narrow f need: n.h would round.
 glm::dvec3 facet_density(const Brdf& brdf, double e);
 
 /// The exponent of the Blinn-Phong that is as wide: 1 / it is the variance of slopes along each axis.

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light that a normal-mapped surface sends to the eye: its normals by one of surface/, its BRDF by one of brdf/, its
-// lights by light/ (common/reflection.glsl says how they meet). All vectors are taken to tangent space, where the map's
-// normals live.
+// The light that a normal-mapped surface sends to the eye: its normals by one of surface/, its BRDF by one of brdf/,
+// its lights by light/ (common/reflection.glsl says how they meet). All vectors are taken to tangent space, where the
+// map's normals live.
 //
-// Outgoing radiance: sum over lights of E (albedo k_d / pi max(n.l, 0) + k_s f(n.h) max(n.l, 0)), averaged over n.
-// MULTUM_TRUTH averages it over samples; the others put the average into their model: cosines per lobe, or of the
-// averaged normal.
+// Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_TRUTH averages it over
+// samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;
@@ -20,5 +19,5 @@ void main() {
   vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
   mat3 to_world = mat3(t, cross(n, t) * v_tangent.w, n);
   vec3 v = normalize(u_eye - v_position) * to_world;
-  o_colour = vec4(multum_lights(multum_fetch_surface(v_st), to_world, v), 1.0);
+  o_colour = vec4(multum_lights(multum_fetch_surface(v_st), to_world, v_position, v), 1.0);
 }

@@ -9,11 +9,11 @@
 #include "host/base/error.h"
 #include "host/base/split_mix.h"
 #include "runtime_gl/context/headless_context.h"
-#include "runtime_gl/render/contact_sheet.h"
-#include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/render/contact_sheet.h"
+#include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
 #include "tests/gl/test_maps.h"
 

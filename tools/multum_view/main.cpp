@@ -33,6 +33,7 @@ int run(int argc, char** argv) {
   warn_of_sources(*options, map.header);
   const gl::MeshData mesh_data = make_mesh(*options);
   const gl::NormalImage source = needs_source(*options, map.header) ? read_source(*options, map) : gl::NormalImage{};
+  options->scene.environment = read_environment(*options);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
   log_info(context->description());
   warn_of_wrong_anisotropy(*options, map.header, context->description());

@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/image/colour_map.h"
+#include "host/image/environment_file.h"
 #include "host/image/normal_map.h"
 #include "host/image/reading_settings.h"
 #include "host/mesh/mesh.h"
@@ -85,15 +86,28 @@ gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map) {
   const NormalMap normals = read_normal_map(options.source, source_settings(options, baked), 1, nullptr);
   log_info(options.source + ": " + normals.report.encoding);
   if (normals.width != baked.width || normals.height != baked.height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source,
-                                               normals.width, normals.height, options.input, baked.width, baked.height));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source, normals.width,
+                            normals.height, options.input, baked.width, baked.height));
   gl::NormalImage image{normals.width, normals.height, {}, {}, baked.wrap_s, baked.wrap_t};
-  for (std::size_t i = 0; i < normals.x.size(); ++i) image.normals.emplace_back(normals.x[i], normals.y[i], normals.z[i]);
+  for (std::size_t i = 0; i < normals.x.size(); ++i)
+    image.normals.emplace_back(normals.x[i], normals.y[i], normals.z[i]);
   if (options.albedo.empty()) return image;
   const ColourMap colours = read_albedo_map(options.albedo, normals.width, normals.height, 1);
   for (std::size_t i = 0; i < colours.r.size(); ++i)
     image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
   return image;
+}
+
+std::shared_ptr<const EnvironmentLight> read_environment(const ViewOptions& options) {
+  if (options.environment.empty()) return nullptr;
+  const ColourMap colours = read_environment_map(options.environment);
+  if (colours.clamped_count > 0)
+    log_warning(fmt::format("{}: {} texels are negative or not finite: they count as black", options.environment,
+                            colours.clamped_count));
+  EnvironmentMap map{colours.width, colours.height, {}};
+  for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
+  return make_environment_light(map);
 }
 
 void warn_of_sources(const ViewOptions& options, const BakedHeader& baked) {

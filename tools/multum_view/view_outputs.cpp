@@ -7,6 +7,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
+#include "host/brdf/measured_brdf.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
 #include "tools/multum_view/write_image.h"
@@ -56,13 +57,34 @@ void write_each(const ViewOptions& options, const std::vector<NamedPicture>& pic
   }
 }
 
+nlohmann::json colour_json(const glm::vec3& colour) { return {colour.x, colour.y, colour.z}; }
+
+nlohmann::json brdf_json(const Brdf& brdf) {
+  switch (brdf.kind) {
+    case BrdfKind::kLambert: return {{"brdf", "lambert"}};
+    case BrdfKind::kBlinnPhong: return {{"brdf", "blinn-phong"}, {"exponent", brdf.exponent}};
+    case BrdfKind::kTorranceSparrow: return {{"brdf", "torrance-sparrow"}, {"sigma", brdf.sigma}};
+    case BrdfKind::kCookTorrance:
+      return {{"brdf", "cook-torrance"}, {"sigma", brdf.sigma}, {"f0", colour_json(brdf.f0)}};
+    case BrdfKind::kGgx:
+      return {{"brdf", "ggx"}, {"roughness", brdf.roughness}, {"f0", colour_json(brdf.f0)}, {"terms", brdf.term_count}};
+    case BrdfKind::kMeasured:
+      return {{"brdf", "measured"},
+              {"name", brdf.measured->name},
+              {"terms", brdf.term_count},
+              {"factors_relative_error", brdf.measured->relative_error}};
+  }
+  return {};
+}
+
 }  // namespace
 
 void check_outputs(const ViewOptions& options) {
   std::vector<std::string> outputs = {options.output};
   if (!options.report.empty()) outputs.push_back(options.report);
   if (!options.pictures.empty()) {
-    const bool compares_truth = std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
+    const bool compares_truth =
+        std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
     std::vector<std::string> names = options.compare;
     names.insert(names.begin(), "multum");
     for (const std::string& name : names) {
@@ -70,7 +92,7 @@ void check_outputs(const ViewOptions& options) {
       if (compares_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
     }
   }
-  check_paths_differ({options.input, options.source, options.albedo, options.mesh}, outputs);
+  check_paths_differ({options.input, options.source, options.albedo, options.mesh, options.environment}, outputs);
   for (const std::string& path : outputs) check_writable(path);
 }
 
@@ -101,20 +123,20 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
 }
 
 void write_report(const ViewOptions& options, const std::string& context, const nlohmann::json& pictures) {
-  const Brdf& brdf = options.scene.brdf;
-  const bool is_phong = brdf.kind == BrdfKind::kBlinnPhong;
-  const nlohmann::json report = {{"software", std::string("multum-view ") + MULTUM_VERSION},
-                                 {"context", context},
-                                 {"width", options.width},
-                                 {"height", options.height},
-                                 {"truth_samples", options.samples},
-                                 {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
-                                 {"brdf", is_phong ? "blinn-phong" : "torrance-sparrow"},
-                                 {is_phong ? "exponent" : "sigma", is_phong ? brdf.exponent : brdf.sigma},
-                                 {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
-                                 {"moments", moment_shading_name(options.moments.value_or(kUsualMomentShading))},
-                                 {"anisotropy", options.anisotropy},
-                                 {"pictures", pictures}};
+  nlohmann::json report = {{"software", std::string("multum-view ") + MULTUM_VERSION},
+                           {"context", context},
+                           {"width", options.width},
+                           {"height", options.height},
+                           {"truth_samples", options.samples},
+                           {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
+                           {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
+                           {"moments", moment_shading_name(options.moments.value_or(kUsualMomentShading))},
+                           {"anisotropy", options.anisotropy},
+                           {"pictures", pictures}};
+  report.update(brdf_json(options.scene.brdf));
+  if (!options.environment.empty())
+    report["environment_mode"] =
+        options.scene.environment_mode == gl::EnvironmentMode::kHarmonics ? "sh" : "prefiltered";
   write_text_file(options.report, report.dump(2) + "\n");
 }
 

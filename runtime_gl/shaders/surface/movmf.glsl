@@ -55,6 +55,16 @@ MultumSurface multum_fetch_surface(vec2 st) {
   return surface;
 }
 
+#ifdef MULTUM_VISIBILITY
+// The normals that reflect towards v are those of the lobe that are near h: their mean lies between the two, nearer to
+// what is sharper, and is where n.h is taken.
+float multum_lobe_visibility(vec4 lobe, float n_l, vec3 v, vec3 h) {
+  float n_v = multum_movmf_lambert(lobe, v) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+  vec3 n = multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent;
+  return multum_visibility(n_l, n_v, max(dot(normalize(n), h), 0.0), dot(v, h));
+}
+#endif
+
 MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
   MultumReflection sum = MultumReflection(vec3(0.0), vec3(0.0));
   for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
@@ -66,12 +76,26 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
     float diffuse = multum_movmf_lambert(lobe, l);
     float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
+    sum.diffuse += surface.albedos[j] * diffuse;
+#ifndef MULTUM_LAMBERT
     vec3 specular = multum_lobe_facets(lobe, h) * cosine;
 #ifdef MULTUM_VISIBILITY
-    specular *= multum_visibility(multum_movmf_mean_direction(lobe), l, v);
+    specular *= multum_lobe_visibility(lobe, cosine, v, h);
 #endif
-    sum.diffuse += surface.albedos[j] * diffuse;
     sum.specular += specular;
+#endif
   }
   return sum;
 }
+
+#ifdef MULTUM_ENVIRONMENT
+MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
+  MultumReflection sum = MultumReflection(vec3(0.0), vec3(0.0));
+  for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
+    MultumReflection part = multum_environment_lobe(surface.lobes[j], v);
+    sum.diffuse += surface.albedos[j] * part.diffuse;
+    sum.specular += part.specular;
+  }
+  return sum;
+}
+#endif

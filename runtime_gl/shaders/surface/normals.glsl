@@ -58,11 +58,12 @@ MultumSurface multum_fetch_surface(vec2 st) {
 const float MULTUM_MEAN_MIN = 1e-12;
 
 // The highlight's cosine is that of the averaged normal.
-MultumReflection multum_reflect_mean(vec3 mean, vec3 albedo, vec3 facets, float diffuse, vec3 l, vec3 v) {
+MultumReflection multum_reflect_mean(vec3 mean, vec3 albedo, vec3 facets, float diffuse, vec3 l, vec3 v, vec3 h) {
   vec3 n = normalize(mean);
-  vec3 specular = facets * max(dot(n, l), 0.0);
+  float n_l = max(dot(n, l), 0.0);
+  vec3 specular = facets * n_l;
 #ifdef MULTUM_VISIBILITY
-  specular *= multum_visibility(n, l, v);
+  specular *= multum_visibility(n_l, max(dot(n, v), 0.0), max(dot(n, h), 0.0), dot(v, h));
 #endif
   return MultumReflection(albedo * diffuse, specular);
 }
@@ -71,22 +72,23 @@ MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec
   vec3 mean = surface.normal.xyz;
   float size = length(mean);
   if (size <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));
-#if defined(MULTUM_TOKSVIG)
-  vec3 facets = vec3(multum_moments_toksvig(mean, h, u_exponent));
-  float diffuse = max(dot(mean, l), 0.0);
-#elif defined(MULTUM_LEAN)
-#ifdef MULTUM_JACOBIAN
-  bool with_jacobian = true;
-#else
-  bool with_jacobian = false;
-#endif
-  vec3 facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, with_jacobian));
+#if defined(MULTUM_TOKSVIG) || defined(MULTUM_LEAN)
   float diffuse = max(dot(mean, l), 0.0);
 #else
-  vec3 facets = multum_facets(mean / size, h);
   float diffuse = max(dot(mean / size, l), 0.0);
 #endif
-  return multum_reflect_mean(mean, surface.albedo, facets, diffuse, l, v);
+  vec3 facets = vec3(0.0);
+#if defined(MULTUM_LAMBERT)
+#elif defined(MULTUM_TOKSVIG)
+  facets = vec3(multum_moments_toksvig(mean, h, u_exponent));
+#elif defined(MULTUM_JACOBIAN)
+  facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, true));
+#elif defined(MULTUM_LEAN)
+  facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, false));
+#else
+  facets = multum_facets(mean / size, h);
+#endif
+  return multum_reflect_mean(mean, surface.albedo, facets, diffuse, l, v, h);
 }
 
 MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
@@ -96,9 +98,31 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
   vec3 mean = surface.finest.xyz;
   if (length(mean) > MULTUM_MEAN_MIN)
     finest = multum_reflect_mean(mean, surface.finest_albedo, vec3(multum_moments_toksvig(mean, h, u_exponent)),
-                                 max(dot(mean, l), 0.0), l, v);
+                                 max(dot(mean, l), 0.0), l, v, h);
   sum.diffuse = mix(sum.diffuse, finest.diffuse, surface.finest.w);
   sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
 #endif
   return sum;
 }
+
+#ifdef MULTUM_ENVIRONMENT
+// A mean normal is a lobe of its length; MIP takes it for one normal.
+MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
+  vec3 mean = surface.normal.xyz;
+  if (length(mean) <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));
+#if defined(MULTUM_TRUTH)
+  MultumReflection sum = multum_environment_normal(normalize(mean), v);
+#elif defined(MULTUM_MIP)
+  MultumReflection sum = multum_environment_lobe(vec4(normalize(mean), 1.0), v);
+#else
+  MultumReflection sum = multum_environment_lobe(vec4(mean, 1.0), v);
+#endif
+  sum.diffuse *= surface.albedo;
+#ifdef MULTUM_NORMAL_MAP
+  MultumReflection finest = multum_environment_lobe(vec4(surface.finest.xyz, 1.0), v);
+  sum.diffuse = mix(sum.diffuse, surface.finest_albedo * finest.diffuse, surface.finest.w);
+  sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
+#endif
+  return sum;
+}
+#endif
