@@ -3,10 +3,9 @@
 
 Left out: figure 5, a simulated cloth, whose point is that of figure 4 on a moving mesh.
 """
-import numpy as np
 from ndf import density_error, density_of_lobes, density_of_normals, disk, picture, read_lobes, read_normals
 from report_page import percent
-from study import relative_l1
+from study import relative_l1, write_sky
 
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
@@ -50,6 +49,7 @@ def v_groove(study):
 def methods(study):
     source = study.testmap("quarters")
     study.bake("quarters", source, "--green", "up", "--albedo", study.path("quarters_albedo.png"), "--lobes", "6")
+    study.bake("quarters_white", source, "--green", "up", "--lobes", "6")
     study.bake("one_lobe", source, "--green", "up", "--albedo", study.path("quarters_albedo.png"), "--lobes", "1")
     material = ("--source", source, "--green", "up", "--albedo", study.path("quarters_albedo.png"), "--brdf",
                 "blinn-phong:200", "--diffuse", "0.8", "--specular", "0.15", *FRAME)
@@ -65,7 +65,7 @@ def methods(study):
     return material
 
 
-def harmonics(study, material):
+def harmonics(study):
     source = study.path("quarters_normal.png")
     study.heading("Figure 3: spherical harmonics and anisotropic filtering, Lambert")
     study.paragraph("Nine coefficients a texel. They are plain averages, so that the hardware's anisotropic filter is",
@@ -81,6 +81,57 @@ def harmonics(study, material):
                 [[label, percent(relative_l1(shown, plain["truth"]))]
                  for label, shown in (("SH, 8 times anisotropic", wide["multum"]), ("SH, trilinear", plain["multum"]),
                                       ("averaged normals", plain["mip"]))])
+
+
+def measured_materials(study):
+    """Figure 4: spherical harmonics with measured BRDFs."""
+    study.heading("Figure 4: measured materials")
+    found = [] if study.data is None else sorted((study.data / "brdf").glob("merl_*.json"))
+    if not found:
+        study.paragraph("Passed over: no measured BRDFs are at hand (MULTUM_SHARED_DATA, folder brdf).")
+        return
+    source = study.path("quarters_normal.png")
+    study.bake("sh8", source, "--green", "up", "--ndf", "sh", "--sh-order", "8")
+    study.paragraph("Fits to MERL materials in factors of the half angle: the one of theta_h is convolved with the normals,",
+                    "by harmonics up to order 8 or by six lobes.")
+    rows = []
+    for path in [p for p in found if "fabric" in p.name or "rubber" in p.name]:
+        label = path.stem.replace("merl_nbrdf_", "")
+        scene = ("--source", source, "--green", "up", "--brdf", path, *FRAME)
+        harmonic = study.view(f"measured_sh_{label}", "sh8", *scene, compare=("truth", "mip"))
+        lobes = study.view(f"measured_vmf_{label}", "quarters_white", *scene)
+        study.figures([(harmonic["truth"], f"{label}, truth"), (harmonic["multum"], "harmonics, order 8"),
+                       (lobes["multum"], "six lobes"), (harmonic["mip"], "averaged normals")], name="measured")
+        rows.append([label, *[percent(relative_l1(shown, harmonic["truth"]))
+                              for shown in (harmonic["multum"], lobes["multum"], harmonic["mip"])]])
+    study.table(["material", "harmonics, order 8", "six lobes", "averaged normals"], rows)
+
+
+def environment_light(study):
+    """Figure 9: a mesh in low-frequency light, and in all of it."""
+    study.heading("Figure 9: a mesh under an environment")
+    study.paragraph("Diffuse light by harmonics up to order 2. The highlight by harmonics of the light as the half vector",
+                    "sees it, up to order 8 (Han, section 8), which serves broad highlights; or by maps filtered for",
+                    "lobes of every width, which serves sharp ones too.")
+    light = study.path("sky.exr")
+    write_sky(light)
+    if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
+        light = study.data / "env/pm_lobby.exr"
+    scene = ("--source", study.path("quarters_normal.png"), "--green", "up", "--mesh", study.torus(), "--up", "0,0,1",
+             "--environment", light, "--diffuse", "0.35", "--specular", "0.3", *FRAME)
+    rows = []
+    for exponent in (12, 100):
+        views = {mode: study.view(f"environment_{mode}{exponent}", "quarters_white", *scene, "--environment-mode", mode,
+                                  "--brdf", f"blinn-phong:{exponent}", compare=("truth", "mip"))
+                 for mode in ("sh", "prefiltered")}
+        truth = views["sh"]["truth"]
+        study.figures([(truth, f"truth, s = {exponent}"), (views["sh"]["multum"], "harmonics"),
+                       (views["prefiltered"]["multum"], "filtered maps"),
+                       (views["prefiltered"]["mip"], "averaged normals")], name="environment")
+        rows.append([exponent, *[percent(relative_l1(shown, truth))
+                                 for shown in (views["sh"]["multum"], views["prefiltered"]["multum"],
+                                               views["prefiltered"]["mip"])]])
+    study.table(["s", "six lobes, harmonics", "six lobes, filtered maps", "averaged normals"], rows)
 
 
 def shininess(study, material):
@@ -130,6 +181,8 @@ def measured(bake, level, brdf):
 def reproduce(study):
     v_groove(study)
     material = methods(study)
-    harmonics(study, material)
+    harmonics(study)
+    measured_materials(study)
     shininess(study, material)
     lobe_counts(study)
+    environment_light(study)
