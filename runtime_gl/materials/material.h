@@ -30,6 +30,9 @@ class Material {
   virtual int zonal_order() const { return -1; }
   /// One normal a sample: an environment is sampled around it, by brute force.
   virtual bool samples_light() const { return false; }
+  /// One texel a sample, drawn from those that the texture's filter takes at the pixel's middle: every sample looks
+  /// there.
+  virtual bool samples_footprint() const { return false; }
 
  protected:
   Material() = default;

@@ -63,12 +63,13 @@ NormalImage finest_normals(const MomentMipmap& mipmap) {
   return image;
 }
 
-NormalMaterial::NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy) {
+NormalMaterial::NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy)
+    : samples_footprint_(sampling == Sampling::kFootprint), wrap_s_(image.wrap_s), wrap_t_(image.wrap_t) {
   MULTUM_CHECK(image.normals.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   MULTUM_CHECK(image.albedo.empty() || image.albedo.size() == image.normals.size());
   const bool mipmapped = sampling == Sampling::kMipmapped;
-  const int level_count = mipmapped ? mip_level_count(image.width, image.height) : 1;
-  const SamplerSettings sampler{image.wrap_s, image.wrap_t, mipmapped, anisotropy};
+  const int level_count = sampling == Sampling::kNearest ? 1 : mip_level_count(image.width, image.height);
+  const SamplerSettings sampler{image.wrap_s, image.wrap_t, sampling != Sampling::kNearest, anisotropy};
   TexelPlane normals{image.width, image.height, {}};
   TexelPlane slopes{image.width, image.height, {}};
   for (const glm::vec3& n : image.normals) {
@@ -90,8 +91,10 @@ void NormalMaterial::set_baseline(Baseline baseline) {
 }
 
 ShaderParts NormalMaterial::shader_parts() const {
-  ShaderParts parts = slopes_.has_value() ? baseline_shader_parts(baseline_)
-                                          : ShaderParts{{"MULTUM_TRUTH"}, {shader_surface_normals_glsl}};
+  ShaderParts parts = slopes_.has_value()  ? baseline_shader_parts(baseline_)
+                      : samples_footprint_ ? ShaderParts{{"MULTUM_TRUTH", "MULTUM_FOOTPRINT"},
+                                                         {shader_common_footprint_glsl, shader_surface_normals_glsl}}
+                                           : ShaderParts{{"MULTUM_TRUTH"}, {shader_surface_normals_glsl}};
   if (albedo_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
   return parts;
 }
@@ -101,6 +104,8 @@ int NormalMaterial::bind(const ShaderProgram& shader) const {
   binder.bind("u_normals", normals_);
   binder.bind("u_slopes", slopes_);
   binder.bind("u_albedo", albedo_);
+  shader.set("u_wrap_s", static_cast<int>(wrap_s_));  // in the order of WrapMode
+  shader.set("u_wrap_t", static_cast<int>(wrap_t_));
   return binder.next_unit();
 }
 

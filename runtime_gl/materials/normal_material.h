@@ -36,8 +36,9 @@ enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 class NormalMaterial : public Material {
  public:
-  /// kNearest: level 0 alone, nearest texel (truth). kMipmapped: box-filtered mips, trilinear (baselines).
-  enum class Sampling { kNearest, kMipmapped };
+  /// kNearest: level 0 alone, nearest texel (truth). kFootprint: a texel that the trilinear filter would average (the
+  /// truth of exact distributions, common/footprint.glsl). kMipmapped: box-filtered mips, trilinear (baselines).
+  enum class Sampling { kNearest, kFootprint, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 
   /// Of what is mipmapped.
@@ -46,6 +47,7 @@ class NormalMaterial : public Material {
   const char* name() const override { return slopes_.has_value() ? "baseline" : "truth"; }
   ShaderParts shader_parts() const override;
   bool samples_light() const override { return !slopes_.has_value(); }
+  bool samples_footprint() const override { return samples_footprint_; }
   int bind(const ShaderProgram& shader) const override;
 
  private:
@@ -53,6 +55,8 @@ class NormalMaterial : public Material {
   std::optional<Texture> slopes_;   // E[b_s], E[b_t], E[b_s^2], E[b_t^2], b = -n_xy / n_z
   std::optional<Texture> albedo_;
   Baseline baseline_ = Baseline::kMip;
+  bool samples_footprint_;
+  WrapMode wrap_s_, wrap_t_;
 };
 
 }  // namespace multum::gl

@@ -128,7 +128,7 @@ Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const S
     material.bind(shader);
     shader.set("u_sample", i);
     shader.use();
-    draw_once(shader, mesh, scene, jitter_offset(i));
+    draw_once(shader, mesh, scene, material.samples_footprint() ? glm::vec2(0.0f) : jitter_offset(i));
     accumulate(*adder_);
   }
   gl_.Finish();

@@ -29,7 +29,9 @@ std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunct
   NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
   for (const std::string& name : options.compare) {
     if (name == "truth") {
-      const NormalMaterial finest(gl, source, NormalMaterial::Sampling::kNearest, 1.0f);
+      const NormalMaterial finest(
+          gl, source,
+          options.truth_of_texels ? NormalMaterial::Sampling::kFootprint : NormalMaterial::Sampling::kNearest, 1.0f);
       pictures.insert(pictures.begin(), {name, renderer.draw_truth(mesh, finest, options.scene, options.samples)});
     } else {
       mipmapped.set_baseline(baseline_of(name));

@@ -37,6 +37,7 @@ struct RawOptions {
   std::string compare;
   std::string moments;
   std::string environment_mode = "prefiltered";
+  std::string truth_of = "pixel";
 };
 
 [[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
@@ -226,6 +227,9 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   scene.environment_mode =
       raw.environment_mode == "sh" ? gl::EnvironmentMode::kHarmonics : gl::EnvironmentMode::kPrefiltered;
   scene.environment_up = options.up;
+  options.truth_of_texels = raw.truth_of == "texels";
+  if (options.truth_of_texels && options.anisotropy > 1.0f)
+    throw Error(ErrorCode::kUsage, "--truth-of texels: is the trilinear filter's; found --anisotropy, expected none");
   if (raw.lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
   for (const std::string& light : raw.lights) scene.lights.push_back(parse_light(light));
   if (raw.point_lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--point-light: at most 8 lights");
@@ -294,6 +298,11 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
       ->check(CLI::IsMember(choice_names(kMomentShadings)));
   app.add_option("--size", raw.size, "of each picture, pixels")->capture_default_str();
   app.add_option("--samples", o.samples, "a pixel of the truth")->check(CLI::Range(1, 65536))->capture_default_str();
+  app.add_option("--truth-of", raw.truth_of,
+                 "what the truth averages over: the pixel, or the texels that a trilinear filter takes there, so that "
+                 "what is off is what the baked texels do not hold")
+      ->check(CLI::IsMember({"pixel", "texels"}))
+      ->capture_default_str();
   app.add_option("--anisotropy", o.anisotropy, "of every filtered texture")
       ->check(number_in(1.0f, 16.0f))
       ->capture_default_str();

@@ -33,8 +33,9 @@ struct ViewOptions {
   std::vector<std::string> compare;          // of truth, mip, toksvig, lean, lean-jacobian
   int width = 640;
   int height = 480;
-  int samples = 256;    // a pixel of the truth
-  float repeat = 0.0f;  // 0: 60 across the plane, 1 on a mesh
+  int samples = 256;             // a pixel of the truth
+  bool truth_of_texels = false;  // the truth averages over what a trilinear filter does, not over the pixel
+  float repeat = 0.0f;           // 0: 60 across the plane, 1 on a mesh
   float anisotropy = 1.0f;
   float exposure = 1.0f;  // PNG only
 };

@@ -128,6 +128,7 @@ void write_report(const ViewOptions& options, const std::string& context, const 
                            {"width", options.width},
                            {"height", options.height},
                            {"truth_samples", options.samples},
+                           {"truth_of", options.truth_of_texels ? "texels" : "pixel"},
                            {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
                            {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
                            {"moments", moment_shading_name(options.moments.value_or(kUsualMomentShading))},

@@ -18,6 +18,8 @@
 // axis), and with MULTUM_ZONAL_ORDER, which such a representation defines, u_zonal: a_l = integral over the sphere of
 // f(t) P_l(t), a_0 = 1 for what is normalised.
 //
+// MULTUM_TRUTH is drawn many times and averaged: u_sample counts them.
+//
 // A file of surface/ is a representation of the normals under a fragment:
 //
 //   struct MultumSurface                                 what was fetched
@@ -31,6 +33,10 @@
 uniform float u_exponent;
 #ifdef MULTUM_ZONAL_ORDER
 uniform vec3 u_zonal[MULTUM_ZONAL_ORDER + 1];
+#endif
+
+#ifdef MULTUM_TRUTH
+uniform int u_sample;
 #endif
 
 struct MultumReflection {

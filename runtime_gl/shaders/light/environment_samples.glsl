@@ -5,7 +5,6 @@
 // pictures.
 uniform vec3 u_environment_axes[3];
 uniform sampler2D u_environment_map;
-uniform int u_sample;
 
 mat3 multum_environment_frame;
 

@@ -3,7 +3,7 @@
 //   MULTUM_TRUTH  the finest map's nearest texel        MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP    averaged normal, normalised           MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// and MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored come from the normal map, by Toksvig's rule:
+// and MULTUM_FOOTPRINT (TRUTH: not the nearest texel but one that the trilinear filter averages), MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored come from the normal map, by Toksvig's rule:
 // it has no moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP,
 // TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the same.
 uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_s b_t] for LEAN
@@ -32,6 +32,18 @@ struct MultumSurface {
 #endif
 };
 
+#ifdef MULTUM_FOOTPRINT
+MultumSurface multum_fetch_surface(vec2 st) {
+  MultumSurface surface = MultumSurface(vec4(0.0), vec3(1.0));
+  ivec2 texel = multum_footprint_texel(u_normals, st);
+  if (texel == MULTUM_NO_TEXEL) return surface;
+  surface.normal = texelFetch(u_normals, texel, 0);
+#ifdef MULTUM_COLOURS
+  surface.albedo = texelFetch(u_albedo, texel, 0).rgb;
+#endif
+  return surface;
+}
+#else
 MultumSurface multum_fetch_surface(vec2 st) {
   MultumSurface surface;
   surface.normal = texture(u_normals, st);
@@ -52,6 +64,7 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #endif
   return surface;
 }
+#endif
 
 // Beyond the border of a map that wraps black there is no material: a mean of 0, which no normals above the surface
 // have.
