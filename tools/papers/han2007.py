@@ -14,8 +14,8 @@ LABELS = {"truth": "truth", "multum": "multum", "mip": "averaged normals", "toks
           "lean-jacobian": "LEAN"}
 
 
-def compare(study, view, names, name):
-    study.figures([(view[n], LABELS[n]) for n in names], name=name)
+def compare(study, view, names, name, exposure=1.0):
+    study.figures([(view[n], LABELS[n]) for n in names], name=name, exposure=exposure)
     study.table(["method", "relative L1", "frame, ms"],
                 [[LABELS[n], percent(relative_l1(view[n], view["truth"])), f"{view.frame_ms[n]:.1f}"]
                  for n in names if n != "truth"])
@@ -33,9 +33,11 @@ def v_groove(study):
     far = study.view("groove_far", "groove", *lobes, "--repeat", "60", "--camera", "0,0,4,0,8,0,45",
                      compare=BASELINES)
     study.paragraph("Near:")
-    study.figures([(near[n], LABELS[n]) for n in ("truth", "multum", "mip")], name="groove_near")
+    study.figures([(near[n], LABELS[n]) for n in ("truth", "multum", "mip")], name="groove_near",
+                  exposure=0.35)
     study.paragraph("Far:")
-    compare(study, far, ("truth", "multum", "mip", "toksvig", "lean-jacobian"), "groove_far")
+    compare(study, far, ("truth", "multum", "mip", "toksvig", "lean-jacobian"), "groove_far",
+            exposure=0.35)
     normals = read_normals(source)
     directions, inside = disk(120)
     level = 5
@@ -43,7 +45,7 @@ def v_groove(study):
     fitted = density_of_lobes(read_lobes(study.path("groove.ndf.exr"), level)[:, 0, 0], directions)
     study.paragraph("The distribution of normals under one texel of level 5, and the four lobes that stand for it:")
     study.figures([(picture(truth, inside, truth.max()), "the normals"),
-                   (picture(fitted, inside, truth.max()), "four lobes")], name="groove_ndf")
+                   (picture(fitted, inside, truth.max()), "four lobes")], name="groove_ndf", small=True)
 
 
 def methods(study):
@@ -117,8 +119,8 @@ def environment_light(study):
     write_sky(light)
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
         light = study.data / "env/pm_lobby.exr"
-    scene = ("--source", study.path("quarters_normal.png"), "--green", "up", "--mesh", study.torus(), "--up", "0,0,1",
-             "--environment", light, "--diffuse", "0.35", "--specular", "0.3", *FRAME)
+    scene = ("--source", study.path("quarters_normal.png"), "--green", "up", "--mesh", study.torus(), "--repeat", "3",
+             "--up", "0,0,1", "--camera", "0.9,-2.2,1.7,0,0,0,40", "--environment", light, "--diffuse", "0.35", "--specular", "0.3", *FRAME)
     rows = []
     for exponent in (12, 100):
         views = {mode: study.view(f"environment_{mode}{exponent}", "quarters_white", *scene, "--environment-mode", mode,
@@ -127,7 +129,7 @@ def environment_light(study):
         truth = views["sh"]["truth"]
         study.figures([(truth, f"truth, s = {exponent}"), (views["sh"]["multum"], "harmonics"),
                        (views["prefiltered"]["multum"], "filtered maps"),
-                       (views["prefiltered"]["mip"], "averaged normals")], name="environment")
+                       (views["prefiltered"]["mip"], "averaged normals")], name="environment", exposure=0.35)
         rows.append([exponent, *[percent(relative_l1(shown, truth))
                                  for shown in (views["sh"]["multum"], views["prefiltered"]["multum"],
                                                views["prefiltered"]["mip"])]])
@@ -169,7 +171,7 @@ def lobe_counts(study):
         shown.append((picture(density, inside, truth.max()), f"{count} lobe{'s' if count > 1 else ''}"))
         rows.append([count, percent(density_error(density, truth, directions, inside)),
                      *[percent(measured(bake, level, "blinn-phong:100")) for bake in (vmf_bake, gmm_bake)]])
-    study.figures(shown, name="lobes")
+    study.figures(shown, name="lobes", small=True)
     study.table(["lobes", "density, vmf", "highlight s = 100, level 5, vmf", "the same, gmm"], rows)
 
 

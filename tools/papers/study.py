@@ -178,7 +178,7 @@ class Study:
     def html(self, markup):
         self.parts.append(markup)
 
-    def figures(self, shown, exposure=1.0, name="figure"):
+    def figures(self, shown, exposure=1.0, name="figure", small=False):
         """`shown`: (linear picture, caption) each, beside one another."""
         cells = []
         for picture, caption in shown:
@@ -187,7 +187,7 @@ class Study:
             write_picture(self.path(file), srgb(exposure * picture))
             cells.append(f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}" loading="lazy">'
                          f"</a><figcaption>{text(caption)}</figcaption></figure>")
-        self.parts.append('<div class="pictures first">' + "".join(cells) + "</div>")
+        self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
 
     def write_page(self):
         rows = [[command, f"{seconds:.1f}"] for command, seconds in self.commands]
