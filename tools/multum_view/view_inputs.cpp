@@ -65,8 +65,10 @@ gl::MeshData make_mesh(ViewOptions& options) {
   }
   const gl::Camera frame = gl::frame_box(low, high, options.up);
   if (!options.has_camera) scene.camera = frame;
+  if (!options.has_last_camera) options.last_scene.camera = scene.camera;
   scene.camera.near_distance = frame.near_distance;
-  scene.camera.far_distance = std::max(frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target));
+  scene.camera.far_distance = std::max({frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target),
+                                        4.0f * glm::length(options.last_scene.camera.eye - frame.target)});
   return to_mesh_data(mesh);
 }
 

@@ -27,6 +27,10 @@ struct ViewOptions {
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
   bool has_camera = false;
+  std::string frames_folder;  // of --animate; empty: one picture
+  int frame_count = 24;
+  gl::Scene last_scene;  // of the last frame
+  bool has_last_camera = false;
   glm::vec3 up{0.0f, 0.0f, 1.0f};  // unit; the camera's, also where the camera frames the mesh
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
   std::optional<gl::MomentShading> moments;  // of files of moments; unset: the usual one

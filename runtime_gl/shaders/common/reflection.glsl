@@ -25,8 +25,8 @@
 //   MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h)   of light from l; in it are albedo,
 //                                                        amplitudes, f, V and cosines; k_d / pi, k_s and F are not
 //   MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v)   of light from everywhere, with
-//                                                        MULTUM_ENVIRONMENT: multum_environment_lobe(lobe, v) has it of a
-//                                                        lobe (a r, a), F included
+//                                                        MULTUM_ENVIRONMENT: multum_environment_lobe(lobe, v) has it of
+//                                                        a lobe (a r, a), F included
 
 uniform float u_exponent;
 #ifdef MULTUM_ZONAL_ORDER
