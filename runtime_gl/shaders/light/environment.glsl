@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light from everywhere on a lobe of normals (a r, a): diffuse by the environment's harmonics up to l = 2 (Ramamoorthi
 // and Hanrahan 2001; Han et al. 2007, eq. 25), the highlight by environment_sh.glsl or environment_levels.glsl.
-// Reflection tables (host/light/reflection_table.h): a term's plane 0 (weight, plain), its plane 1 (along mu, along v,
-// spread, Fresnel part); all in one texture.
+// Reflection tables (host/light/reflection_table.h): a plane of (weight, plain) a term, then one of the Fresnel part;
+// all in one texture.
 #define MULTUM_TABLE_COSINES 32.0
 #define MULTUM_TABLE_SPREADS 24.0
 uniform vec3 u_environment_axes[3];       // world to environment: its x, y and z in the world
@@ -56,7 +56,7 @@ MultumReflection multum_environment_lobe(vec4 lobe, vec3 v) {
   vec3 mu = multum_movmf_mean_direction(lobe);
   reflection.diffuse = lobe.w * multum_irradiance(mu, 1.0 - d, multum_vmf_second_zonal(1.0 - d, multum_vmf_kappa(d)));
 #ifdef MULTUM_FRESNEL_DIFFUSE
-  reflection.diffuse *= MULTUM_DIFFUSE_SHARE * (1.0 - multum_reflection_entry(1, dot(mu, v), d).w);
+  reflection.diffuse *= MULTUM_DIFFUSE_SHARE * (1.0 - multum_reflection_entry(MULTUM_ENVIRONMENT_TERMS, dot(mu, v), d).x);
 #endif
 #ifndef MULTUM_LAMBERT
   reflection.specular = lobe.w * multum_environment_specular(mu, d, v);

@@ -61,7 +61,7 @@ vec3 multum_environment_specular(vec3 mu, float d, vec3 v) {
   vec3 weight = vec3(0.0);
   float plain = 0.0;
   for (int i = 0; i < MULTUM_ENVIRONMENT_TERMS; ++i) {
-    vec4 entry = multum_reflection_entry(2 * i, dot(mu, v), d);
+    vec4 entry = multum_reflection_entry(i, dot(mu, v), d);
     weight += entry.rgb;
     plain += entry.w;
   }
