@@ -6,6 +6,7 @@
 #include "kernels/shared/mip_pyramid.h"
 #include "kernels/shared/moments.h"
 #include "kernels/shared/movmf_fit.h"
+#include "kernels/shared/plane_averages.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
@@ -24,10 +25,10 @@ StructLayout struct_layout(Device& device) {
                  sizeof(MultumGather),
                  sizeof(MultumGatherEntry),
                  sizeof(MultumStrip),
-                 sizeof(MultumMomentBand),
-                 offsetof(MultumMomentBand, slope_z_min),
-                 sizeof(MultumMomentLevel),
-                 sizeof(MultumMomentTap),
+                 sizeof(MultumAverageBand),
+                 offsetof(MultumAverageBand, column_count),
+                 sizeof(MultumAverageLevel),
+                 sizeof(MultumAverageTap),
                  sizeof(MultumFilteredMoments),
                  offsetof(MultumFilteredMoments, map_share)};
   layout.device.assign(layout.host.size(), -1);
