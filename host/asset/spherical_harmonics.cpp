@@ -36,42 +36,4 @@ ZonalCoefficients zonal_lambert(int order) {
   return a;
 }
 
-// a_l = a_l-1 R_l, R_l = I_l+1/2 / I_l-1/2 = 1 / ((2l+1)/kappa + R_l+1), begun 30 above the last from the asymptotic
-// ratio: begun from 0 it fails for large kappa.
-ZonalCoefficients zonal_vmf(int order, double kappa) {
-  ZonalCoefficients a(static_cast<std::size_t>(order) + 1, 0.0);
-  a[0] = 1.0;
-  if (kappa <= 0.0) return a;
-  const double nu = order + 30.5;
-  double ratio = kappa / (nu + std::sqrt(nu * nu + kappa * kappa));
-  for (int l = order + 29; l >= 1; --l) {
-    ratio = 1.0 / ((2.0 * l + 1.0) / kappa + ratio);
-    if (l <= order) a[static_cast<std::size_t>(l)] = ratio;
-  }
-  for (std::size_t l = 1; l < a.size(); ++l) a[l] *= a[l - 1];
-  return a;
-}
-
-ZonalCoefficients zonal_of(int order, const std::function<double(double)>& f) {
-  // Gauss-Legendre of three nodes on 4096 pieces of each half of [0, pi]: lobes of one half end at 90 degrees.
-  constexpr int kPieces = 8192;
-  constexpr double kNodes[] = {-0.7745966692414834, 0.0, 0.7745966692414834}, kWeights[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
-  ZonalCoefficients a(static_cast<std::size_t>(order) + 1, 0.0);
-  for (int i = 0; i < kPieces; ++i)
-    for (int node = 0; node < 3; ++node) {
-      constexpr double kStep = M_PI / kPieces;
-      const double theta = (i + 0.5 + 0.5 * kNodes[node]) * kStep, t = std::cos(theta);
-      const double value = 2.0 * M_PI * f(t) * std::sin(theta) * 0.5 * kStep * kWeights[node];
-      if (value == 0.0) continue;
-      double before = 0.0, p = 1.0;  // P_l-1, P_l
-      for (int l = 0; l <= order; ++l) {
-        a[static_cast<std::size_t>(l)] += value * p;
-        const double next = ((2.0 * l + 1.0) * t * p - l * before) / (l + 1.0);
-        before = p;
-        p = next;
-      }
-    }
-  return a;
-}
-
 }  // namespace multum

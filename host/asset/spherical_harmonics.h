@@ -12,7 +12,6 @@
 // any other. In single precision Y is within 4e-6 of its bound sqrt((2l+1)/4pi) up to order 20 (tests/kernels).
 #pragma once
 
-#include <functional>
 #include <vector>
 
 namespace multum {
@@ -47,9 +46,5 @@ using ZonalCoefficients = std::vector<double>;
 ZonalCoefficients zonal_blinn_phong(int order, double s);
 /// max(t, 0), exactly: pi, 2 pi/3, pi/4, 0, -pi/24, 0, ...
 ZonalCoefficients zonal_lambert(int order);
-/// A von Mises-Fisher density, by the ratios of its Bessel functions downwards.
-ZonalCoefficients zonal_vmf(int order, double kappa);
-/// Any f of t, by quadrature in the angle: 1e-9 of what is smooth at a scale of 1/500 radian.
-ZonalCoefficients zonal_of(int order, const std::function<double(double)>& f);
 
 }  // namespace multum
