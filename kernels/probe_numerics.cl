@@ -2,6 +2,7 @@
 // What this device and driver make of the building blocks: for the tests, and for anyone who doubts a driver.
 
 #include "device/vmf_shading.clh"
+#include "shared/filtered_sh.h"
 #include "shared/mip_pyramid.h"
 #include "shared/moments.h"
 #include "shared/movmf_fit.h"
@@ -50,6 +51,7 @@ __kernel void probe_layout(__global int* sizes, int count) {
   MultumTap tap;
   MultumAverageBand band;
   MultumFilteredMoments moments;
+  MultumFilteredSh harmonics;
   const int layout[] = {(int)sizeof(MultumVmfLobe),
                         (int)((char*)&lobe.amplitude - (char*)&lobe),
                         (int)sizeof(MultumMovmfFit),
@@ -67,7 +69,9 @@ __kernel void probe_layout(__global int* sizes, int count) {
                         (int)sizeof(MultumAverageLevel),
                         (int)sizeof(MultumAverageTap),
                         (int)sizeof(MultumFilteredMoments),
-                        (int)((char*)&moments.map_share - (char*)&moments)};
+                        (int)((char*)&moments.map_share - (char*)&moments),
+                        (int)sizeof(MultumFilteredSh),
+                        (int)((char*)&harmonics.share - (char*)&harmonics)};
   const int known = (int)(sizeof(layout) / sizeof(layout[0]));
   for (int i = 0; i < count; ++i) sizes[i] = i < known ? layout[i] : -1;
 }

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/reference/spherical_harmonics.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "host/reference/coverage.h"
+
+namespace multum::reference {
+
+double sh_basis(int l, int m, const glm::dvec3& n) {
+  const auto order = static_cast<unsigned>(std::abs(m));
+  const double theta = std::atan2(std::hypot(n.x, n.y), n.z), phi = std::atan2(n.y, n.x);
+  // Of the standard library, with the Condon-Shortley phase (-1)^m and without the real basis' sqrt(2).
+  const double p = std::sph_legendre(static_cast<unsigned>(l), order, theta) * (order % 2 == 0 ? 1.0 : -1.0);
+  if (m == 0) return p;
+  return std::sqrt(2.0) * p * (m > 0 ? std::cos(m * phi) : std::sin(-m * phi));
+}
+
+std::vector<double> sh_basis_to(int order, const glm::dvec3& n) {
+  std::vector<double> values;
+  for (int l = 1; l <= order; ++l)
+    for (int m = -l; m <= l; ++m) values.push_back(sh_basis(l, m, n));
+  return values;
+}
+
+std::vector<double> sh_of_texel(const NormalMap& map, int order, int width, int height, int x, int y) {
+  std::vector<double> sums(static_cast<std::size_t>(order * (order + 2)), 0.0);
+  double total = 0.0;
+  for_each_covered(map.width, map.height, width, height, x, y, [&](std::size_t i, double weight) {
+    const glm::dvec3 n(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
+    const std::vector<double> values = sh_basis_to(order, n);
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += weight * values[k];
+    total += weight;
+  });
+  for (double& sum : sums) sum /= total;
+  return sums;
+}
+
+// Midpoints in the angle: smooth on each side of 90 degrees, 20000 of them.
+std::vector<double> zonal_by_quadrature(int order, const std::function<double(double)>& f) {
+  constexpr int kSteps = 20000;
+  std::vector<double> sums(static_cast<std::size_t>(order) + 1, 0.0);
+  for (int i = 0; i < kSteps; ++i) {
+    const double theta = M_PI * (i + 0.5) / kSteps, t = std::cos(theta);
+    const double value = 2.0 * M_PI * f(t) * std::sin(theta) * M_PI / kSteps;
+    for (std::size_t l = 0; l < sums.size(); ++l) sums[l] += value * std::legendre(static_cast<unsigned>(l), t);
+  }
+  return sums;
+}
+
+double shade_sh(const std::vector<double>& coefficients, double share, const std::vector<double>& zonal,
+                const glm::dvec3& w) {
+  double sum = zonal[0] * share / (4.0 * M_PI);
+  std::size_t i = 0;
+  for (int l = 1; l < static_cast<int>(zonal.size()); ++l)
+    for (int m = -l; m <= l; ++m) sum += zonal[static_cast<std::size_t>(l)] * coefficients[i++] * sh_basis(l, m, w);
+  return sum;
+}
+
+}  // namespace multum::reference
