@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "host/reference/coverage.h"
-
 namespace multum::reference {
 
 double sh_basis(int l, int m, const glm::dvec3& n) {
@@ -22,19 +20,6 @@ std::vector<double> sh_basis_to(int order, const glm::dvec3& n) {
   for (int l = 1; l <= order; ++l)
     for (int m = -l; m <= l; ++m) values.push_back(sh_basis(l, m, n));
   return values;
-}
-
-std::vector<double> sh_of_texel(const NormalMap& map, int order, int width, int height, int x, int y) {
-  std::vector<double> sums(static_cast<std::size_t>(order * (order + 2)), 0.0);
-  double total = 0.0;
-  for_each_covered(map.width, map.height, width, height, x, y, [&](std::size_t i, double weight) {
-    const glm::dvec3 n(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
-    const std::vector<double> values = sh_basis_to(order, n);
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += weight * values[k];
-    total += weight;
-  });
-  for (double& sum : sums) sum /= total;
-  return sums;
 }
 
 // Midpoints in the angle: smooth on each side of 90 degrees, 20000 of them.

@@ -8,8 +8,6 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/image/normal_map.h"
-
 namespace multum::reference {
 
 /// Real Y_lm of a direction of any length, from Legendre functions of its angles; no Condon-Shortley phase.
@@ -17,9 +15,6 @@ double sh_basis(int l, int m, const glm::dvec3& n);
 
 /// All of them from l = 1 to `order`, at l*l + l + m - 1.
 std::vector<double> sh_basis_to(int order, const glm::dvec3& n);
-
-/// Their mean over what texel (x, y) of a level `width` by `height` covers.
-std::vector<double> sh_of_texel(const NormalMap& map, int order, int width, int height, int x, int y);
 
 /// 2 pi integral f(t) P_l(t) dt by quadrature, l from 0 to `order`; f jumps at t = 0 at most.
 std::vector<double> zonal_by_quadrature(int order, const std::function<double(double)>& f);

@@ -208,7 +208,7 @@ void opposite_tilts(Device& device, WorstError& worst) {
                                 b = reference::sh_basis_to(order, glm::dvec3(tilts[1]));
       for (std::size_t i = 0; i < exact.size(); ++i) exact[i] = 0.5 * (a[i] + b[i]);
       for (const float s : {0.0f, 12.0f, 500.0f}) {
-        const ZonalCoefficients zonal = s == 0.0f ? zonal_lambert(order) : zonal_blinn_phong(order, s);
+        const ZonalCoefficients zonal = s == 0.0f ? zonal_lambert(order) : zonal_blinn_phong(order, static_cast<double>(s));
         const double peak = reference::shade_sh(a, 1.0, zonal, glm::dvec3(tilts[0]));
         const std::vector<double> found = shade_sh(device, order, mean, 1.0f, s, directions);
         for (std::size_t d = 0; d < directions.size(); ++d)

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/asset/sh_mipmap.h"
 #include "runtime_gl/gl/texture.h"

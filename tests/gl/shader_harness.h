@@ -18,7 +18,9 @@ struct ShaderHarnessInput {
   std::vector<glm::vec4> a;            // at most 16384 elements
   std::vector<glm::vec4> b;            // as many
   const Texture* texture = nullptr;    // bound to the sampler `map`
-  std::vector<SourceEdit> edits = {};  // of "movmf_shading" (with brdf/): what takes a guard out
+  std::vector<SourceEdit> edits = {  std::vector<std::string> flags = {};
+  std::string formulas = {};           // more of common/, which may read `map`
+};  // of "movmf_shading" (with brdf/): what takes a guard out
 };
 
 /// The output is poisoned with NaN first: an element that no fragment wrote shows.
