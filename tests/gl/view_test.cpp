@@ -95,10 +95,10 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
 TEST_F(ViewTest, DrawsSphericalHarmonics) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
   write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(map.image, 8, StorageEncoding::kHalf), {});
-  for (const std::string brdf : {"lambert", "blinn-phong", "torrance-sparrow"}) {
+  for (const std::string brdf : {"lambert", "blinn-phong:10", "torrance-sparrow:0.35", "ggx:0.8"}) {
     const ChildResult result =
         view({"-o", path("out.png"), "--compare", "truth,mip", "--size", "64x48", "--samples", "64", "--context",
-              "osmesa", "--report", path("r.json"), "--brdf", brdf, "--exponent", "10", "--sigma", "0.35"});
+              "osmesa", "--report", path("r.json"), "--brdf", brdf});
     ASSERT_EQ(result.exit_code, 0) << result.output;
     std::ifstream file(path("r.json"));
     std::map<std::string, double> errors;
