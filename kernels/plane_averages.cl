@@ -22,7 +22,7 @@
 //   nodes   in place: block i, at first_block + i, is the sum of the two at first_half + 2 i
 // Memory bound.
 __kernel void average_blocks(__global float* nodes, MultumAverageBand band, int first_half, int first_block,
-                            int block_count) {
+                             int block_count) {
   const int item = (int)get_global_id(0);
   if (item >= band.plane_count * band.row_count * block_count) return;
   __global float* row = nodes + (size_t)(item / block_count) * band.row_length;
@@ -45,8 +45,8 @@ static MultumAverageLevel level_of_column(__global const MultumAverageLevel* lev
 //   averages   [level][plane][row][column]   written: rows that the band finishes
 // Memory bound.
 __kernel void average_levels(__global const float* nodes, __global const MultumAverageLevel* levels,
-                            __global const int* tap_begin, __global const MultumAverageTap* taps, __global float* sums,
-                            __global float* averages, MultumAverageBand band) {
+                             __global const int* tap_begin, __global const MultumAverageTap* taps, __global float* sums,
+                             __global float* averages, MultumAverageBand band) {
   const int item = (int)get_global_id(0);
   if (item >= band.plane_count * band.column_count) return;
   const int plane = item / band.column_count, column = item % band.column_count;

@@ -22,7 +22,10 @@ constexpr char kColourText[] = "R,G,B = mean linear RGB";
 // R, G, B, A as far as there are coefficients; of the number in the part's name times 4 and on.
 BakedPart coefficient_part(const BakedHeader& header, int order, int part) {
   constexpr const char* kNames[] = {"R", "G", "B", "A"};
-  BakedPart made{fmt::format("sh.{:02}", part), {}, header.first_level, header.level_count() - header.first_level,
+  BakedPart made{fmt::format("sh.{:02}", part),
+                 {},
+                 header.first_level,
+                 header.level_count() - header.first_level,
                  false,
                  fmt::format("R,G,B,A = coefficients {} and on of real spherical harmonics, l*l+l+m-1, l from 1, no "
                              "Condon-Shortley phase, +X right, +Y up, +Z out; data, not colour",
@@ -36,8 +39,7 @@ std::vector<BakedPart> sh_parts(const BakedHeader& header, int order) {
   std::vector<BakedPart> parts;
   for (int part = 0; part < sh_part_count(order); ++part) parts.push_back(coefficient_part(header, order, part));
   if (!header.has_colours) return parts;
-  parts.push_back(
-      {"colour", {}, header.first_level, header.level_count() - header.first_level, false, kColourText});
+  parts.push_back({"colour", {}, header.first_level, header.level_count() - header.first_level, false, kColourText});
   for (const char* name : kColourNames) parts.back().channels.push_back({name, colour_type(header.encoding)});
   return parts;
 }
@@ -64,8 +66,7 @@ class ShPortion : public BakedRows {
       return;
     }
     const int channels = std::min(4, sh_coefficient_count(order_) - 4 * static_cast<int>(part));
-    for (std::size_t i = first; i < first + count; ++i)
-      values = std::copy_n(&rows_.parts[part][i].x, channels, values);
+    for (std::size_t i = first; i < first + count; ++i) values = std::copy_n(&rows_.parts[part][i].x, channels, values);
   }
 
  private:
@@ -130,8 +131,7 @@ class ShReader::File {
       header_ = parse_baked_header(first, Representation::kSh, path);
       order_ = int_attribute(first, kOrderAttribute, path);
       if (order_ < kShOrderMin || order_ > kShOrderMax)
-        refuse_file(path, fmt::format("an order of {}", order_),
-                    fmt::format("{} to {}", kShOrderMin, kShOrderMax));
+        refuse_file(path, fmt::format("an order of {}", order_), fmt::format("{} to {}", kShOrderMin, kShOrderMax));
       reader_.expect(header_, sh_parts(header_, order_));
     });
     hash_ = std::make_unique<BakedRowHash>(sh_parts(header_, order_));
@@ -161,8 +161,7 @@ class ShReader::File {
         values[i] = texel;
       }
     }
-    if (header_.has_colours)
-      read_part(rows.parts.size(), level, first_row, row_count, &rows.colours[0].x, 3 * texels);
+    if (header_.has_colours) read_part(rows.parts.size(), level, first_row, row_count, &rows.colours[0].x, 3 * texels);
     return rows;
   }
 

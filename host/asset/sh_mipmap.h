@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The baked file's contents where it holds spherical harmonics: of every texel's normals n the mean of Y_lm(n), which is
-// the distribution of normals itself, cut off above an order (Han et al. 2007, section 5). Linear: any filter mixes it
-// exactly.
+// The baked file's contents where it holds spherical harmonics: of every texel's normals n the mean of Y_lm(n), which
+// is the distribution of normals itself, cut off above an order (Han et al. 2007, section 5). Linear: any filter mixes
+// it exactly.
 #pragma once
 
 #include <vector>

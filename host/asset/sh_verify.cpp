@@ -31,8 +31,8 @@ bool is_finite(const ShLevel& rows, std::size_t i) {
   for (const auto& part : rows.parts)
     for (int c = 0; c < 4; ++c)
       if (!std::isfinite(part[i][c])) return false;
-  return rows.colours.empty() || (std::isfinite(rows.colours[i].x) && std::isfinite(rows.colours[i].y) &&
-                                  std::isfinite(rows.colours[i].z));
+  return rows.colours.empty() ||
+         (std::isfinite(rows.colours[i].x) && std::isfinite(rows.colours[i].y) && std::isfinite(rows.colours[i].z));
 }
 
 // Of (2l+1)/4pi.

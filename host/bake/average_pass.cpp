@@ -70,7 +70,8 @@ class AveragePass {
 
   std::string plan_text() const {
     return fmt::format("{} of {} x {}: one pass in bands of {} rows, {:.1f} MiB of buffers\n", planes_.name(), width_,
-                       height_, band_rows_, static_cast<double>(fixed_bytes() + size_of(band_rows_) * row_bytes()) / (1u << 20));
+                       height_, band_rows_,
+                       static_cast<double>(fixed_bytes() + size_of(band_rows_) * row_bytes()) / (1u << 20));
   }
 
   void run(Progress* progress) {
@@ -168,9 +169,9 @@ class AveragePass {
     planes_.make_finest(normals_, has_colours() ? colours_ : normals_, nodes_, band);
     if (columns_.levels.empty()) return;
     for (int k = 1; k < blocks_.depth(); ++k)
-      sum_blocks_.launch({size_of(plane_count_) * size_of(rows) * size_of(blocks_.block_count(k)), kAverageLocalSize}, nodes_,
-                         band, static_cast<int>(blocks_.block_begin(k - 1)), static_cast<int>(blocks_.block_begin(k)),
-                         blocks_.block_count(k));
+      sum_blocks_.launch({size_of(plane_count_) * size_of(rows) * size_of(blocks_.block_count(k)), kAverageLocalSize},
+                         nodes_, band, static_cast<int>(blocks_.block_begin(k - 1)),
+                         static_cast<int>(blocks_.block_begin(k)), blocks_.block_count(k));
     int first_value = 0;
     for (MultumAverageLevel& level : columns_.levels) {
       const auto row_at = [&](int finest) { return static_cast<int>(std::int64_t{finest} * level.height / height_); };
@@ -180,8 +181,8 @@ class AveragePass {
       first_value += plane_count_ * level.row_count * level.width;
     }
     device_.write(levels_, columns_.levels.data(), columns_.levels.size() * sizeof(MultumAverageLevel));
-    sum_levels_.launch({size_of(plane_count_) * size_of(column_count()), kAverageLocalSize}, nodes_, levels_, tap_begin_,
-                       taps_, sums_, averages_, band);
+    sum_levels_.launch({size_of(plane_count_) * size_of(column_count()), kAverageLocalSize}, nodes_, levels_,
+                       tap_begin_, taps_, sums_, averages_, band);
   }
 
   void hand_over(int first_row, int rows) {
@@ -196,10 +197,10 @@ class AveragePass {
       for (std::size_t i = 0; i < columns_.levels.size(); ++i) {
         const MultumAverageLevel& level = columns_.levels[i];
         if (level.row_count == 0) continue;
-        planes_.add_level(columns_.numbers[i], level.first_row,
-                          {static_cast<const float*>(bytes) + level.first_value,
-                           size_of(level.row_count) * size_of(level.width), size_of(level.width), level.width,
-                           level.row_count});
+        planes_.add_level(
+            columns_.numbers[i], level.first_row,
+            {static_cast<const float*>(bytes) + level.first_value, size_of(level.row_count) * size_of(level.width),
+             size_of(level.width), level.width, level.row_count});
       }
     });
   }

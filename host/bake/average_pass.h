@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes what mixes linearly into a mip pyramid: every texel of every level is the plain average of what it covers of
-// the finest. The map is read once, by bands of rows, whatever its size; kernels/plane_averages.cl makes all levels of a
-// band at once, and nothing but a sum a column stays from band to band. What is averaged, and where it goes, is the
+// the finest. The map is read once, by bands of rows, whatever its size; kernels/plane_averages.cl makes all levels of
+// a band at once, and nothing but a sum a column stays from band to band. What is averaged, and where it goes, is the
 // representation's matter.
 #pragma once
 
@@ -72,9 +72,10 @@ void validate_averages(int first_level, int map_width, int map_height);
 void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, BakeReport& report,
                  Progress* progress);
 
-/// What the writer of a file holds beyond what every bake is taken to need (bake_job.cpp): of every level a row of tiles
-/// that is not yet full, since all levels are made at once, and the halfs of a part of the widest. It is taken from the
-/// buffers' share: wide maps need more memory, and say so. `values`: of a texel; `part_values`: of its widest part.
+/// What the writer of a file holds beyond what every bake is taken to need (bake_job.cpp): of every level a row of
+/// tiles that is not yet full, since all levels are made at once, and the halfs of a part of the widest. It is taken
+/// from the buffers' share: wide maps need more memory, and say so. `values`: of a texel; `part_values`: of its widest
+/// part.
 std::uint64_t waiting_bytes_beyond_usual(const BakedHeader& header, int tile_size, int values, int part_values);
 
 }  // namespace multum

@@ -27,7 +27,7 @@ const std::vector<std::string> kDefaultKeys = {
     "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
     "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
     "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
-    "no_rehearsal",   "sh_order", "fixnan",    "checknan",    "repair_max",  "albedo",     "compression"};
+    "no_rehearsal",   "sh_order",  "fixnan",      "checknan",    "repair_max", "albedo",       "compression"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;
@@ -147,8 +147,8 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
 void check_keys_of_ndf(const StrictTable& table, const MapOptions& map) {
   const Representation representation = map.ndf.value_or(Representation::kMovmf);
   if (table.has("sh_order") && representation != Representation::kSh)
-    table.refuse("sh_order", fmt::format("is for ndf = \"sh\", found ndf = \"{}\"",
-                                         representation_info(representation).option));
+    table.refuse("sh_order",
+                 fmt::format("is for ndf = \"sh\", found ndf = \"{}\"", representation_info(representation).option));
   if (representation == Representation::kMovmf) return;
   for (const char* key :
        {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal", "order", "coarse_normals"})

@@ -42,8 +42,8 @@ void apply(const MapOptions& o, BakeJob& job) {
 void check_options_of_ndf(const MapOptions& o) {
   const Representation representation = o.ndf.value_or(Representation::kMovmf);
   if (o.sh_order && representation != Representation::kSh)
-    throw Error(ErrorCode::kUsage, fmt::format("--sh-order is for --ndf sh, found --ndf {}",
-                                               representation_info(representation).option));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--sh-order is for --ndf sh, found --ndf {}", representation_info(representation).option));
   if (representation == Representation::kMovmf) return;
   const std::pair<const char*, bool> options[] = {
       {"--lobes", o.lobes.has_value()},           {"--reference", o.reference},

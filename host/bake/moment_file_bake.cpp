@@ -69,7 +69,9 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   inputs.normals = &run.source.map.normals;
   inputs.albedo = run.source.albedo ? &*run.source.albedo : nullptr;
   inputs.first_level = run.header.first_level;
-  inputs.memory_bytes = run.memory_bytes - std::min(run.memory_bytes, waiting_bytes_beyond_usual(run.header, writing.tile_size, run.header.has_colours ? 12 : 9, 6));
+  inputs.memory_bytes =
+      run.memory_bytes - std::min(run.memory_bytes, waiting_bytes_beyond_usual(run.header, writing.tile_size,
+                                                                               run.header.has_colours ? 12 : 9, 6));
   inputs.threads = job.threads;
   bake_moments(run.device, inputs, sink, report, progress);
   run.clock.finish("average");

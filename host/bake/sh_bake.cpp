@@ -88,8 +88,7 @@ class MipmapSink : public ShSink {
 
 void validate_sh_order(int order) {
   if (order < kShOrderMin || order > kShOrderMax)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--sh-order is {}, expected {} to {}", order, kShOrderMin, kShOrderMax));
+    throw Error(ErrorCode::kUsage, fmt::format("--sh-order is {}, expected {} to {}", order, kShOrderMin, kShOrderMax));
 }
 
 void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, BakeReport& report,

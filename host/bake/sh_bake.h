@@ -19,8 +19,8 @@ class ShSink {
 /// Throws Error(kUsage) for an order out of its range.
 void validate_sh_order(int order);
 
-/// Hands rows to `sink`, exact to float, not yet rounded to what the file stores (quantize_sh). Fills device and plan of
-/// `report`. Throws and counts as average_map() does.
+/// Hands rows to `sink`, exact to float, not yet rounded to what the file stores (quantize_sh). Fills device and plan
+/// of `report`. Throws and counts as average_map() does.
 void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, BakeReport& report,
              Progress* progress);
 

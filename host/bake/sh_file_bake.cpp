@@ -58,16 +58,14 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   AccuracySettings accuracy;
   accuracy.threads = job.threads;
   std::optional<ShMeter> meter;
-  if (job.measure)
-    meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy);
+  if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy);
   FileSink sink(writer, meter ? &*meter : nullptr, job.encoding, job.threads);
   AverageInputs inputs;
   inputs.normals = &run.source.map.normals;
   inputs.albedo = run.source.albedo ? &*run.source.albedo : nullptr;
   inputs.first_level = run.header.first_level;
-  inputs.memory_bytes =
-      run.memory_bytes -
-      std::min(run.memory_bytes, bytes_beyond_usual(run, writing.tile_size, meter ? &*meter : nullptr));
+  inputs.memory_bytes = run.memory_bytes - std::min(run.memory_bytes, bytes_beyond_usual(run, writing.tile_size,
+                                                                                         meter ? &*meter : nullptr));
   inputs.threads = job.threads;
   bake_sh(run.device, job.sh_order, inputs, sink, report, progress);
   run.clock.finish("average");

@@ -133,10 +133,11 @@ ShModel::Filtered ShModel::filtered(const std::vector<SamplePoint>& points, std:
         add_tap(point.slots[t], point.weights[t], channel, sums.data(), map.data(), &share, colour);
       const auto factor = [&](double sum, double weight) { return channel < 0 || weight == 0.0 ? 1.0 : sum / weight; };
       const double stored = factor(colour.stored, share), of_map = factor(colour.of_map, map[3]);
-      for (std::size_t k = 0; k < count_; ++k) filtered.coefficients[i * count_ + k] = static_cast<float>(sums[k] * stored);
+      for (std::size_t k = 0; k < count_; ++k)
+        filtered.coefficients[i * count_ + k] = static_cast<float>(sums[k] * stored);
       const auto map_value = [&](std::size_t c) { return static_cast<float>(map[c] * of_map); };
-      filtered.points[i] = {map_value(0), map_value(1), map_value(2), map_value(3), static_cast<float>(share * stored),
-                            {}};
+      filtered.points[i] = {
+          map_value(0), map_value(1), map_value(2), map_value(3), static_cast<float>(share * stored), {}};
     }
   });
   return filtered;

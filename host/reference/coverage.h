@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a texel covers of the finest ones, by definition: fractions at its borders count (docs/ALGORITHMS.md, "Notation").
+// What a texel covers of the finest ones, by definition: fractions at its borders count (docs/ALGORITHMS.md,
+// "Notation").
 #pragma once
 
 #include <algorithm>

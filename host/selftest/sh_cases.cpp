@@ -26,8 +26,8 @@ std::vector<std::vector<float>> project_sh(Device& device, int order, const std:
   std::vector<std::vector<float>> values(3);
   for (int c = 0; c < 3; ++c) {
     for (const glm::vec3& n : normals) values[static_cast<std::size_t>(c)].push_back(n[c]);
-    planes.push_back(device.wrap_buffer(values[static_cast<std::size_t>(c)].data(), normals.size() * sizeof(float),
-                                        "normals"));
+    planes.push_back(
+        device.wrap_buffer(values[static_cast<std::size_t>(c)].data(), normals.size() * sizeof(float), "normals"));
   }
   const std::vector<ShStep> steps = sh_recurrence(order);
   const DeviceBuffer step_buffer = device.wrap_buffer(steps.data(), steps.size() * sizeof(ShStep), "recurrence");
@@ -56,8 +56,7 @@ std::vector<double> shade_sh(Device& device, int order, const std::vector<float>
   MultumFilteredSh point{};
   point.share = share;
   const std::vector<ShStep> steps = sh_recurrence(order);
-  const ZonalCoefficients exact =
-      lambert ? zonal_lambert(order) : zonal_blinn_phong(order, static_cast<double>(s));
+  const ZonalCoefficients exact = lambert ? zonal_lambert(order) : zonal_blinn_phong(order, static_cast<double>(s));
   const std::vector<float> zonal(exact.begin(), exact.end());
   const auto wrap = [&](const auto& values) {
     return device.wrap_buffer(values.data(), values.size() * sizeof(values[0]), "shading");
@@ -89,16 +88,16 @@ glm::vec3 random_direction(SplitMix64& random) {
 }
 
 // Each coefficient of each normal against the definition at `meant` (of any length).
-void add_basis(Device& device, int order, const std::vector<glm::vec3>& normals,
-               const std::vector<glm::dvec3>& meant, WorstError& worst) {
+void add_basis(Device& device, int order, const std::vector<glm::vec3>& normals, const std::vector<glm::dvec3>& meant,
+               WorstError& worst) {
   const std::vector<std::vector<float>> found = project_sh(device, order, normals);
   for (std::size_t n = 0; n < normals.size(); ++n)
     for (int l = 1; l <= order; ++l)
       for (int m = -l; m <= l; ++m)
-        worst.add(static_cast<double>(found[n][static_cast<std::size_t>(sh_coefficient(l, m))]),
-                  reference::sh_basis(l, m, meant[n]), bound_of_band(l),
-                  fmt::format("normal ({:.3g}, {:.3g}, {:.3g}), l {}, m {}", normals[n].x, normals[n].y, normals[n].z,
-                              l, m));
+        worst.add(
+            static_cast<double>(found[n][static_cast<std::size_t>(sh_coefficient(l, m))]),
+            reference::sh_basis(l, m, meant[n]), bound_of_band(l),
+            fmt::format("normal ({:.3g}, {:.3g}, {:.3g}), l {}, m {}", normals[n].x, normals[n].y, normals[n].z, l, m));
 }
 
 std::vector<glm::dvec3> as_double(const std::vector<glm::vec3>& normals) {
@@ -208,7 +207,8 @@ void opposite_tilts(Device& device, WorstError& worst) {
                                 b = reference::sh_basis_to(order, glm::dvec3(tilts[1]));
       for (std::size_t i = 0; i < exact.size(); ++i) exact[i] = 0.5 * (a[i] + b[i]);
       for (const float s : {0.0f, 12.0f, 500.0f}) {
-        const ZonalCoefficients zonal = s == 0.0f ? zonal_lambert(order) : zonal_blinn_phong(order, static_cast<double>(s));
+        const ZonalCoefficients zonal =
+            s == 0.0f ? zonal_lambert(order) : zonal_blinn_phong(order, static_cast<double>(s));
         const double peak = reference::shade_sh(a, 1.0, zonal, glm::dvec3(tilts[0]));
         const std::vector<double> found = shade_sh(device, order, mean, 1.0f, s, directions);
         for (std::size_t d = 0; d < directions.size(); ++d)

@@ -125,8 +125,7 @@ void Texture::upload(int level, int layer, const float* rgba) {
   const int height = level_size(shape_.height, level);
   const std::size_t count = 4u * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const auto send = [&](GLenum type, const void* data) {
-    if (shape_.layer_count > 0)
-      gl_->TextureSubImage3D(id_, level, 0, 0, layer, width, height, 1, GL_RGBA, type, data);
+    if (shape_.layer_count > 0) gl_->TextureSubImage3D(id_, level, 0, 0, layer, width, height, 1, GL_RGBA, type, data);
     else gl_->TextureSubImage2D(id_, level, 0, 0, width, height, GL_RGBA, type, data);
   };
   gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);

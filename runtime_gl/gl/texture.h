@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A two-dimensional texture, or an array of them, with explicitly uploaded levels: mips are data here, never made by the driver.
+// A two-dimensional texture, or an array of them, with explicitly uploaded levels: mips are data here, never made by
+// the driver.
 #pragma once
 
 #include <string>

@@ -66,8 +66,7 @@ NormalImage finest_normals(const MomentMipmap& mipmap) {
 NormalImage finest_normals(const ShMipmap& mipmap) {
   MULTUM_CHECK(!mipmap.levels.empty() && mipmap.header.first_level == 0);
   const ShLevel& level = mipmap.levels.front();
-  NormalImage image{level.width,           level.height, {}, level.colours, mipmap.header.wrap_s,
-                    mipmap.header.wrap_t};
+  NormalImage image{level.width, level.height, {}, level.colours, mipmap.header.wrap_s, mipmap.header.wrap_t};
   for (const glm::vec4& band : level.parts[0]) {  // of l = 1: y, z, x
     const glm::vec3 n(band.z, band.x, band.y);
     const float size = glm::length(n);

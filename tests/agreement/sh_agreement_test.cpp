@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shading of spherical harmonics in OpenCL (kernels/sh_shade.cl, by which a bake measures its own error) and in GLSL
-// (runtime_gl/shaders/common/sh_shading.glsl, by which it is rendered), and both against double precision: hard cases
-// first, then random distributions.
+// The shading of spherical harmonics in OpenCL (kernels/sh_shade.cl, by which a bake measures its own error) and in
+// GLSL (runtime_gl/shaders/common/sh_shading.glsl, by which it is rendered), and both against double precision: hard
+// cases first, then random distributions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -68,14 +68,15 @@ ZonalCoefficients zonal_of(int order, float s) {
 }
 
 // [set][direction]. Coefficients and zonal coefficients stand in a row of a texture each.
-std::vector<float> shade_glsl(const gl::HeadlessContext& context, int order, const std::vector<std::vector<float>>& sets,
-                              const std::vector<glm::vec3>& directions, float s) {
-  const auto parts = static_cast<std::size_t>(sh_part_count(order)), columns = parts + static_cast<std::size_t>(order) + 1;
+std::vector<float> shade_glsl(const gl::HeadlessContext& context, int order,
+                              const std::vector<std::vector<float>>& sets, const std::vector<glm::vec3>& directions,
+                              float s) {
+  const auto parts = static_cast<std::size_t>(sh_part_count(order)),
+             columns = parts + static_cast<std::size_t>(order) + 1;
   const ZonalCoefficients zonal = zonal_of(order, s);
   std::vector<glm::vec4> texels(columns * sets.size(), glm::vec4(0.0f));
   for (std::size_t i = 0; i < sets.size(); ++i) {
-    for (std::size_t k = 0; k < sets[i].size(); ++k)
-      texels[i * columns + k / 4][static_cast<int>(k % 4)] = sets[i][k];
+    for (std::size_t k = 0; k < sets[i].size(); ++k) texels[i * columns + k / 4][static_cast<int>(k % 4)] = sets[i][k];
     for (std::size_t l = 0; l < zonal.size(); ++l) texels[i * columns + parts + l] = glm::vec4(zonal[l]);
   }
   gl::Texture map(context.functions(), "coefficients",
@@ -126,8 +127,7 @@ TEST_P(ShAgreementTest, OpenclGlslAndDoubleAgree) {
       const std::vector<double> opencl = shade_sh(device, order, sets[i], 1.0f, s, directions);
       const std::vector<double> coefficients(sets[i].begin(), sets[i].end());
       for (std::size_t d = 0; d < directions.size(); ++d) {
-        const double expected =
-            std::max(0.0, reference::shade_sh(coefficients, 1.0, zonal, glm::dvec3(directions[d])));
+        const double expected = std::max(0.0, reference::shade_sh(coefficients, 1.0, zonal, glm::dvec3(directions[d])));
         // The basis is within 1e-5 of its bound (host/selftest/sh_cases.cpp).
         EXPECT_NEAR(opencl[d], expected, 1e-5 * peak) << s << ", " << i << ", " << d;
         EXPECT_NEAR(static_cast<double>(glsl[i * directions.size() + d]), expected, 1e-5 * peak)

@@ -114,8 +114,7 @@ TEST_F(ShCommandTest, WhatFitsNoHarmonicsIsRefused) {
   refused({"--lobes", "6"}, "--lobes is for --ndf vmf");
   refused({"-d", "snorm16"}, "expected half or float for --ndf sh");
   refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, "--region and --onto are for --ndf vmf");
-  const ProgramResult other =
-      multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--sh-order", "4"});
+  const ProgramResult other = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--sh-order", "4"});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_TRUE(contains(other.err, "--sh-order is for --ndf sh, found --ndf vmf")) << other.err;
 }
@@ -130,8 +129,7 @@ TEST_F(ShCommandTest, AManifestBakesAndChecksIt) {
   EXPECT_EQ(read_sh_header(path("sh.ndf.exr")).order, 2);
   const ProgramResult check = multum({"bake", "--manifest", path("maps.toml"), "--check"});
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
-  write_bytes(path("maps.toml"),
-              "[[map]]\ninput = \"map_normal.png\"\noutput = \"lobes.ndf.exr\"\nsh_order = 2\n");
+  write_bytes(path("maps.toml"), "[[map]]\ninput = \"map_normal.png\"\noutput = \"lobes.ndf.exr\"\nsh_order = 2\n");
   const ProgramResult refused = multum({"bake", "--manifest", path("maps.toml")});
   EXPECT_EQ(refused.exit_code, 3) << refused.err;
   EXPECT_TRUE(contains(refused.err, "is for ndf = \"sh\"")) << refused.err;

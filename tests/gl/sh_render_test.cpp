@@ -136,7 +136,8 @@ TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
   EXPECT_GT(least, most);
 }
 
-// The mean of what lights the normals is what lobes take (movmf_shading.glsl): at least as near the truth as the others.
+// The mean of what lights the normals is what lobes take (movmf_shading.glsl): at least as near the truth as the
+// others.
 TEST_P(ShRenderTest, TheHighlightsCosineIsTheNearest) {
   const TestMap map = make_noise_map(64, 1.5f, WrapMode::kPeriodic);
   const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);

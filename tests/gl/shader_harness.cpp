@@ -29,11 +29,10 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
       std::string(shader_common_movmf_shading_glsl) + shader_brdf_blinn_phong_glsl + shader_brdf_torrance_sparrow_glsl +
           shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl + shader_brdf_terms_glsl,
       "movmf_shading", input.edits);
-  const ShaderProgram program(
-      gl, {"harness",
-           input.flags,
-           {shader_full_screen_vert},
-           {inputs, formulas, shader_common_moment_shading_glsl, input.formulas, main}});
+  const ShaderProgram program(gl, {"harness",
+                                   input.flags,
+                                   {shader_full_screen_vert},
+                                   {inputs, formulas, shader_common_moment_shading_glsl, input.formulas, main}});
   program.set("u_a", 0);
   program.set("u_b", 1);
   program.set("map", 2);

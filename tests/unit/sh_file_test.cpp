@@ -53,8 +53,8 @@ ShMipmap random_harmonics(const Shape& shape, unsigned seed) {
   header.encoding = shape.encoding;
   header.wrap_s = WrapMode::kClamp;
   header.wrap_t = WrapMode::kMirror;
-  header.provenance = {"multum test", "map.png", std::string(64, 'a'), "{\"sh_order\":4}", std::string(64, 'b'), "[]",
-                       ""};
+  header.provenance = {"multum test", "map.png", std::string(64, 'a'), "{\"sh_order\":4}", std::string(64, 'b'),
+                       "[]",          ""};
   header.width = shape.width;
   header.height = shape.height;
   header.first_level = shape.first_level;

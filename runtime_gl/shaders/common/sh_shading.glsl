@@ -4,15 +4,16 @@
 // filters them exactly, whatever the spread. A renderer defines
 //
 //     MULTUM_SH_ORDER    the file's, multum:shOrder
-//     MULTUM_SH_STEPS    vec2[](...), the recurrence's constants: for each m from 0 first (p_mm, 0), then (a_lm, b_lm) of
-//                        l = m + 1 to the order (host/asset/spherical_harmonics.h, sh_recurrence())
+//     MULTUM_SH_STEPS    vec2[](...), the recurrence's constants: for each m from 0 first (p_mm, 0), then (a_lm, b_lm)
+//                        of l = m + 1 to the order (host/asset/spherical_harmonics.h, sh_recurrence())
 //
 // and multiplies the bands by the zonal coefficients of its BRDF, a_l = 2 pi integral f(t) P_l(t) dt: any BRDF of one
 // angle, at run time. What it gets is cut off above the order. Of a sharp highlight that is a blur with rings, whose
 // parts below 0 are clamped. No window is put over the coefficients: every one that was tried is farther from the truth
 // wherever the order suffices (docs/ALGORITHMS.md, "Spherical harmonics", has the figures).
 //
-// The same formulas stand in kernels/device/spherical_harmonics.clh; tests/agreement compares both with double precision.
+// The same formulas stand in kernels/device/spherical_harmonics.clh; tests/agreement compares both with double
+// precision.
 
 #define MULTUM_SH_COUNT (MULTUM_SH_ORDER * (MULTUM_SH_ORDER + 2))
 #define MULTUM_SH_PARTS ((MULTUM_SH_COUNT + 3) / 4)
