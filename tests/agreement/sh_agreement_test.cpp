@@ -4,6 +4,7 @@
 // cases first, then random distributions.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>

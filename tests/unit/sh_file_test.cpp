@@ -269,8 +269,8 @@ TEST(ShQuantizeTest, HalfsLoseATwoThousandthAtMost) {
     for (std::size_t p = 0; p < exact.levels[l].parts.size(); ++p)
       for (std::size_t i = 0; i < exact.levels[l].parts[p].size(); ++i)
         for (int c = 0; c < 4; ++c) {
-          const float value = exact.levels[l].parts[p][i][c];
-          ASSERT_NEAR(rounded.levels[l].parts[p][i][c], value, std::abs(value) * 0x1p-11f + 3e-8f);
+          const auto value = static_cast<double>(exact.levels[l].parts[p][i][c]);
+          ASSERT_NEAR(static_cast<double>(rounded.levels[l].parts[p][i][c]), value, std::abs(value) * 0x1p-11 + 3e-8);
         }
   }
 }
