@@ -53,6 +53,18 @@ void multum_sh_bands(vec4 parts[MULTUM_SH_PARTS], float share, vec3 w, out float
 // E[n], from the band of l = 1.
 vec3 multum_sh_mean_normal(vec4 parts[MULTUM_SH_PARTS]) { return parts[0].zxy / 0.48860251; }
 
+// E[n n^T], from the band of l = 2; of order 1, which has none, as if all directions were alike.
+mat3 multum_sh_second_moments(vec4 parts[MULTUM_SH_PARTS]) {
+#if MULTUM_SH_ORDER < 2
+  return mat3(1.0 / 3.0);
+#else
+  float xy = parts[0].w / 1.09254843, yz = parts[1].x / 1.09254843, zx = parts[1].z / 1.09254843;
+  float zz = (parts[1].y / 0.31539157 + 1.0) / 3.0, difference = parts[1].w / 0.54627422;  // E[x^2] - E[y^2]
+  float xx = 0.5 * (1.0 - zz + difference), yy = 0.5 * (1.0 - zz - difference);
+  return mat3(xx, xy, zx, xy, yy, yz, zx, yz, zz);
+#endif
+}
+
 // max(n . l, 0), integrated over the normals: a_l = pi, 2 pi/3, pi/4, 0, -pi/24, 0, ..., a_l = a_l-2 (3 - l)/(l + 2).
 float multum_sh_lambert(vec4 parts[MULTUM_SH_PARTS], float share, vec3 light) {
   float bands[MULTUM_SH_ORDER + 1];

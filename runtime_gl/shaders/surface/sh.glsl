@@ -92,9 +92,25 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 }
 
 #ifdef MULTUM_ENVIRONMENT
-// As a lobe of the mean normal.
+// The light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all normals:
+// E[n] and E[n n^T] are what is needed, and there. Exact up to l = 2, where Lambert's light ends but for 1 %.
+vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
+  vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);
+  mat3 second = multum_environment_frame * multum_sh_second_moments(parts) * transpose(multum_environment_frame);
+  vec3 sum = u_smooth_mean;
+  for (int c = 0; c < 3; ++c) {
+    sum[c] += 2.0 / 3.0 * dot(u_smooth_linear[c], mean);
+    for (int row = 0; row < 3; ++row) sum[c] += 0.25 * dot(u_smooth_quadratic[3 * c + row], second[row]);
+  }
+  return max(MULTUM_PI * sum, vec3(0.0));
+}
+
+// The highlight as that of a lobe of the mean normal.
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   MultumReflection sum = multum_environment_lobe(vec4(multum_sh_mean_normal(surface.parts), 1.0), v);
+#ifndef MULTUM_FRESNEL_DIFFUSE
+  sum.diffuse = multum_sh_irradiance(surface.parts);
+#endif
   sum.diffuse *= surface.share * surface.albedo;
   sum.specular *= surface.share;
 #ifdef MULTUM_NORMAL_MAP
