@@ -3,7 +3,7 @@
 // as they were uploaded, levels left to the normal map, borders that are black.
 #include <gtest/gtest.h>
 
-#include <array>
+#include <algorithm>
 #include <memory>
 
 #include <glm/geometric.hpp>
@@ -141,6 +141,27 @@ TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
   const double most = error(draw(make_harmonics(map.image, 20, StorageEncoding::kHalf), scene), exact);
   EXPECT_LT(most, 0.03);
   EXPECT_GT(least, most);
+}
+
+// Up to l = 2, where lobes of one direction are exact too, it needs E[n] and E[n n^T] alone; of 60 degrees to both
+// sides a lobe of the mean normal would be far off.
+TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
+  EnvironmentMap sky{32, 16, {}};
+  for (int y = 0; y < sky.height; ++y)
+    for (int x = 0; x < sky.width; ++x) {
+      const glm::dvec3 d = environment_direction((x + 0.5) / sky.width, (y + 0.5) / sky.height);
+      sky.texels.emplace_back(glm::dvec3(0.2, 0.3, 0.4) + std::max(0.0, d.x) * glm::dvec3(2.0, 1.0, 0.5) +
+                              std::max(0.0, d.y) * glm::dvec3(0.2, 0.5, 1.0));
+    }
+  const TestMap map = make_two_tilt_map(16, 60.0, StorageEncoding::kFloat, false);
+  Scene scene = scene_of(10.0f);
+  scene.lights.clear();
+  scene.environment = make_environment_light(sky);
+  scene.brdf.kind = BrdfKind::kLambert;
+  const FloatImage exact = lobes(map, scene);
+  for (const int order : {2, 4})
+    EXPECT_LT(error(draw(make_harmonics(map.image, order, StorageEncoding::kFloat), scene), exact), 1e-3) << order;
+  EXPECT_GT(error(draw(make_harmonics(map.image, 1, StorageEncoding::kFloat), scene), exact), 0.01);
 }
 
 // The mean of what lights the normals is what lobes take (movmf_shading.glsl): at least as near the truth as the
