@@ -9,6 +9,7 @@
 #include "host/asset/baked_reader.h"
 #include "host/asset/moment_verify.h"
 #include "host/asset/movmf_verify.h"
+#include "host/asset/sh_verify.h"
 
 namespace multum {
 namespace {
@@ -25,6 +26,8 @@ constexpr FileKind kFileKinds[] = {
      [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
     {Representation::kMoments, read_moment_header,
      [](const std::string& path, int threads) { return verify_moments(path, threads); }},
+    {Representation::kSh, [](const std::string& path) { return read_sh_header(path).header; },
+     [](const std::string& path, int threads) { return verify_sh(path, threads); }},
 };
 
 const FileKind& kind_of(const std::string& path) {

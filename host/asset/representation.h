@@ -11,6 +11,7 @@ namespace multum {
 enum class Representation {
   kMovmf,    // mixtures of von Mises-Fisher lobes (host/asset/movmf_mipmap.h)
   kMoments,  // first and second moments of slopes, and the mean normal (host/asset/moment_mipmap.h)
+  kSh,       // spherical harmonics of the normals, to an order (host/asset/sh_mipmap.h)
 };
 
 /// How channel values are rounded when stored; docs/FORMAT.md states what each loses.

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 
+#include "kernels/shared/filtered_sh.h"
 #include "kernels/shared/mip_pyramid.h"
 #include "kernels/shared/moments.h"
 #include "kernels/shared/movmf_fit.h"
+#include "kernels/shared/plane_averages.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
@@ -24,12 +26,14 @@ StructLayout struct_layout(Device& device) {
                  sizeof(MultumGather),
                  sizeof(MultumGatherEntry),
                  sizeof(MultumStrip),
-                 sizeof(MultumMomentBand),
-                 offsetof(MultumMomentBand, slope_z_min),
-                 sizeof(MultumMomentLevel),
-                 sizeof(MultumMomentTap),
+                 sizeof(MultumAverageBand),
+                 offsetof(MultumAverageBand, column_count),
+                 sizeof(MultumAverageLevel),
+                 sizeof(MultumAverageTap),
                  sizeof(MultumFilteredMoments),
-                 offsetof(MultumFilteredMoments, map_share)};
+                 offsetof(MultumFilteredMoments, map_share),
+                 sizeof(MultumFilteredSh),
+                 offsetof(MultumFilteredSh, share)};
   layout.device.assign(layout.host.size(), -1);
   const DeviceBuffer sizes = device.make_buffer(layout.host.size() * sizeof(int), "sizes");
   device.kernel("probe_numerics", "probe_layout", {4, 1, false})

@@ -43,6 +43,7 @@ JobType bake_type() {
           {{"input", Kind::kInputFile, "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"},
            {"albedo", Kind::kInputFile, "colour map of the same size: bakes colours, per lobe or averaged"},
            {"ndf", Kind::kChoice, "what texels hold", 0, 0, ndf_names()},
+           {"sh_order", Kind::kWhole, "of sh: spherical harmonics up to this l", 1, 20},
            {"lobes", Kind::kWhole, "lobes a texel", 1, 8},
            {"reference", Kind::kFlag, "every normal at every level, none cut short"},
            {"iterations", Kind::kWhole, "EM iterations a texel, at most", 1, 1000},

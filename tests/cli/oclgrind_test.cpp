@@ -88,6 +88,7 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
         path("tiny_albedo.png"), "--scalar", "--no-rehearsal"});
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--ndf", "moments", "--no-measure"});
   bake({path("tiny.png"), "--ndf", "moments", "--first-level", "1"});
+  bake({path("tiny.png"), "--albedo", path("tiny_albedo.png"), "--ndf", "sh", "--sh-order", "3", "--first-level", "1"});
 
   // The kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
   const std::regex counted("kernel '(\\w+)'");

@@ -12,6 +12,7 @@
 #include "host/asset/gpu_bytes.h"
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
+#include "host/asset/sh_mipmap.h"
 #include "host/bake/accuracy_table.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
@@ -70,6 +71,17 @@ constexpr InfoKind kInfoKinds[] = {
                           static_cast<double>(least_slope_deviation(file.encoding)));
      },
      [](const std::string&, const BakedHeader& file) { return moment_gpu_bytes(file); }},
+    {Representation::kSh,
+     [](const std::string& path, const BakedHeader& file) {
+       const int order = read_sh_header(path).order;
+       return fmt::format("spherical harmonics to order {}: {} coefficients in {} textures{}", order,
+                          sh_coefficient_count(order), sh_part_count(order), file.has_colours ? ", mean colour" : "");
+     },
+     [](const BakedHeader& file) {
+       return std::string(file.encoding == StorageEncoding::kHalf ? "2^-11 of each coefficient is lost at most"
+                                                                  : "nothing is lost");
+     },
+     [](const std::string& path, const BakedHeader&) { return sh_gpu_bytes(read_sh_header(path)); }},
 };
 
 const InfoKind& info_kind(Representation representation) {

@@ -58,12 +58,17 @@ std::string ndf_help() {
 void add_storage_options(CLI::App& bake, MapOptions& o) {
   const BakeJob usual;
   add_choice_with_default(bake, "--ndf", o.ndf, kNdfs, usual.representation, ndf_help());
+  bake.add_option("--sh-order", o.sh_order,
+                  fmt::format("of sh: spherical harmonics up to this l, {}..{}; order 4 is for diffuse, 8 for broad "
+                              "highlights (docs/ALGORITHMS.md)",
+                              kShOrderMin, kShOrderMax))
+      ->default_str(fmt::format("{}", usual.sh_order));
   bake.add_option("--first-level", o.first_level,
                   "finest level to store; renderers take finer ones from the normal map (docs/FORMAT.md)")
       ->default_str(fmt::format("{}", usual.fitting.first_level));
   add_choice_with_default(bake, "-d,--data-format", o.data_format, kStorageEncodings, usual.encoding,
                           "what is stored is rounded to; half loses kappa above 1000 of lobes, and is the default of "
-                          "moments (docs/FORMAT.md)");
+                          "moments and sh (docs/FORMAT.md)");
   bake.add_option("--compression", o.compression, "none, rle, zips, zip or piz, zip:1..9")
       ->default_str(usual.writing.compression);
 }
