@@ -145,11 +145,11 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
 // [defaults] may say how lobes are fitted for all maps that have any; a map that has none may not.
 void check_keys_of_lobes(const StrictTable& table, const MapOptions& map) {
   const Representation representation = map.ndf.value_or(Representation::kMovmf);
-  if (representation == Representation::kMovmf) return;
+  if (holds_lobes(representation)) return;
   for (const char* key :
        {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal", "order", "coarse_normals"})
     if (table.has(key))
-      table.refuse(key, fmt::format("is for ndf = \"vmf\", found ndf = \"{}\", which fits no lobes",
+      table.refuse(key, fmt::format("is for ndf = \"vmf\" and \"gmm\", found ndf = \"{}\", which fits no lobes",
                                     representation_info(representation).option));
 }
 

@@ -40,7 +40,7 @@ void apply(const MapOptions& o, BakeJob& job) {
 
 void check_options_of_lobes(const MapOptions& o) {
   const Representation representation = o.ndf.value_or(Representation::kMovmf);
-  if (representation == Representation::kMovmf) return;
+  if (holds_lobes(representation)) return;
   const std::pair<const char*, bool> options[] = {
       {"--lobes", o.lobes.has_value()},           {"--reference", o.reference},
       {"--iterations", o.iterations.has_value()}, {"--sweeps", o.sweeps.has_value()},
@@ -49,7 +49,7 @@ void check_options_of_lobes(const MapOptions& o) {
       {"--kappa-cap", o.kappa_cap.has_value()}};
   for (const auto& [option, is_given] : options)
     if (is_given)
-      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf, found --ndf {}, which fits no lobes", option,
+      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf and gmm, found --ndf {}, which fits no lobes", option,
                                                  representation_info(representation).option));
 }
 

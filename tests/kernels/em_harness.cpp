@@ -99,7 +99,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   windows.lobes = &lobes;
   windows.directed = &directed;
   windows.normals = &normals;
-  const auto condensed = condense_levels(device, planes, nullptr, schedule, how.condense_rows, {}, nullptr);
+  const auto condensed = condense_levels(device, planes, nullptr, schedule, settings.representation, how.condense_rows, {}, nullptr);
   RowWindow samples, counts;
   if (how.method == FitMethod::kCondensed) {
     const CondensedLevel& from = condensed.at(how.level);
