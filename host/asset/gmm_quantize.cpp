@@ -28,18 +28,29 @@ double planar_spread(const glm::vec4& lobe) {
   return static_cast<double>(lobe.z) / a - x * x - y * y;
 }
 
-// The mean to nearest, then the third about that mean. Of a single direction downwards, so that readers clamp its
+float grid_inwards(double value, StorageEncoding encoding) {
+  const float below = grid_below(std::abs(value), encoding);
+  return value < 0.0 ? -below : below;
+}
+
+// The mean to nearest, then the third about that mean; where that would exceed a, which E|p|^2 does not and snorm16
+// cannot, the mean inwards instead. Of a single direction the third downwards, so that readers clamp its
 // variance to none. What is not even a number stays it, for verify_movmf() to tell.
 glm::vec4 round_gaussian(const glm::vec4& lobe, double a, StorageEncoding encoding) {
   if (a <= 0.0) return glm::vec4(0.0f);
   const double spread = planar_spread(lobe), scale = a / static_cast<double>(lobe.w);
   if (!std::isfinite(spread)) return lobe;
-  glm::vec4 rounded;
-  rounded.x = grid_nearest(static_cast<double>(lobe.x) * scale, encoding);
-  rounded.y = grid_nearest(static_cast<double>(lobe.y) * scale, encoding);
-  const double x = static_cast<double>(rounded.x), y = static_cast<double>(rounded.y), square = (x * x + y * y) / a;
-  rounded.z = spread > kSpreadZero ? grid_nearest(a * spread + square, encoding) : grid_below(square, encoding);
-  rounded.w = static_cast<float>(a);
+  const double exact_x = static_cast<double>(lobe.x) * scale, exact_y = static_cast<double>(lobe.y) * scale;
+  glm::vec4 rounded(grid_nearest(exact_x, encoding), grid_nearest(exact_y, encoding), 0.0f, static_cast<float>(a));
+  const auto square = [&] {
+    const double x = static_cast<double>(rounded.x), y = static_cast<double>(rounded.y);
+    return (x * x + y * y) / a;
+  };
+  if (a * spread + square() > a) {
+    rounded.x = grid_inwards(exact_x, encoding);
+    rounded.y = grid_inwards(exact_y, encoding);
+  }
+  rounded.z = spread > kSpreadZero ? grid_nearest(a * spread + square(), encoding) : grid_below(square(), encoding);
   return rounded;
 }
 
