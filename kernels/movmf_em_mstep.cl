@@ -24,14 +24,14 @@ static void sum_chunks(__global const float* chunks, int lobe, int chunk_count, 
 }
 
 #if MULTUM_PLANAR
-// movmf_em_cap: the caps of texels' kappas, after the first E-step and before any M-step, since all lobes' means go into
-// them. One work-item = one slot; global size slot_count. Memory bound.
+// movmf_em_cap: the caps of texels' kappas, after the first E-step and before any M-step, since all lobes' means go
+// into them. One work-item = one slot; global size slot_count. Memory bound.
 __kernel void movmf_em_cap(__global const float* restrict partial, __global float* restrict start,
                            __global const int* restrict texel_list, MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0);
   if (slot >= fit.slot_count || texel_list[slot] < 0) return;
-  __global float* p = start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP +
-                      slot % MULTUM_GROUP;
+  __global float* p =
+      start + (size_t)(slot / MULTUM_GROUP) * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + slot % MULTUM_GROUP;
 #define LOBE_PLANE(j, plane) p[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
   float sum_s[MULTUM_LOBES], sum_x[MULTUM_LOBES], sum_y[MULTUM_LOBES], sum_d[MULTUM_LOBES];
   float mu_x[MULTUM_LOBES], mu_y[MULTUM_LOBES], cap;

@@ -91,8 +91,7 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
         ADD_MOMENTS(x, y, z, responsibility[i], u[i])
       }
     }
-    if (iteration == 0)
-      KAPPA_CAP_OF_TEXEL(cap, (real_v)(fit.total_weight_inverse), fit.kappa_cap, fit.kappa_cap_slope)
+    if (iteration == 0) KAPPA_CAP_OF_TEXEL(cap, (real_v)(fit.total_weight_inverse), fit.kappa_cap, fit.kappa_cap_slope)
     if (iteration + 1 == fit.iteration_count || !ANY_V(moving)) break;
     real_v change = (real_v)(0.0f);
     _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {

@@ -43,8 +43,7 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
   __global float* out = values + (size_t)sample * (exponent_count * half_count + light_count);
   for (int e = 0; e < exponent_count; ++e) {
     SHAPE shapes[MULTUM_LOBES];
-    for (int j = 0; j < MULTUM_LOBES; ++j)
-      shapes[j] = SHAPE_OF(lobes[(size_t)sample * MULTUM_LOBES + j], exponents[e]);
+    for (int j = 0; j < MULTUM_LOBES; ++j) shapes[j] = SHAPE_OF(lobes[(size_t)sample * MULTUM_LOBES + j], exponents[e]);
     for (int d = 0; d < half_count; ++d) {
       float sum = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j)

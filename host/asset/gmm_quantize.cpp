@@ -70,8 +70,8 @@ float gmm_variance(const glm::vec4& lobe) {
 }
 
 float gmm_kappa_max(StorageEncoding encoding) {
-  // Half a step of the third value is a quarter of 2 sigma^2: a step is 1/32767, of halfs 1/2048 near the rim, where the
-  // third is near 1 (and less elsewhere). GmmQuantizeTest.KeepsVariance measures it.
+  // Half a step of the third value is a quarter of 2 sigma^2: a step is 1/32767, of halfs 1/2048 near the rim, where
+  // the third is near 1 (and less elsewhere). GmmQuantizeTest.KeepsVariance measures it.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 30000.0f;
     case StorageEncoding::kHalf: return 2000.0f;

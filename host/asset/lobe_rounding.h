@@ -10,8 +10,8 @@
 namespace multum {
 
 constexpr int kSnormSteps = 32767;
-/// Times this is the same float as a division gives, for every step (QuantizeStepsTest): k/32767 repeats its 15 bits for
-/// ever, so that no quotient lies near the middle of two floats.
+/// Times this is the same float as a division gives, for every step (QuantizeStepsTest): k/32767 repeats its 15 bits
+/// for ever, so that no quotient lies near the middle of two floats.
 constexpr double kSnormStep = 1.0 / kSnormSteps;
 
 /// Texels that are rounded at once.

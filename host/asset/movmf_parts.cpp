@@ -27,8 +27,7 @@ constexpr char kColourText[] = "R,G,B = a*linear RGB of the lobe; a is in the lo
 // In the order in which OpenImageIO lists layers and their channels, as with the other parts.
 MovmfPart finest_part(const MovmfMipmap& header) {
   const bool gaussians = header.representation == Representation::kGmm;
-  MovmfPart part{
-      {"finest", {}, 0, 1, true, gaussians ? kFinestGaussianText : kFinestText}, MovmfPartKind::kFinest, 0};
+  MovmfPart part{{"finest", {}, 0, 1, true, gaussians ? kFinestGaussianText : kFinestText}, MovmfPartKind::kFinest, 0};
   if (header.has_colours())
     for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
       part.channels.push_back({name, colour_type(header.encoding)});
@@ -104,7 +103,8 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
     if (part->kind == MovmfPartKind::kFinest) {
       std::vector<float> values;
       for (int row = 0; row < level.height; row += kRowsPerBand) {
-        const MovmfFinest rows = finest_of(level, row, std::min(kRowsPerBand, level.height - row), mipmap.representation);
+        const MovmfFinest rows =
+            finest_of(level, row, std::min(kRowsPerBand, level.height - row), mipmap.representation);
         values.resize(rows.normals.size() * channels);
         interleave(rows, 0, rows.normals.size(), values.data());
         hash.update(values.data(), values.size() * sizeof(float));

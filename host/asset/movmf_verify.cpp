@@ -119,12 +119,11 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
   MovmfReader reader(path, threads);
   const MovmfMipmap& mipmap = reader.header();
   std::vector<VerifyFinding> findings;
-  findings.push_back({"structure", true,
-                      fmt::format("{} x {}, {}, {} {}{}, encoding {}", mipmap.width(), mipmap.height(),
-                                  levels_text(mipmap), mipmap.lobe_count(),
-                                  mipmap.representation == Representation::kGmm ? "Gaussians" : "lobes",
-                                  mipmap.has_colours() ? " with colours" : "",
-                                  storage_encoding_name(mipmap.encoding))});
+  findings.push_back(
+      {"structure", true,
+       fmt::format("{} x {}, {}, {} {}{}, encoding {}", mipmap.width(), mipmap.height(), levels_text(mipmap),
+                   mipmap.lobe_count(), mipmap.representation == Representation::kGmm ? "Gaussians" : "lobes",
+                   mipmap.has_colours() ? " with colours" : "", storage_encoding_name(mipmap.encoding))});
   Scan scan;
   const std::string hash = scan_file(reader, threads, seen, scan);
   findings.push_back({"checksum", hash == mipmap.provenance.content_hash,

@@ -49,8 +49,8 @@ void check_options_of_lobes(const MapOptions& o) {
       {"--kappa-cap", o.kappa_cap.has_value()}};
   for (const auto& [option, is_given] : options)
     if (is_given)
-      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf and gmm, found --ndf {}, which fits no lobes", option,
-                                                 representation_info(representation).option));
+      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf and gmm, found --ndf {}, which fits no lobes",
+                                                 option, representation_info(representation).option));
 }
 
 }  // namespace multum

@@ -184,8 +184,8 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
 }
 
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
-                                              const MipSchedule& schedule, Representation representation,
-                                              int band_rows, const StorePlace& place, Progress* progress) {
+                                              const MipSchedule& schedule, Representation representation, int band_rows,
+                                              const StorePlace& place, Progress* progress) {
   const KernelVariant variant{1, 1, schedule.weighted, representation == Representation::kGmm};
   std::map<int, LevelCondenser> levels;
   for (const LevelSchedule& level : schedule.levels)

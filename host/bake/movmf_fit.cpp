@@ -213,8 +213,8 @@ class MovmfFitter {
     handing_over_.run(
         inputs_.threads,
         [this, number = level.level, keeps = store.kept != nullptr && !is_kept, first_row = rows.first_row,
-         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, settings_.representation}, lobes = std::move(lobes),
-         colours = std::move(colours), finest = std::move(finest)]() mutable {
+         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, settings_.representation},
+         lobes = std::move(lobes), colours = std::move(colours), finest = std::move(finest)]() mutable {
           if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.data(), colours.data());
           sink_.add_level(number, first_row,
                           stored_rows(size, lobes, colours, settings_.kappa_cap, inputs_.threads, report_));

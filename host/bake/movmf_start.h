@@ -24,8 +24,8 @@ struct TexelRectangle {
 /// At most about 2^14 normals on a regular grid are looked at.
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
-/// The same lobes as `representation` has them: of Gaussians the mean's x and y, and sigma^2 = 1 - |r|, which is 1/kappa
-/// of a narrow lobe.
+/// The same lobes as `representation` has them: of Gaussians the mean's x and y, and sigma^2 = 1 - |r|, which is
+/// 1/kappa of a narrow lobe.
 std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation);
 
 struct StartSearch {

@@ -51,7 +51,8 @@ std::vector<double> shares_of(const Sample& s, const std::vector<Lobe>& lobes) {
 
 }  // namespace
 
-std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options) {
+std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes,
+                                const EmOptions& options) {
   const double cap = texel_kappa_cap(samples, options);
   double total_weight = 0.0;
   for (const Sample& s : samples) total_weight += s.weight;
@@ -66,7 +67,8 @@ std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<
       double amplitude = 0.0;
       for (const double share : shares[j]) amplitude += share / total_weight;
       const bool alive = amplitude > 1e-7;
-      const glm::dvec3 r = alive ? mean_and_variance(samples, shares[j]) : glm::dvec3(lobes[j].mu.x, lobes[j].mu.y, 0.0);
+      const glm::dvec3 r =
+          alive ? mean_and_variance(samples, shares[j]) : glm::dvec3(lobes[j].mu.x, lobes[j].mu.y, 0.0);
       moments[j] = {r, r.z, amplitude};
     }
     if (iteration + 1 == options.iterations) break;

@@ -139,9 +139,8 @@ FittedTexel fit_in_double(const EmTexel& given, const EmSettings& settings) {
   std::vector<reference::Lobe> lobes = texel.lobes;
   const reference::EmOptions options = {
       settings.iterations, static_cast<double>(settings.kappa_cap), static_cast<double>(settings.kappa_cap_slope), {}};
-  const std::vector<reference::Moments> moments = settings.planar
-                                                      ? reference::fit_planar(texel.samples, lobes, options)
-                                                      : reference::fit(texel.samples, lobes, options);
+  const std::vector<reference::Moments> moments = settings.planar ? reference::fit_planar(texel.samples, lobes, options)
+                                                                  : reference::fit(texel.samples, lobes, options);
   FittedTexel fitted;
   for (std::size_t j = 0; j < lobes.size(); ++j) {
     fitted.lobes.emplace_back(moments[j].r, moments[j].amplitude);

@@ -87,7 +87,8 @@ void variance_never_negative(Device& device, WorstError& worst) {
 // Every density is 0 in float.
 void far_from_every_lobe(Device& device, WorstError& worst) {
   for (const double kappa : {1e3, 1e5, 1e6})
-    add_em_errors(device, {repeated({point(60, 0.1), point(60, 1.4)}, 64), equal_lobes({point(10), point(10, 1.5)}, kappa)},
+    add_em_errors(device,
+                  {repeated({point(60, 0.1), point(60, 1.4)}, 64), equal_lobes({point(10), point(10, 1.5)}, kappa)},
                   planar_settings(2), fmt::format("kappa {}", kappa), worst);
 }
 
@@ -247,8 +248,8 @@ std::vector<NumericalCase> fit_cases() {
        dying_lobes,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
       {{"planar-one-two-three-points", kFormula, "more lobes than points: sigma^2 is 0, its inverse infinite",
-        "a floor of 1e-7 under sigma^2, a cap on its inverse: 500 + 10 kappa_1", 1e-4,
-        kUnit, "lobes that compete evenly multiply a difference in each iteration"},
+        "a floor of 1e-7 under sigma^2, a cap on its inverse: 500 + 10 kappa_1", 1e-4, kUnit,
+        "lobes that compete evenly multiply a difference in each iteration"},
        few_points,
        {no_floor, no_cap}},
       {{"planar-scatter-of-equal-normals", "movmf_condense, planar",
@@ -270,14 +271,13 @@ std::vector<NumericalCase> planar_cases() {
                     "6e-8 of a mean near 1, twice, against a variance of 1e-4"},
                    filtered_variance_below_0,
                    {shade_edit("max(spread, 0.0f)", "spread")}});
-  cases.push_back({{"planar-amplitude-to-0", "movmf_shade, planar",
-                    "a lobe of no normals is divided by its amplitude: 0 / 0", "no lobe at or below 1e-6", 6e-4,
-                    "of an upright lobe's peak; 1 where there should be none", "as above"},
-                   vanishing_amplitude,
-                   {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;",
-                               "shape.amplitude = lobe.w;"),
-                    shade_edit("1.0f / max(lobe.w, GMM_AMPLITUDE_MIN)", "1.0f / lobe.w"),
-                    shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});
+  cases.push_back(
+      {{"planar-amplitude-to-0", "movmf_shade, planar", "a lobe of no normals is divided by its amplitude: 0 / 0",
+        "no lobe at or below 1e-6", 6e-4, "of an upright lobe's peak; 1 where there should be none", "as above"},
+       vanishing_amplitude,
+       {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
+        shade_edit("1.0f / max(lobe.w, GMM_AMPLITUDE_MIN)", "1.0f / lobe.w"),
+        shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});
   cases.push_back(storage_case(StorageEncoding::kHalf, "half"));
   cases.push_back(storage_case(StorageEncoding::kSnorm16, "snorm16"));
   return cases;

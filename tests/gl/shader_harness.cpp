@@ -28,8 +28,11 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
       std::string(shader_common_movmf_shading_glsl) + shader_brdf_blinn_phong_glsl + shader_brdf_torrance_sparrow_glsl +
           shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl + shader_brdf_terms_glsl,
       "movmf_shading", input.edits);
-  const ShaderProgram program(
-      gl, {"harness", {}, {shader_full_screen_vert}, {formulas, shader_common_moment_shading_glsl, main}});
+  const ShaderProgram program(gl,
+                              {"harness",
+                               {},
+                               {shader_full_screen_vert},
+                               {formulas, shader_common_gmm_shading_glsl, shader_common_moment_shading_glsl, main}});
   program.set("u_a", 0);
   program.set("u_b", 1);
   program.set("map", 2);

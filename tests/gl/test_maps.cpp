@@ -145,4 +145,13 @@ MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding) {
   return mipmap;
 }
 
+MovmfMipmap as_gaussians(MovmfMipmap mipmap) {
+  mipmap.representation = Representation::kGmm;
+  for (MovmfLevel& level : mipmap.levels)
+    for (auto& lobes : level.lobes)
+      for (glm::vec4& lobe : lobes) lobe.z = lobe.w > 0.0f ? (lobe.x * lobe.x + lobe.y * lobe.y) / lobe.w : 0.0f;
+  quantize_movmf(mipmap, 1);
+  return mipmap;
+}
+
 }  // namespace multum::gl

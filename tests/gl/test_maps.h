@@ -31,4 +31,7 @@ TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encodi
 /// A baked file of moments of the same normals, every level the mean of the finest. The sides are powers of two.
 MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
 
+/// The same map's lobes, each a single direction, as planar Gaussians of no variance.
+MovmfMipmap as_gaussians(MovmfMipmap mipmap);
+
 }  // namespace multum::gl

@@ -70,7 +70,8 @@ void append_start(const MultumVmfLobe& from, double alignment, std::vector<refer
                   reference::EmOptions& options) {
   const double a = static_cast<double>(from.amplitude);
   const glm::dvec3 mu(from.mean_x, from.mean_y, 0.0);
-  lobes.push_back({mu, std::clamp(0.5 / std::max(static_cast<double>(from.mean_z), 1e-6), 0.05, 1e6), std::max(a, 0.02)});
+  lobes.push_back(
+      {mu, std::clamp(0.5 / std::max(static_cast<double>(from.mean_z), 1e-6), 0.05, 1e6), std::max(a, 0.02)});
   options.prior.push_back(alignment * a * (mu + glm::dvec3(0.0, 0.0, 1.0)));
 }
 
@@ -116,7 +117,8 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   windows.lobes = &lobes;
   windows.directed = &directed;
   windows.normals = &normals;
-  const auto condensed = condense_levels(device, planes, nullptr, schedule, settings.representation, how.condense_rows, {}, nullptr);
+  const auto condensed =
+      condense_levels(device, planes, nullptr, schedule, settings.representation, how.condense_rows, {}, nullptr);
   RowWindow samples, counts;
   if (how.method == FitMethod::kCondensed) {
     const CondensedLevel& from = condensed.at(how.level);
@@ -182,9 +184,9 @@ std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const s
         options.prior.push_back(static_cast<double>(how.alignment) * static_cast<double>(from.amplitude) * mu);
       }
       const std::vector<reference::Sample> samples = covered_samples(map, how.level, x, y);
-      const std::vector<reference::Moments> moments =
-          gaussians ? reference::fit_planar(as_points(samples), lobes, options)
-                    : reference::fit(samples, lobes, options);
+      const std::vector<reference::Moments> moments = gaussians
+                                                          ? reference::fit_planar(as_points(samples), lobes, options)
+                                                          : reference::fit(samples, lobes, options);
       for (int j = 0; j < lobe_count; ++j)
         result[static_cast<std::size_t>(j) * texels + static_cast<std::size_t>(y * width + x)] =
             moments[static_cast<std::size_t>(j)];

@@ -116,13 +116,11 @@ INSTANTIATE_TEST_SUITE_P(Maps, MovmfEmTest,
                                            Case{50, 70, 2, 2, FitMethod::kChunks}));
 
 // The same of planar Gaussians, whose lobes and references are (mean x, mean y, sigma^2).
-INSTANTIATE_TEST_SUITE_P(Gaussians, MovmfEmTest,
-                         ::testing::Values(Case{32, 32, 1, 4, FitMethod::kTexels, kGmm},
-                                           Case{32, 32, 3, 8, FitMethod::kTexels, kGmm},
-                                           Case{37, 21, 2, 3, FitMethod::kTexels, kGmm},
-                                           Case{1, 37, 1, 4, FitMethod::kTexels, kGmm},
-                                           Case{64, 64, 5, 4, FitMethod::kChunks, kGmm},
-                                           Case{21, 37, 3, 4, FitMethod::kChunks, kGmm}));
+INSTANTIATE_TEST_SUITE_P(
+    Gaussians, MovmfEmTest,
+    ::testing::Values(Case{32, 32, 1, 4, FitMethod::kTexels, kGmm}, Case{32, 32, 3, 8, FitMethod::kTexels, kGmm},
+                      Case{37, 21, 2, 3, FitMethod::kTexels, kGmm}, Case{1, 37, 1, 4, FitMethod::kTexels, kGmm},
+                      Case{64, 64, 5, 4, FitMethod::kChunks, kGmm}, Case{21, 37, 3, 4, FitMethod::kChunks, kGmm}));
 
 // Both ways to sum must agree: which one runs is a matter of a texel's size alone.
 TEST(MovmfEmPathTest, ChunkedAgreesWithUnchunked) {
@@ -178,7 +176,8 @@ class CondensedTest : public ::testing::TestWithParam<CondensedCase> {
  protected:
   const int lobes_ = GetParam().lobes;
   const NormalMap map_ = facets_with_outliers(GetParam().width, GetParam().height);
-  const std::vector<MultumVmfLobe> parent_ = random_parent(map_, GetParam().level, lobes_, 92, GetParam().representation);
+  const std::vector<MultumVmfLobe> parent_ =
+      random_parent(map_, GetParam().level, lobes_, 92, GetParam().representation);
   LevelFit how_ = condensed_fit(GetParam().level, GetParam().representation);
 };
 
