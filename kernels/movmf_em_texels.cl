@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // EM of fine levels: every iteration of a texel inside one work-item. Han et al. 2007, section 7, Algorithm 1; of
-// MULTUM_PLANAR Tan et al. 2005, section 4.
+// MULTUM_PLANAR Tan et al. 2005, section 4.1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_condensed_pack

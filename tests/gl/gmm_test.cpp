@@ -17,14 +17,6 @@ namespace {
 
 constexpr int kWidth = 96, kHeight = 72;
 
-Scene distant_scene() {
-  Scene scene;
-  scene.camera.eye = {0.0f, -8.0f, 12.0f};
-  scene.camera.target = {0.0f, 8.0f, 0.0f};
-  scene.uv_scale = 60.0f;
-  return scene;
-}
-
 class GmmTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {

@@ -74,7 +74,9 @@ TEST(GmmAgainstVmfTest, IsAlikeOnTopAndWorseNearTheRim) {
     }
     EXPECT_GT(s100, before) << tilt << ": worse with every step";
     before = s100;
-    if (tilt >= 60.0) EXPECT_GT(excess, 2.0) << tilt;
+    if (tilt >= 60.0) {
+      EXPECT_GT(excess, 2.0) << tilt;
+    }
     EXPECT_LT(gmm["lambert"], 0.2) << tilt;
   }
 }

@@ -161,7 +161,9 @@ TEST_P(GmmQuantizeTest, KeepsVariance) {
   const double least = 1.0 / static_cast<double>(gmm_kappa_max(GetParam()));
   EXPECT_LE(worst(least), 0.252);
   EXPECT_LE(worst(10.0 * least), 0.026);
-  if (GetParam() != StorageEncoding::kFloat) EXPECT_GT(worst(0.1 * least), 0.9);
+  if (GetParam() != StorageEncoding::kFloat) {
+    EXPECT_GT(worst(0.1 * least), 0.9);
+  }
 }
 
 // Single directions get no variance, alone or filtered with others of the same direction.
@@ -183,7 +185,9 @@ TEST_P(GmmQuantizeTest, SingleDirectionsGetNone) {
     for (const auto& lobes : level.lobes) EXPECT_LE(static_cast<double>(gmm_variance(lobes[i])), zero) << i;
   for (std::size_t i = 0; i < 2000; i += 2) {
     const glm::vec4 filtered = 0.5f * (level.lobes[0][i] + level.lobes[0][i + 1]);
-    if (filtered.w > 0.01f) EXPECT_LT(static_cast<double>(gmm_variance(filtered)), 1e-6) << i;
+    if (filtered.w > 0.01f) {
+      EXPECT_LT(static_cast<double>(gmm_variance(filtered)), 1e-6) << i;
+    }
   }
 }
 

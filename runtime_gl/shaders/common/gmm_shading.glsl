@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading of one filtered planar Gaussian: Tan et al. 2005, section 5. Stands behind movmf_shading.glsl, of which it
+// Shading of one filtered planar Gaussian: Tan et al. 2005, section 3. Stands behind movmf_shading.glsl, of which it
 // has the constants. A texel holds, per lobe, (a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a): amplitude, mean (n_x, n_y),
 // variance of one coordinate. All are linear in the normals: let the hardware filter them.
 //
