@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mixture of MULTUM_LOBE_COUNT planar Gaussians (Tan et al. 2005), behind common/gmm_shading.glsl: fetched as the lobes
-// of surface/movmf.glsl are, shaded by Tan's BRDF. Of a BRDF it takes the width alone, u_exponent, and with
-// MULTUM_VISIBILITY shadowing: I = k_s F sum a_i g(h; mu_i, sigma_i) V max(mu_i . l, 0) + k_d (1 - F) sum a_i
+// A mixture of MULTUM_LOBE_COUNT planar Gaussians (Tan et al. 2005, section 3), behind common/gmm_shading.glsl: fetched
+// by lobes.glsl, shaded by Tan's BRDF. Of a BRDF it takes the width alone, u_exponent, and with MULTUM_VISIBILITY
+// shadowing: I = k_s F sum a_i g(h; mu_i, sigma_i) V max(mu_i . l, 0) + k_d (1 - F) sum a_i
 // max(mu_i . l, 0). With V = 1 / (4 mu.l mu.v) that is the paper's.
 
 // The normals that reflect towards v: means of the lobe's Gaussian times that of the facets around h.
