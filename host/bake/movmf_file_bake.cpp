@@ -38,8 +38,10 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, BakeRepo
       "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp; {}",
       job.input, report.beyond_storage, 100.0 * report.beyond_storage_share, kappa_max,
       storage_encoding_name(header.encoding), kappa_max,
-      header.encoding == StorageEncoding::kHalf ? "--data-format snorm16 keeps kappa up to 20000, float more"
-                                                : "--data-format float keeps them"));
+      header.encoding == StorageEncoding::kHalf
+          ? fmt::format("--data-format snorm16 keeps kappa up to {:.0f}, float more",
+                        storage_kappa_max(header.representation, StorageEncoding::kSnorm16))
+          : "--data-format float keeps them"));
 }
 
 MovmfMipmap make_mipmap(const BakedHeader& header, int lobe_count) {

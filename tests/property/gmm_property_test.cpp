@@ -40,6 +40,7 @@ std::map<std::string, double> errors_of(const NormalMap& map, Representation rep
   MovmfSettings settings;
   settings.representation = representation;
   settings.lobe_count = 2;
+  settings.rehearse_start = false;  // two bumps are found from anywhere
   BakeReport report;
   MovmfMipmap mipmap = bake_movmf(device(), map, nullptr, settings, report, nullptr);
   EXPECT_EQ(report.nonfinite, 0u);
