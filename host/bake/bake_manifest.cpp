@@ -149,11 +149,11 @@ void check_keys_of_ndf(const StrictTable& table, const MapOptions& map) {
   if (table.has("sh_order") && representation != Representation::kSh)
     table.refuse("sh_order",
                  fmt::format("is for ndf = \"sh\", found ndf = \"{}\"", representation_info(representation).option));
-  if (representation == Representation::kMovmf) return;
+  if (holds_lobes(representation)) return;
   for (const char* key :
        {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal", "order", "coarse_normals"})
     if (table.has(key))
-      table.refuse(key, fmt::format("is for ndf = \"vmf\", found ndf = \"{}\", which fits no lobes",
+      table.refuse(key, fmt::format("is for ndf = \"vmf\" and \"gmm\", found ndf = \"{}\", which fits no lobes",
                                     representation_info(representation).option));
 }
 

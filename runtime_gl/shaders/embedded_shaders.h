@@ -5,6 +5,7 @@
 namespace multum::gl {
 
 extern const char* const shader_common_movmf_shading_glsl;
+extern const char* const shader_common_gmm_shading_glsl;
 extern const char* const shader_common_moment_shading_glsl;
 extern const char* const shader_common_reflection_glsl;
 extern const char* const shader_common_sh_shading_glsl;
@@ -15,6 +16,8 @@ extern const char* const shader_brdf_cook_torrance_glsl;
 extern const char* const shader_brdf_ggx_glsl;
 extern const char* const shader_brdf_measured_glsl;
 extern const char* const shader_brdf_terms_glsl;
+extern const char* const shader_surface_lobes_glsl;
+extern const char* const shader_surface_gmm_glsl;
 extern const char* const shader_surface_movmf_glsl;
 extern const char* const shader_surface_normals_glsl;
 extern const char* const shader_surface_sh_glsl;

@@ -120,6 +120,23 @@ TEST_F(ViewTest, RefusesWhatIsForAnotherRepresentation) {
   expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, "truth, mip, toksvig, lean, lean-jacobian");
 }
 
+TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {
+  const gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
+  write_movmf_mipmap(path("map.ndf.exr"), gl::as_gaussians(map.mipmap), {});
+  expect_refusal({"-o", path("out.png"), "--brdf", "ggx:0.3"}, 2, "holds planar Gaussians, found --brdf ggx");
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds planar Gaussians, found --formula paper");
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "found --moments");
+  for (const std::string brdf : {"blinn-phong:100", "cook-torrance:0.1"}) {
+    const ChildResult result = view({"-o", path("out.png"), "--brdf", brdf, "--compare", "truth,mip", "--size", "64x48",
+                                     "--samples", "64", "--report", path("r.json"), "--context", "osmesa"});
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    const auto report = nlohmann::json::parse(file);
+    EXPECT_LT(report["pictures"][1]["relative_l1"].get<double>(), 0.15) << brdf;
+    fs::remove(path("out.png"));
+  }
+}
+
 TEST_F(ViewTest, WarnsWhereTheRendererFiltersAnisotropicallyWrong) {
   const std::vector<std::string> arguments = {"-o", path("out.png"), "--size", "32x24", "--anisotropy",
                                               "4",  "--context",     "osmesa"};

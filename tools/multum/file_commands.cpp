@@ -62,6 +62,16 @@ constexpr InfoKind kInfoKinds[] = {
        return fmt::format("kappa up to {:.0f} survives it", static_cast<double>(storage_kappa_max(file.encoding)));
      },
      [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
+    {Representation::kGmm,
+     [](const std::string& path, const BakedHeader& file) {
+       return fmt::format("{} planar Gaussians a texel{}", read_movmf_header(path).lobe_count(),
+                          file.has_colours ? ", with a colour each" : "");
+     },
+     [](const BakedHeader& file) {
+       return fmt::format("variances down to {:.1e} survive it",
+                          1.0 / static_cast<double>(storage_kappa_max(file.representation, file.encoding)));
+     },
+     [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
     {Representation::kMoments,
      [](const std::string&, const BakedHeader& file) {
        return fmt::format("mean normal, first and second moments of slopes{}", file.has_colours ? ", mean colour" : "");

@@ -29,7 +29,7 @@ void add_fit_options(CLI::App& bake, MapOptions& o) {
     bake.add_option(option, value, help)->default_str(fmt::format("{}", usual_value));
   };
   add("--lobes", o.lobes, usual.lobe_count,
-      "of vmf, as are the options of the fit below: lobes a texel, 1..8; more are more accurate, larger and "
+      "of vmf and gmm, as are the options of the fit below: lobes a texel, 1..8; more are more accurate, larger and "
       "slower");
   bake.add_flag("--reference", o.reference,
                 "every normal at every level, 30 iterations, none cut short: what the defaults are measured against, "
