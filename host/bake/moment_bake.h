@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes a normal map into a mip pyramid of moments (host/asset/moment_mipmap.h): every texel of every level is the
-// plain average of what it covers of the finest. The map is read once, by bands of rows, whatever its size;
-// kernels/moments.cl makes all levels of a band at once, and nothing but a sum a column stays from band to band.
+// plain average of what it covers of the finest. The map is read once, by bands of rows, whatever its size
+// (host/bake/box_pyramid.h); kernels/moments.cl makes what is averaged.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +29,6 @@ struct MomentBakeInputs {
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers; changes no byte of the result
   int threads = 1;                                      // of the host's own loops
 };
-
-/// Throws Error(kInput) for a map that is too large, Error(kUsage) for a first level that the map has not.
-void validate_moments(int first_level, int map_width, int map_height);
 
 /// Hands rows to `sink`, exact to float, not yet rounded to what the file stores (quantize_moments). Fills device, plan
 /// and counts of `report`. Throws Error(kUsage) for too little memory, Error(kEnvironment) when disk or device refuse,

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "kernels/shared/mip_box.h"
 #include "kernels/shared/mip_pyramid.h"
 #include "kernels/shared/moments.h"
 #include "kernels/shared/movmf_fit.h"
@@ -24,10 +25,10 @@ StructLayout struct_layout(Device& device) {
                  sizeof(MultumGather),
                  sizeof(MultumGatherEntry),
                  sizeof(MultumStrip),
-                 sizeof(MultumMomentBand),
-                 offsetof(MultumMomentBand, slope_z_min),
-                 sizeof(MultumMomentLevel),
-                 sizeof(MultumMomentTap),
+                 sizeof(MultumBoxBand),
+                 offsetof(MultumBoxBand, column_count),
+                 sizeof(MultumBoxLevel),
+                 sizeof(MultumBoxTap),
                  sizeof(MultumFilteredMoments),
                  offsetof(MultumFilteredMoments, map_share)};
   layout.device.assign(layout.host.size(), -1);
