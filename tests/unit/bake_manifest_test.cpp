@@ -249,7 +249,8 @@ TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
        {"input",       "output",         "error_max", "lobes",       "reference",   "iterations", "sweeps",
         "order",       "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",
         "twrap",       "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale",
-        "two_channel", "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression"})
+        "two_channel", "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression",
+        "normal_scale"})
     EXPECT_NE(page.find("`" + std::string(key) + "`"), std::string::npos) << key;
 }
 
