@@ -7,6 +7,7 @@ namespace multum::gl {
 extern const char* const shader_common_movmf_shading_glsl;
 extern const char* const shader_common_moment_shading_glsl;
 extern const char* const shader_common_reflection_glsl;
+extern const char* const shader_common_pyramid_glsl;
 extern const char* const shader_brdf_blinn_phong_glsl;
 extern const char* const shader_brdf_torrance_sparrow_glsl;
 extern const char* const shader_brdf_cook_torrance_glsl;
@@ -18,6 +19,7 @@ extern const char* const shader_surface_normals_glsl;
 extern const char* const shader_light_lights_glsl;
 extern const char* const shader_scene_vert;
 extern const char* const shader_scene_frag;
+extern const char* const shader_pyramid_frag;
 extern const char* const shader_full_screen_vert;
 extern const char* const shader_accumulate_frag;
 extern const char* const shader_textured_vert;
