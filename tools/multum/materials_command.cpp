@@ -2,6 +2,7 @@
 // multum materials: what a glTF model's materials are, and a manifest that bakes all its normal maps.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
@@ -92,6 +93,9 @@ std::string map_text(const GltfMaterials& model, const GltfMaterial& material, c
 }
 
 void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
+  const auto has_map = [](const GltfMaterial& material) { return material.normal.has_value(); };
+  if (std::none_of(model.materials.begin(), model.materials.end(), has_map))
+    throw Error(ErrorCode::kInput, o.model + ": found no material with a normal map, expected one to bake");
   make_folder(o.folder);
   const std::string manifest = o.folder + "/maps.toml";
   if (fs::exists(manifest) && !o.force)
@@ -110,8 +114,6 @@ void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
     view += fmt::format(" --material {}={}/{}", quoted(material.name), o.folder, output);
     ++count;
   }
-  if (count == 0)
-    throw Error(ErrorCode::kInput, o.model + ": found no material with a normal map, expected one to bake");
   write_text_file(manifest, text);
   fmt::print("\n{}: {} maps\n  multum bake --manifest {}\n  {}\n", manifest, count, manifest, view);
 }

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <array>
+#include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
 
