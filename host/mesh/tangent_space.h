@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tangents as normal maps are baked for: MikkTSpace's convention (M. Mikkelsen, "Simulation of Wrinkled Surfaces
-// Revisited", 2008, section 3.2 and appendix B; glTF 2.0, section 3.7.2.1 asks for it), so that a map baked in one
-// program looks the same here. Written from the description:
+// Revisited", 2008, and mikktspace.com; glTF 2.0 asks for it, section 3.7.2.1), so that a map baked in one program looks
+// the same here. Written from the description:
 //
 //   triangle        T = (v_2 e_1 - v_1 e_2) / area, along growing u; orientation: the sign of its area in texture space
 //   group           triangles around a vertex that share edges and orientation: mirrored charts never mix

@@ -55,8 +55,8 @@ void print_materials(const GltfMaterials& model) {
     fmt::print("\n  base colour   {:g},{:g},{:g} times {}\n", m.base_colour.r, m.base_colour.g, m.base_colour.b,
                m.colour ? image_text(model, m.colour) : "1");
     fmt::print("  metallic      {:g}{}\n  roughness     {:g}{}\n", m.metallic,
-               m.metallic_roughness ? " (its texture is not used)" : "", m.roughness,
-               m.metallic_roughness ? " (its texture is not used)" : "");
+               m.metallic_roughness ? " times its texture's mean" : "", m.roughness,
+               m.metallic_roughness ? " times its texture's mean" : "");
   }
 }
 

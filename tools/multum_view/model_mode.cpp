@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <list>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,6 +14,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/image/colour_map.h"
 #include "host/mesh/gltf_material.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "tools/multum_view/baked_map.h"
@@ -38,7 +41,48 @@ std::map<std::string, std::string> parse_materials(const std::vector<std::string
   return files;
 }
 
-Brdf brdf_of(const GltfMaterial& material) {
+/// A folder for images that lie inside a model, for as long as it takes to read them.
+class TemporaryImages {
+ public:
+  TemporaryImages() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "multum_view_XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw Error(ErrorCode::kEnvironment, pattern + ": cannot be made a folder for the model's images");
+    folder_ = pattern;
+  }
+  ~TemporaryImages() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  TemporaryImages(const TemporaryImages&) = delete;
+  TemporaryImages& operator=(const TemporaryImages&) = delete;
+  const std::string& folder() const { return folder_; }
+
+ private:
+  std::string folder_;
+};
+
+/// The mean of each channel, as numbers from 0 to 1.
+glm::vec3 mean_of(const GltfImage& image) {
+  const TemporaryImages temporary;
+  const ColourRows rows = read_colour_rows(extract_image(image, temporary.folder()), ColourEncoding::kData, {}, 1, nullptr);
+  std::vector<float> row(static_cast<std::size_t>(rows.planes.width()));
+  glm::dvec3 sum(0.0);
+  for (int y = 0; y < rows.planes.height(); ++y)
+    for (int c = 0; c < 3; ++c) {
+      rows.planes.read_rows(c, y, 1, row.data());
+      for (const float value : row) sum[c] += static_cast<double>(value);
+    }
+  return sum / (static_cast<double>(rows.planes.width()) * rows.planes.height());
+}
+
+/// glTF's metallic-roughness texture has roughness in green and metallic in blue; its means stand for it.
+Brdf brdf_of(const GltfMaterials& model, GltfMaterial material) {
+  if (material.metallic_roughness) {
+    const glm::vec3 mean = mean_of(model.images[static_cast<std::size_t>(material.metallic_roughness->image)]);
+    material.roughness *= mean.g;
+    material.metallic *= mean.b;
+  }
   const glm::vec3 colour(material.base_colour);
   Brdf brdf;
   brdf.kind = BrdfKind::kGgx;
@@ -85,7 +129,7 @@ class Model {
       const gl::MeshData data = part_data(mesh(material.normal ? material.normal->uv_set : 0), i);
       if (data.indices.empty()) continue;
       parts_.emplace_back(gl, data);
-      objects_.push_back({&parts_.back(), make(gl, material), options_.has_brdf ? options_.scene.brdf : brdf_of(material)});
+      objects_.push_back({&parts_.back(), make(gl, material), options_.has_brdf ? options_.scene.brdf : brdf_of(materials_, material)});
       fmt::print("{}: {} triangles, {}\n", material.name.empty() ? "no material" : material.name,
                  data.indices.size() / 3, files_.count(material.name) > 0 ? files_.at(material.name) : "no map");
     }
