@@ -32,8 +32,7 @@ __kernel void mip_texels(__global const float* planes, __global float* nodes, Mu
 // One work-item = one block; global size plane_count * row_count * block_count. Launched for blocks of 2, of 4, ...
 //   nodes   in place: block i, at first_block + i, is the sum of the two at first_half + 2 i
 // Memory bound.
-__kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_half, int first_block,
-                            int block_count) {
+__kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_half, int first_block, int block_count) {
   const int item = (int)get_global_id(0);
   if (item >= band.plane_count * band.row_count * block_count) return;
   __global float* row = nodes + (size_t)(item / block_count) * band.row_length;
@@ -56,8 +55,8 @@ static MultumBoxLevel level_of_column(__global const MultumBoxLevel* levels, int
 //   averages   [level][plane][row][column]   written: rows that the band finishes
 // Memory bound.
 __kernel void mip_levels(__global const float* nodes, __global const MultumBoxLevel* levels,
-                            __global const int* tap_begin, __global const MultumBoxTap* taps, __global float* sums,
-                            __global float* averages, MultumBoxBand band) {
+                         __global const int* tap_begin, __global const MultumBoxTap* taps, __global float* sums,
+                         __global float* averages, MultumBoxBand band) {
   const int item = (int)get_global_id(0);
   if (item >= band.plane_count * band.column_count) return;
   const int plane = item / band.column_count, column = item % band.column_count;

@@ -16,8 +16,7 @@
 // Memory bound.
 __kernel void moment_finest(__global const float* normal_x, __global const float* normal_y,
                             __global const float* normal_z, __global const float* red, __global const float* green,
-                            __global const float* blue, __global float* nodes, MultumBoxBand band,
-                            float slope_z_min) {
+                            __global const float* blue, __global float* nodes, MultumBoxBand band, float slope_z_min) {
   const int item = (int)get_global_id(0);
   if (item >= band.row_count * band.map_width) return;
   const size_t plane_size = (size_t)band.row_count * band.row_length;

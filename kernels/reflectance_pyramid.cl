@@ -4,8 +4,8 @@
 //
 //   radiance(n) = sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0)
 //
-// as runtime_gl/shaders/scene.frag has it. Williams draws lights by hand into a map of 9; here Blinn-Phong does. A texel
-// is the mean over sample_side^2 normals, evenly spread over it in the map's equal-area projection
+// as runtime_gl/shaders/scene.frag has it. Williams draws lights by hand into a map of 9; here Blinn-Phong does. A
+// texel is the mean over sample_side^2 normals, evenly spread over it in the map's equal-area projection
 // (host/asset/reflectance_mapping.h), so that a highlight narrower than a texel keeps its energy.
 
 #include "device/vmf_shading.clh"
@@ -47,9 +47,8 @@ __kernel void reflectance_texels(__global const MultumReflectanceLight* lights, 
         const MultumReflectanceLight light = lights[k];
         const float cosine = fma(n.x, light.light_x, fma(n.y, light.light_y, n.z * light.light_z));
         if (cosine <= 0.0f) continue;
-        const float facets =
-            blinn_phong(map.exponent,
-                        one_minus_cosine((float4)(n, 1.0f), (float3)(light.half_x, light.half_y, light.half_z)));
+        const float facets = blinn_phong(
+            map.exponent, one_minus_cosine((float4)(n, 1.0f), (float3)(light.half_x, light.half_y, light.half_z)));
         const float irradiance[3] = {light.red, light.green, light.blue};
         for (int c = 0; c < 3; ++c) {
           add_compensated(&diffuse[c], &diffuse_carry[c], irradiance[c] * cosine);
@@ -63,6 +62,6 @@ __kernel void reflectance_texels(__global const MultumReflectanceLight* lights, 
   const size_t plane_size = (size_t)band.row_count * band.row_length;
   __global float* out = nodes + (size_t)row * band.row_length + column;
   for (int c = 0; c < 3; ++c)
-    out[c * plane_size] = share * fma(k_d[c] * INVERSE_PI, diffuse[c] + diffuse_carry[c],
-                                      k_s[c] * (specular[c] + specular_carry[c]));
+    out[c * plane_size] =
+        share * fma(k_d[c] * INVERSE_PI, diffuse[c] + diffuse_carry[c], k_s[c] * (specular[c] + specular_carry[c]));
 }

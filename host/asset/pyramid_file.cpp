@@ -144,8 +144,9 @@ double mean_difference(const PyramidLevel& level, const std::vector<double>& exp
   for (std::size_t i = 0; i < level.values.size(); ++i) sums[i % channels] += static_cast<double>(level.values[i]);
   double worst = 0.0;
   for (std::size_t c = 0; c < channels; ++c)
-    worst = std::max(worst, std::abs(sums[c] * static_cast<double>(channels) / static_cast<double>(level.values.size()) -
-                                     expected[c]));
+    worst = std::max(
+        worst,
+        std::abs(sums[c] * static_cast<double>(channels) / static_cast<double>(level.values.size()) - expected[c]));
   return largest > 0.0 ? worst / largest : worst;
 }
 

@@ -46,9 +46,9 @@ PyramidSample sample_level(const Pyramid& pyramid, int level, double s, double t
       const int row = wrapped(static_cast<int>(std::floor(y)) + j, texels.height, map.wrap_t);
       if (column < 0 || row < 0) continue;
       const double weight = (i == 0 ? 1.0 - fx : fx) * (j == 0 ? 1.0 - fy : fy);
-      const std::size_t first = (static_cast<std::size_t>(row) * static_cast<std::size_t>(texels.width) +
-                                 static_cast<std::size_t>(column)) *
-                                channels;
+      const std::size_t first =
+          (static_cast<std::size_t>(row) * static_cast<std::size_t>(texels.width) + static_cast<std::size_t>(column)) *
+          channels;
       for (std::size_t c = 0; c < channels; ++c) sum[c] += weight * static_cast<double>(texels.values[first + c]);
     }
   return sum;

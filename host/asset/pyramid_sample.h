@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pyramidal parametric sampling (Williams 1983, sections 2 and 3): bilinear within a level, linear between two, at any
-// real level d; and the choice of d. In double: what the GL's filter is held to, and what makes meshes of a chosen level
-// of detail.
+// real level d; and the choice of d. In double: what the GL's filter is held to, and what makes meshes of a chosen
+// level of detail.
 #pragma once
 
 #include <array>
@@ -25,8 +25,8 @@ struct TexelDerivatives {
   double u_y, v_y;  // down a column
 };
 
-/// Heckbert's choice (Williams 1983, section 3): d = log2 max(|(u_x, v_x)|, |(u_y, v_y)|), the wider side of the pixel's
-/// parallelogram: blurred rather than aliased. Minus infinity where nothing changes.
+/// Heckbert's choice (Williams 1983, section 3): d = log2 max(|(u_x, v_x)|, |(u_y, v_y)|), the wider side of the
+/// pixel's parallelogram: blurred rather than aliased. Minus infinity where nothing changes.
 double mip_level_of(const TexelDerivatives& derivatives);
 
 }  // namespace multum

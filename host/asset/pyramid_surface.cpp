@@ -32,10 +32,10 @@ PyramidSurface surface_at_level(const Pyramid& pyramid, double d) {
     for (int i = 0; i < surface.columns; ++i) {
       const double s = static_cast<double>(i) / (surface.columns - 1), t = static_cast<double>(j) / (surface.rows - 1);
       const PyramidSample at = sample_pyramid(pyramid, s, t, level);
-      surface.positions.push_back(header.kind == PyramidKind::kPosition
-                                      ? glm::vec3(at[0], at[1], at[2])
-                                      : glm::vec3((s - 0.5) * header.map.width / longer,
-                                                  (0.5 - t) * header.map.height / longer, at[0]));
+      surface.positions.push_back(
+          header.kind == PyramidKind::kPosition
+              ? glm::vec3(at[0], at[1], at[2])
+              : glm::vec3((s - 0.5) * header.map.width / longer, (0.5 - t) * header.map.height / longer, at[0]));
       surface.uvs.emplace_back(s, 1.0 - t);
     }
   const auto index = [&](int i, int j) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface of a chosen level of detail (Williams 1983, section 5): a grid of points sampled from a pyramid of heights or
-// positions at any real level, as many as that level has texels.
+// A surface of a chosen level of detail (Williams 1983, section 5): a grid of points sampled from a pyramid of heights
+// or positions at any real level, as many as that level has texels.
 #pragma once
 
 #include <cstdint>

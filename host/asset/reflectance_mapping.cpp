@@ -51,8 +51,7 @@ glm::dvec3 reflectance_normal(const ReflectanceFrame& frame, const glm::dvec2& p
 }
 
 std::string reflectance_frame_json(const ReflectanceFrame& frame) {
-  return nlohmann::json{
-      {"right", json_of(frame.right)}, {"up", json_of(frame.up)}, {"viewer", json_of(frame.viewer)}}
+  return nlohmann::json{{"right", json_of(frame.right)}, {"up", json_of(frame.up)}, {"viewer", json_of(frame.viewer)}}
       .dump();
 }
 
@@ -65,8 +64,9 @@ ReflectanceFrame parse_reflectance_frame(const std::string& settings, const std:
       if (!(std::abs(glm::length(axis) - 1.0) < 1e-6)) throw std::runtime_error("");
     return found;
   } catch (const std::exception&) {
-    throw Error(ErrorCode::kInput,
-                path + ": found settings without a frame of three unit vectors, expected those of `multum reflectance`");
+    throw Error(
+        ErrorCode::kInput,
+        path + ": found settings without a frame of three unit vectors, expected those of `multum reflectance`");
   }
 }
 

@@ -27,8 +27,7 @@ const std::vector<std::string> kDefaultKeys = {
     "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
     "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
     "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
-    "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression",
-    "normal_scale"};
+    "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression",  "normal_scale"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;

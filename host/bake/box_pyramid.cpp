@@ -82,18 +82,16 @@ std::uint64_t BoxPyramid::buffer_bytes() const { return fixed_bytes() + size_of(
 
 int BoxPyramid::choose_band_rows() const {
   if (fixed_bytes() + row_bytes() > memory_.bytes)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("--memory leaves {} KiB for buffers, expected at least {} KiB: a row of a map of {} x {}",
-                    memory_.bytes >> 10, ((fixed_bytes() + row_bytes()) >> 10) + 1, map_.width, map_.height));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--memory leaves {} KiB for buffers, expected at least {} KiB: a row of a map of {} x {}",
+                            memory_.bytes >> 10, ((fixed_bytes() + row_bytes()) >> 10) + 1, map_.width, map_.height));
   const std::uint64_t bytes = std::min(kUsefulBandBytes, memory_.bytes - fixed_bytes());
   return static_cast<int>(std::clamp<std::uint64_t>(bytes / row_bytes(), 1, static_cast<std::uint64_t>(map_.height)));
 }
 
 void BoxPyramid::make_buffers() {
   const std::size_t planes = size_of(map_.plane_count);
-  nodes_ =
-      device_.make_buffer(planes * size_of(band_rows_) * size_of(row_length()) * sizeof(float), "nodes of rows");
+  nodes_ = device_.make_buffer(planes * size_of(band_rows_) * size_of(row_length()) * sizeof(float), "nodes of rows");
   std::size_t values = 1;
   for (const MultumBoxLevel& level : level_values_) {
     // The rows of the level that a band finishes, at most.

@@ -196,8 +196,7 @@ Pyramid box_pyramid(Device& device, const BoxMap& map, const float* planes, std:
     pyramid.levels.push_back({mip_level_size(map.width, l), mip_level_size(map.height, l), {}});
   const auto fill = [&](const MultumBoxBand& band) {
     band_planes.fill(band, [&](int plane, float* values) {
-      const std::size_t first =
-          (size_of(plane) * size_of(map.height) + size_of(band.first_row)) * size_of(map.width);
+      const std::size_t first = (size_of(plane) * size_of(map.height) + size_of(band.first_row)) * size_of(map.width);
       std::copy_n(planes + first, size_of(band.row_count) * size_of(map.width), values);
     });
   };

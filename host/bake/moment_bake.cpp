@@ -85,8 +85,7 @@ class MomentPass {
       pyramid_.hand_over(band, [&](const BoxRows& rows) {
         sink_.add_level(rows.level, rows.first_row, gather(rows, has_colours(), inputs_.threads));
       });
-      progress_advance(progress,
-                       static_cast<std::uint64_t>(band.row_count) * static_cast<std::uint64_t>(width_));
+      progress_advance(progress, static_cast<std::uint64_t>(band.row_count) * static_cast<std::uint64_t>(width_));
     }
     return clamped_;
   }
@@ -107,9 +106,8 @@ class MomentPass {
           auto* const values = static_cast<float*>(bytes);
           store.read_rows(p, band.first_row, band.row_count, values);
           if (&planes == &normals_ && p == 2)
-            clamped_ += static_cast<std::uint64_t>(
-                std::count_if(values, values + size_of(band.row_count) * size_of(width_),
-                              [](float z) { return z < kSlopeZMin; }));
+            clamped_ += static_cast<std::uint64_t>(std::count_if(
+                values, values + size_of(band.row_count) * size_of(width_), [](float z) { return z < kSlopeZMin; }));
         });
     };
     read(*inputs_.normals, normals_);

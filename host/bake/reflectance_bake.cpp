@@ -45,8 +45,18 @@ MultumReflectanceLight device_light(const ReflectanceLight& light, const Reflect
   // Straight from behind there is no half vector; the surface that such a light reaches shows nothing of it.
   const glm::dvec3 h = glm::length(sum) > 1e-9 ? glm::normalize(sum) : glm::dvec3(0.0, 0.0, 1.0);
   const auto f = [](double v) { return static_cast<float>(v); };
-  return {f(l.x), f(l.y), f(l.z), 0.0f, f(h.x), f(h.y), f(h.z), 0.0f,
-          f(light.irradiance.x), f(light.irradiance.y), f(light.irradiance.z), 0.0f};
+  return {f(l.x),
+          f(l.y),
+          f(l.z),
+          0.0f,
+          f(h.x),
+          f(h.y),
+          f(h.z),
+          0.0f,
+          f(light.irradiance.x),
+          f(light.irradiance.y),
+          f(light.irradiance.z),
+          0.0f};
 }
 
 MultumReflectanceMap device_map(const ReflectanceJob& job, std::size_t light_count) {
@@ -114,17 +124,16 @@ PyramidHeader make_header(const ReflectanceJob& job) {
   for (const ReflectanceLight& light : job.lights)
     lights.push_back({{"direction", json_of(light.direction)}, {"irradiance", json_of(light.irradiance)}});
   from.settings =
-      nlohmann::json{
-          {"pyramid", pyramid_kind_name(PyramidKind::kReflectance)},
-          {"frame", nlohmann::json::parse(reflectance_frame_json(reflectance_frame(job.viewer, job.up)))},
-          {"lights", lights},
-          {"environment_scale", job.environment_scale},
-          {"exponent", job.exponent},
-          {"diffuse", json_of(job.diffuse)},
-          {"specular", json_of(job.specular)},
-          {"sample_side", job.sample_side},
-          {"size", job.size},
-          {"encoding", storage_encoding_name(job.encoding)}}
+      nlohmann::json{{"pyramid", pyramid_kind_name(PyramidKind::kReflectance)},
+                     {"frame", nlohmann::json::parse(reflectance_frame_json(reflectance_frame(job.viewer, job.up)))},
+                     {"lights", lights},
+                     {"environment_scale", job.environment_scale},
+                     {"exponent", job.exponent},
+                     {"diffuse", json_of(job.diffuse)},
+                     {"specular", json_of(job.specular)},
+                     {"sample_side", job.sample_side},
+                     {"size", job.size},
+                     {"encoding", storage_encoding_name(job.encoding)}}
           .dump();
   from.settings_hash = hash_text(from.settings);
   return header;
@@ -224,8 +233,7 @@ MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* 
   if (!job.environment.empty()) {
     progress_stage(progress, "read");
     const ColourRows source = read_colour_rows(job.environment, ColourEncoding::kAuto, {}, job.threads, nullptr);
-    const std::vector<ReflectanceLight> more =
-        environment_lights(source.planes, job.exponent, job.environment_scale);
+    const std::vector<ReflectanceLight> more = environment_lights(source.planes, job.exponent, job.environment_scale);
     lights.insert(lights.end(), more.begin(), more.end());
     report.format = source.format;
     report.clamped_count = source.clamped_count;

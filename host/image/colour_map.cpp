@@ -113,7 +113,7 @@ ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncodin
                                     static_cast<std::size_t>(info.channel_count));
     }
     albedo.planes.write_rows(band.first_row + row_begin, row_end - row_begin,
-                              {planes[0].data(), planes[1].data(), planes[2].data()});
+                             {planes[0].data(), planes[1].data(), planes[2].data()});
   };
   const auto add_band = [&](const RawBand& band) {
     for_each_row_band(band.row_count, kRowsPerBand, threads,

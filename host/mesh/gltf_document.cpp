@@ -127,7 +127,8 @@ std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
     if (!from.contains("uri")) bytes = document.binary;
     else if (const auto uri = from.at("uri").get<std::string>(); !decode_data_uri(uri, document.path, bytes))
       bytes = read_file(uri_path(document, uri));
-    if (offset > bytes.size() || length > bytes.size() - offset) refuse(document.path, what + " goes beyond its buffer");
+    if (offset > bytes.size() || length > bytes.size() - offset)
+      refuse(document.path, what + " goes beyond its buffer");
     return bytes.substr(offset, length);
   } catch (const nlohmann::json::exception&) {
     refuse(document.path, what + " is not there, or damaged");

@@ -10,8 +10,8 @@ namespace multum {
 
 struct GltfDocument {
   std::string path;
-  nlohmann::json json;   // an object
-  std::string binary;    // of a GLB: what follows the JSON
+  nlohmann::json json;  // an object
+  std::string binary;   // of a GLB: what follows the JSON
 };
 
 bool is_gltf_name(const std::string& path);  // *.gltf, *.glb

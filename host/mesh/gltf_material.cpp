@@ -19,14 +19,6 @@ using nlohmann::json;
 
 constexpr int kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;  // GL's, as glTF stores them
 
-// A name that is a file's name everywhere.
-std::string file_name(const std::string& name, const std::string& otherwise) {
-  std::string clean;
-  for (const char c : name)
-    clean += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
-  return clean.empty() ? otherwise : clean;
-}
-
 std::string unique(std::string name, std::set<std::string>& taken) {
   const std::string first = name;
   for (int n = 2; !taken.insert(name).second; ++n) name = fmt::format("{} ({})", first, n);
@@ -64,10 +56,11 @@ class MaterialReader {
     GltfImage made;
     const std::string number = fmt::format("image_{}", names.size());
     const std::string uri = image.value("uri", "");
-    if (image.contains("bufferView")) made.bytes = buffer_view_bytes(document_, image.at("bufferView").get<std::size_t>());
+    if (image.contains("bufferView"))
+      made.bytes = buffer_view_bytes(document_, image.at("bufferView").get<std::size_t>());
     else if (uri.empty()) refuse(number + " has neither a URI nor a buffer view");
     else if (!decode_data_uri(uri, document_.path, made.bytes)) made.file = uri_path(document_, uri);
-    made.name = unique(file_name(image.value("name", ""), number), names);
+    made.name = unique(image.value("name", "").empty() ? number : safe_file_name(image.value("name", "")), names);
     if (made.file.empty()) made.extension = extension_of(made.bytes, number);
     return made;
   }
@@ -86,16 +79,20 @@ class MaterialReader {
     const json none = json::object();
     const json& surface = material.contains("pbrMetallicRoughness") ? material.at("pbrMetallicRoughness") : none;
     if (surface.contains("baseColorFactor"))
-      for (int c = 0; c < 4; ++c) made.base_colour[c] = surface.at("baseColorFactor").at(static_cast<std::size_t>(c)).get<float>();
+      for (int c = 0; c < 4; ++c)
+        made.base_colour[c] = surface.at("baseColorFactor").at(static_cast<std::size_t>(c)).get<float>();
     made.metallic = surface.value("metallicFactor", 1.0f);
     made.roughness = surface.value("roughnessFactor", 1.0f);
     made.colour = read_texture(surface, "baseColorTexture", name);
     made.metallic_roughness = read_texture(surface, "metallicRoughnessTexture", name);
     made.normal = read_texture(material, "normalTexture", name);
     if (made.normal) made.normal_scale = material.at("normalTexture").value("scale", 1.0f);
-    for (const float value : {made.base_colour.r, made.base_colour.g, made.base_colour.b, made.metallic, made.roughness})
-      if (!(value >= 0.0f && value <= 1.0f)) refuse(fmt::format("material '{}' has a factor of {}, expected 0 to 1", name, value));
-    if (!std::isfinite(made.normal_scale)) refuse(fmt::format("material '{}' has a normal scale that is no number", name));
+    for (const float value :
+         {made.base_colour.r, made.base_colour.g, made.base_colour.b, made.metallic, made.roughness})
+      if (!(value >= 0.0f && value <= 1.0f))
+        refuse(fmt::format("material '{}' has a factor of {}, expected 0 to 1", name, value));
+    if (!std::isfinite(made.normal_scale))
+      refuse(fmt::format("material '{}' has a normal scale that is no number", name));
     return made;
   }
 
@@ -107,7 +104,8 @@ class MaterialReader {
     check_transform(info, key, material);
     const auto index = info.at("index").get<std::size_t>();
     const json& textures = array("textures");
-    if (index >= textures.size()) refuse(fmt::format("material '{}' names texture {} of {}", material, index, textures.size()));
+    if (index >= textures.size())
+      refuse(fmt::format("material '{}' names texture {} of {}", material, index, textures.size()));
     const json& texture = textures.at(index);
     std::size_t image = result_.images.size();
     if (texture.contains("extensions"))
@@ -133,9 +131,10 @@ class MaterialReader {
                          transform.value("rotation", 0.0) != 0.0 ||
                          transform.value("texCoord", info.value("texCoord", 0)) != info.value("texCoord", 0);
     if (changes)
-      refuse(fmt::format("material '{}' moves its {} by KHR_texture_transform, which cannot be read; apply it to the "
-                         "texture coordinates and export again",
-                         material, key));
+      refuse(
+          fmt::format("material '{}' moves its {} by KHR_texture_transform, which cannot be read; apply it to the "
+                      "texture coordinates and export again",
+                      material, key));
   }
 
   const char* wrap_name(int mode) const {
@@ -152,6 +151,12 @@ class MaterialReader {
 };
 
 }  // namespace
+
+std::string safe_file_name(const std::string& name) {
+  std::string safe;
+  for (const char c : name) safe += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
+  return safe;
+}
 
 GltfMaterials read_gltf_materials(const std::string& path) {
   if (!is_gltf_name(path)) throw Error(ErrorCode::kInput, path + ": expected a glTF file, *.gltf or *.glb");

@@ -13,8 +13,8 @@
 namespace multum {
 
 struct GltfTexture {
-  int image = 0;   // index into GltfMaterials::images
-  int uv_set = 0;  // TEXCOORD_n
+  int image = 0;                                         // index into GltfMaterials::images
+  int uv_set = 0;                                        // TEXCOORD_n
   std::string wrap_s = "periodic", wrap_t = "periodic";  // by the names of WrapMode
 };
 
@@ -44,6 +44,9 @@ struct GltfMaterials {
 /// Throws Error(kInput) naming the file and what is wrong: not glTF or GLB, damaged, a texture that is not there, a
 /// texture transform (KHR_texture_transform) that changes anything, an image format that cannot be read.
 GltfMaterials read_gltf_materials(const std::string& path);
+
+/// "Hull, front" as a name for a file: "Hull__front".
+std::string safe_file_name(const std::string& name);
 
 /// The image's file: its own, or `folder`/NAME.EXTENSION, written now. Throws Error(kEnvironment).
 std::string extract_image(const GltfImage& image, const std::string& folder);

@@ -54,8 +54,8 @@ class PartReader {
   void append(unsigned face, unsigned i) {
     const char* const name = part_.mName.C_Str();
     if (i >= part_.mNumVertices)
-      refuse_mesh(path_, fmt::format("triangle {} of mesh '{}' names vertex {} of {}", face, name, i,
-                                     part_.mNumVertices));
+      refuse_mesh(path_,
+                  fmt::format("triangle {} of mesh '{}' names vertex {} of {}", face, name, i, part_.mNumVertices));
     const glm::vec3 position = to_vec3(part_.mVertices[i]);
     if (!is_finite(position)) refuse_mesh(path_, fmt::format("vertex {} of mesh '{}' is not finite", i, name));
     glm::vec3 normal = part_.HasNormals() ? to_vec3(part_.mNormals[i]) : glm::vec3(0.0f);
@@ -85,8 +85,9 @@ void append_part(TriangleMesh& mesh, const PartCorners& part) {
     const glm::vec3 &p = part.corners.positions[i], &n = part.corners.normals[i];
     const glm::vec4& t = part.tangents[i];
     const glm::vec2& uv = part.corners.uvs[i];
-    const auto [place, is_new] = numbers.try_emplace(Vertex{p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y},
-                                                     static_cast<std::uint32_t>(mesh.positions.size()));
+    const auto [place, is_new] =
+        numbers.try_emplace(Vertex{p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y},
+                            static_cast<std::uint32_t>(mesh.positions.size()));
     if (is_new) {
       mesh.positions.push_back(p);
       mesh.normals.push_back(n);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tangents as normal maps are baked for: MikkTSpace's convention (M. Mikkelsen, "Simulation of Wrinkled Surfaces
-// Revisited", 2008, and mikktspace.com; glTF 2.0 asks for it, section 3.7.2.1), so that a map baked in one program looks
-// the same here. Written from the description:
+// Revisited", 2008, and mikktspace.com; glTF 2.0 asks for it, section 3.7.2.1), so that a map baked in one program
+// looks the same here. Written from the description:
 //
 //   triangle        T = (v_2 e_1 - v_1 e_2) / area, along growing u; orientation: the sign of its area in texture space
 //   group           triangles around a vertex that share edges and orientation: mirrored charts never mix
@@ -9,9 +9,9 @@
 //                   they lie in the plane across n; normalised. Its handedness w is the group's orientation.
 //   fragment        bitangent = w cross(n, t) of the interpolated normal and tangent
 //
-// A vertex is told from others by position, normal and texture coordinates, bit by bit. Two departures: quadrangles come
-// as two triangles (MikkTSpace weighs their four corners at once), and the angle between faces never splits a group
-// (MikkTSpace's usual threshold of 180 degrees does not either).
+// A vertex is told from others by position, normal and texture coordinates, bit by bit. Two departures: quadrangles
+// come as two triangles (MikkTSpace weighs their four corners at once), and the angle between faces never splits a
+// group (MikkTSpace's usual threshold of 180 degrees does not either).
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@ typedef struct MultumBoxBand {
   int map_height;
   int first_row;  // of the map
   int row_count;
-  int row_length;    // from one row's nodes to the next
+  int row_length;  // from one row's nodes to the next
   int plane_count;
   int level_count;   // levels that are averaged
   int column_count;  // of them all

@@ -46,6 +46,7 @@ FloatImage PyramidRenderer::draw_with(const ShaderProgram& shader, const Mesh& m
   const glm::mat4 matrix = view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), scene.shift);
   shader.set_mat4("u_view_projection", glm::value_ptr(matrix));
   shader.set("u_uv_scale", scene.uv_scale);
+  shader.set("u_level_bias", scene.level_bias);
   shader.set_vec3("u_frame", glm::value_ptr(scene.frame[0]), 3);
   framebuffer_.bind();
   gl_.Enable(GL_DEPTH_TEST);

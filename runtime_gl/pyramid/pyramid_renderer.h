@@ -20,6 +20,11 @@
 
 namespace multum::gl {
 
+/// Williams has d proportional to a pixel's width w, and leaves the factor open. A trilinear lookup at a level of
+/// texels as wide as w blurs with a variance of w^2 / 4: w^2 / 12 of the texel's box and w^2 / 6 of the tent between
+/// texels; a pixel's own box has w^2 / 12. At texels of w / sqrt(3) both are the same.
+constexpr float kEqualVarianceBias = -0.79248125f;  // -log2(sqrt(3))
+
 /// How a map is looked up.
 enum class PyramidLookup {
   kNearest,   // the nearest texel of the finest level: what Williams calls point sampling
@@ -38,7 +43,8 @@ struct PyramidScene {
   Camera camera;
   float uv_scale = 1.0f;
   ViewFrame frame{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)};
-  glm::vec2 shift{0.0f};  // of the picture, pixels
+  glm::vec2 shift{0.0f};    // of the picture, pixels
+  float level_bias = 0.0f;  // added to the level of kLevel and kDriver
 };
 
 /// Distant lights on one Blinn-Phong surface; up to kLightCountMax.

@@ -85,8 +85,7 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const Scene& sce
     scenes[i].brdf = objects[i].brdf;
     shaders.push_back(&program(*objects[i].material, scenes[i]));
   }
-  const glm::mat4 matrix =
-      view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), glm::vec2(0.0f));
+  const glm::mat4 matrix = view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), glm::vec2(0.0f));
   framebuffer_.bind();
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);

@@ -11,6 +11,7 @@ in vec2 v_st;
 
 uniform sampler2D u_map;
 uniform vec3 u_frame[3];  // right, up, towards the viewer
+uniform float u_level_bias;
 
 #ifdef MULTUM_PHONG
 #define MULTUM_PI 3.14159265358979
@@ -46,11 +47,11 @@ void main() {
 #if defined(MULTUM_SHOW_LEVEL)
   o_colour = vec4(level, textureQueryLod(u_map, place).y, 0.0, 1.0);
 #elif defined(MULTUM_LEVEL)
-  o_colour = vec4(textureLod(u_map, place, level).rgb, 1.0);
+  o_colour = vec4(textureLod(u_map, place, level + u_level_bias).rgb, 1.0);
 #elif defined(MULTUM_FINEST)
   o_colour = vec4(textureLod(u_map, place, 0.0).rgb, 1.0);
 #else
-  o_colour = vec4(texture(u_map, place).rgb, 1.0);
+  o_colour = vec4(texture(u_map, place, u_level_bias).rgb, 1.0);
 #endif
 #endif
 }

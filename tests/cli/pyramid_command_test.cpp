@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum mip, reflectance, lod, materials: their files as other programs read them, what is recognised, what is refused.
+// multum mip, reflectance, lod, materials: their files as other programs read them, what is recognised, what is
+// refused.
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -93,8 +94,8 @@ TEST_F(PyramidCommandTest, RefusesWhatCannotBe) {
   write("a.png", ramp());
   TestImage pair{.width = 2, .height = 1, .channels = 2, .values = {0, 0, 1, 1}, .type = OIIO::TypeDesc::FLOAT};
   write("pair.tif", pair);
-  TestImage nan{.width = 2, .height = 1, .channels = 3, .values = {0, 0, 0, 1, 1, std::nanf("")},
-                .type = OIIO::TypeDesc::FLOAT};
+  TestImage nan{
+      .width = 2, .height = 1, .channels = 3, .values = {0, 0, 0, 1, 1, std::nanf("")}, .type = OIIO::TypeDesc::FLOAT};
   write("nan.exr", nan);
   TestImage grey{.width = 2, .height = 2, .channels = 1, .values = {0, 0, 0, 1}};
   write("grey.png", grey);
@@ -145,9 +146,9 @@ TEST_F(PyramidCommandTest, HeightsKeepTheirSignAndPositionsTheirThree) {
 }
 
 TEST_F(PyramidCommandTest, ReflectanceRemembersItsLights) {
-  const std::vector<std::string> command = {"reflectance", "-o",       path("r.exr"), "--light", "0,0,2,3.5",
-                                            "--size",      "16",       "--brdf",      "blinn-phong:20",
-                                            "--viewer",    "0,0.6,0.8"};
+  const std::vector<std::string> command = {"reflectance",    "-o",       path("r.exr"), "--light",
+                                            "0,0,2,3.5",      "--size",   "16",          "--brdf",
+                                            "blinn-phong:20", "--viewer", "0,0.6,0.8"};
   ASSERT_EQ(multum(command).exit_code, 0);
   const auto settings = nlohmann::json::parse(read_pyramid_header(path("r.exr")).map.provenance.settings);
   EXPECT_EQ(settings["lights"][0]["irradiance"][2], 3.5);
@@ -174,8 +175,7 @@ std::string base64(const std::string& bytes) {
     unsigned bits = 0;
     for (std::size_t k = 0; k < 3; ++k)
       bits = (bits << 8) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : digits[(bits >> (18 - 6 * k)) & 63];
+    for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[(bits >> (18 - 6 * k)) & 63];
   }
   return text;
 }

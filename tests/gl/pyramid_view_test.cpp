@@ -49,8 +49,9 @@ Pyramid make_pyramid(PyramidKind kind, int size, WrapMode wrap, const Value& val
           } else {
             const std::vector<float>& finer = pyramid.levels.back().values;
             for (int k = 0; k < 4; ++k)
-              sum += 0.25f * finer[static_cast<std::size_t>(((2 * y + k / 2) * 2 * level.width + 2 * x + k % 2) *
-                                                                channels + c)];
+              sum +=
+                  0.25f *
+                  finer[static_cast<std::size_t>(((2 * y + k / 2) * 2 * level.width + 2 * x + k % 2) * channels + c)];
           }
           level.values.push_back(sum);
         }
@@ -109,7 +110,8 @@ glm::dvec2 texels_at(const gl::PyramidScene& scene, double x, double y, int widt
 // percent of a level. Mesa's own choice is the same rule with a log2 of its own; both are within 0.1 of a level.
 TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
   constexpr int kSize = 64, kWidth = 128, kHeight = 96;
-  const Pyramid pyramid = make_pyramid(PyramidKind::kColour, kSize, WrapMode::kPeriodic, [](int, int, int) { return 1.0; });
+  const Pyramid pyramid =
+      make_pyramid(PyramidKind::kColour, kSize, WrapMode::kPeriodic, [](int, int, int) { return 1.0; });
   const gl::Texture texture = gl::make_pyramid_texture(gl(), pyramid, gl::PyramidLookup::kLevel, 1.0f);
   const gl::Mesh mesh(gl(), plane());
   gl::PyramidScene scene;
@@ -143,9 +145,8 @@ TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
 TEST_F(PyramidViewTest, SamplesAreTheReferences) {
   constexpr int kSize = 16, kWidth = 64, kHeight = 48;
   for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kClamp}) {
-    const Pyramid pyramid = make_pyramid(PyramidKind::kColour, kSize, wrap, [](int x, int y, int c) {
-      return ((x * 7 + y * 13 + c * 5) % 16) / 15.0;
-    });
+    const Pyramid pyramid = make_pyramid(PyramidKind::kColour, kSize, wrap,
+                                         [](int x, int y, int c) { return ((x * 7 + y * 13 + c * 5) % 16) / 15.0; });
     const gl::Texture texture = gl::make_pyramid_texture(gl(), pyramid, gl::PyramidLookup::kLevel, 1.0f);
     const gl::Mesh mesh(gl(), plane());
     gl::PyramidScene scene;
@@ -191,9 +192,8 @@ Pyramid reflectance_of(const gl::PhongLights& lights, int size) {
     for (int x = 0; x < size; ++x)
       texels.push_back(reference::phong_radiance(reflectance_normal(frame, {(x + 0.5) / size, (y + 0.5) / size}),
                                                  frame.viewer, distant, surface));
-  return make_pyramid(PyramidKind::kReflectance, size, WrapMode::kClamp, [&](int x, int y, int c) {
-    return texels[static_cast<std::size_t>(y * size + x)][c];
-  });
+  return make_pyramid(PyramidKind::kReflectance, size, WrapMode::kClamp,
+                      [&](int x, int y, int c) { return texels[static_cast<std::size_t>(y * size + x)][c]; });
 }
 
 class HighlightTest : public PyramidViewTest {
@@ -206,6 +206,7 @@ class HighlightTest : public PyramidViewTest {
     scene.camera.up = {0.0f, 1.0f, 0.0f};
     scene.camera.fov_y_degrees = 2.0f;
     scene.camera.near_distance = 50.0f;
+    scene.level_bias = gl::kEqualVarianceBias;
   }
   gl::PhongLights lights;
   gl::PyramidScene scene;
@@ -354,10 +355,12 @@ TEST_F(PyramidModesTest, AModelWithItsOwnMaterials) {
   const std::string primitive = R"({"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":)";
   testing::write_bytes(
       path("m.gltf"),
-      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0},{"mesh":1,"translation":[0,0,0.5]}],)"
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0},)"
+      R"({"mesh":1,"translation":[0,0,0.5]}],)"
       R"("meshes":[{"primitives":[)" +
           primitive + "0}]},{\"primitives\":[" + primitive +
-          R"(1}]}],"materials":[{"name":"red","doubleSided":true,"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1],"metallicFactor":0}},)"
+          R"(1}]}],"materials":[{"name":"red","doubleSided":true,"pbrMetallicRoughness":)"
+          R"({"baseColorFactor":[1,0,0,1],"metallicFactor":0}},)"
           R"({"name":"rough"}],"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
           positions +
           R"("}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],)"

@@ -73,15 +73,14 @@ TEST(TangentSpace, MirroredChartsDoNotMix) {
   for (int i = 0; i < 3; ++i) expect_near(tangents[static_cast<std::size_t>(i)], {1, 0, 0, 1});
   for (int i = 3; i < 6; ++i) expect_near(tangents[static_cast<std::size_t>(i)], {-1, 0, 0, -1});
   // Both bitangents point along growing v.
-  for (const glm::vec4& t : tangents)
-    EXPECT_GT((t.w * glm::cross(glm::vec3(0, 0, 1), glm::vec3(t))).y, 0.99f);
+  for (const glm::vec4& t : tangents) EXPECT_GT((t.w * glm::cross(glm::vec3(0, 0, 1), glm::vec3(t))).y, 0.99f);
 }
 
 // Triangles that touch in a vertex alone are two groups: nothing is averaged across the gap.
 TEST(TangentSpace, AVertexAloneJoinsNothing) {
   const Corner middle{{0, 0, 0}, {0, 0}};
-  const Corner a{{1, 0, 0}, {1, 0}}, b{{0, 1, 0}, {0, 1}};         // u along +x
-  const Corner c{{-1, 0, 0}, {0, 1}}, d{{0, -1, 0}, {-1, 0}};      // u along +y, v along -x
+  const Corner a{{1, 0, 0}, {1, 0}}, b{{0, 1, 0}, {0, 1}};     // u along +x
+  const Corner c{{-1, 0, 0}, {0, 1}}, d{{0, -1, 0}, {-1, 0}};  // u along +y, v along -x
   const std::vector<glm::vec4> tangents = mikk_tangents(flat({middle, a, b, middle, c, d}));
   expect_near(tangents[0], {1, 0, 0, 1});
   expect_near(tangents[3], {0, 1, 0, 1});
@@ -91,8 +90,7 @@ TEST(TangentSpace, TrianglesWithoutDirectionTakeANeighbours) {
   const Corner a{{0, 0, 0}, {0, 0}}, b{{1, 0, 0}, {1, 0}}, c{{0, 1, 0}, {0, 1}};
   const Corner d{{1, 1, 0}, {1, 0}};  // same u, v as b: no area with b, b
   const Corner stray{{5, 5, 0}, {0, 0}}, stray2{{6, 5, 0}, {0, 0}}, stray3{{5, 6, 0}, {0, 0}};
-  const std::vector<glm::vec4> tangents =
-      mikk_tangents(flat({a, b, c, b, d, d, stray, stray2, stray3}));
+  const std::vector<glm::vec4> tangents = mikk_tangents(flat({a, b, c, b, d, d, stray, stray2, stray3}));
   expect_near(tangents[3], {1, 0, 0, 1});  // b of the empty triangle
   for (const glm::vec4& t : tangents) {
     EXPECT_NEAR(glm::length(glm::vec3(t)), 1.0f, 1e-5f);
@@ -113,7 +111,8 @@ TEST(TangentSpace, OfTheConformanceModel) {
   int kinds[2] = {0, 0};
   for (std::size_t first = 0; first < mesh.indices.size(); first += 3) {
     const auto at = [&](std::size_t k) { return mesh.indices[first + k]; };
-    const glm::dvec3 e1 = mesh.positions[at(1)] - mesh.positions[at(0)], e2 = mesh.positions[at(2)] - mesh.positions[at(0)];
+    const glm::dvec3 e1 = mesh.positions[at(1)] - mesh.positions[at(0)],
+                     e2 = mesh.positions[at(2)] - mesh.positions[at(0)];
     const glm::dvec2 d1 = mesh.uvs[at(1)] - mesh.uvs[at(0)], d2 = mesh.uvs[at(2)] - mesh.uvs[at(0)];
     const double area = d1.x * d2.y - d1.y * d2.x;
     if (std::abs(area) < 1e-9 || glm::length(glm::cross(e1, e2)) < 1e-12) continue;

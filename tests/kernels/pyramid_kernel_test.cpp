@@ -96,7 +96,8 @@ ReflectanceJob job_of(float exponent, int size) {
   job.viewer = {0.3, -0.4, 0.7};
   job.diffuse = {0.5, 0.3, 0.1};
   job.specular = {0.1, 0.2, 0.3};
-  job.lights = {{{0.3, 0.8, 0.5}, glm::dvec3(3.0)}, {{-2.0, 0.1, 0.4}, {1.0, 0.5, 0.2}}, {{0.0, 0.0, -1.0}, {0.2, 0.2, 0.9}}};
+  job.lights = {
+      {{0.3, 0.8, 0.5}, glm::dvec3(3.0)}, {{-2.0, 0.1, 0.4}, {1.0, 0.5, 0.2}}, {{0.0, 0.0, -1.0}, {0.2, 0.2, 0.9}}};
   return job;
 }
 
@@ -153,9 +154,9 @@ TEST(ReflectanceKernelTest, EnergyStays) {
   for (int j = 0; j < kSteps; ++j)
     for (int i = 0; i < kSteps; ++i) {
       const glm::dvec2 place((i + 0.5) / kSteps, (j + 0.5) / kSteps);
-      expected += 8.0 / (kSteps * kSteps) *
-                  reference::phong_radiance(reflectance_normal(about, place), frame.viewer, {{l, glm::dvec3(3.0)}},
-                                            surface)[0];
+      expected +=
+          8.0 / (kSteps * kSteps) *
+          reference::phong_radiance(reflectance_normal(about, place), frame.viewer, {{l, glm::dvec3(3.0)}}, surface)[0];
     }
   for (std::size_t l2 = 0; l2 < pyramid.levels.size(); ++l2) {
     double sum = 0.0;
@@ -177,8 +178,9 @@ TEST(ReflectanceMappingTest, PlacesAndNormalsAreEachOthersInverse) {
     EXPECT_NEAR(back.y, place.y, 1e-9);
   }
   EXPECT_NEAR(glm::distance(reflectance_place(frame, frame.viewer), glm::dvec2(0.5)), 0.0, 1e-12);
-  EXPECT_LT(glm::distance(parse_reflectance_frame("{\"frame\":" + reflectance_frame_json(frame) + "}", "x").up, frame.up),
-            1e-15);
+  EXPECT_LT(
+      glm::distance(parse_reflectance_frame("{\"frame\":" + reflectance_frame_json(frame) + "}", "x").up, frame.up),
+      1e-15);
   EXPECT_THROW(parse_reflectance_frame("{}", "x"), Error);
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -35,13 +34,6 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-// "Hull, front" as a name for a file: "Hull__front".
-std::string file_name(const std::string& name) {
-  std::string clean;
-  for (const char c : name) clean += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
-  return clean;
-}
-
 std::string image_text(const GltfMaterials& model, const std::optional<GltfTexture>& texture) {
   if (!texture) return "none";
   const GltfImage& image = model.images[static_cast<std::size_t>(texture->image)];
@@ -51,7 +43,9 @@ std::string image_text(const GltfMaterials& model, const std::optional<GltfTextu
 void print_materials(const GltfMaterials& model) {
   for (const GltfMaterial& m : model.materials) {
     fmt::print("{}\n  normal map    {}", m.name, image_text(model, m.normal));
-    if (m.normal) fmt::print(", TEXCOORD_{}, wrap {},{}, scale {:g}", m.normal->uv_set, m.normal->wrap_s, m.normal->wrap_t, m.normal_scale);
+    if (m.normal)
+      fmt::print(", TEXCOORD_{}, wrap {},{}, scale {:g}", m.normal->uv_set, m.normal->wrap_s, m.normal->wrap_t,
+                 m.normal_scale);
     fmt::print("\n  base colour   {:g},{:g},{:g} times {}\n", m.base_colour.r, m.base_colour.g, m.base_colour.b,
                m.colour ? image_text(model, m.colour) : "1");
     fmt::print("  metallic      {:g}{}\n  roughness     {:g}{}\n", m.metallic,
@@ -82,7 +76,8 @@ std::string map_text(const GltfMaterials& model, const GltfMaterial& material, c
   std::string text = fmt::format("\n[[map]]  # {}\ninput = {}\noutput = {}\n", quoted(material.name), relative(normal),
                                  quoted(output));
   text += fmt::format("swrap = \"{}\"\ntwrap = \"{}\"\n", material.normal->wrap_s, material.normal->wrap_t);
-  if (material.normal_scale != 1.0f) text += fmt::format("normal_scale = {:.9g}\n", static_cast<double>(material.normal_scale));
+  if (material.normal_scale != 1.0f)
+    text += fmt::format("normal_scale = {:.9g}\n", static_cast<double>(material.normal_scale));
   if (!material.colour) return text;
   const std::string colour = path_of(*material.colour);
   if (material.colour->uv_set != material.normal->uv_set)
@@ -109,7 +104,7 @@ void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
   for (std::size_t i = 0; i < model.materials.size(); ++i) {
     const GltfMaterial& material = model.materials[i];
     if (!material.normal) continue;
-    const std::string output = fmt::format("{}_{}.ndf.exr", i, file_name(material.name));
+    const std::string output = fmt::format("{}_{}.ndf.exr", i, safe_file_name(material.name));
     text += map_text(model, material, o.folder, output);
     view += fmt::format(" --material {}={}/{}", quoted(material.name), o.folder, output);
     ++count;
@@ -130,8 +125,8 @@ int run_materials(const MaterialsOptions& o) {
 
 void add_materials_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<MaterialsOptions>();
-  CLI::App* materials = app.add_subcommand(
-      "materials", "list a glTF model's materials; write a manifest that bakes its normal maps");
+  CLI::App* materials =
+      app.add_subcommand("materials", "list a glTF model's materials; write a manifest that bakes its normal maps");
   materials->add_option("model", options->model, "*.gltf or *.glb")->required();
   materials->add_option("-o,--output", options->folder,
                         "folder for maps.toml and for images that lie inside the file; made where it is not there");

@@ -143,7 +143,8 @@ int run_reflectance(ReflectanceOptions& o) {
 
 void add_mip(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<MipOptions>();
-  CLI::App* mip = app.add_subcommand("mip", "make a mip pyramid of colours, or of other data, filtered in linear light");
+  CLI::App* mip =
+      app.add_subcommand("mip", "make a mip pyramid of colours, or of other data, filtered in linear light");
   mip->add_option("image", o->job.input, "PNG, TIFF, EXR, JPEG or WebP")->required();
   add_output_options(*mip, o->job.output, o->job.report, o->job.writing);
   add_choice(*mip, "--colours", o->job.colours, kColourEncodings,
@@ -185,8 +186,7 @@ void add_lod(CLI::App& app, int* exit_code) {
   o->job.kind = PyramidKind::kHeight;
   o->job.encoding = StorageEncoding::kFloat;
   o->job.wrap_s = o->job.wrap_t = WrapMode::kClamp;
-  CLI::App* lod =
-      app.add_subcommand("lod", "make a level-of-detail pyramid of a height field or a grid of positions");
+  CLI::App* lod = app.add_subcommand("lod", "make a level-of-detail pyramid of a height field or a grid of positions");
   lod->add_option("image", o->job.input, "heights (integers: 0 to 1), or x, y, z of a grid of points")->required();
   add_output_options(*lod, o->job.output, o->job.report, o->job.writing);
   add_choice(*lod, "--of", o->job.kind, kSurfaceKinds, "heights (the first channel) or positions (three channels)");

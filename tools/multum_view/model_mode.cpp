@@ -25,7 +25,7 @@
 namespace multum {
 namespace {
 
-constexpr float kRoughnessMin = 0.05f;       // of Brdf
+constexpr float kRoughnessMin = 0.05f;           // of Brdf
 constexpr float kDielectricReflectance = 0.04f;  // glTF 2.0, appendix B
 
 /// NAME=FILE; a name may hold "=", a baked file's rarely does.
@@ -65,7 +65,8 @@ class TemporaryImages {
 /// The mean of each channel, as numbers from 0 to 1.
 glm::vec3 mean_of(const GltfImage& image) {
   const TemporaryImages temporary;
-  const ColourRows rows = read_colour_rows(extract_image(image, temporary.folder()), ColourEncoding::kData, {}, 1, nullptr);
+  const ColourRows rows =
+      read_colour_rows(extract_image(image, temporary.folder()), ColourEncoding::kData, {}, 1, nullptr);
   std::vector<float> row(static_cast<std::size_t>(rows.planes.width()));
   glm::dvec3 sum(0.0);
   for (int y = 0; y < rows.planes.height(); ++y)
@@ -112,8 +113,8 @@ class Model {
     for (const GltfMaterial& material : materials.materials) names.insert(material.name);
     for (const auto& [name, file] : files_)
       if (names.count(name) == 0)
-        throw Error(ErrorCode::kUsage, fmt::format("--material '{}': {} has no such material, expected one of: {}", name,
-                                                   options.mesh, fmt::join(names, ", ")));
+        throw Error(ErrorCode::kUsage, fmt::format("--material '{}': {} has no such material, expected one of: {}",
+                                                   name, options.mesh, fmt::join(names, ", ")));
   }
 
   const TriangleMesh& mesh(int uv_set) {
@@ -129,7 +130,8 @@ class Model {
       const gl::MeshData data = part_data(mesh(material.normal ? material.normal->uv_set : 0), i);
       if (data.indices.empty()) continue;
       parts_.emplace_back(gl, data);
-      objects_.push_back({&parts_.back(), make(gl, material), options_.has_brdf ? options_.scene.brdf : brdf_of(materials_, material)});
+      objects_.push_back({&parts_.back(), make(gl, material),
+                          options_.has_brdf ? options_.scene.brdf : brdf_of(materials_, material)});
       fmt::print("{}: {} triangles, {}\n", material.name.empty() ? "no material" : material.name,
                  data.indices.size() / 3, files_.count(material.name) > 0 ? files_.at(material.name) : "no map");
     }
@@ -140,8 +142,8 @@ class Model {
   const gl::Material* make(const gl::GlFunctions& gl, const GltfMaterial& material) {
     const auto file = files_.find(material.name);
     if (file == files_.end()) {
-      surfaces_.push_back(std::make_unique<gl::NormalMaterial>(
-          gl, gl::NormalImage{1, 1, {{0.0f, 0.0f, 1.0f}}, {}}, gl::NormalMaterial::Sampling::kNearest, 1.0f));
+      surfaces_.push_back(std::make_unique<gl::NormalMaterial>(gl, gl::NormalImage{1, 1, {{0.0f, 0.0f, 1.0f}}, {}},
+                                                               gl::NormalMaterial::Sampling::kNearest, 1.0f));
       return surfaces_.back().get();
     }
     ViewOptions own = options_;

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <array>
+#include <cmath>
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -93,10 +93,13 @@ class PyramidPictures {
         renderer_(gl, options.width, options.height) {
     scene_.camera = options.scene.camera;
     scene_.uv_scale = options.scene.uv_scale;
+    scene_.level_bias = options.level_bias.value_or(by_normal_ ? gl::kEqualVarianceBias : 0.0f);
     if (!by_normal_) return;
     const ReflectanceFrame frame = parse_reflectance_frame(pyramid.header.map.provenance.settings, options.reflectance);
     scene_.frame = {glm::vec3(frame.right), glm::vec3(frame.up), glm::vec3(frame.viewer)};
   }
+
+  float level_bias() const { return scene_.level_bias; }
 
   FloatImage draw(const std::string& name, glm::vec2 shift) {
     const std::optional<PyramidLookup> lookup = lookup_of(name);
@@ -193,8 +196,7 @@ int run_pyramid(ViewOptions& options) {
   PyramidPictures drawer(options, context->functions(), pyramid, mesh, lights);
   std::vector<NamedPicture> pictures;
   for (const std::string& name : options.lookups) pictures.push_back({name, {drawer.draw(name, {0.0f, 0.0f}), 0.0}});
-  const std::vector<double> flickers =
-      options.shifts > 0 ? measure_flicker(options, drawer) : std::vector<double>();
+  const std::vector<double> flickers = options.shifts > 0 ? measure_flicker(options, drawer) : std::vector<double>();
   const nlohmann::json rows = print_rows(pictures, flickers);
   write_pictures(options, pictures);
   if (!options.report.empty())
@@ -204,6 +206,7 @@ int run_pyramid(ViewOptions& options) {
                                                    {"truth", lights ? "shaded at every sample" : "the finest level"},
                                                    {"truth_samples", options.samples},
                                                    {"shifts", options.shifts},
+                                                   {"level_bias", drawer.level_bias()},
                                                    {"anisotropy", options.anisotropy},
                                                    {"pictures", rows}}
                                             .dump(2) +

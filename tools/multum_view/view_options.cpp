@@ -324,6 +324,9 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
                  "how these are looked up, a list of nearest, bilinear (finest level), level (the longer side of the "
                  "pixel), driver, and truth (supersampled)")
       ->capture_default_str();
+  app.add_option("--level-bias", o.level_bias,
+                 "added to the level (default: 0 for --mip, as the GL; -0.79 for --reflectance, as wide as the pixel)")
+      ->check(number_in(-16.0f, 16.0f));
   app.add_option("--shifts", o.shifts, "with --reflectance and truth: measure flicker over so many sub-pixel shifts")
       ->check(CLI::Range(2, 256));
   app.add_option("--lod", o.lod, "a surface, of multum lod, as a mesh of --level");

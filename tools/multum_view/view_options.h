@@ -40,6 +40,7 @@ struct ViewOptions {
   // What is drawn in the place of `input` (docs/WILLIAMS.md): a pyramid of one kind, or a model's own materials.
   std::string mip, reflectance, lod;
   std::vector<std::string> lookups;    // of mip and reflectance: truth, nearest, bilinear, level, driver
+  std::optional<float> level_bias;     // unset: 0 for mip, the pixel's own width for reflectance
   int shifts = 0;                      // of reflectance: pictures that flicker is measured on
   float level = 0.0f;                  // of lod
   std::vector<std::string> materials;  // NAME=FILE.ndf.exr
