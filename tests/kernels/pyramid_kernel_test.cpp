@@ -88,6 +88,37 @@ TEST_P(MipBoxTest, BandsOfAnyHeightAreTheSameBytes) {
   EXPECT_GT(bakes, 3);
 }
 
+// The longest column there is: a plain float sum of 32768 numbers near 0.1 is off by some 1e-4 of itself.
+TEST(MipBoxHardTest, LongColumnsKeepTheirDigits) {
+  const BoxMap map = {1, 32768, 1, 0};
+  std::vector<float> column;
+  double sum = 0.0;
+  for (int i = 0; i < map.height; ++i) {
+    column.push_back(0.1f + 1e-6f * static_cast<float>(i % 7));
+    sum += static_cast<double>(column.back());
+  }
+  const Pyramid pyramid = box_pyramid(test_device(), map, column.data(), 1u << 24);
+  EXPECT_NEAR(static_cast<double>(pyramid.levels.back().values[0]), sum / map.height, 1e-8);
+}
+
+// A light behind the surface, in the viewer's direction, straight away from it; zero light: finite, and nothing below
+// 0.
+TEST(ReflectanceKernelTest, LightsFromAnywhere) {
+  ReflectanceJob job;
+  job.size = 16;
+  job.exponent = 1e5f;
+  job.viewer = {0.0, 0.0, 1.0};
+  for (const glm::dvec3 direction :
+       {glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1), glm::dvec3(1, 0, 0), glm::dvec3(1e-9, 0, -1)})
+    for (const double light : {0.0, 1e-20, 1e6}) job.lights.push_back({direction, glm::dvec3(light)});
+  const Pyramid pyramid = reflectance_pyramid(job, test_device());
+  for (const PyramidLevel& level : pyramid.levels)
+    for (const float value : level.values) {
+      EXPECT_TRUE(std::isfinite(value));
+      EXPECT_GE(value, 0.0f);
+    }
+}
+
 ReflectanceJob job_of(float exponent, int size) {
   ReflectanceJob job;
   job.size = size;
