@@ -16,6 +16,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/image/environment_file.h"
 #include "kernels/shared/reflectance.h"
 
 namespace multum {
@@ -160,39 +161,19 @@ void validate(const ReflectanceJob& job) {
   validate(job.writing);
 }
 
-std::vector<ReflectanceLight> environment_lights(const PlaneStore& planes, float exponent, float scale) {
-  const int width = planes.width(), height = planes.height();
+std::vector<ReflectanceLight> environment_lights(const EnvironmentMap& environment, float exponent, float scale) {
   const double cell_max = 0.5 / std::sqrt(static_cast<double>(exponent));  // radians
-  const int rows = std::clamp(static_cast<int>(std::ceil(M_PI / cell_max)), 16, height);
-  const int columns = std::clamp(2 * rows, 1, width);
-  struct Cell {
-    glm::dvec3 direction{0.0}, irradiance{0.0};
-    double weight = 0.0;
-  };
-  std::vector<Cell> cells(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
-  std::array<std::vector<float>, 3> row;
-  for (std::vector<float>& plane : row) plane.resize(static_cast<std::size_t>(width));
-  for (int y = 0; y < height; ++y) {
-    planes.read_rows(y, 1, {row[0].data(), row[1].data(), row[2].data()});
-    const double top = M_PI * y / height, bottom = M_PI * (y + 1) / height, theta = 0.5 * (top + bottom);
-    const double solid_angle = (std::cos(top) - std::cos(bottom)) * 2.0 * M_PI / width;
-    for (int x = 0; x < width; ++x) {
-      const double longitude = M_PI * (1.0 - 2.0 * (x + 0.5) / width);
-      const glm::dvec3 direction(std::sin(theta) * std::sin(longitude), std::cos(theta),
-                                 std::sin(theta) * std::cos(longitude));
-      const auto i = static_cast<std::size_t>(x);
-      Cell& cell = cells[static_cast<std::size_t>(std::int64_t{y} * rows / height) * static_cast<std::size_t>(columns) +
-                         static_cast<std::size_t>(std::int64_t{x} * columns / width)];
-      const glm::dvec3 energy = solid_angle * static_cast<double>(scale) * glm::dvec3(row[0][i], row[1][i], row[2][i]);
-      const double weight = energy.x + energy.y + energy.z;
-      cell.irradiance += energy;
-      cell.direction += weight * direction;
-      cell.weight += weight;
+  const EnvironmentMap cells = shrink(environment, std::max(32, static_cast<int>(std::ceil(2.0 * M_PI / cell_max))));
+  std::vector<ReflectanceLight> lights;
+  for (int y = 0; y < cells.height; ++y) {
+    const double solid_angle = texel_solid_angle(cells.width, cells.height, y) * static_cast<double>(scale);
+    for (int x = 0; x < cells.width; ++x) {
+      const glm::dvec3 radiance(cells.texels[static_cast<std::size_t>(y * cells.width + x)]);
+      if (radiance.x + radiance.y + radiance.z <= 0.0) continue;
+      lights.push_back(
+          {environment_direction((x + 0.5) / cells.width, (y + 0.5) / cells.height), radiance * solid_angle});
     }
   }
-  std::vector<ReflectanceLight> lights;
-  for (const Cell& cell : cells)
-    if (cell.weight > 0.0) lights.push_back({glm::normalize(cell.direction), cell.irradiance});
   return lights;
 }
 
@@ -232,8 +213,11 @@ MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* 
   std::vector<ReflectanceLight> lights = job.lights;
   if (!job.environment.empty()) {
     progress_stage(progress, "read");
-    const ColourRows source = read_colour_rows(job.environment, ColourEncoding::kAuto, {}, job.threads, nullptr);
-    const std::vector<ReflectanceLight> more = environment_lights(source.planes, job.exponent, job.environment_scale);
+    const ColourMap source = read_environment_map(job.environment);
+    EnvironmentMap environment{source.width, source.height, {}};
+    for (std::size_t i = 0; i < source.r.size(); ++i)
+      environment.texels.emplace_back(source.r[i], source.g[i], source.b[i]);
+    const std::vector<ReflectanceLight> more = environment_lights(environment, job.exponent, job.environment_scale);
     lights.insert(lights.end(), more.begin(), more.end());
     report.format = source.format;
     report.clamped_count = source.clamped_count;

@@ -10,6 +10,7 @@
 
 #include "host/asset/reflectance_mapping.h"
 #include "host/bake/mip_bake.h"
+#include "host/light/environment_map.h"
 
 namespace multum {
 
@@ -42,9 +43,9 @@ struct ReflectanceJob {
 void validate(const ReflectanceJob& job);
 
 /// What a latitude-longitude environment sends from each of its cells: as many cells as the BRDF's lobe needs, so that
-/// a cell is at most half as wide as it (radians: 1 / (2 sqrt(s))). Row 0 is +up (Y); the middle column is +Z, and
-/// columns to its right turn to -X, as OpenEXR's environment maps have it. `planes`: linear RGB.
-std::vector<ReflectanceLight> environment_lights(const PlaneStore& planes, float exponent, float scale);
+/// a cell is about half as wide as it (radians: 1 / (2 sqrt(s))). Directions are EnvironmentMap's: +Y up, -Z in the
+/// middle.
+std::vector<ReflectanceLight> environment_lights(const EnvironmentMap& environment, float exponent, float scale);
 
 /// Throws Error, Cancelled; leaves no partial file.
 MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* progress);

@@ -28,6 +28,8 @@ class Material {
   virtual int bind(const ShaderProgram& shader) const = 0;
   /// The order to which the surface takes the BRDF's zonal coefficients (u_zonal), or -1: it takes none.
   virtual int zonal_order() const { return -1; }
+  /// One normal a sample: an environment is sampled around it, by brute force.
+  virtual bool samples_light() const { return false; }
 
  protected:
   Material() = default;

@@ -38,12 +38,13 @@ void append(const ShaderParts& parts, ShaderSources& sources) {
 }  // namespace
 
 Renderer::Renderer(const GlFunctions& gl, int width, int height)
-    : gl_(gl), framebuffer_(gl, width, height), sum_(gl, width, height), full_screen_(gl) {}
+    : gl_(gl), framebuffer_(gl, width, height), sum_(gl, width, height), full_screen_(gl), environment_(gl) {}
 
 ShaderSources scene_shader_sources(const Material& material, const Scene& scene) {
   ShaderSources sources{
       material.name(), {}, {shader_scene_vert}, {shader_common_movmf_shading_glsl, shader_common_reflection_glsl}};
   append(brdf_shader_parts(scene.brdf), sources);
+  append(environment_shader_parts(scene, material.samples_light()), sources);
   append(material.shader_parts(), sources);
   append(light_shader_parts(scene), sources);
   sources.fragment.push_back(shader_scene_frag);
@@ -59,11 +60,13 @@ const ShaderProgram& Renderer::program(const Material& material, const Scene& sc
   return *entry;
 }
 
-void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) const {
+void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) {
   shader.set_vec3("u_eye", glm::value_ptr(scene.camera.eye), 1);
   shader.set("u_uv_scale", scene.uv_scale);
   set_brdf(shader, scene.brdf, material.zonal_order());
   set_lights(shader, scene);
+  environment_.set(shader, scene, material.samples_light(), {framebuffer_.width(), framebuffer_.height()},
+                   material.bind(shader));
   check_gl(gl_, "setting the scene's uniforms");
 }
 
@@ -86,6 +89,8 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const Scene& sce
     shaders.push_back(&program(*objects[i].material, scenes[i]));
   }
   const glm::mat4 matrix = view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), glm::vec2(0.0f));
+  // Of one object, what does not change from frame to frame is set once.
+  if (objects.size() == 1) set_scene(*shaders[0], *objects[0].material, scenes[0]);
   framebuffer_.bind();
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
@@ -97,8 +102,7 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const Scene& sce
     framebuffer_.clear_depth();
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const ShaderProgram& shader = *shaders[i];
-      set_scene(shader, *objects[i].material, scenes[i]);
-      objects[i].material->bind(shader);
+      if (objects.size() > 1) set_scene(shader, *objects[i].material, scenes[i]);
       shader.set_mat4("u_view_projection", glm::value_ptr(matrix));
       shader.use();
       objects[i].mesh->draw();
@@ -139,6 +143,7 @@ Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const S
     framebuffer_.bind();
     framebuffer_.clear_colour();
     material.bind(shader);
+    shader.set("u_sample", i);
     shader.use();
     draw_once(shader, mesh, scene, jitter_offset(i));
     accumulate(*adder_);

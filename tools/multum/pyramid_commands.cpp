@@ -165,7 +165,7 @@ void add_reflectance(CLI::App& app, int* exit_code) {
   add_output_options(*command, job.output, job.report, job.writing);
   command->add_option("--light", o->lights, "towards a distant light: x,y,z[,irradiance, grey or r,g,b]; repeatable");
   command->add_option("--environment", job.environment,
-                      "latitude-longitude image of light from everywhere; +Y on top, +Z in the middle");
+                      "latitude-longitude image of light from everywhere; +Y on top, -Z in the middle");
   command->add_option("--environment-scale", job.environment_scale, "its radiance times this")->capture_default_str();
   command->add_option("--viewer", o->viewer, "x,y,z towards the distant viewer (default: 0,0,1)");
   command->add_option("--up", o->up, "x,y,z that is up in the map (default: 0,1,0)");

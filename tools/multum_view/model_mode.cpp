@@ -173,6 +173,7 @@ int run_model(ViewOptions& options) {
   Model model(options, materials);
   frame_mesh(model.mesh(0), options);
   options.scene.uv_scale = options.repeat > 0.0f ? options.repeat : 1.0f;
+  options.scene.environment = read_environment(options);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options.context);
   log_info(context->description());
   model.upload(context->functions());
