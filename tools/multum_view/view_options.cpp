@@ -221,7 +221,7 @@ std::vector<std::string> parse_compare(const std::string& text) {
 }
 
 /// One thing is drawn: a baked map, or what takes its place.
-void check_subject(const ViewOptions& o) {
+void check_subject(const RawOptions& raw, const ViewOptions& o) {
   const int others = (o.mip.empty() ? 0 : 1) + (o.reflectance.empty() ? 0 : 1) + (o.lod.empty() ? 0 : 1) +
                      (o.materials.empty() ? 0 : 1);
   if (o.input.empty() && others == 0) throw Error(ErrorCode::kUsage, "file is required: see multum-view --help");
@@ -231,7 +231,7 @@ void check_subject(const ViewOptions& o) {
     throw Error(ErrorCode::kUsage, "--reflectance and --material are for a surface, expected --mesh");
   if ((!o.mip.empty() || !o.lod.empty()) && !o.mesh.empty())
     throw Error(ErrorCode::kUsage, "--mip lies on the plane and --lod is a surface itself, found --mesh");
-  if (others > 0 && (!o.compare.empty() || !o.source.empty() || !o.frames_folder.empty()))
+  if (others > 0 && (!raw.compare.empty() || !o.source.empty() || !o.frames_folder.empty()))
     throw Error(ErrorCode::kUsage,
                 "--compare, --source and --animate are for baked maps; --lookup has what pyramids compare");
 }
@@ -289,7 +289,7 @@ void finish_animation(const RawOptions& raw, ViewOptions& options) {
 }
 
 void finish(const RawOptions& raw, ViewOptions& options) {
-  check_subject(options);
+  check_subject(raw, options);
   options.lookups = parse_lookups(raw.lookups);
   gl::Scene& scene = options.scene;
   if (!raw.camera.empty()) parse_camera("--camera", raw.camera, scene.camera);
