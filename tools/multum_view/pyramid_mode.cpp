@@ -105,6 +105,9 @@ class PyramidPictures {
     const std::optional<PyramidLookup> lookup = lookup_of(name);
     gl::PyramidScene scene = scene_;
     if (lookup) {
+      // Along a long ellipse the driver takes several lookups, whose sum is as wide as it should be.
+      const bool is_long = *lookup == PyramidLookup::kDriver && options_.anisotropy > 1.0f;
+      if (is_long && !options_.level_bias) scene.level_bias = 0.0f;
       scene.shift = shift;
       return renderer_.draw(mesh_, texture(*lookup), *lookup, by_normal_, scene);
     }
