@@ -69,9 +69,8 @@ double visibility(const Brdf& brdf, double n_l, double n_v, double n_h, double v
 
 ReflectionEntry integrate(const Brdf& brdf, const VmfTerm& term, double lobe_kappa, double cosine) {
   const glm::dvec3 mu(0.0, 0.0, 1.0), v(std::sqrt(std::max(1.0 - cosine * cosine, 0.0)), 0.0, cosine);
-  ReflectionEntry entry{glm::dvec3(0.0), 1.0, 0.0, 1.0, 0.0, 0.0};
-  glm::dvec3 mean(0.0);
-  double mean_weight = 0.0, diffuse = 0.0;
+  ReflectionEntry entry{glm::dvec3(0.0), 0.0, 0.0};
+  double diffuse = 0.0;
   for (int i = 0; i < kSampleCount; ++i) {
     const std::array<double, 4> u = sequence(i);
     const glm::dvec3 n = sample_vmf(mu, lobe_kappa, u[0], u[1]);
@@ -89,22 +88,11 @@ ReflectionEntry integrate(const Brdf& brdf, const VmfTerm& term, double lobe_kap
     entry.plain += 4.0 * v_h * v_h;
     const double weight =
         4.0 * v_h * n_l * visibility(brdf, n_l, std::max(glm::dot(n, v), 0.0), std::max(glm::dot(n, h), 0.0), v_h);
-    const glm::dvec3 colour = weight * fresnel(brdf, v_h);
-    entry.weight += colour;
-    const double grey = colour.x + colour.y + colour.z;
-    mean += grey * l;
-    mean_weight += grey;
+    entry.weight += weight * fresnel(brdf, v_h);
   }
   entry.weight *= term.weight / static_cast<double>(kSampleCount);
   entry.plain *= (term.weight.x + term.weight.y + term.weight.z) / 3.0 / kSampleCount;
   entry.fresnel /= std::max(diffuse, 1.0);
-  if (mean_weight <= 0.0) return entry;
-  mean /= mean_weight;
-  entry.spread = std::max(1.0 - glm::length(mean), 0.0);
-  // In the basis (mu, v), which near mu = v is none: there all of it lies along mu.
-  const double sine = v.x;
-  entry.along_v = sine > 0.02 ? mean.x / sine : 0.0;
-  entry.along_mu = sine > 0.02 ? mean.z - entry.along_v * cosine : mean.z;
   return entry;
 }
 

@@ -143,7 +143,7 @@ Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const S
     framebuffer_.bind();
     framebuffer_.clear_colour();
     material.bind(shader);
-    shader.set("u_sample", i);
+    if (material.samples_light()) environment_.set_sample(shader, scene, i);
     shader.use();
     draw_once(shader, mesh, scene, jitter_offset(i));
     accumulate(*adder_);

@@ -8,6 +8,7 @@ extern const char* const shader_common_movmf_shading_glsl;
 extern const char* const shader_common_moment_shading_glsl;
 extern const char* const shader_common_reflection_glsl;
 extern const char* const shader_common_pyramid_glsl;
+extern const char* const shader_common_vmf_zonal_glsl;
 extern const char* const shader_brdf_blinn_phong_glsl;
 extern const char* const shader_brdf_torrance_sparrow_glsl;
 extern const char* const shader_brdf_cook_torrance_glsl;
