@@ -155,6 +155,7 @@ std::string MipReport::to_json() const {
       {"format", format},
       {"device", device},
       {"content_hash", content_hash},
+      {"launches", launches},
       {"counts", {{"clamped", clamped_count}, {"limited", limited_count}}},
       {"seconds", {{"read", read_seconds}, {"average", average_seconds}, {"write", write_seconds}}}};
   return json.dump(2) + "\n";
@@ -252,6 +253,7 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   writer.commit(progress);
   report.write_seconds = seconds.lap();
   report.content_hash = writer.content_hash();
+  report.launches = device.launch_counts();
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);
   return report;

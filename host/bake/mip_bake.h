@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 
 #include "host/asset/pyramid_file.h"
@@ -36,8 +37,9 @@ struct MipReport {
   bool unchanged = false;  // the output was there already: nothing else here says anything
   int width = 0, height = 0, level_count = 0;
   std::string format, device, content_hash;
-  std::int64_t clamped_count = 0;   // texels without a colour, read as 0
-  std::uint64_t limited_count = 0;  // values beyond what half floats hold
+  std::int64_t clamped_count = 0;                 // texels without a colour, read as 0
+  std::map<std::string, std::uint64_t> launches;  // by kernel
+  std::uint64_t limited_count = 0;                // values beyond what half floats hold
   double read_seconds = 0.0, average_seconds = 0.0, write_seconds = 0.0;
 
   std::string to_json() const;

@@ -241,6 +241,7 @@ MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* 
   progress_stage(progress, "write");
   writer.commit(progress);
   report.content_hash = writer.content_hash();
+  report.launches = device.launch_counts();
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);
   return report;

@@ -58,6 +58,7 @@ TEST_F(PyramidCommandTest, OpenImageIoReadsTheLevels) {
 
   const auto report = nlohmann::json::parse(read_bytes(path("r.json")));
   EXPECT_EQ(report["levels"], 4);
+  EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_EQ(report["content_hash"], read_pyramid_header(path("out.exr")).map.provenance.content_hash);
   EXPECT_NE(multum({"info", path("out.exr")}).out.find("pyramid of colours"), std::string::npos);
   EXPECT_EQ(multum({"verify", path("out.exr")}).exit_code, 0);
