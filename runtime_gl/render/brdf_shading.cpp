@@ -52,6 +52,8 @@ void set_brdf(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
   shader.set_vec3("u_diffuse", glm::value_ptr(brdf.diffuse), 1);
   shader.set_vec3("u_specular", glm::value_ptr(brdf.specular), 1);
   shader.set("u_exponent", static_cast<float>(equivalent_exponent(brdf)));
+  const glm::vec3 total(facet_total(brdf));
+  shader.set_vec3("u_facet_total", glm::value_ptr(total), 1);
   shader.set("u_sigma", brdf.sigma);
   shader.set("u_alpha", ggx_alpha(brdf));
   shader.set_vec3("u_f0", glm::value_ptr(brdf.f0), 1);

@@ -18,6 +18,7 @@ extern const char* const shader_brdf_terms_glsl;
 extern const char* const shader_surface_movmf_glsl;
 extern const char* const shader_surface_normals_glsl;
 extern const char* const shader_light_environment_glsl;
+extern const char* const shader_light_environment_frame_glsl;
 extern const char* const shader_light_environment_levels_glsl;
 extern const char* const shader_light_environment_samples_glsl;
 extern const char* const shader_light_environment_sh_glsl;
