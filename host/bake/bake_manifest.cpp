@@ -24,10 +24,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr char kWhole[] = "the manifest";
 
 const std::vector<std::string> kDefaultKeys = {
-    "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
-    "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
-    "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
-    "no_rehearsal",   "sh_order",  "fixnan",      "checknan",    "repair_max", "albedo",       "compression"};
+    "error_max",  "ndf",          "lobes",          "reference",    "iterations",  "sweeps",
+    "order",      "align",        "kappa_cap",      "first_level",  "data_format", "wrap",
+    "swrap",      "twrap",        "coarse_normals", "green",        "signed",      "unsigned",
+    "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "sh_order",    "fixnan",
+    "checknan",   "repair_max",   "albedo",         "compression",  "normal_scale"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;
@@ -79,6 +80,7 @@ void read_reading(const StrictTable& table, ReadingOptions& reading) {
   read_number(table, "height_scale", {-kFloatMax, kFloatMax, false, false, "a number other than 0"},
               reading.height_scale);
   if (reading.height_scale == 0.0f) table.refuse("height_scale", "is 0, expected a number other than 0");
+  read_number(table, "normal_scale", {-kFloatMax, kFloatMax, false, false, "a number"}, reading.normal_scale);
   read_choice(table, "fixnan", kFixNans, reading.fix_nan);
   read_number(table, "repair_max", {0.0, 1.0, false, false, "a number from 0 to 1"}, reading.repair_share_max);
 }

@@ -77,6 +77,7 @@ void add_input_options(CLI::App& bake, MapOptions& o) {
   const NormalMapSettings usual;
   o.reading.bump_format = usual.bump_format;  // --help shows these as the defaults
   o.reading.height_scale = usual.height_scale;
+  o.reading.normal_scale = usual.normal_scale;
   o.reading.fix_nan = usual.fix_nan;
   o.reading.repair_share_max = usual.repair_share_max;
   add_reading_options(bake, o.reading);
