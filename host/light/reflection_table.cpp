@@ -42,7 +42,7 @@ glm::dvec3 sample_vmf(const glm::dvec3& axis, double kappa, double u, double w) 
 double schlick_part(double v_h) { return std::pow(std::clamp(1.0 - v_h, 0.0, 1.0), 5.0); }
 
 glm::dvec3 fresnel(const Brdf& brdf, double v_h) {
-  if (brdf.kind == BrdfKind::kMeasured) return measured_differences(*brdf.measured, v_h);
+  if (brdf.kind == BrdfKind::kMeasured) return glm::dvec3(measured_differences(*brdf.measured, v_h));
   if (brdf.kind != BrdfKind::kCookTorrance && brdf.kind != BrdfKind::kGgx) return glm::dvec3(1.0);
   const glm::dvec3 f0(brdf.f0);
   return f0 + (glm::dvec3(1.0) - f0) * schlick_part(v_h);

@@ -60,9 +60,9 @@ void set_brdf(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
   if (brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured) set_terms(shader, brdf);
   if (brdf.kind == BrdfKind::kMeasured) {
     const std::vector<glm::vec3> facets = to_floats(brdf.measured->facets);
-    const std::vector<glm::vec3> differences = to_floats(brdf.measured->differences);
+    const std::vector<float> differences(brdf.measured->differences.begin(), brdf.measured->differences.end());
     shader.set_vec3("u_facets", glm::value_ptr(facets[0]), kFacetTableSize);
-    shader.set_vec3("u_differences", glm::value_ptr(differences[0]), kDifferenceTableSize);
+    shader.set_floats("u_differences", differences.data(), kDifferenceTableSize);
   }
   if (zonal_order < 0) return;
   const std::vector<glm::vec3> zonal = to_floats(zonal_coefficients(brdf, zonal_order));
