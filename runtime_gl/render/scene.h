@@ -33,7 +33,7 @@ enum class EnvironmentMode {
 
 struct Scene {
   Camera camera;
-  std::vector<Light> lights{Light{}};
+  std::vector<Light> lights = std::vector<Light>(1);
   std::vector<PointLight> point_lights;
   std::shared_ptr<const EnvironmentLight> environment;  // null: none
   EnvironmentMode environment_mode = EnvironmentMode::kPrefiltered;

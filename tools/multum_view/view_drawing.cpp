@@ -19,23 +19,29 @@ bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
 }  // namespace
 
-std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
-                                   const BakedMap& map, const gl::NormalImage& source) {
+PictureDrawer::PictureDrawer(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
+                             const BakedMap& map, const gl::NormalImage& source)
+    : options_(options),
+      mesh_(mesh),
+      renderer_(gl, options.width, options.height),
+      baked_(make_material(gl, map, options, source)) {
   using gl::NormalMaterial;
-  gl::Renderer renderer(gl, options.width, options.height);
-  std::vector<NamedPicture> pictures;
-  pictures.push_back({"multum", renderer.draw(mesh, *make_material(gl, map, options, source), options.scene)});
-  if (options.compare.empty()) return pictures;
-  NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
+  const auto truth = options.truth_of_texels ? NormalMaterial::Sampling::kFootprint : NormalMaterial::Sampling::kNearest;
   for (const std::string& name : options.compare) {
+    if (name == "truth") finest_.emplace(gl, source, truth, 1.0f);
+    else if (!mipmapped_) mipmapped_.emplace(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
+  }
+}
+
+std::vector<NamedPicture> PictureDrawer::draw(const gl::Scene& scene) {
+  std::vector<NamedPicture> pictures;
+  pictures.push_back({"multum", renderer_.draw(mesh_, *baked_, scene)});
+  for (const std::string& name : options_.compare) {
     if (name == "truth") {
-      const NormalMaterial finest(
-          gl, source,
-          options.truth_of_texels ? NormalMaterial::Sampling::kFootprint : NormalMaterial::Sampling::kNearest, 1.0f);
-      pictures.insert(pictures.begin(), {name, renderer.draw_truth(mesh, finest, options.scene, options.samples)});
+      pictures.insert(pictures.begin(), {name, renderer_.draw_truth(mesh_, *finest_, scene, options_.samples)});
     } else {
-      mipmapped.set_baseline(baseline_of(name));
-      pictures.push_back({name, renderer.draw(mesh, mipmapped, options.scene)});
+      mipmapped_->set_baseline(baseline_of(name));
+      pictures.push_back({name, renderer_.draw(mesh_, *mipmapped_, scene)});
     }
   }
   return pictures;

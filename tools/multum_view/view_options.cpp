@@ -36,8 +36,12 @@ struct RawOptions {
   std::string formula = "product";
   std::string compare;
   std::string moments;
+  std::string lookups = "level";
   std::string environment_mode = "prefiltered";
   std::string truth_of = "pixel";
+  // Of the last frame.
+  std::string to_camera, to_brdf, to_diffuse, to_specular;
+  std::vector<std::string> to_lights, to_point_lights;
 };
 
 [[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
@@ -75,42 +79,41 @@ glm::vec3 parse_colour(const std::string& option, const std::string& text) {
   return colour;
 }
 
-gl::Light parse_light(const std::string& text) {
+gl::Light parse_light(const std::string& option, const std::string& text) {
   const char* const expected = "x,y,z towards the light, not all 0, then perhaps its irradiance: 0.3,0.8,0.5,3.14";
-  const std::vector<float> n = parse_numbers("--light", text, expected);
-  if (n.size() != 3 && n.size() != 4) refuse("--light", text, expected);
+  const std::vector<float> n = parse_numbers(option, text, expected);
+  if (n.size() != 3 && n.size() != 4) refuse(option, text, expected);
   gl::Light light;
   light.direction = {n[0], n[1], n[2]};
-  if (!(glm::length(light.direction) > 1e-12f)) refuse("--light", text, expected);
+  if (!(glm::length(light.direction) > 1e-12f)) refuse(option, text, expected);
   if (n.size() == 4) {
-    if (n[3] < 0.0f) refuse("--light", text, expected);
+    if (n[3] < 0.0f) refuse(option, text, expected);
     light.irradiance = glm::vec3(n[3]);
   }
   return light;
 }
 
-gl::PointLight parse_point_light(const std::string& text) {
+gl::PointLight parse_point_light(const std::string& option, const std::string& text) {
   const char* const expected = "x,y,z of its place, then its intensity >= 0, grey or r,g,b: 0,2,1,3.14";
-  const std::vector<float> n = parse_numbers("--point-light", text, expected);
-  if (n.size() != 4 && n.size() != 6) refuse("--point-light", text, expected);
+  const std::vector<float> n = parse_numbers(option, text, expected);
+  if (n.size() != 4 && n.size() != 6) refuse(option, text, expected);
   gl::PointLight light{{n[0], n[1], n[2]}, n.size() == 4 ? glm::vec3(n[3]) : glm::vec3(n[3], n[4], n[5])};
-  if (light.intensity.x < 0.0f || light.intensity.y < 0.0f || light.intensity.z < 0.0f)
-    refuse("--point-light", text, expected);
+  if (light.intensity.x < 0.0f || light.intensity.y < 0.0f || light.intensity.z < 0.0f) refuse(option, text, expected);
   return light;
 }
 
-void parse_camera(const std::string& text, gl::Camera& camera) {
+void parse_camera(const std::string& option, const std::string& text, gl::Camera& camera) {
   const char* const expected =
       "eye x,y,z, target x,y,z and perhaps the vertical field of view in degrees (1..170): "
       "0,0,0.3,0,1,0,40";
-  const std::vector<float> n = parse_numbers("--camera", text, expected);
-  if (n.size() != 6 && n.size() != 7) refuse("--camera", text, expected);
+  const std::vector<float> n = parse_numbers(option, text, expected);
+  if (n.size() != 6 && n.size() != 7) refuse(option, text, expected);
   camera.eye = {n[0], n[1], n[2]};
   camera.target = {n[3], n[4], n[5]};
   if (n.size() == 7) camera.fov_y_degrees = n[6];
   const glm::vec3 view = camera.target - camera.eye;
   if (!(glm::length(view) > 1e-9f) || camera.fov_y_degrees < 1.0f || camera.fov_y_degrees > 170.0f)
-    refuse("--camera", text, expected);
+    refuse(option, text, expected);
 }
 
 bool looks_along(const gl::Camera& camera, const glm::vec3& direction) {
@@ -218,9 +221,79 @@ std::vector<std::string> parse_compare(const std::string& text) {
   return names;
 }
 
+/// One thing is drawn: a baked map, or what takes its place.
+void check_subject(const RawOptions& raw, const ViewOptions& o) {
+  const int others = (o.mip.empty() ? 0 : 1) + (o.reflectance.empty() ? 0 : 1) + (o.lod.empty() ? 0 : 1) +
+                     (o.materials.empty() ? 0 : 1);
+  if (o.input.empty() && others == 0) throw Error(ErrorCode::kUsage, "file is required: see multum-view --help");
+  if (others > 1 || (!o.input.empty() && others > 0))
+    throw Error(ErrorCode::kUsage, "expected one of: a baked map, --mip, --reflectance, --lod, --material");
+  if ((!o.reflectance.empty() || !o.materials.empty()) && o.mesh.empty())
+    throw Error(ErrorCode::kUsage, "--reflectance and --material are for a surface, expected --mesh");
+  if ((!o.mip.empty() || !o.lod.empty()) && !o.mesh.empty())
+    throw Error(ErrorCode::kUsage, "--mip lies on the plane and --lod is a surface itself, found --mesh");
+  if (others > 0 && (!raw.compare.empty() || !o.source.empty() || !o.frames_folder.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--compare, --source and --animate are for baked maps; --lookup has what pyramids compare");
+}
+
+std::vector<std::string> parse_lookups(const std::string& text) {
+  std::vector<std::string> names;
+  for (const std::string& name : CLI::detail::split(text, ',')) {
+    if (name != "truth" && name != "nearest" && name != "bilinear" && name != "level" && name != "driver")
+      refuse("--lookup", text, "a list of truth, nearest, bilinear, level, driver");
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  // The others are compared with it.
+  std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name == "truth"; });
+  return names;
+}
+
+/// The last frame's scene: the first one's, but for what is said of it.
+void finish_animation(const RawOptions& raw, ViewOptions& options) {
+  const bool has_end = !raw.to_camera.empty() || !raw.to_brdf.empty() || !raw.to_diffuse.empty() ||
+                       !raw.to_specular.empty() || !raw.to_lights.empty() || !raw.to_point_lights.empty();
+  if (options.frames_folder.empty() == has_end)
+    throw Error(ErrorCode::kUsage, has_end ? "--to-camera, --to-light and the like go with --animate FOLDER"
+                                           : "--animate: say what changes: --to-camera, --to-light, --to-brdf, ...");
+  gl::Scene& last = options.last_scene;
+  last = options.scene;
+  if (!has_end) return;
+  if (!options.output.empty() || !options.pictures.empty())
+    throw Error(ErrorCode::kUsage, "--animate writes FOLDER/frame_0000.png and so on: leave out -o and --pictures");
+  if (!raw.to_camera.empty()) parse_camera("--to-camera", raw.to_camera, last.camera);
+  options.has_last_camera = !raw.to_camera.empty();
+  if (!raw.to_brdf.empty()) {
+    const glm::vec3 diffuse = last.brdf.diffuse, specular = last.brdf.specular;
+    last.brdf = parse_brdf(raw.to_brdf, last.brdf.term_count);
+    if (last.brdf.kind != options.scene.brdf.kind || last.brdf.kind == BrdfKind::kMeasured)
+      refuse("--to-brdf", raw.to_brdf, "another parameter of the family that --brdf has");
+    last.brdf.diffuse = diffuse;
+    last.brdf.specular = specular;
+  }
+  if (!raw.to_diffuse.empty()) last.brdf.diffuse = parse_colour("--to-diffuse", raw.to_diffuse);
+  if (!raw.to_specular.empty()) last.brdf.specular = parse_colour("--to-specular", raw.to_specular);
+  const auto expect_count = [](const char* option, std::size_t found, std::size_t expected) {
+    if (found != expected)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: found {} lights, expected the {} of the first frame", option, found, expected));
+  };
+  if (!raw.to_lights.empty()) {
+    expect_count("--to-light", raw.to_lights.size(), last.lights.size());
+    for (std::size_t i = 0; i < raw.to_lights.size(); ++i) last.lights[i] = parse_light("--to-light", raw.to_lights[i]);
+  }
+  if (!raw.to_point_lights.empty()) {
+    expect_count("--to-point-light", raw.to_point_lights.size(), last.point_lights.size());
+    for (std::size_t i = 0; i < raw.to_point_lights.size(); ++i)
+      last.point_lights[i] = parse_point_light("--to-point-light", raw.to_point_lights[i]);
+  }
+}
+
 void finish(const RawOptions& raw, ViewOptions& options) {
+  check_subject(raw, options);
+  options.lookups = parse_lookups(raw.lookups);
   gl::Scene& scene = options.scene;
-  if (!raw.camera.empty()) parse_camera(raw.camera, scene.camera);
+  if (!raw.camera.empty()) parse_camera("--camera", raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
   parse_up(raw.up, options);
   if (!raw.lights.empty() || !raw.point_lights.empty() || !options.environment.empty()) scene.lights.clear();
@@ -231,9 +304,10 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   if (options.truth_of_texels && options.anisotropy > 1.0f)
     throw Error(ErrorCode::kUsage, "--truth-of texels: is the trilinear filter's; found --anisotropy, expected none");
   if (raw.lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
-  for (const std::string& light : raw.lights) scene.lights.push_back(parse_light(light));
+  for (const std::string& light : raw.lights) scene.lights.push_back(parse_light("--light", light));
   if (raw.point_lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--point-light: at most 8 lights");
-  for (const std::string& light : raw.point_lights) scene.point_lights.push_back(parse_point_light(light));
+  for (const std::string& light : raw.point_lights)
+    scene.point_lights.push_back(parse_point_light("--point-light", light));
   scene.brdf = parse_brdf(raw.brdf, scene.brdf.term_count);
   if (!raw.diffuse.empty()) scene.brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
   if (!raw.specular.empty()) scene.brdf.specular = parse_colour("--specular", raw.specular);
@@ -246,12 +320,24 @@ void finish(const RawOptions& raw, ViewOptions& options) {
     throw Error(ErrorCode::kUsage, "--albedo goes with --source: both describe the map that the file was baked from");
   if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind != BrdfKind::kBlinnPhong)
     throw Error(ErrorCode::kUsage, "--formula paper is Blinn-Phong's; use it with --brdf blinn-phong:S");
-  check_picture_path(options.output);
+  finish_animation(raw, options);
+  if (options.frames_folder.empty()) check_picture_path(options.output);
 }
 
 void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
-  app.add_option("file", o.input, "baked map, *.ndf.exr")->required();
-  app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)")->required();
+  app.add_option("file", o.input, "baked map, *.ndf.exr");
+  app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)");
+  app.add_option(
+      "--animate", o.frames_folder,
+      "instead of -o: a folder for frame_0000.png and so on, between the scene that is said and what --to-... "
+      "change of it, evenly; exponents and roughnesses by equal factors");
+  app.add_option("--frames", o.frame_count, "of --animate")->check(CLI::Range(2, 9999))->capture_default_str();
+  app.add_option("--to-camera", raw.to_camera, "--camera of the last frame");
+  app.add_option("--to-light", raw.to_lights, "--light of the last frame, as often as --light");
+  app.add_option("--to-point-light", raw.to_point_lights, "--point-light of the last frame");
+  app.add_option("--to-brdf", raw.to_brdf, "--brdf of the last frame, of the same family");
+  app.add_option("--to-diffuse", raw.to_diffuse, "--diffuse of the last frame");
+  app.add_option("--to-specular", raw.to_specular, "--specular of the last frame");
   app.add_option("--pictures", o.pictures,
                  "also write each picture by itself: PREFIX_multum.png, PREFIX_truth.png, "
                  "PREFIX_multum_difference.png, ...");
@@ -310,6 +396,26 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--context", raw.context, "auto, osmesa (software) or egl")
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
       ->capture_default_str();
+  app.option_defaults()->group("In the place of a baked map (docs/WILLIAMS.md)");
+  app.add_option("--material", o.materials,
+                 "NAME=FILE.ndf.exr: draws the --mesh with its own materials, this one with a map baked for it; once a "
+                 "material (multum materials)");
+  app.add_option("--mip", o.mip, "a pyramid of colours, of multum mip, on the plane");
+  app.add_option("--reflectance", o.reflectance, "a map over normals, of multum reflectance, on the --mesh");
+  app.add_option("--lookup", raw.lookups,
+                 "how these are looked up, a list of nearest, bilinear (finest level), level (the longer side of the "
+                 "pixel), driver, and truth (supersampled)")
+      ->capture_default_str();
+  app.add_option("--level-bias", o.level_bias,
+                 "added to the level (default: 0 for --mip, as the GL; -0.79 for --reflectance, as wide as the pixel)")
+      ->check(number_in(-16.0f, 16.0f));
+  app.add_option("--shifts", o.shifts, "with --reflectance and truth: measure flicker over so many sub-pixel shifts")
+      ->check(CLI::Range(2, 256));
+  app.add_option("--lod", o.lod, "a surface, of multum lod, as a mesh of --level");
+  app.add_option("--level", o.level, "level of detail, any number from 0")
+      ->check(number_in(0.0f, 32.0f))
+      ->capture_default_str();
+  app.option_defaults()->group("Options");
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
   app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
   add_reading_options(app, o.reading);
@@ -325,6 +431,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
       "  multum-view bricks.ndf.exr -o frame.png\n"
       "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean-jacobian -o sheet.png\n"
       "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
+      "  multum-view bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 --animate frames/ --frames 60\n"
       "  multum-view out/ --sample 3,5 -o frame.png          textures of `multum infer`; --sample --help says more\n\n"
       "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.",
       "multum-view");
@@ -333,11 +440,13 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
   add_options(app, options, raw);
   try {
     app.parse(argc, argv);
+    if (options.output.empty() && options.frames_folder.empty()) throw CLI::RequiredError("--output");
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     *exit_code = code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
     return std::nullopt;
   }
+  options.has_brdf = app.count("--brdf") > 0;
   finish(raw, options);
   return options;
 }

@@ -10,6 +10,7 @@
 #include "host/brdf/measured_brdf.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
+#include "tools/multum_view/animated_view.h"
 #include "tools/multum_view/write_image.h"
 
 namespace multum {
@@ -80,7 +81,13 @@ nlohmann::json brdf_json(const Brdf& brdf) {
 }  // namespace
 
 void check_outputs(const ViewOptions& options) {
-  std::vector<std::string> outputs = {options.output};
+  std::vector<std::string> outputs;
+  if (options.frames_folder.empty()) {
+    outputs.push_back(options.output);
+  } else {
+    make_folder(options.frames_folder);
+    for (int frame = 0; frame < options.frame_count; ++frame) outputs.push_back(frame_path(options, frame));
+  }
   if (!options.report.empty()) outputs.push_back(options.report);
   if (!options.pictures.empty()) {
     const bool compares_truth =

@@ -27,10 +27,11 @@
 //   MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h)   of light from l; in it are albedo,
 //                                                        amplitudes, f, V and cosines; k_d / pi, k_s and F are not
 //   MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v)   of light from everywhere, with
-//                                                        MULTUM_ENVIRONMENT: multum_environment_lobe(lobe, v) has it of a
-//                                                        lobe (a r, a), F included
+//                                                        MULTUM_ENVIRONMENT: multum_environment_lobe(lobe, v) has it of
+//                                                        a lobe (a r, a), F included
 
 uniform float u_exponent;
+uniform vec3 u_facet_total;  // the integral of f: 1, but for GGX and what was measured
 #ifdef MULTUM_ZONAL_ORDER
 uniform vec3 u_zonal[MULTUM_ZONAL_ORDER + 1];
 #endif
