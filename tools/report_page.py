@@ -72,7 +72,7 @@ def nice_step(top):
 
 
 def chart(title, unit, labels, series, bars=False, axis="level"):
-    """An SVG of series (name, values by label; None where there is none) over labels of `axis`: lines, or grouped bars."""
+    """An SVG of series (name, values by label; None where there is none) over labels of `axis`: lines, or bars."""
     width, height, left, right, top, bottom = 480, 250, 46, 8, 22, 36
     peak = max([v for _, values in series for v in values if v is not None] + [1e-6])
     step = nice_step(peak)

@@ -153,8 +153,8 @@ void check_keys_of_ndf(const StrictTable& table, const MapOptions& map) {
     table.refuse("sh_order",
                  fmt::format("is for ndf = \"sh\", found ndf = \"{}\"", representation_info(representation).option));
   if (holds_lobes(representation)) return;
-  for (const char* key :
-       {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal", "unaligned", "order", "coarse_normals"})
+  for (const char* key : {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal",
+                          "unaligned", "order", "coarse_normals"})
     if (table.has(key))
       table.refuse(key, fmt::format("is for ndf = \"vmf\" and \"gmm\", found ndf = \"{}\", which fits no lobes",
                                     representation_info(representation).option));

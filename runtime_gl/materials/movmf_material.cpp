@@ -85,9 +85,15 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
   }
 }
 
+void MovmfMaterial::set_shade_first(bool shade_first) {
+  MULTUM_CHECK(!shade_first || !normal_map_.has_value());
+  shade_first_ = shade_first;
+}
+
 ShaderParts MovmfMaterial::fetch_parts() const {
   ShaderParts parts{{"MULTUM_LOBE_COUNT " + std::to_string(lobe_count())}, {shader_surface_lobes_glsl}};
   if (!colours_.empty()) parts.flags.push_back("MULTUM_COLOURS");
+  if (shade_first_) parts.flags.push_back("MULTUM_SHADE_FIRST");
   if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
   if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
   return parts;

@@ -31,6 +31,9 @@ class MovmfMaterial : public Material {
                 const NormalImage* source = nullptr);
 
   void set_formula(LobeFormula formula) { formula_ = formula; }
+  /// Shades the lobes of each texel of a trilinear footprint and mixes what comes of them, instead of mixing lobes: for
+  /// lobes that are not aligned. Of files that begin at level 0.
+  void set_shade_first(bool shade_first);
 
   const char* name() const override { return "movmf"; }
   ShaderParts shader_parts() const override;
@@ -48,6 +51,7 @@ class MovmfMaterial : public Material {
   std::optional<Texture> normal_map_;  // (mean normal, 1), levels 0 to the first that is stored less one
   std::optional<Texture> albedo_map_;
   LobeFormula formula_ = LobeFormula::kProduct;
+  bool shade_first_ = false;
 };
 
 }  // namespace multum::gl

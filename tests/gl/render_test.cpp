@@ -91,6 +91,41 @@ TEST_P(RenderTest, TwoTiltsEqualTruthWhereMipsFail) {
   }
 }
 
+// The filter's weights are known where what is filtered is linear: colours under a flat map.
+TEST_P(RenderTest, TheTruthOfTexelsIsWhatTheFilterAverages) {
+  for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kClamp, WrapMode::kMirror, WrapMode::kBlack}) {
+    TestMap map = make_flat_map(24);  // levels of 12, 6, 3 and 1
+    map.image.wrap_s = map.image.wrap_t = wrap;
+    for (std::size_t i = 0; i < map.image.normals.size(); ++i)
+      map.image.albedo.emplace_back(i % 2 == 0 ? 1.0f : 0.1f, i % 24 < 12 ? 0.8f : 0.2f, i % 7 < 3 ? 0.9f : 0.3f);
+    Scene scene;
+    scene.uv_scale = 9.0f;
+    scene.brdf.specular = glm::vec3(0.0f);
+    const NormalMaterial texels(context_->functions(), map.image, NormalMaterial::Sampling::kFootprint, 1.0f);
+    const FloatImage drawn = renderer_->draw_truth(*mesh_, texels, scene, 512).image;
+    const FloatImage filtered = baseline(map, scene, Baseline::kMip);
+    EXPECT_LT(picture_error(drawn, filtered).relative_l1, 0.01) << wrap_mode_name(wrap);
+    EXPECT_GT(picture_error(truth(map, scene, 64), filtered).relative_l1, 0.03) << "the pixel's truth is another";
+  }
+}
+
+// Lobes that are not aligned are mixed up by the filter, and not by shading first; of aligned ones both are alike.
+TEST_P(RenderTest, ShadingFirstNeedsNoAlignment) {
+  TestMap map = make_two_tilt_map(64, 25.0, StorageEncoding::kFloat, false);
+  const Scene scene = distant_scene();
+  const auto draw = [&](bool shade_first) {
+    MovmfMaterial material(context_->functions(), map.mipmap, 1.0f, &map.image);
+    material.set_shade_first(shade_first);
+    return renderer_->draw(*mesh_, material, scene).image;
+  };
+  const FloatImage aligned = draw(false);
+  EXPECT_LT(picture_error(draw(true), aligned).relative_l1, 0.03);
+  for (MovmfLevel& level : map.mipmap.levels)
+    for (std::size_t i = 0; i < level.lobes[0].size(); i += 2) std::swap(level.lobes[0][i], level.lobes[1][i]);
+  EXPECT_LT(picture_error(draw(true), aligned).relative_l1, 0.03);
+  EXPECT_GT(picture_error(draw(false), aligned).relative_l1, 0.2);
+}
+
 TEST_P(RenderTest, ColoursFollowTheirLobes) {
   const TestMap map = make_two_tilt_map(64, 40.0, StorageEncoding::kSnorm16, true);
   Scene scene = distant_scene();

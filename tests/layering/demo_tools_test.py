@@ -44,7 +44,7 @@ class ScriptsTest(unittest.TestCase):
         self.assertEqual(run("shellcheck", *SHELL_SCRIPTS).stdout, "")
 
     def test_help(self):
-        for name in ("demo", "test", "demo_page.py", "torus_mesh.py", "terrain_height.py"):
+        for name in ("demo", "test", "demo_page.py", "torus_mesh.py", "terrain_height.py", "reproduce"):
             with self.subTest(script=name):
                 done = run(TOOLS / name, "--help")
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
@@ -52,7 +52,7 @@ class ScriptsTest(unittest.TestCase):
 
     def test_refusals_name_what_was_found(self):
         for command in (("demo", "--size", "63"), ("demo", "--size", "9000"), ("demo", "--size", "x"),
-                        ("demo", "--surprise"), ("test", "--preset"), ("install_dependencies", "surprise")):
+                        ("demo", "--surprise"), ("reproduce", "knuth1973"), ("reproduce", "--size", "63"), ("test", "--preset"), ("install_dependencies", "surprise")):
             with self.subTest(command=command):
                 done = run(TOOLS / command[0], *command[1:])
                 self.assertNotEqual(done.returncode, 0)

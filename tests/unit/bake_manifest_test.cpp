@@ -255,8 +255,8 @@ TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
   for (const char* key : {"input",    "output",     "error_max",    "lobes",          "reference",    "iterations",
                           "sweeps",   "order",      "align",        "kappa_cap",      "first_level",  "data_format",
                           "wrap",     "swrap",      "twrap",        "coarse_normals", "green",        "signed",
-                          "unsigned", "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "unaligned", "fixnan",
-                          "checknan", "repair_max", "albedo",       "compression",    "normal_scale"})
+                          "unsigned", "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "unaligned",
+                          "fixnan",   "checknan",   "repair_max",   "albedo",         "compression",  "normal_scale"})
     EXPECT_NE(page.find("`" + std::string(key) + "`"), std::string::npos) << key;
 }
 

@@ -32,6 +32,7 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
   if (map.lobes) {
     std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, *map.lobes, options.anisotropy, &source);
     material->set_formula(options.formula);
+    material->set_shade_first(options.shade_first);
     return material;
   }
   if (map.harmonics) return std::make_unique<gl::ShMaterial>(gl, *map.harmonics, options.anisotropy, &source);
@@ -69,6 +70,9 @@ void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
   if (baked.representation != Representation::kMoments && options.moments) refuse("--moments", "files of moments");
   if (baked.representation != Representation::kMovmf && options.formula == gl::LobeFormula::kPaper)
     refuse("--formula paper", "lobes");
+  if (!holds_lobes(baked.representation) && options.shade_first) refuse("--shade-first", "lobes");
+  if (options.shade_first && baked.first_level > 0)
+    refuse("--shade-first", "files that hold every level, baked without --first-level");
 }
 
 }  // namespace multum

@@ -26,7 +26,8 @@ PictureDrawer::PictureDrawer(const ViewOptions& options, const gl::GlFunctions& 
       renderer_(gl, options.width, options.height),
       baked_(make_material(gl, map, options, source)) {
   using gl::NormalMaterial;
-  const auto truth = options.truth_of_texels ? NormalMaterial::Sampling::kFootprint : NormalMaterial::Sampling::kNearest;
+  const auto truth =
+      options.truth_of_texels ? NormalMaterial::Sampling::kFootprint : NormalMaterial::Sampling::kNearest;
   for (const std::string& name : options.compare) {
     if (name == "truth") finest_.emplace(gl, source, truth, 1.0f);
     else if (!mipmapped_) mipmapped_.emplace(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);

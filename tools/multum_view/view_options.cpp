@@ -379,6 +379,9 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--formula", raw.formula, "lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)")
       ->check(CLI::IsMember({"product", "paper"}))
       ->capture_default_str();
+  app.add_flag("--shade-first", o.shade_first,
+               "shade the lobes of all eight texels of a trilinear footprint, then mix: what lobes of --unaligned "
+               "bakes need, slow");
   app.add_option("--moments", raw.moments,
                  "how a file of moments is shaded: toksvig, lean or lean-jacobian (default: lean-jacobian)")
       ->check(CLI::IsMember(choice_names(kMomentShadings)));

@@ -38,6 +38,7 @@ struct ViewOptions {
   int width = 640;
   int height = 480;
   int samples = 256;             // a pixel of the truth
+  bool shade_first = false;      // lobes are shaded before they are filtered
   bool truth_of_texels = false;  // the truth averages over what a trilinear filter does, not over the pixel
   float repeat = 0.0f;           // 0: 60 across the plane, 1 on a mesh
   float anisotropy = 1.0f;

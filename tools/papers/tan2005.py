@@ -30,8 +30,8 @@ def zoom(study):
     few = [study.view(f"zoom_few{i}", "disk", *DISK, *FRAME, *camera(38 * far, 36 * far), "--samples", "16",
                       compare=("truth",))["truth"] for i, far in enumerate((1.0, 1.06, 1.12))]
     study.heading("Figure 4: three frames of a zoom")
-    study.paragraph("A carved disk, the camera moving away by 6 % a frame. Flicker is what a picture changes from frame",
-                    "to frame beyond what the truth changes, relative to the truth: 0 is as steady as the truth.")
+    study.paragraph("A carved disk, the camera moving away by 6 % a frame. Flicker is what a picture changes from",
+                    "frame to frame beyond what the truth changes, relative to the truth: 0 is as steady as the truth.")
     frames = {"multum, vmf": [v["multum"] for v in views], "multum, gmm": [v["multum"] for v in gaussians],
               "Toksvig": [v["toksvig"] for v in views], "LEAN": [v["lean-jacobian"] for v in views],
               "averaged normals": [v["mip"] for v in views]}
@@ -73,9 +73,9 @@ def fournier(study):
     gaussians = study.view("oblique_gmm", "disk_gmm", *where, "--anisotropy", "8")
     theirs = study.view("oblique_fournier", "disk_unaligned", *where, "--formula", "paper", "--shade-first")
     study.heading("Figure 7: Fournier's Phong peaks")
-    study.paragraph("A disk at a grazing angle. Fournier fits Phong peaks to every texel by itself; they cannot be mixed,",
-                    "so that all eight texels of a trilinear footprint are shaded, and neither can a wider footprint be",
-                    "had. Aligned lobes are mixed by the hardware, here with 8 times anisotropic filtering.")
+    study.paragraph("A disk at a grazing angle. Fournier fits Phong peaks to every texel by itself; they cannot be",
+                    "mixed, so that all eight texels of a trilinear footprint are shaded, and a wider footprint cannot",
+                    "be had. Aligned lobes are mixed by the hardware, here with 8 times anisotropic filtering.")
     study.figures([(ours["truth"], "truth"), (ours["multum"], "multum, vmf"), (gaussians["multum"], "multum, gmm"),
                    (theirs["multum"], "four Phong peaks a texel")], name="fournier")
     study.table(["method", "colour error", "published", "relative L1", "frame, ms"],
@@ -94,8 +94,8 @@ def armour(study):
     far = study.view("armour_far", "armour", *gold, "--camera", "0.6,-6,5,0,0,0,28", compare=("truth", "mip"))
     gaussians = study.view("armour_gmm", "armour_gmm", *gold, "--camera", "0.6,-6,5,0,0,0,28")
     study.heading("Figure 8: golden armour")
-    study.paragraph("Hemispherical scales, near and far. With a fixed BRDF and averaged normals the far one shines like",
-                    "a smooth ring.")
+    study.paragraph("Hemispherical scales, near and far. With a fixed BRDF and averaged normals the far one shines",
+                    "like a smooth ring.")
     study.figures([(near["multum"], "near, multum"), (far["multum"], "far, multum, vmf"), (far["truth"], "far, truth"),
                    (far["mip"], "far, fixed BRDF")], name="armour")
     study.table(["far", "colour error", "published", "relative L1"],
@@ -113,9 +113,9 @@ def reproduce(study):
                                   ("disk_gmm", rings, ("--ndf", "gmm")), ("armour", scales, ()),
                                   ("armour_gmm", scales, ("--ndf", "gmm"))):
         study.bake(name, source, "--green", "up", *options)
-    study.paragraph("Their disk and armour are not published: a map of rings and one of hemispherical scales stand in for",
-                    "them. The colour error is theirs in words, the mean distance of displayed colours over that of black",
-                    "and white; its value depends on the scene, the factor between two methods less so.")
+    study.paragraph("Their disk and armour are not published: a map of rings and one of hemispherical scales stand in",
+                    "for them. The colour error is theirs in words, the mean distance of displayed colours over that",
+                    "of black and white; its value depends on the scene, the factor between two methods less so.")
     zoom(study)
     alignment(study)
     fournier(study)

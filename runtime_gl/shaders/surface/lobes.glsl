@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lobes of a texel, trilinear: textures and MultumSurface of movmf.glsl and gmm.glsl, which stand behind.
 // MULTUM_COLOURS: lobes have colours; MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map,
-// as one more lobe (a r, a) of a mean normal; MULTUM_ALBEDO_MAP: with its own colours.
+// as one more lobe (a r, a) of a mean normal; MULTUM_ALBEDO_MAP: with its own colours. MULTUM_SHADE_FIRST: the lobes of
+// all eight texels, each by its weight, so that shading comes before filtering: what lobes that are not aligned need.
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours[MULTUM_LOBE_COUNT];
 #endif
-#ifdef MULTUM_NORMAL_MAP
+#if defined(MULTUM_SHADE_FIRST)
+#define MULTUM_PART_COUNT (8 * MULTUM_LOBE_COUNT)
+#elif defined(MULTUM_NORMAL_MAP)
 #define MULTUM_PART_COUNT (MULTUM_LOBE_COUNT + 1)
 uniform sampler2D u_normal_map;  // mean normals of the levels finer than those of the lobes; w = 1
 #else
@@ -21,6 +24,33 @@ struct MultumSurface {
   vec3 albedos[MULTUM_PART_COUNT];
 };
 
+#ifdef MULTUM_SHADE_FIRST
+MultumSurface multum_fetch_surface(vec2 st) {
+  MultumSurface surface;
+  ivec2 size = textureSize(u_lobes[0], 0);
+  int level_max = textureQueryLevels(u_lobes[0]) - 1;
+  float lod = clamp(textureQueryLod(u_lobes[0], st).y, 0.0, float(level_max));
+  for (int k = 0; k < 8; ++k) {  // k = 4 coarser + 2 below + right
+    int level = min(int(lod) + (k >> 2), level_max);
+    vec2 level_size = vec2(max(size >> level, ivec2(1)));
+    vec2 place = st * level_size - 0.5;
+    vec2 corner = vec2(k & 1, (k >> 1) & 1);
+    vec2 weights = mix(1.0 - fract(place), fract(place), corner);
+    float weight = weights.x * weights.y * (k < 4 ? 1.0 - fract(lod) : fract(lod));
+    vec2 middle = (floor(place) + corner + 0.5) / level_size;  // where no filter mixes
+    for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
+      vec4 lobe = textureLod(u_lobes[j], middle, float(level));
+      surface.lobes[k * MULTUM_LOBE_COUNT + j] = weight * lobe;
+      surface.albedos[k * MULTUM_LOBE_COUNT + j] = vec3(1.0);
+#ifdef MULTUM_COLOURS
+      vec3 colour = textureLod(u_colours[j], middle, float(level)).rgb;
+      surface.albedos[k * MULTUM_LOBE_COUNT + j] = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+#endif
+    }
+  }
+  return surface;
+}
+#else
 MultumSurface multum_fetch_surface(vec2 st) {
   MultumSurface surface;
   float share = 1.0;  // of the stored lobes
@@ -54,3 +84,4 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #endif
   return surface;
 }
+#endif
