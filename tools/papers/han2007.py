@@ -120,7 +120,8 @@ def environment_light(study):
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
         light = study.data / "env/pm_lobby.exr"
     scene = ("--source", study.path("quarters_normal.png"), "--green", "up", "--mesh", study.torus(), "--repeat", "3",
-             "--up", "0,0,1", "--camera", "0.9,-2.2,1.7,0,0,0,40", "--environment", light, "--diffuse", "0.35", "--specular", "0.3", *FRAME)
+             "--up", "0,0,1", "--camera", "0.9,-2.2,1.7,0,0,0,40", "--environment", light, "--diffuse", "0.35",
+             "--specular", "0.3", *FRAME)
     rows = []
     for exponent in (12, 100):
         views = {mode: study.view(f"environment_{mode}{exponent}", "quarters_white", *scene, "--environment-mode", mode,
@@ -160,8 +161,9 @@ def lobe_counts(study):
     block = normals[row << level:(row + 1) << level, column << level:(column + 1) << level].reshape(-1, 3)
     truth = density_of_normals(block, directions)
     study.heading("Figure 7: one texel's normals, by one to six lobes, and by planar Gaussians")
-    study.paragraph("A texel of level 5 of the scales, whose normals reach 72 degrees: near the rim of the disk a planar",
-                    "Gaussian is a broad smear on the sphere. The error is that of the density shown, over solid angle.")
+    study.paragraph("A texel of level 5 of the scales, whose normals reach 72 degrees: near the rim of the disk a",
+                    "planar Gaussian is a broad smear on the sphere. The error is that of the density shown, over",
+                    "solid angle.")
     shown, rows = [(picture(truth, inside, truth.max()), "the normals")], []
     for count in range(1, 7):
         vmf_bake = study.bake(f"scales_vmf{count}", source, "--green", "up", "--lobes", str(count))

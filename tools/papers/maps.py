@@ -13,7 +13,8 @@ TITLE = "Every representation on every map"
 SCENE = ("--size", "320x240", "--brdf", "blinn-phong:100", "--diffuse", "0.4", "--specular", "0.15", "--light",
          "0.3,0.8,0.5", "--repeat", "40")
 REPRESENTATIONS = (("vmf, 4 lobes", "vmf", ()), ("vmf, 6 lobes", "vmf6", ("--lobes", "6")),
-                   ("gmm, 4 lobes", "gmm", ("--ndf", "gmm")), ("sh, order 8", "sh8", ("--ndf", "sh", "--sh-order", "8")),
+                   ("gmm, 4 lobes", "gmm", ("--ndf", "gmm")),
+                   ("sh, order 8", "sh8", ("--ndf", "sh", "--sh-order", "8")),
                    ("sh, order 4", "sh4", ("--ndf", "sh")), ("moments", "moments", ("--ndf", "moments")))
 BASELINES = (("Toksvig", "toksvig"), ("LEAN", "lean-jacobian"), ("averaged normals", "mip"))
 NORMAL_MAP = re.compile(r"^(pm_\d+|.*(normal|_norm|_nm?|flakes5n))\.(png|jpg|webp)$")
