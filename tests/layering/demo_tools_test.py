@@ -52,7 +52,8 @@ class ScriptsTest(unittest.TestCase):
 
     def test_refusals_name_what_was_found(self):
         for command in (("demo", "--size", "63"), ("demo", "--size", "9000"), ("demo", "--size", "x"),
-                        ("demo", "--surprise"), ("reproduce", "knuth1973"), ("reproduce", "--size", "63"), ("test", "--preset"), ("install_dependencies", "surprise")):
+                        ("demo", "--surprise"), ("reproduce", "knuth1973"), ("reproduce", "--size", "63"),
+                        ("test", "--preset"), ("install_dependencies", "surprise")):
             with self.subTest(command=command):
                 done = run(TOOLS / command[0], *command[1:])
                 self.assertNotEqual(done.returncode, 0)

@@ -25,9 +25,10 @@ def v_groove(study):
     source = study.testmap("groove", "--quarter", "grooves")
     study.bake("groove", source, "--green", "up")
     study.heading("Figure 1: a V-groove")
-    study.paragraph("Two slopes and a floor. Near by each has its own highlight; far off all three lie in one pixel, and",
-                    "their average points straight up, where almost no normal of the map does.")
-    lobes = ("--brdf", "blinn-phong:60", "--diffuse", "0.4", "--specular", "0.15", "--light", "-0.775,0.442,0.445", *FRAME)
+    study.paragraph("Two slopes and a floor. Near by each has its own highlight; far off all three lie in one pixel,",
+                    "and their average points straight up, where almost no normal of the map does.")
+    lobes = ("--brdf", "blinn-phong:60", "--diffuse", "0.4", "--specular", "0.15", "--light", "-0.775,0.442,0.445",
+             *FRAME)
     near = study.view("groove_near", "groove", *lobes, "--repeat", "60", "--camera", "0,0,0.7,0,0.7,0,45",
                       compare=BASELINES)
     far = study.view("groove_far", "groove", *lobes, "--repeat", "60", "--camera", "0,0,4,0,8,0,45",
@@ -94,8 +95,8 @@ def measured_materials(study):
         return
     source = study.path("quarters_normal.png")
     study.bake("sh8", source, "--green", "up", "--ndf", "sh", "--sh-order", "8")
-    study.paragraph("Fits to MERL materials in factors of the half angle: the one of theta_h is convolved with the normals,",
-                    "by harmonics up to order 8 or by six lobes.")
+    study.paragraph("Fits to MERL materials in factors of the half angle: the one of theta_h is convolved with the",
+                    "normals, by harmonics up to order 8 or by six lobes.")
     rows = []
     for path in [p for p in found if "fabric" in p.name or "rubber" in p.name]:
         label = path.stem.replace("merl_nbrdf_", "")
@@ -112,9 +113,9 @@ def measured_materials(study):
 def environment_light(study):
     """Figure 9: a mesh in low-frequency light, and in all of it."""
     study.heading("Figure 9: a mesh under an environment")
-    study.paragraph("Diffuse light by harmonics up to order 2. The highlight by harmonics of the light as the half vector",
-                    "sees it, up to order 8 (Han, section 8), which serves broad highlights; or by maps filtered for",
-                    "lobes of every width, which serves sharp ones too.")
+    study.paragraph("Diffuse light by harmonics up to order 2. The highlight by harmonics of the light as the half",
+                    "vector sees it, up to order 8 (Han, section 8), which serves broad highlights; or by maps",
+                    "filtered for lobes of every width, which serves sharp ones too.")
     light = study.path("sky.exr")
     write_sky(light)
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():

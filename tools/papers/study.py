@@ -189,6 +189,11 @@ class Study:
                          f"</a><figcaption>{text(caption)}</figcaption></figure>")
         self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
 
+    def picture_file(self, file, caption):
+        """A picture that a program has written into the folder."""
+        self.parts.append(f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}"></a>'
+                          f"<figcaption>{text(caption)}</figcaption></figure>")
+
     def write_page(self):
         rows = [[command, f"{seconds:.1f}"] for command, seconds in self.commands]
         page = f"""<!DOCTYPE html>
