@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What mixes linearly of a normal: slope moments (LEAN: Olano and Baker 2010, section 3) and the normal itself (Toksvig
-// 2005). plane_averages.cl averages them.
+// What mixes linearly of a normal map: slope moments (LEAN: Olano and Baker 2010, section 3) and the normal (Toksvig
+// 2005). Nothing is fitted: kernels/mip_box.cl averages these planes.
 
 #include "device/numerics.clh"
+#include "shared/mip_box.h"
 #include "shared/moments.h"
-#include "shared/plane_averages.h"
 
 #if MULTUM_VECTOR_WIDTH != 1
 #error "moments has only a scalar variant"
@@ -16,8 +16,7 @@
 // Memory bound.
 __kernel void moment_finest(__global const float* normal_x, __global const float* normal_y,
                             __global const float* normal_z, __global const float* red, __global const float* green,
-                            __global const float* blue, __global float* nodes, MultumAverageBand band,
-                            float slope_z_min) {
+                            __global const float* blue, __global float* nodes, MultumBoxBand band, float slope_z_min) {
   const int item = (int)get_global_id(0);
   if (item >= band.row_count * band.map_width) return;
   const size_t plane_size = (size_t)band.row_count * band.row_length;

@@ -3,10 +3,10 @@
 
 #include "device/vmf_shading.clh"
 #include "shared/filtered_sh.h"
+#include "shared/mip_box.h"
 #include "shared/mip_pyramid.h"
 #include "shared/moments.h"
 #include "shared/movmf_fit.h"
-#include "shared/plane_averages.h"
 #include "shared/vmf_lobe.h"
 
 #if MULTUM_VECTOR_WIDTH != 1
@@ -49,7 +49,7 @@ __kernel void probe_layout(__global int* sizes, int count) {
   MultumVmfLobe lobe;
   MultumMipLevel level;
   MultumTap tap;
-  MultumAverageBand band;
+  MultumBoxBand band;
   MultumFilteredMoments moments;
   MultumFilteredSh harmonics;
   const int layout[] = {(int)sizeof(MultumVmfLobe),
@@ -64,10 +64,10 @@ __kernel void probe_layout(__global int* sizes, int count) {
                         (int)sizeof(MultumGather),
                         (int)sizeof(MultumGatherEntry),
                         (int)sizeof(MultumStrip),
-                        (int)sizeof(MultumAverageBand),
+                        (int)sizeof(MultumBoxBand),
                         (int)((char*)&band.column_count - (char*)&band),
-                        (int)sizeof(MultumAverageLevel),
-                        (int)sizeof(MultumAverageTap),
+                        (int)sizeof(MultumBoxLevel),
+                        (int)sizeof(MultumBoxTap),
                         (int)sizeof(MultumFilteredMoments),
                         (int)((char*)&moments.map_share - (char*)&moments),
                         (int)sizeof(MultumFilteredSh),

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The normal distribution of a finest texel in spherical harmonics (Han et al. 2007, section 5): the basis at its
-// normal, g_lm = Y_lm(n). plane_averages.cl averages the coefficients, which is exact: they are linear in the
+// normal, g_lm = Y_lm(n). mip_box.cl averages the coefficients, which is exact: they are linear in the
 // distribution.
 
 #include "device/spherical_harmonics.clh"
-#include "shared/plane_averages.h"
+#include "shared/mip_box.h"
 
 #if MULTUM_VECTOR_WIDTH != 1
 #error "sh_project has only a scalar variant"
@@ -17,7 +17,7 @@
 // Memory bound.
 __kernel void sh_project(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
                          __global const float* red, __global const float* green, __global const float* blue,
-                         __global const float2* steps, __global float* nodes, MultumAverageBand band) {
+                         __global const float2* steps, __global float* nodes, MultumBoxBand band) {
   const int item = (int)get_global_id(0);
   if (item >= band.row_count * band.map_width) return;
   const size_t plane_size = (size_t)band.row_count * band.row_length;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes what mixes linearly into a mip pyramid: every texel of every level is the plain average of what it covers of
-// the finest. The map is read once, by bands of rows, whatever its size; kernels/plane_averages.cl makes all levels of
-// a band at once, and nothing but a sum a column stays from band to band. What is averaged, and where it goes, is the
-// representation's matter.
+// the finest. The map is read once, by bands of rows, whatever its size (host/bake/box_pyramid.h). What is averaged,
+// and where it goes, is the representation's matter.
 #pragma once
 
 #include <array>
@@ -11,10 +10,11 @@
 
 #include "host/asset/baked_file.h"
 #include "host/bake/bake_report.h"
+#include "host/bake/box_pyramid.h"
 #include "host/base/progress.h"
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
-#include "kernels/shared/plane_averages.h"
+#include "kernels/shared/mip_box.h"
 
 namespace multum {
 
@@ -24,18 +24,6 @@ struct AverageInputs {
   int first_level = 0;                                  // the finest to make
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers; changes no byte of the result
   int threads = 1;                                      // of the host's own loops
-};
-
-/// Rows of planes as they lie in a buffer: one plane after another, `plane_size` values apart, `row_length` from row to
-/// row.
-struct PlaneRows {
-  const float* first;
-  std::size_t plane_size, row_length;
-  int width, height;
-  /// Values of a row of a plane.
-  const float* row(int plane, int y) const {
-    return first + static_cast<std::size_t>(plane) * plane_size + static_cast<std::size_t>(y) * row_length;
-  }
 };
 
 /// A representation's part in it.
@@ -51,21 +39,12 @@ class AveragedPlanes {
   /// Launches what writes all planes of a band into `nodes` [plane][row][row_length], colours too (`colours` is
   /// anything where there are none).
   virtual void make_finest(const MapPlanes& normals, const MapPlanes& colours, const DeviceBuffer& nodes,
-                           const MultumAverageBand& band) = 0;
+                           const MultumBoxBand& band) = 0;
   /// Told the normals' z as they are read.
   virtual void see_z(const float*, std::size_t) {}
   /// Rows as they are done: of each level in order from the top, levels in any order.
-  virtual void add_level(int level, int first_row, const PlaneRows& rows) = 0;
+  virtual void add_level(const BoxRows& rows) = 0;
 };
-
-/// Work-items are small: PoCL takes as long to begin a group of them as to run one.
-constexpr std::size_t kAverageLocalSize = 64;
-
-/// What averaging of maps larger than this would overflow: products of two sides fit an int.
-constexpr int kAveragedSideMax = 32768;
-
-/// Throws Error(kInput) for a map that is too large, Error(kUsage) for a first level that the map has not.
-void validate_averages(int first_level, int map_width, int map_height);
 
 /// Fills device and plan of `report`. Throws Error(kUsage) for too little memory, Error(kEnvironment) when disk or
 /// device refuse, Cancelled. Progress: a unit a texel of the map.

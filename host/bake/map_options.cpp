@@ -44,7 +44,7 @@ void check_options_of_ndf(const MapOptions& o) {
   if (o.sh_order && representation != Representation::kSh)
     throw Error(ErrorCode::kUsage,
                 fmt::format("--sh-order is for --ndf sh, found --ndf {}", representation_info(representation).option));
-  if (representation == Representation::kMovmf) return;
+  if (holds_lobes(representation)) return;
   const std::pair<const char*, bool> options[] = {
       {"--lobes", o.lobes.has_value()},           {"--reference", o.reference},
       {"--iterations", o.iterations.has_value()}, {"--sweeps", o.sweeps.has_value()},
@@ -53,8 +53,8 @@ void check_options_of_ndf(const MapOptions& o) {
       {"--kappa-cap", o.kappa_cap.has_value()}};
   for (const auto& [option, is_given] : options)
     if (is_given)
-      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf, found --ndf {}, which fits no lobes", option,
-                                                 representation_info(representation).option));
+      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf and gmm, found --ndf {}, which fits no lobes",
+                                                 option, representation_info(representation).option));
 }
 
 }  // namespace multum

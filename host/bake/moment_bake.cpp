@@ -13,7 +13,7 @@ namespace {
 
 std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
-MomentLevel gather(const PlaneRows& from, bool has_colours, int threads) {
+MomentLevel gather(const BoxRows& from, bool has_colours, int threads) {
   const int width = from.width, height = from.height;
   MomentLevel rows{width, height, {}, {}, {}};
   const std::size_t texels = size_of(width) * size_of(height);
@@ -51,15 +51,15 @@ class MomentPlanes : public AveragedPlanes {
   std::string name() const override { return "moments"; }
   int plane_count() const override { return MULTUM_MOMENT_PLANES; }
   void make_finest(const MapPlanes& normals, const MapPlanes& colours, const DeviceBuffer& nodes,
-                   const MultumAverageBand& band) override {
-    finest_.launch({size_of(band.row_count) * size_of(band.map_width), kAverageLocalSize}, normals[0], normals[1],
+                   const MultumBoxBand& band) override {
+    finest_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],
                    normals[2], colours[0], colours[1], colours[2], nodes, band, kSlopeZMin);
   }
   void see_z(const float* z, std::size_t count) override {
     limited_ += static_cast<std::uint64_t>(std::count_if(z, z + count, [](float one) { return one < kSlopeZMin; }));
   }
-  void add_level(int level, int first_row, const PlaneRows& rows) override {
-    sink_.add_level(level, first_row, gather(rows, inputs_.albedo != nullptr, inputs_.threads));
+  void add_level(const BoxRows& rows) override {
+    sink_.add_level(rows.level, rows.first_row, gather(rows, inputs_.albedo != nullptr, inputs_.threads));
   }
 
  private:

@@ -10,6 +10,7 @@
 #include "host/asset/moment_file.h"
 #include "host/asset/moment_verify.h"
 #include "host/bake/accuracy_table.h"
+#include "host/bake/box_pyramid.h"
 #include "host/bake/moment_bake.h"
 #include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
@@ -117,7 +118,7 @@ const NdfBake kMomentBake = {
     Representation::kMoments,
     check_settings,
     settings,
-    [](const BakeJob& job, int width, int height) { validate_averages(job.fitting.first_level, width, height); },
+    [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake,
     verify,
 };

@@ -14,7 +14,7 @@ namespace {
 
 std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
-ShLevel gather(const PlaneRows& from, int order, bool has_colours, int threads) {
+ShLevel gather(const BoxRows& from, int order, bool has_colours, int threads) {
   ShLevel rows{from.width, from.height, {}, {}};
   const std::size_t texels = size_of(from.width) * size_of(from.height);
   const int count = sh_coefficient_count(order);
@@ -50,12 +50,12 @@ class ShPlanes : public AveragedPlanes {
   std::string name() const override { return fmt::format("spherical harmonics to order {}", order_); }
   int plane_count() const override { return sh_coefficient_count(order_); }
   void make_finest(const MapPlanes& normals, const MapPlanes& colours, const DeviceBuffer& nodes,
-                   const MultumAverageBand& band) override {
-    project_.launch({size_of(band.row_count) * size_of(band.map_width), kAverageLocalSize}, normals[0], normals[1],
+                   const MultumBoxBand& band) override {
+    project_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],
                     normals[2], colours[0], colours[1], colours[2], step_buffer_, nodes, band);
   }
-  void add_level(int level, int first_row, const PlaneRows& rows) override {
-    sink_.add_level(level, first_row, gather(rows, order_, inputs_.albedo != nullptr, inputs_.threads));
+  void add_level(const BoxRows& rows) override {
+    sink_.add_level(rows.level, rows.first_row, gather(rows, order_, inputs_.albedo != nullptr, inputs_.threads));
   }
 
  private:

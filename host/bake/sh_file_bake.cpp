@@ -110,7 +110,7 @@ const NdfBake kShBake = {
     Representation::kSh,
     check_settings,
     settings,
-    [](const BakeJob& job, int width, int height) { validate_averages(job.fitting.first_level, width, height); },
+    [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake,
     verify,
 };

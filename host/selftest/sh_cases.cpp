@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spherical harmonics (kernels/sh_project.cl, sh_shade.cl) at order 20, at the poles, of vectors that are not unit, and
-// what averages them (plane_averages.cl) over more texels than a float can count.
+// what averages them (mip_box.cl) over more texels than a float can count.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@
 #include "host/selftest/em_launch.h"
 #include "host/selftest/sh_launch.h"
 #include "kernels/shared/filtered_sh.h"
-#include "kernels/shared/plane_averages.h"
+#include "kernels/shared/mip_box.h"
 
 namespace multum {
 
@@ -34,7 +34,7 @@ std::vector<std::vector<float>> project_sh(Device& device, int order, const std:
   std::vector<float> nodes(count * normals.size(), NAN);
   DeviceBuffer out = device.make_buffer(nodes.size() * sizeof(float), "nodes");
   device.write(out, nodes.data(), out.byte_count());
-  MultumAverageBand band{};
+  MultumBoxBand band{};
   band.map_width = band.row_length = static_cast<int>(normals.size());
   band.map_height = band.row_count = 1;
   band.plane_count = static_cast<int>(count);
@@ -230,14 +230,14 @@ void average_of_2_30(Device& device, WorstError& worst) {
     exact += static_cast<double>(row);
   }
   exact /= static_cast<double>(kSide) * kSide;
-  MultumAverageBand band{};
+  MultumBoxBand band{};
   band.map_width = band.map_height = kSide;
   band.row_length = band.plane_count = band.level_count = band.column_count = 1;
-  MultumAverageLevel level{};
+  MultumBoxLevel level{};
   level.width = level.height = level.row_count = 1;
   level.share = 1.0f / (static_cast<float>(kSide) * static_cast<float>(kSide));
   constexpr int kTapBegin[] = {0, 1};
-  constexpr MultumAverageTap kTap = {0, 1.0f};
+  constexpr MultumBoxTap kTap = {0, 1.0f};
   const DeviceBuffer levels = device.wrap_buffer(&level, sizeof(level), "levels");
   const DeviceBuffer tap_begin = device.wrap_buffer(kTapBegin, sizeof(kTapBegin), "taps");
   const DeviceBuffer taps = device.wrap_buffer(&kTap, sizeof(kTap), "taps");
@@ -248,7 +248,7 @@ void average_of_2_30(Device& device, WorstError& worst) {
   device.write(averages, &average, sizeof(average));
   band.row_count = kSide;
   const DeviceBuffer nodes = device.wrap_buffer(rows.data(), rows.size() * sizeof(float), "nodes");
-  device.kernel("plane_averages", "average_levels", {1, 1, false})
+  device.kernel("mip_box", "mip_levels", {1, 1, false})
       .launch({1}, nodes, levels, tap_begin, taps, sums, averages, band);
   device.read(averages, &average, sizeof(average));
   worst.add(static_cast<double>(average), exact, exact, "32768 rows");
@@ -292,10 +292,10 @@ std::vector<NumericalCase> sh_cases() {
         "that of the basis, twice, in proportion to a_l"},
        opposite_tilts,
        {{"sh_shade", "const float rotated = fma(c, w.x, -s * w.y);", "const float rotated = c * w.x;"}}},
-      {{"average-of-2-30-texels", "plane_averages", "32768 roundings of a sum, each of half a unit in the last place",
+      {{"average-of-2-30-texels", "mip_box", "32768 roundings of a sum, each of half a unit in the last place",
         "a compensated sum down the rows", 1.2e-7, "relative", "the last rounding, and that of the share"},
        average_of_2_30,
-       {{"plane_averages", "      add_compensated(&sum, &carry, value);\n      continue;",
+       {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
          "      sum += value;\n      continue;"}}},
   };
 }

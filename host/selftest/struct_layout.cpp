@@ -4,10 +4,10 @@
 #include <cstddef>
 
 #include "kernels/shared/filtered_sh.h"
+#include "kernels/shared/mip_box.h"
 #include "kernels/shared/mip_pyramid.h"
 #include "kernels/shared/moments.h"
 #include "kernels/shared/movmf_fit.h"
-#include "kernels/shared/plane_averages.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
@@ -26,10 +26,10 @@ StructLayout struct_layout(Device& device) {
                  sizeof(MultumGather),
                  sizeof(MultumGatherEntry),
                  sizeof(MultumStrip),
-                 sizeof(MultumAverageBand),
-                 offsetof(MultumAverageBand, column_count),
-                 sizeof(MultumAverageLevel),
-                 sizeof(MultumAverageTap),
+                 sizeof(MultumBoxBand),
+                 offsetof(MultumBoxBand, column_count),
+                 sizeof(MultumBoxLevel),
+                 sizeof(MultumBoxTap),
                  sizeof(MultumFilteredMoments),
                  offsetof(MultumFilteredMoments, map_share),
                  sizeof(MultumFilteredSh),

@@ -57,6 +57,7 @@ JobType bake_type() {
            {"wrap", Kind::kChoice, "beyond the border", 0, 0, {"black", "clamp", "periodic", "mirror"}},
            {"green", Kind::kChoice, "which way the green channel points", 0, 0, {"up", "down"}},
            {"height_scale", Kind::kNumber, "of a height field, texels", 1e-6, 1e6},
+           {"normal_scale", Kind::kNumber, "of a normal map: x and y times this", -1e6, 1e6},
            {"memory", Kind::kWhole, "bytes of resident memory to stay within", 1 << 26, 1e15},
            {"device", Kind::kText, "OpenCL device: a number of `multum devices` or part of a name"},
            {"no_measure", Kind::kFlag, "skip measuring the error of what is written"}}};

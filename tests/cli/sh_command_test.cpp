@@ -39,7 +39,7 @@ TEST_F(ShCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   EXPECT_GT(report["launches"]["sh_project"], 0);
-  EXPECT_GT(report["launches"]["average_levels"], 0);
+  EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_FALSE(report["launches"].contains("moment_finest"));
   // 7 levels: 4 BRDFs, plain and coloured, at 4 points but for the last level, which has one.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 8u);

@@ -23,15 +23,6 @@ namespace {
 constexpr int kWidth = 80;
 constexpr int kHeight = 60;
 
-/// From far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.
-Scene distant_scene() {
-  Scene scene;
-  scene.camera.eye = {0.0f, -8.0f, 12.0f};
-  scene.camera.target = {0.0f, 8.0f, 0.0f};
-  scene.uv_scale = 60.0f;
-  return scene;
-}
-
 class RenderTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {

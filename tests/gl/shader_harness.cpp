@@ -34,7 +34,8 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
   const ShaderProgram program(gl, {"harness",
                                    input.flags,
                                    {shader_full_screen_vert},
-                                   {inputs, formulas, shader_common_moment_shading_glsl, input.formulas, main}});
+                                   {inputs, formulas, shader_common_gmm_shading_glsl, shader_common_moment_shading_glsl,
+                                    input.formulas, main}});
   program.set("u_a", 0);
   program.set("u_b", 1);
   program.set("map", 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/sh_project.cl with plane_averages.cl against averages of the basis in double, over sizes that nest and sizes
+// kernels/sh_project.cl with mip_box.cl against averages of the basis in double, over sizes that nest and sizes
 // that do not, in bands of any height. Numerical cases of both: host/selftest/sh_cases.cpp.
 #include <gtest/gtest.h>
 

@@ -29,7 +29,7 @@ void add_fit_options(CLI::App& bake, MapOptions& o) {
     bake.add_option(option, value, help)->default_str(fmt::format("{}", usual_value));
   };
   add("--lobes", o.lobes, usual.lobe_count,
-      "of vmf, as are the options of the fit below: lobes a texel, 1..8; more are more accurate, larger and "
+      "of vmf and gmm, as are the options of the fit below: lobes a texel, 1..8; more are more accurate, larger and "
       "slower");
   bake.add_flag("--reference", o.reference,
                 "every normal at every level, 30 iterations, none cut short: what the defaults are measured against, "
@@ -77,6 +77,7 @@ void add_input_options(CLI::App& bake, MapOptions& o) {
   const NormalMapSettings usual;
   o.reading.bump_format = usual.bump_format;  // --help shows these as the defaults
   o.reading.height_scale = usual.height_scale;
+  o.reading.normal_scale = usual.normal_scale;
   o.reading.fix_nan = usual.fix_nan;
   o.reading.repair_share_max = usual.repair_share_max;
   add_reading_options(bake, o.reading);

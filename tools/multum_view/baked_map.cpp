@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/baked_map.h"
 
+#include <fmt/format.h>
+
 #include "host/base/error.h"
+#include "runtime_gl/materials/gmm_material.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/sh_material.h"
@@ -11,7 +14,8 @@ namespace multum {
 BakedMap read_baked_map(const std::string& path) {
   BakedMap map{read_baked_header(path), std::nullopt, std::nullopt, std::nullopt};
   switch (map.header.representation) {
-    case Representation::kMovmf: map.lobes = read_movmf_mipmap(path); break;
+    case Representation::kMovmf:
+    case Representation::kGmm: map.lobes = read_movmf_mipmap(path); break;
     case Representation::kMoments: map.moments = read_moment_mipmap(path); break;
     case Representation::kSh: map.harmonics = read_sh_mipmap(path); break;
   }
@@ -26,7 +30,7 @@ gl::NormalImage finest_normals(const BakedMap& map) {
 std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map, const ViewOptions& options,
                                             const gl::NormalImage& source) {
   if (map.lobes) {
-    auto material = std::make_unique<gl::MovmfMaterial>(gl, *map.lobes, options.anisotropy, &source);
+    std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, *map.lobes, options.anisotropy, &source);
     material->set_formula(options.formula);
     return material;
   }
@@ -36,14 +40,32 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
   return material;
 }
 
+namespace {
+
+// Tan's model is of one BRDF, and of lights that come from somewhere.
+void check_options_of_gaussians(const ViewOptions& options) {
+  const auto refuse = [&](const char* found) {
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected it for files of lobes "
+                                               "(--ndf vmf) or harmonics (--ndf sh)",
+                                               options.input, found));
+  };
+  if (options.scene.brdf.kind == BrdfKind::kGgx) refuse("--brdf ggx");
+  if (options.scene.brdf.kind == BrdfKind::kMeasured) refuse("a measured --brdf");
+  if (!options.environment.empty()) refuse("--environment");
+  if (options.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
+}
+
+}  // namespace
+
 void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
   const auto refuse = [&](const char* option, const char* expected) {
-    const char* const held = baked.representation == Representation::kMovmf     ? "lobes"
+    const char* const held = holds_lobes(baked.representation)                  ? "lobes"
                              : baked.representation == Representation::kMoments ? "moments"
                                                                                 : "spherical harmonics";
     throw Error(ErrorCode::kUsage,
                 options.input + ": holds " + held + ", found " + option + ", expected it for " + expected);
   };
+  if (baked.representation == Representation::kGmm) check_options_of_gaussians(options);
   if (baked.representation != Representation::kMoments && options.moments) refuse("--moments", "files of moments");
   if (baked.representation != Representation::kMovmf && options.formula == gl::LobeFormula::kPaper)
     refuse("--formula paper", "lobes");

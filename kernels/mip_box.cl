@@ -1,28 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain averages of what mixes linearly (moments.cl, sh_project.cl), of every level at once while the map streams by in
-// bands of rows. Nothing is fitted.
+// Box-filtered mip pyramids (Williams 1983, section 3) of planes of numbers - colours, moments, heights, radiance - of
+// every level at once while the map streams by in bands of rows.
 //
 // A texel of a level averages exactly what it covers of the finest texels (docs/ALGORITHMS.md, "Notation"), for any
-// size:
+// size; Williams has powers of two alone, each level from the one before:
 //
-//     along a row      its column covers blocks of 2^k texels and fractions at the ends (texel_averages.h): a few nodes
+//     along a row      its column covers blocks of 2^k texels and fractions at the ends (row_blocks.h): a few nodes
 //     down the rows    whole rows weigh 1, a row between two texels is shared out; a compensated sum
 //
 // so that no level depends on another, nor on the height of bands, and for powers of two nothing but additions and one
 // multiplication by a power of two happens. Sums begin in one band and end in another; they are all that is kept.
+// Borders: a texel covers nothing beyond the map, so that averages are the same for every wrap mode.
 
 #include "device/numerics.clh"
-#include "shared/plane_averages.h"
+#include "shared/mip_box.h"
 
 #if MULTUM_VECTOR_WIDTH != 1
-#error "plane_averages has only a scalar variant"
+#error "mip_box has only a scalar variant"
 #endif
+
+// One work-item = one texel of a plane of the band; global size plane_count * row_count * map_width.
+//   planes [plane][row][map_width]
+//   nodes  [plane][row][row_length]   written: the texels
+// Memory bound.
+__kernel void mip_texels(__global const float* planes, __global float* nodes, MultumBoxBand band) {
+  const int item = (int)get_global_id(0);
+  if (item >= band.plane_count * band.row_count * band.map_width) return;
+  nodes[(size_t)(item / band.map_width) * band.row_length + item % band.map_width] = planes[item];
+}
 
 // One work-item = one block; global size plane_count * row_count * block_count. Launched for blocks of 2, of 4, ...
 //   nodes   in place: block i, at first_block + i, is the sum of the two at first_half + 2 i
 // Memory bound.
-__kernel void average_blocks(__global float* nodes, MultumAverageBand band, int first_half, int first_block,
-                             int block_count) {
+__kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_half, int first_block, int block_count) {
   const int item = (int)get_global_id(0);
   if (item >= band.plane_count * band.row_count * block_count) return;
   __global float* row = nodes + (size_t)(item / block_count) * band.row_length;
@@ -31,7 +41,7 @@ __kernel void average_blocks(__global float* nodes, MultumAverageBand band, int 
 }
 
 // The level that a column of all levels belongs to.
-static MultumAverageLevel level_of_column(__global const MultumAverageLevel* levels, int level_count, int column) {
+static MultumBoxLevel level_of_column(__global const MultumBoxLevel* levels, int level_count, int column) {
   int l = level_count - 1;
   while (levels[l].first_column > column) --l;
   return levels[l];
@@ -44,13 +54,13 @@ static MultumAverageLevel level_of_column(__global const MultumAverageLevel* lev
 //   sums       [plane][column_count][2]   a sum and what rounding took from it, from one band to the next; first zeros
 //   averages   [level][plane][row][column]   written: rows that the band finishes
 // Memory bound.
-__kernel void average_levels(__global const float* nodes, __global const MultumAverageLevel* levels,
-                             __global const int* tap_begin, __global const MultumAverageTap* taps, __global float* sums,
-                             __global float* averages, MultumAverageBand band) {
+__kernel void mip_levels(__global const float* nodes, __global const MultumBoxLevel* levels,
+                         __global const int* tap_begin, __global const MultumBoxTap* taps, __global float* sums,
+                         __global float* averages, MultumBoxBand band) {
   const int item = (int)get_global_id(0);
   if (item >= band.plane_count * band.column_count) return;
   const int plane = item / band.column_count, column = item % band.column_count;
-  const MultumAverageLevel level = level_of_column(levels, band.level_count, column);
+  const MultumBoxLevel level = level_of_column(levels, band.level_count, column);
   const int first_tap = tap_begin[column], end_tap = tap_begin[column + 1];
   __global float* out =
       averages + level.first_value + (size_t)plane * level.row_count * level.width + column - level.first_column;
