@@ -38,6 +38,12 @@ const std::vector<RepresentationInfo>& representations() {
        1,
        {StorageEncoding::kHalf, StorageEncoding::kFloat},  // slopes reach 20, their products 400: no snorm
        "slope moments and the mean normal (LEAN, Toksvig, maketx --bumpslopes), cheap"},
+      {Representation::kSh,
+       "sh",
+       "sh",
+       1,
+       {StorageEncoding::kHalf, StorageEncoding::kFloat},
+       "spherical harmonics (Han 2007), for diffuse and broad highlights, nothing fitted"},
   };
   return all;
 }

@@ -39,19 +39,10 @@ glm::dvec3 sample_vmf(const glm::dvec3& axis, double kappa, double u, double w) 
   return (1.0 - e) * axis + sine * (std::cos(phi) * side + std::sin(phi) * glm::cross(axis, side));
 }
 
-double kappa_of(double spread) {
-  double low = 1e-6, high = 1e9;
-  for (int i = 0; i < 80; ++i) {
-    const double middle = std::sqrt(low * high);
-    (vmf_spread(middle) > spread ? low : high) = middle;
-  }
-  return low;
-}
-
 double schlick_part(double v_h) { return std::pow(std::clamp(1.0 - v_h, 0.0, 1.0), 5.0); }
 
 glm::dvec3 fresnel(const Brdf& brdf, double v_h) {
-  if (brdf.kind == BrdfKind::kMeasured) return measured_differences(*brdf.measured, v_h);
+  if (brdf.kind == BrdfKind::kMeasured) return glm::dvec3(measured_differences(*brdf.measured, v_h));
   if (brdf.kind != BrdfKind::kCookTorrance && brdf.kind != BrdfKind::kGgx) return glm::dvec3(1.0);
   const glm::dvec3 f0(brdf.f0);
   return f0 + (glm::dvec3(1.0) - f0) * schlick_part(v_h);
@@ -69,9 +60,8 @@ double visibility(const Brdf& brdf, double n_l, double n_v, double n_h, double v
 
 ReflectionEntry integrate(const Brdf& brdf, const VmfTerm& term, double lobe_kappa, double cosine) {
   const glm::dvec3 mu(0.0, 0.0, 1.0), v(std::sqrt(std::max(1.0 - cosine * cosine, 0.0)), 0.0, cosine);
-  ReflectionEntry entry{glm::dvec3(0.0), 1.0, 0.0, 1.0, 0.0, 0.0};
-  glm::dvec3 mean(0.0);
-  double mean_weight = 0.0, diffuse = 0.0;
+  ReflectionEntry entry{glm::dvec3(0.0), 0.0, 0.0};
+  double diffuse = 0.0;
   for (int i = 0; i < kSampleCount; ++i) {
     const std::array<double, 4> u = sequence(i);
     const glm::dvec3 n = sample_vmf(mu, lobe_kappa, u[0], u[1]);
@@ -89,22 +79,11 @@ ReflectionEntry integrate(const Brdf& brdf, const VmfTerm& term, double lobe_kap
     entry.plain += 4.0 * v_h * v_h;
     const double weight =
         4.0 * v_h * n_l * visibility(brdf, n_l, std::max(glm::dot(n, v), 0.0), std::max(glm::dot(n, h), 0.0), v_h);
-    const glm::dvec3 colour = weight * fresnel(brdf, v_h);
-    entry.weight += colour;
-    const double grey = colour.x + colour.y + colour.z;
-    mean += grey * l;
-    mean_weight += grey;
+    entry.weight += weight * fresnel(brdf, v_h);
   }
   entry.weight *= term.weight / static_cast<double>(kSampleCount);
   entry.plain *= (term.weight.x + term.weight.y + term.weight.z) / 3.0 / kSampleCount;
   entry.fresnel /= std::max(diffuse, 1.0);
-  if (mean_weight <= 0.0) return entry;
-  mean /= mean_weight;
-  entry.spread = std::max(1.0 - glm::length(mean), 0.0);
-  // In the basis (mu, v), which near mu = v is none: there all of it lies along mu.
-  const double sine = v.x;
-  entry.along_v = sine > 0.02 ? mean.x / sine : 0.0;
-  entry.along_mu = sine > 0.02 ? mean.z - entry.along_v * cosine : mean.z;
   return entry;
 }
 
@@ -116,7 +95,7 @@ std::vector<std::vector<ReflectionEntry>> reflection_tables(const Brdf& brdf) {
     std::vector<ReflectionEntry> table;
     for (int row = 0; row < kReflectionSpreadCount; ++row) {
       const double x = static_cast<double>(row) / (kReflectionSpreadCount - 1);
-      const double kappa = kappa_of(std::clamp(x * x * x, 1e-8, 1.0 - 1e-6));
+      const double kappa = vmf_kappa(std::clamp(x * x * x, 1e-8, 1.0 - 1e-6));
       for (int column = 0; column < kReflectionCosineCount; ++column)
         table.push_back(integrate(brdf, term, kappa, 2.0 * column / (kReflectionCosineCount - 1) - 1.0));
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where light that a lobe of normals reflects comes from, and how much of it there is, under light that is the same
-// from everywhere (the "split sum" of Karis 2013, with the lobe as one more dimension): a lobe n ~ vMF(mu, d), facets
-// h ~ vMF(n, term), l = reflect(v, h), each with the weight 4 (v.h) F(v.h) V max(n.l, 0).
+// How much light a lobe of normals reflects where it is the same from everywhere (the "split sum" of Karis 2013, with
+// the lobe as one more dimension): a lobe n ~ vMF(mu, d), facets h ~ vMF(n, term), l = reflect(v, h), each with the
+// weight 4 (v.h) F(v.h) V max(n.l, 0).
 #pragma once
 
 #include <vector>
@@ -17,11 +17,8 @@ constexpr int kReflectionSpreadCount = 24;  // d = 1 - |r|: (i / (count - 1))^3
 
 struct ReflectionEntry {
   glm::dvec3 weight;  // the integral
-  double along_mu;    // the mean of l under it lies along along_mu mu + along_v v
-  double along_v;
-  double spread;   // 1 - the length of that mean: of the lobe of light that is seen
-  double plain;    // the integral of 4 (v.h) (v.h) alone
-  double fresnel;  // the mean over cosine-weighted light of (1 - v.h)^5: for the 1 - F of the diffuse part
+  double plain;       // the integral of 4 (v.h) (v.h) alone
+  double fresnel;     // the mean over cosine-weighted light of (1 - v.h)^5: for the 1 - F of the diffuse part
 };
 
 /// One table a term of vmf_terms(brdf): entry [spread][cosine], row by row.

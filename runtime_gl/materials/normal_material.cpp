@@ -66,6 +66,18 @@ NormalImage finest_normals(const MomentMipmap& mipmap) {
   return image;
 }
 
+NormalImage finest_normals(const ShMipmap& mipmap) {
+  MULTUM_CHECK(!mipmap.levels.empty() && mipmap.header.first_level == 0);
+  const ShLevel& level = mipmap.levels.front();
+  NormalImage image{level.width, level.height, {}, level.colours, mipmap.header.wrap_s, mipmap.header.wrap_t};
+  for (const glm::vec4& band : level.parts[0]) {  // of l = 1: y, z, x
+    const glm::vec3 n(band.z, band.x, band.y);
+    const float size = glm::length(n);
+    image.normals.push_back(size > 0.0f ? n / size : glm::vec3(0.0f, 0.0f, 1.0f));
+  }
+  return image;
+}
+
 NormalMaterial::NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy) {
   MULTUM_CHECK(image.normals.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   MULTUM_CHECK(image.albedo.empty() || image.albedo.size() == image.normals.size());

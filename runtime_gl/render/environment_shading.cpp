@@ -56,15 +56,16 @@ ShaderParts environment_shader_parts(const Scene& scene, bool samples_light) {
   ShaderParts parts{{"MULTUM_ENVIRONMENT"}, {}};
   if (samples_light) {
     parts.flags.push_back("MULTUM_ENVIRONMENT_SAMPLES " + std::to_string(kEnvironmentSampleCount));
-    parts.texts = {shader_light_environment_samples_glsl};
+    parts.texts = {shader_light_environment_frame_glsl, shader_light_environment_samples_glsl};
     return parts;
   }
-  parts.texts = {shader_light_environment_glsl};
+  parts.texts = {shader_common_vmf_zonal_glsl, shader_light_environment_frame_glsl, shader_light_environment_glsl};
   if (scene.brdf.kind == BrdfKind::kLambert) return parts;
   const bool has_sum = scene.brdf.kind == BrdfKind::kGgx || scene.brdf.kind == BrdfKind::kMeasured;
   parts.flags.push_back("MULTUM_ENVIRONMENT_TERMS " + std::to_string(has_sum ? scene.brdf.term_count : 1));
-  parts.texts.push_back(scene.environment_mode == EnvironmentMode::kHarmonics ? shader_light_environment_sh_glsl
-                                                                              : shader_light_environment_levels_glsl);
+  const bool is_harmonic = scene.environment_mode == EnvironmentMode::kHarmonics;
+  parts.flags.push_back(is_harmonic ? "MULTUM_ENVIRONMENT_SH" : "MULTUM_ENVIRONMENT_LEVELS");
+  parts.texts.push_back(is_harmonic ? shader_light_environment_sh_glsl : shader_light_environment_levels_glsl);
   return parts;
 }
 
@@ -90,13 +91,12 @@ void EnvironmentShading::set_tables(const Brdf& brdf) {
   // Lambert has no terms, and its Fresnel part is not read.
   const auto tables = reflection_tables(brdf);
   std::vector<glm::vec4> texels;
-  for (const auto& table : tables) {
+  for (const auto& table : tables)
     for (const ReflectionEntry& e : table) texels.emplace_back(glm::vec3(e.weight), static_cast<float>(e.plain));
-    for (const ReflectionEntry& e : table) texels.emplace_back(e.along_mu, e.along_v, e.spread, e.fresnel);
-  }
   tables_.reset();
-  if (texels.empty()) return;
-  const int planes = 2 * static_cast<int>(tables.size());
+  if (tables.empty()) return;
+  for (const ReflectionEntry& e : tables[0]) texels.emplace_back(glm::vec3(static_cast<float>(e.fresnel)), 0.0f);
+  const int planes = static_cast<int>(tables.size()) + 1;
   tables_.emplace(*gl_, "what lobes reflect",
                   TextureShape{kReflectionCosineCount, planes * kReflectionSpreadCount, 1, TexelFormat::kRgba32f},
                   kClamped);
@@ -126,6 +126,16 @@ void EnvironmentShading::set_half_vector_light(const Scene& scene, glm::ivec2 vi
   half_vector_light_->upload_level(0, &texels[0].x);
 }
 
+void EnvironmentShading::set_sample(const ShaderProgram& shader, const Scene& scene, int sample) const {
+  shader.set("u_sample", sample);
+  if (scene.environment == nullptr) return;
+  std::vector<glm::vec3> directions;
+  for (int i = 0; i < kEnvironmentSampleCount; ++i)
+    directions.emplace_back(
+        scene.environment->sampler.direction(static_cast<unsigned>(sample * kEnvironmentSampleCount + i)));
+  shader.set_vec3("u_light_samples", glm::value_ptr(directions[0]), kEnvironmentSampleCount);
+}
+
 void EnvironmentShading::set(const ShaderProgram& shader, const Scene& scene, bool samples_light, glm::ivec2 viewport,
                              int unit) {
   if (scene.environment == nullptr) return;
@@ -134,10 +144,18 @@ void EnvironmentShading::set(const ShaderProgram& shader, const Scene& scene, bo
   set_map(scene);
   TextureBinder binder(shader, unit);
   binder.bind("u_environment_map", map_);
-  if (samples_light) return;
+  if (samples_light) {
+    shader.set("u_light_total", static_cast<float>(light_->sampler.total()));
+    set_sample(shader, scene, 0);
+    return;
+  }
   set_smooth(shader, light_->smooth);
   set_tables(scene.brdf);
   binder.bind("u_reflection_table", tables_);
+  std::vector<float> term_spreads;
+  for (const VmfTerm& term : vmf_terms(scene.brdf)) term_spreads.push_back(static_cast<float>(term.spread));
+  if (!term_spreads.empty())
+    shader.set_floats("u_environment_spreads", term_spreads.data(), static_cast<int>(term_spreads.size()));
   std::vector<float> spreads;
   for (const double spread : light_->levels.spreads) spreads.push_back(static_cast<float>(spread));
   shader.set_floats("u_level_spreads", spreads.data(), static_cast<int>(spreads.size()));

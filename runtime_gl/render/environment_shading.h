@@ -23,6 +23,9 @@ class EnvironmentShading {
   /// Gives textures units from `unit` on. Keeps what is still right from the call before.
   void set(const ShaderProgram& shader, const Scene& scene, bool samples_light, glm::ivec2 viewport, int unit);
 
+  /// Of what samples light: the directions of the picture's sample number `sample`.
+  void set_sample(const ShaderProgram& shader, const Scene& scene, int sample) const;
+
  private:
   void set_map(const Scene& scene);
   void set_tables(const Brdf& brdf);

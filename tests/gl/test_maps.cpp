@@ -25,6 +25,17 @@ MovmfLevel make_level(int size, std::size_t lobe_count, bool coloured) {
 
 }  // namespace
 
+MeshData make_quad(float size) {
+  const float half = 0.5f * size;
+  MeshData mesh;
+  const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
+  for (const glm::vec2& corner : corners)
+    mesh.vertices.push_back(
+        {{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f, 1.0f}, corner});
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
 TestMap make_flat_map(int size) {
   TestMap map;
   map.image = {size, size, std::vector<glm::vec3>(texel_count(size), {0.0f, 0.0f, 1.0f}), {}};

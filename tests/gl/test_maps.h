@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small maps whose exact mixtures are known, so that no bake is needed.
+// The plane that tests draw, and small maps whose exact mixtures are known, so that no bake is needed.
 #pragma once
 
 #include "runtime_gl/gl/mesh.h"
@@ -7,6 +7,9 @@
 #include "runtime_gl/render/scene.h"
 
 namespace multum::gl {
+
+/// `size` a side, its near edge along X through the origin, facing +Z. uv 0 to 1.
+MeshData make_quad(float size);
 
 struct TestMap {
   NormalImage image;

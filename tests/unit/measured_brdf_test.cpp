@@ -61,7 +61,7 @@ void expect_made(const MeasuredBrdf& brdf, double tolerance) {
   const double ratio = measured_facets(brdf, 0.0).y / made_facets(0.0);
   for (const double theta : {0.05, 0.15, 0.3})
     EXPECT_NEAR(measured_facets(brdf, 1.0 - std::cos(theta)).y / made_facets(theta) / ratio, 1.0, tolerance) << theta;
-  EXPECT_NEAR(measured_differences(brdf, std::cos(1.0)).y / measured_differences(brdf, std::cos(0.1)).y,
+  EXPECT_NEAR(measured_differences(brdf, std::cos(1.0)) / measured_differences(brdf, std::cos(0.1)),
               (1.0 + 0.5 * std::pow(std::sin(1.0), 2.0)) / (1.0 + 0.5 * std::pow(std::sin(0.1), 2.0)), tolerance);
   EXPECT_LT(brdf.relative_error, tolerance);
 }
@@ -131,9 +131,10 @@ TEST_F(MeasuredFileTest, RefusesWhatIsNoMeasurement) {
   expect_refusal(read_measured_brdf, folder_.string(), "no such file");
   expect_refusal(read_measured_brdf, write("word.brdf", "3\n400 550 seven\n1 2 3 4 5 6 7"), "found 'seven'");
   expect_refusal(read_measured_brdf, write("count.brdf", "2.5 400 500 600 1 2 3 4"), "count of wavelengths");
-  expect_refusal(read_measured_brdf, write("cut.brdf", "3 400 550 700 0.1 0.2 0.3 0.4 0.5 0.6"), "expected rows of 3");
+  expect_refusal(read_measured_brdf, write("cut.brdf", "3 400 550 700 0.1 0.2 0.3 0.4 0.5 0.6"), "expected rows of 7");
   expect_refusal(read_measured_brdf, write("infrared.brdf", "3 900 1000 1100 .1 .2 .3 .4 .5 .6 .7"), "three primaries");
-  expect_refusal(read_measured_brdf, write("below.brdf", "3 400 550 700 3 0 3 0 .5 .6 .7"), "above the horizon");
+  expect_refusal(read_measured_brdf, write("below.brdf", "5 400 475 550 625 700 3 0 3 0 .5 .5 .5 .5 .5"),
+                 "above the horizon");
 }
 
 std::string radiance(const std::string& size, const std::string& rows) {

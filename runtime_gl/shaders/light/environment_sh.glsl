@@ -3,12 +3,11 @@
 // over l and m of a_l(f) a_l(vMF) L'_lm Y_lm(mu). L' = 4 (v.h) (v.h) L(reflect(v, h)) depends on the view: its
 // coefficients stand in a texture over the picture, a plane for each (l, m), made for the frame's camera. The cosine
 // and what else depends on the normal come as the quotient of the reflection table's weight to that of 4 (v.h) (v.h).
-#define MULTUM_HALF_ORDER 8
 #define MULTUM_HALF_COUNT 81.0
 uniform sampler2D u_half_vector_light;
 uniform vec2 u_half_grid;  // columns and rows of a plane
 uniform vec2 u_viewport;   // pixels
-uniform vec3 u_half_zonal[MULTUM_HALF_ORDER + 1];  // a_l of the BRDF's facets
+uniform vec3 u_half_zonal[MULTUM_VMF_ZONAL_ORDER + 1];  // a_l of the BRDF's facets
 
 vec3 multum_half_vector_light(int index) {
   vec2 position = vec2(0.5) + gl_FragCoord.xy / u_viewport * (u_half_grid - 1.0);
@@ -16,26 +15,14 @@ vec3 multum_half_vector_light(int index) {
   return textureLod(u_half_vector_light, position / (u_half_grid * vec2(1.0, MULTUM_HALF_COUNT)), 0.0).rgb;
 }
 
-// a_l = a_(l-1) R_l, R_l = 1 / ((2 l + 1) / kappa + R_(l+1)), downward from the asymptotic quotient at l = 20.
-void multum_vmf_zonal(float kappa, out float zonal[MULTUM_HALF_ORDER + 1]) {
-  float quotient = kappa / (20.5 + sqrt(20.5 * 20.5 + kappa * kappa));
-  float quotients[MULTUM_HALF_ORDER + 1];
-  for (int l = 19; l >= 1; --l) {
-    quotient = kappa / (float(2 * l + 1) + kappa * quotient);
-    if (l <= MULTUM_HALF_ORDER) quotients[l] = quotient;
-  }
-  zonal[0] = 1.0;
-  for (int l = 1; l <= MULTUM_HALF_ORDER; ++l) zonal[l] = zonal[l - 1] * quotients[l];
-}
-
 vec3 multum_environment_specular(vec3 mu, float d, vec3 v) {
-  float zonal[MULTUM_HALF_ORDER + 1];
+  float zonal[MULTUM_VMF_ZONAL_ORDER + 1];
   multum_vmf_zonal(multum_vmf_kappa(d), zonal);
   vec3 m = multum_environment_frame * mu;
   vec3 sum = vec3(0.0);
   float cosine = 1.0, sine = 0.0;                   // sin^m theta (cos, sin)(m phi)
   float diagonal = 0.5 * inversesqrt(MULTUM_PI);    // K_mm P_mm / sin^m theta
-  for (int order = 0; order <= MULTUM_HALF_ORDER; ++order) {
+  for (int order = 0; order <= MULTUM_VMF_ZONAL_ORDER; ++order) {
     float k = float(order);
     if (order > 0) {
       float next = m.x * cosine - m.y * sine;
@@ -44,7 +31,7 @@ vec3 multum_environment_specular(vec3 mu, float d, vec3 v) {
       diagonal *= sqrt((2.0 * k + 1.0) / (2.0 * k));
     }
     float before = 0.0, p = diagonal;
-    for (int l = order; l <= MULTUM_HALF_ORDER; ++l) {
+    for (int l = order; l <= MULTUM_VMF_ZONAL_ORDER; ++l) {
       float f = float(l), g = f - 1.0;
       if (l > order) {
         float a = sqrt((4.0 * f * f - 1.0) / (f * f - k * k));
@@ -61,7 +48,7 @@ vec3 multum_environment_specular(vec3 mu, float d, vec3 v) {
   vec3 weight = vec3(0.0);
   float plain = 0.0;
   for (int i = 0; i < MULTUM_ENVIRONMENT_TERMS; ++i) {
-    vec4 entry = multum_reflection_entry(2 * i, dot(mu, v), d);
+    vec4 entry = multum_reflection_entry(i, dot(mu, v), d);
     weight += entry.rgb;
     plain += entry.w;
   }
