@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a normal map into a mip pyramid of von Mises-Fisher mixtures (Han et al. 2007, section 7): every level is
+// Bakes a normal map into a mip pyramid of von Mises-Fisher mixtures (Han et al. 2007, section 7), or of mixtures of
+// planar Gaussians (Tan et al. 2005; MovmfSettings::representation): every level is
 // fitted to all normals that its texels cover, from the coarsest level to the finest, each texel started from its
 // parent's lobes and held to its done neighbours' by the alignment prior, so that hardware filtering mixes lobes of one
 // kind.
