@@ -63,13 +63,6 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   return header;
 }
 
-std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path) {
-  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
-  if (attribute == nullptr)
-    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
-  return attribute->value();
-}
-
 // Without the spaces that stand for room that was not needed.
 std::string trimmed(const std::string& text) { return text.substr(0, text.find_last_not_of(' ') + 1); }
 
@@ -90,9 +83,10 @@ const RepresentationInfo& parse_representation(const std::string& name, const st
   refuse_file(path, "representation '" + name + "'", in_words(names));
 }
 
-StorageEncoding parse_encoding(const std::string& name, const RepresentationInfo& info, const std::string& path) {
+StorageEncoding parse_encoding(const std::string& name, const std::vector<StorageEncoding>& encodings,
+                               const std::string& path) {
   std::vector<std::string> names;
-  for (const StorageEncoding encoding : info.encodings) {
+  for (const StorageEncoding encoding : encodings) {
     if (name == storage_encoding_name(encoding)) return encoding;
     names.emplace_back(storage_encoding_name(encoding));
   }
@@ -168,6 +162,13 @@ void refuse_file(const std::string& path, const std::string& found, const std::s
   throw Error(ErrorCode::kInput, path + ": found " + found + ", expected " + expected);
 }
 
+std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+  if (attribute == nullptr)
+    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
+}
+
 int int_attribute(const Imf::Header& header, const char* name, const std::string& path) {
   const auto* attribute = header.findTypedAttribute<Imf::IntAttribute>(name);
   if (attribute == nullptr)
@@ -184,19 +185,14 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
   return headers;
 }
 
-BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
-  const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
-  const int version = int_attribute(header, "multum:formatVersion", path);
-  if (version != info.version)
-    refuse_file(path, fmt::format("format version {}", version), fmt::format("version {}", info.version));
+BakedHeader parse_map_header(const Imf::Header& header, const std::vector<StorageEncoding>& encodings,
+                             const std::string& path) {
   const StoredLevels stored = parse_stored_levels(header, path);
   BakedHeader baked;
-  baked.representation = info.representation;
   baked.width = stored.map_width;
   baked.height = stored.map_height;
   baked.first_level = stored.first_level;
-  baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;
-  baked.encoding = parse_encoding(text_attribute(header, "multum:encoding", path), info, path);
+  baked.encoding = parse_encoding(text_attribute(header, "multum:encoding", path), encodings, path);
   const std::string wraps = Imf::hasWrapmodes(header) ? Imf::wrapmodes(header) : "periodic";
   const std::size_t comma = wraps.find(',');
   baked.wrap_s = parse_wrap(wraps.substr(0, comma), path);
@@ -208,6 +204,17 @@ BakedHeader parse_baked_header(const Imf::Header& header, const std::string& pat
                       text_attribute(header, "multum:settingsHash", path),
                       trimmed(text_attribute(header, kMeasuredErrorAttribute, path)),
                       trimmed(text_attribute(header, kContentHashAttribute, path))};
+  return baked;
+}
+
+BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
+  const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
+  const int version = int_attribute(header, "multum:formatVersion", path);
+  if (version != info.version)
+    refuse_file(path, fmt::format("format version {}", version), fmt::format("version {}", info.version));
+  BakedHeader baked = parse_map_header(header, info.encodings, path);
+  baked.representation = info.representation;
+  baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;
   return baked;
 }
 

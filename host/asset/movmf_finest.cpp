@@ -13,13 +13,13 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/gmm_quantize.h"
+#include "host/asset/lobe_rounding.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
 
 namespace multum {
 namespace {
-
-constexpr int kSnormSteps = 32767;
 
 // x is at most 1 in magnitude: the sum stays in range.
 int nearest_step(float x) {
@@ -62,10 +62,20 @@ void quantize_texel(MovmfFinest& rows, std::size_t i, StorageEncoding encoding) 
     if (encoding == StorageEncoding::kSnorm16) n[c] = step_value(nearest_step(value));
     else n[c] = encoding == StorageEncoding::kHalf ? as_half(value) : value;
   }
-  n.z = finest_z(n.x, n.y, encoding);
+  n.z = finest_third(n.x, n.y, rows.representation, encoding);
   if (rows.colours.empty() || encoding == StorageEncoding::kFloat) return;
   glm::vec3& colour = rows.colours[i];
   colour = glm::vec3(as_half(colour.x), as_half(colour.y), as_half(colour.z));
+}
+
+// Is it one single direction, as a whole lobe of one of the two kinds has it?
+bool is_single_direction(const glm::vec3& normal, Representation representation) {
+  // Rounding to halfs lengthens by a step of 1/1024 a channel at most.
+  constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
+  if (representation == Representation::kGmm)
+    return std::abs(normal.x * normal.x + normal.y * normal.y - normal.z) <= kLengthSquaredMax - 1.0f;
+  const float length_squared = glm::dot(normal, normal);
+  return normal.z >= 0.0f && length_squared >= kLengthSquaredMin && length_squared <= kLengthSquaredMax;
 }
 
 }  // namespace
@@ -77,6 +87,19 @@ float finest_z(float x, float y, StorageEncoding encoding) {
   return encoding == StorageEncoding::kHalf ? z_half(root) : z_float(root);
 }
 
+float finest_square(float x, float y, StorageEncoding encoding) {
+  if (encoding == StorageEncoding::kSnorm16) {
+    const int i = nearest_step(x), j = nearest_step(y);
+    return step_value(std::min((i * i + j * j) / kSnormSteps, kSnormSteps));  // exactly
+  }
+  const auto wide_x = static_cast<double>(x), wide_y = static_cast<double>(y);
+  return grid_below(wide_x * wide_x + wide_y * wide_y, encoding);
+}
+
+float finest_third(float x, float y, Representation representation, StorageEncoding encoding) {
+  return representation == Representation::kGmm ? finest_square(x, y, encoding) : finest_z(x, y, encoding);
+}
+
 void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads) {
   const auto width = static_cast<std::size_t>(rows.width);
   for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
@@ -85,15 +108,13 @@ void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads) {
   });
 }
 
-MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count) {
-  // Rounding to halfs lengthens by a step of 1/1024 a channel at most.
-  constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
+MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, Representation representation) {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
   MULTUM_CHECK(!level.lobes.empty() && level.lobes.size() <= kLobeCountMax);
   const auto width = static_cast<std::size_t>(level.width);
   const std::size_t first = static_cast<std::size_t>(first_row) * width;
   const std::size_t texels = static_cast<std::size_t>(row_count) * width;
-  MovmfFinest rows{level.width, row_count, {}, {}, {}};
+  MovmfFinest rows{level.width, row_count, {}, {}, {}, representation};
   rows.normals.resize(texels);
   rows.lobe.assign(texels, kLobeCountMax);
   if (!level.colours.empty()) rows.colours.resize(texels);
@@ -103,9 +124,7 @@ MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count) {
       const glm::vec3 colour = level.colours.empty() ? glm::vec3(0.0f) : level.colours[j][first + i];
       if (lobe == glm::vec4(0.0f) && colour == glm::vec3(0.0f)) continue;
       const glm::vec3 normal(lobe);
-      const float length_squared = glm::dot(normal, normal);
-      const bool whole = lobe.w == 1.0f && normal.z >= 0.0f && length_squared >= kLengthSquaredMin &&
-                         length_squared <= kLengthSquaredMax;
+      const bool whole = lobe.w == 1.0f && is_single_direction(normal, representation);
       const bool alone = rows.lobe[i] == kLobeCountMax;
       MULTUM_CHECK(whole && alone);
       rows.normals[i] = normal;

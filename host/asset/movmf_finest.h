@@ -17,14 +17,21 @@ namespace multum {
 struct MovmfFinest {
   int width = 0;
   int height = 0;                  // rows that are here
-  std::vector<glm::vec3> normals;  // unit, z >= 0
+  std::vector<glm::vec3> normals;  // unit, z >= 0; of kGmm x, y and x^2 + y^2: what lobes of the other levels hold
   std::vector<std::uint8_t> lobe;  // the lobe that the texel is given to
   std::vector<glm::vec3> colours;  // linear RGB of the texel; empty: the map has no colours
+  Representation representation = Representation::kMovmf;
 };
 
 /// z of a normal whose x and y have been rounded: sqrt(1 - x^2 - y^2), rounded UP to the encoding's grid (32-bit floats
 /// for kFloat), so that |(x, y, z)| >= 1: rounding never adds spread. Readers do the same.
 float finest_z(float x, float y, StorageEncoding encoding);
+
+/// x^2 + y^2 of the same, rounded DOWN to the grid: a Gaussian's variance is clamped to none there, and filtering adds
+/// none to texels of one direction.
+float finest_square(float x, float y, StorageEncoding encoding);
+/// One of the two, as the lobes are.
+float finest_third(float x, float y, Representation representation, StorageEncoding encoding);
 
 /// Rounds x and y to the nearest value of the grid and derives z; colours to halfs, but for kFloat. What is left is
 /// what readers of the file get.
@@ -32,9 +39,10 @@ void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads);
 
 /// Rows of level 0 as full lobes hold them. Every texel must be a single direction whole in one lobe, all other lobes
 /// zero (MULTUM_CHECK).
-MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count);
+MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count,
+                      Representation representation = Representation::kMovmf);
 
-/// The other way round: (x, y, z, 1) and the colour for the lobe that has the texel, zeros for the others.
+/// The other way round: (normal, 1) and the colour for the lobe that has the texel, zeros for the others.
 MovmfLevel expand(const MovmfFinest& rows, int lobe_count);
 /// The same into rows of a level that has room for them.
 void expand_into(const MovmfFinest& rows, MovmfLevel& level, int first_row, int threads);

@@ -36,7 +36,7 @@ class MovmfReader::File {
   MovmfFinest read_finest(int first_row, int row_count) {
     MULTUM_CHECK(header_.first_level == 0);
     check_rows(0, first_row, row_count);
-    MovmfFinest rows{header_.width(), row_count, {}, {}, {}};
+    MovmfFinest rows{header_.width(), row_count, {}, {}, {}, header_.representation};
     const std::size_t texels = texel_count(rows.width, row_count);
     const std::size_t channels = parts_[0].channels.size();
     values_.resize(texels * channels);
@@ -91,7 +91,7 @@ class MovmfReader::File {
     if (!(std::abs(v[1]) <= kComponentMax && std::abs(v[2]) <= kComponentMax))
       refuse_texel(x, first_row + y, fmt::format("a normal ({}, {})", v[1], v[2]), "components of -1 to 1");
     rows.lobe[i] = static_cast<std::uint8_t>(v[0]);
-    rows.normals[i] = {v[1], v[2], finest_z(v[1], v[2], header_.encoding)};
+    rows.normals[i] = {v[1], v[2], finest_third(v[1], v[2], rows.representation, header_.encoding)};
   }
 
   [[noreturn]] void refuse_texel(int x, int y, const std::string& found, const std::string& expected) const {

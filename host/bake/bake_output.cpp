@@ -23,6 +23,7 @@ MovmfFinest row_of(const MovmfFinest& rows, int row) {
   MovmfFinest one;
   one.width = rows.width;
   one.height = 1;
+  one.representation = rows.representation;
   one.normals.assign(rows.normals.begin() + begin, rows.normals.begin() + end);
   one.lobe.assign(rows.lobe.begin() + begin, rows.lobe.begin() + end);
   if (!rows.colours.empty()) one.colours.assign(rows.colours.begin() + begin, rows.colours.begin() + end);
@@ -33,10 +34,10 @@ MovmfFinest row_of(const MovmfFinest& rows, int row) {
 
 void BakeOutput::round(MovmfLevel& rows) {
   const StopWatch watch(report_.round_seconds);
-  const SharpLobes sharp = count_sharp_lobes(rows, header_.encoding, threads_);
+  const SharpLobes sharp = count_sharp_lobes(rows, header_, threads_);
   report_.beyond_storage += sharp.count;
   report_.beyond_storage_amplitude += sharp.amplitude;
-  quantize_movmf(rows, header_.encoding, threads_);
+  quantize_lobes(rows, header_, threads_);
 }
 
 void BakeOutput::round(MovmfFinest& rows) {

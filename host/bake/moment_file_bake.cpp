@@ -10,6 +10,7 @@
 #include "host/asset/moment_file.h"
 #include "host/asset/moment_verify.h"
 #include "host/bake/accuracy_table.h"
+#include "host/bake/box_pyramid.h"
 #include "host/bake/moment_bake.h"
 #include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
@@ -41,22 +42,6 @@ class FileSink : public MomentSink {
   const int threads_;
 };
 
-// Rows of tiles that the writer holds until they are full: of every level one, since all levels are made at once. Nine
-// to twelve floats a texel, and the halfs of a part of the widest level. Beyond what every bake is taken to need
-// (bake_job.cpp) they are taken from the buffers' share: wide maps need more memory, and say so.
-std::uint64_t waiting_bytes_beyond_usual(const BakedHeader& header, const BakedWriteOptions& options) {
-  constexpr std::uint64_t kUsual = std::uint64_t{32} << 20;
-  const std::uint64_t channels = header.has_colours ? 12 : 9;
-  std::uint64_t bytes = 0;
-  for (int l = header.first_level; l < header.level_count(); ++l) {
-    const auto texels = static_cast<std::uint64_t>(mip_level_size(header.width, l)) *
-                        static_cast<std::uint64_t>(std::min(options.tile_size, mip_level_size(header.height, l)));
-    bytes += texels * channels * sizeof(float);
-    if (l == header.first_level) bytes += texels * 6 * sizeof(std::uint16_t);
-  }
-  return bytes > kUsual ? bytes - kUsual : 0;
-}
-
 void warn_of_limited_slopes(const BakeRun& run, const BakeReport& report) {
   const double share = static_cast<double>(report.slopes_limited) /
                        (static_cast<double>(run.header.width) * static_cast<double>(run.header.height));
@@ -81,11 +66,13 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   std::optional<MomentMeter> meter;
   if (job.measure) meter.emplace(run.header, accuracy);
   FileSink sink(writer, meter ? &*meter : nullptr, job.encoding, job.threads);
-  MomentBakeInputs inputs;
+  AverageInputs inputs;
   inputs.normals = &run.source.map.normals;
   inputs.albedo = run.source.albedo ? &*run.source.albedo : nullptr;
   inputs.first_level = run.header.first_level;
-  inputs.memory_bytes = run.memory_bytes - std::min(run.memory_bytes, waiting_bytes_beyond_usual(run.header, writing));
+  inputs.memory_bytes =
+      run.memory_bytes - std::min(run.memory_bytes, waiting_bytes_beyond_usual(run.header, writing.tile_size,
+                                                                               run.header.has_colours ? 12 : 9, 6));
   inputs.threads = job.threads;
   bake_moments(run.device, inputs, sink, report, progress);
   run.clock.finish("average");
@@ -131,7 +118,7 @@ const NdfBake kMomentBake = {
     Representation::kMoments,
     check_settings,
     settings,
-    [](const BakeJob& job, int width, int height) { validate_moments(job.fitting.first_level, width, height); },
+    [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake,
     verify,
 };

@@ -20,6 +20,7 @@ namespace {
 class MipmapSink : public MovmfSink {
  public:
   MipmapSink(int width, int height, const MovmfSettings& settings, bool has_colours) {
+    mipmap_.representation = settings.representation;
     mipmap_.first_level = settings.first_level;
     for (int l = 0; l < mip_level_count(width, height); ++l) {
       MovmfLevel& level = mipmap_.levels.emplace_back();
@@ -98,6 +99,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
   const std::uint64_t launches_before = device.launch_total();
   const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
+  for (std::vector<MultumVmfLobe>& lobes : candidates) lobes = start_lobes(std::move(lobes), settings.representation);
   report.starts_rehearsed = 0;
   std::size_t best = 0;
   // Levels that do not grow from the coarsest cannot tell starts apart.

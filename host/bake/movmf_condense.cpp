@@ -29,8 +29,8 @@ int chunk_count_of(const MultumMovmfFit& fit) { return (fit.sample_columns + kCh
 // One level while the map passes: buffers for the rows of texels that the band meets, row y in slot y % slots.
 class LevelCondenser {
  public:
-  LevelCondenser(Device& device, const LevelSchedule& level, bool weighted, int band_rows, bool has_colours,
-                 const StorePlace& place)
+  LevelCondenser(Device& device, const LevelSchedule& level, const KernelVariant& variant, int band_rows,
+                 bool has_colours, const StorePlace& place)
       : device_(device),
         fit_(level.fit),
         width_(static_cast<std::size_t>(level.fit.width)),
@@ -42,7 +42,6 @@ class LevelCondenser {
         slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
         host_(std::max(row_bytes_, width_ * kAxisBytes)),
         numbers_(width_) {
-    const KernelVariant variant{1, 1, weighted};
     const auto kernel = [&](const char* name) { return device.kernel("movmf_condense", name, variant); };
     probe_kernel_ = kernel("movmf_condense_probe");
     axes_kernel_ = kernel("movmf_condense_axes");
@@ -86,11 +85,11 @@ class LevelCondenser {
         device_.fill_zero(slot.cells);
         if (albedo != nullptr) device_.fill_zero(slot.colour_cells);
       }
-      add_to(slot.cells, slot, y, normals, normals);
-      if (albedo != nullptr) add_to(slot.colour_cells, slot, y, normals, *albedo);
+      add_to(slot.cells, slot, y, normals, normals, true);
+      if (albedo != nullptr) add_to(slot.colour_cells, slot, y, normals, *albedo, false);
       if (!ends) return;
-      store_means(slot.cells, y, result_.samples);
-      if (albedo != nullptr) store_means(slot.colour_cells, y, *result_.colours);
+      store_means(slot.cells, y, result_.samples, true);
+      if (albedo != nullptr) store_means(slot.colour_cells, y, *result_.colours, false);
     });
   }
 
@@ -120,13 +119,15 @@ class LevelCondenser {
     }
   }
 
-  void add_to(DeviceBuffer& cells, const Slot& slot, int y, const MapWindow& normals, const MapWindow& values) {
+  void add_to(DeviceBuffer& cells, const Slot& slot, int y, const MapWindow& normals, const MapWindow& values,
+              bool are_normals) {
     cells_kernel_.launch({width_ * static_cast<std::size_t>(chunk_count_)}, normals[0], normals[1], normals[2],
-                         values[0], values[1], values[2], slot.axes, cells, fit_, y, chunk_count_);
+                         values[0], values[1], values[2], slot.axes, cells, fit_, y, chunk_count_, are_normals ? 1 : 0);
   }
 
-  void store_means(const DeviceBuffer& cells, int y, RowStore& to) {
-    means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_, fit_.sample_capacity);
+  void store_means(const DeviceBuffer& cells, int y, RowStore& to, bool are_normals) {
+    means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_, fit_.sample_capacity,
+                         are_normals ? 1 : 0);
     device_.read(counts_, numbers_.data(), width_ * sizeof(int));
     result_.counts.write(y, 1, numbers_.data());
     std::size_t end = 0;
@@ -183,12 +184,13 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
 }
 
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
-                                              const MipSchedule& schedule, int band_rows, const StorePlace& place,
-                                              Progress* progress) {
+                                              const MipSchedule& schedule, Representation representation, int band_rows,
+                                              const StorePlace& place, Progress* progress) {
+  const KernelVariant variant{1, 1, schedule.weighted, representation == Representation::kGmm};
   std::map<int, LevelCondenser> levels;
   for (const LevelSchedule& level : schedule.levels)
     if (level.method == FitMethod::kCondensed)
-      levels.try_emplace(level.level, device, level, schedule.weighted, band_rows, albedo != nullptr, place);
+      levels.try_emplace(level.level, device, level, variant, band_rows, albedo != nullptr, place);
   std::map<int, CondensedLevel> condensed;
   if (levels.empty()) return condensed;
 

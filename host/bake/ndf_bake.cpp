@@ -6,7 +6,7 @@
 namespace multum {
 
 const NdfBake& ndf_bake(Representation representation) {
-  for (const NdfBake* one : {&kMovmfBake, &kMomentBake})
+  for (const NdfBake* one : {&kMovmfBake, &kGmmBake, &kMomentBake, &kShBake})
     if (one->representation == representation) return *one;
   MULTUM_CHECK(false);
   return kMovmfBake;

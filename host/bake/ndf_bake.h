@@ -62,8 +62,10 @@ struct NdfBake {
 
 const NdfBake& ndf_bake(Representation representation);
 
-// The rows, each in a file of its own: movmf_file_bake.cpp, moment_file_bake.cpp.
+// The rows, each in a file of its own: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
 extern const NdfBake kMovmfBake;
+extern const NdfBake kGmmBake;  // movmf_file_bake.cpp: lobes of another family
 extern const NdfBake kMomentBake;
+extern const NdfBake kShBake;
 
 }  // namespace multum

@@ -12,11 +12,13 @@
 #include <set>
 
 #include "host/asset/moment_mipmap.h"
+#include "host/asset/sh_mipmap.h"
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
 #include "host/base/content_hash.h"
 #include "host/image/png_writer.h"
 #include "host/image/reading_settings.h"
+#include "tests/gl/sh_test_map.h"
 #include "tests/gl/test_maps.h"
 
 namespace multum {
@@ -89,12 +91,52 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   EXPECT_GT(std::abs(usual.at("toksvig") - usual.at("lean-jacobian")), 0.01);
 }
 
+// Of a broad highlight, which order 8 has: near the truth, whatever the BRDF.
+TEST_F(ViewTest, DrawsSphericalHarmonics) {
+  const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
+  write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(map.image, 8, StorageEncoding::kHalf), {});
+  for (const std::string brdf : {"lambert", "blinn-phong:10", "torrance-sparrow:0.35", "ggx:0.8"}) {
+    const ChildResult result = view({"-o", path("out.png"), "--compare", "truth,mip", "--size", "64x48", "--samples",
+                                     "64", "--context", "osmesa", "--report", path("r.json"), "--brdf", brdf});
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    std::map<std::string, double> errors;
+    const nlohmann::json report = nlohmann::json::parse(file);
+    for (const nlohmann::json& picture : report["pictures"])
+      if (picture["name"] != "truth") errors[picture["name"]] = picture["relative_l1"];
+    EXPECT_LT(errors.at("multum"), 0.15) << brdf;
+    EXPECT_LT(errors.at("multum"), errors.at("mip")) << brdf;
+  }
+}
+
 TEST_F(ViewTest, RefusesWhatIsForAnotherRepresentation) {
   expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "holds lobes, found --moments");
   expect_refusal({"-o", path("out.png"), "--moments", "leen"}, 2, "--moments");
   write_moment_mipmap(path("map.ndf.exr"), gl::make_moments(gl::make_flat_map(8).image, StorageEncoding::kHalf), {});
   expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds moments, found --formula paper");
+  write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(gl::make_flat_map(8).image, 2, StorageEncoding::kHalf), {});
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds spherical harmonics, found --formula paper");
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "holds spherical harmonics, found --moments");
   expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, "truth, mip, toksvig, lean, lean-jacobian");
+}
+
+TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {
+  const auto error_of = [&](const std::string& brdf) {
+    const ChildResult result = view({"-o", path("out.png"), "--brdf", brdf, "--compare", "truth", "--size", "64x48",
+                                     "--samples", "64", "--report", path("r.json"), "--context", "osmesa"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    fs::remove(path("out.png"));
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file)["pictures"][1]["relative_l1"].get<double>();
+  };
+  const double lobes = error_of("blinn-phong:100"), grooves = error_of("cook-torrance:0.1");
+  const gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
+  write_movmf_mipmap(path("map.ndf.exr"), gl::as_gaussians(map.mipmap), {});
+  EXPECT_LT(error_of("blinn-phong:100"), 1.05 * lobes + 0.02);
+  EXPECT_LT(error_of("cook-torrance:0.1"), 1.05 * grooves + 0.02);
+  expect_refusal({"-o", path("out.png"), "--brdf", "ggx:0.3"}, 2, "holds planar Gaussians, found --brdf ggx");
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds planar Gaussians, found --formula paper");
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "found --moments");
 }
 
 TEST_F(ViewTest, WarnsWhereTheRendererFiltersAnisotropicallyWrong) {

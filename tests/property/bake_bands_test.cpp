@@ -25,11 +25,13 @@ struct Case {
   bool periodic, colours;
   CoarseNormals coarse;
   int first_level;
+  Representation representation = Representation::kMovmf;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.width << " x " << c.height << (c.periodic ? " periodic" : "") << (c.colours ? " colours" : "")
-       << (c.coarse == CoarseNormals::kAll ? " all" : " condensed") << " from level " << c.first_level;
+       << (c.coarse == CoarseNormals::kAll ? " all" : " condensed") << " from level " << c.first_level
+       << (c.representation == Representation::kGmm ? ", Gaussians" : "");
 }
 
 std::array<std::vector<float>, 3> random_planes(const Case& c, unsigned seed, bool unit) {
@@ -80,6 +82,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
       fill(*albedo_, random_planes(c, 2, false));
       inputs_.albedo = &*albedo_;
     }
+    settings_.representation = c.representation;
     settings_.lobe_count = 2;
     settings_.iteration_count = settings_.iteration_count_coarse = settings_.iteration_count_top = 3;
     settings_.iteration_count_again = 2;
@@ -109,7 +112,10 @@ INSTANTIATE_TEST_SUITE_P(Maps, BakeBandsTest,
                                            Case{101, 99, false, false, CoarseNormals::kCondensed, 1},
                                            Case{96, 2000, true, true, CoarseNormals::kCondensed, 4},
                                            Case{70, 1900, false, false, CoarseNormals::kCondensed, 4},
-                                           Case{70, 1000, false, true, CoarseNormals::kAll, 5}));
+                                           Case{70, 1000, false, true, CoarseNormals::kAll, 5},
+                                           Case{50, 237, true, true, CoarseNormals::kCondensed, 0,
+                                                Representation::kGmm},
+                                           Case{37, 190, true, true, CoarseNormals::kAll, 0, Representation::kGmm}));
 
 TEST_P(BakeBandsTest, AnyMemoryGivesTheSameBytes) {
   const MovmfMipmap whole = bake();
