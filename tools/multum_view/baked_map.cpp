@@ -69,9 +69,6 @@ void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
   if (baked.representation != Representation::kMoments && options.moments) refuse("--moments", "files of moments");
   if (baked.representation != Representation::kMovmf && options.formula == gl::LobeFormula::kPaper)
     refuse("--formula paper", "lobes");
-  // Their product with an environment's would have to be turned from tangent space to the world's at every pixel.
-  if (baked.representation == Representation::kSh && !options.environment.empty())
-    refuse("--environment", "lobes and moments");
 }
 
 }  // namespace multum
