@@ -85,7 +85,7 @@ std::vector<double> numbers_of(const std::string& path, const std::string& text)
       char* end = nullptr;
       const double value = std::strtod(word.c_str(), &end);
       if (*end != '\0' || !std::isfinite(value))
-        refuse(path, fmt::format("line {}: found '{}', expected a number", row, word.substr(0, 40)));
+        refuse(path, fmt::format("line {}: expected numbers, and # before comments; this is no measured BRDF", row));
       numbers.push_back(value);
     }
   }

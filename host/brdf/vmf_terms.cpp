@@ -24,10 +24,12 @@ constexpr double kHorizonWeight = 0.1;
 constexpr double kKappaMin = 0.05;  // nearly the same in all directions
 constexpr double kKappaMax = 1e7;
 constexpr int kRoundCountMax = 80;
+constexpr int kWidenCount = 4;
 
 // Where f is compared: e evenly in its logarithm, then evenly under the horizon. f of it, and 1 / tolerance.
 struct Sample {
   double e, value, scale;
+  double angle;  // solid angle; under the horizon times kHorizonWeight
 };
 
 constexpr int kUpperCount = 240, kLowerCount = 24, kCountMax = kBrdfTermCountMax;
@@ -47,17 +49,29 @@ std::vector<Sample> make_samples(const Value& value) {
   for (int i = 0; i < kUpperCount; ++i) largest = std::max(largest, value(i));
   for (int i = 0; i < kUpperCount; ++i) {
     const double e = node(i), f = value(i);
-    samples.push_back({e, f, std::sqrt(2.0 * kPi * e * step / std::max(f, 1e-6 * largest))});
+    const double angle = 2.0 * kPi * e * step;
+    samples.push_back({e, f, std::sqrt(angle / std::max(f, 1e-6 * largest)), angle});
   }
   const double horizon = std::max(samples.back().value, 1e-6 * largest);
+  const double angle = kHorizonWeight * 2.0 * kPi / kLowerCount;
   for (int i = 0; i < kLowerCount; ++i)
-    samples.push_back(
-        {1.0 + (i + 0.5) / kLowerCount, 0.0, std::sqrt(kHorizonWeight * 2.0 * kPi / kLowerCount / horizon)});
+    samples.push_back({1.0 + (i + 0.5) / kLowerCount, 0.0, std::sqrt(angle / horizon), angle});
   return samples;
 }
 
 double unit_vmf(double kappa, double e) {
   return kappa / (2.0 * kPi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
+}
+
+// Where f is less than what a fit is off by, that becomes the tolerance: a density that ends at an angle, as some that
+// were measured do, must not be fitted by what lies beyond it alone.
+void widen(std::vector<Sample>& samples, const std::vector<double>& weights, const std::vector<double>& kappas) {
+  for (Sample& s : samples) {
+    double model = 0.0;
+    for (std::size_t i = 0; i < kappas.size(); ++i) model += weights[i] * unit_vmf(kappas[i], s.e);
+    const double off = std::abs(model - s.value);
+    if (s.e < 1.0 && off > s.value) s.scale = std::min(s.scale, std::sqrt(s.angle / off));
+  }
 }
 
 using Parameters = std::array<double, 2 * kCountMax>;  // log w_i, then log kappa_i
@@ -134,9 +148,8 @@ Parameters start(const std::vector<Sample>& samples, int count) {
   return x;
 }
 
-Parameters fit(const std::vector<Sample>& samples, int count) {
+Parameters fit(const std::vector<Sample>& samples, int count, Parameters x) {
   const auto n = static_cast<std::size_t>(count);
-  Parameters x = start(samples, count);
   double best = cost(samples, x, count), damping = 1e-2;
   for (int round = 0; round < kRoundCountMax; ++round) {
     Matrix matrix;
@@ -209,17 +222,28 @@ std::vector<VmfTerm> fit_vmf_terms(const std::function<glm::dvec3(double)>& dens
   std::vector<glm::dvec3> values;
   for (int i = 0; i < kUpperCount; ++i) values.push_back(density(node(i)));
   const auto value = [&](int i) { return values[static_cast<std::size_t>(i)]; };
-  const Parameters x = fit(make_samples([&](int i) { return (value(i).x + value(i).y + value(i).z) / 3.0; }), count);
-  std::vector<VmfTerm> terms;
-  std::vector<double> kappas;
-  for (int i = 0; i < count; ++i) {
-    kappas.push_back(std::exp(x[static_cast<std::size_t>(count + i)]));
-    terms.push_back({glm::dvec3(std::exp(x[static_cast<std::size_t>(i)])), kappas.back(), vmf_spread(kappas.back())});
+  std::vector<Sample> samples = make_samples([&](int i) { return (value(i).x + value(i).y + value(i).z) / 3.0; });
+  Parameters x = start(samples, count);
+  std::vector<double> weights(static_cast<std::size_t>(count)), kappas(weights.size());
+  for (int round = 0; round <= kWidenCount; ++round) {
+    x = fit(samples, count, x);
+    for (std::size_t i = 0; i < kappas.size(); ++i) {
+      weights[i] = std::exp(x[i]);
+      kappas[i] = std::exp(x[kappas.size() + i]);
+    }
+    widen(samples, weights, kappas);
   }
+  std::vector<VmfTerm> terms;
+  for (std::size_t i = 0; i < kappas.size(); ++i)
+    terms.push_back({glm::dvec3(weights[i]), kappas[i], vmf_spread(kappas[i])});
   const bool is_grey =
       std::all_of(values.begin(), values.end(), [](const glm::dvec3& v) { return v.x == v.y && v.y == v.z; });
   for (int channel = 0; channel < 3 && !is_grey; ++channel) {
-    const std::vector<double> weights = fit_weights(make_samples([&](int i) { return value(i)[channel]; }), kappas);
+    samples = make_samples([&](int i) { return value(i)[channel]; });
+    for (int round = 0; round <= kWidenCount; ++round) {
+      weights = fit_weights(samples, kappas);
+      widen(samples, weights, kappas);
+    }
     for (std::size_t i = 0; i < terms.size(); ++i) terms[i].weight[channel] = weights[i];
   }
   return terms;

@@ -23,15 +23,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kWidth = 24, kHeight = 18;
 
-MeshData make_plane_mesh() {
-  MeshData mesh;
-  for (const glm::vec2 corner : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1), glm::vec2(0, 1)})
-    mesh.vertices.push_back(
-        {{corner.x * 60.0f - 30.0f, corner.y * 60.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f, 1.0f}, corner});
-  mesh.indices = {0, 1, 2, 0, 2, 3};
-  return mesh;
-}
-
 /// A blue sky, brown ground, and a soft sun of `size` radians.
 EnvironmentMap make_sky(int height, double size) {
   EnvironmentMap map{2 * height, height, {}};
@@ -51,7 +42,7 @@ class EnvironmentTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {
     context_ = make_headless_context(GetParam());
-    mesh_ = std::make_unique<Mesh>(context_->functions(), make_plane_mesh());
+    mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
     renderer_ = std::make_unique<Renderer>(context_->functions(), kWidth, kHeight);
     scene_.lights.clear();
     scene_.camera.eye = {0.0f, -8.0f, 12.0f};

@@ -129,7 +129,7 @@ TEST_F(MeasuredFileTest, NetworkOfAFit) {
 TEST_F(MeasuredFileTest, RefusesWhatIsNoMeasurement) {
   expect_refusal(read_measured_brdf, (folder_ / "none.brdf").string(), "no such file");
   expect_refusal(read_measured_brdf, folder_.string(), "no such file");
-  expect_refusal(read_measured_brdf, write("word.brdf", "3\n400 550 seven\n1 2 3 4 5 6 7"), "found 'seven'");
+  expect_refusal(read_measured_brdf, write("word.brdf", "3\n400 550 seven\n1 2 3 4 5 6 7"), "line 2: expected numbers");
   expect_refusal(read_measured_brdf, write("count.brdf", "2.5 400 500 600 1 2 3 4"), "count of wavelengths");
   expect_refusal(read_measured_brdf, write("cut.brdf", "3 400 550 700 0.1 0.2 0.3 0.4 0.5 0.6"), "expected rows of 7");
   expect_refusal(read_measured_brdf, write("infrared.brdf", "3 900 1000 1100 .1 .2 .3 .4 .5 .6 .7"), "three primaries");

@@ -26,8 +26,8 @@ def colours(study):
                     "at the nearest texel it breaks into blocks and into noise; the pyramid is smooth in both.")
     study.testmap("picture")
     study.run("multum", "mip", study.path("picture_albedo.png"), "-o", study.path("picture.exr"))
-    rows = sheet(study, "colours", "the truth and three ways to look up", "--mip", study.path("picture.exr"), "--lookup",
-                 "truth,nearest,level,driver", "--size", "400x300", "--samples", str(study.samples))
+    rows = sheet(study, "colours", "the truth and three ways to look up", "--mip", study.path("picture.exr"),
+                 "--lookup", "truth,nearest,level,driver", "--size", "400x300", "--samples", str(study.samples))
     study.table(["lookup", "relative L1"],
                 [[row["name"], percent(row["relative_l1"])] for row in rows if "relative_l1" in row])
 
