@@ -92,8 +92,8 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 }
 
 #ifdef MULTUM_ENVIRONMENT
-// The light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all normals:
-// E[n] and E[n n^T] are what is needed, and there. Exact up to l = 2, where Lambert's light ends but for 1 %.
+// The light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all
+// normals: E[n] and E[n n^T] are what is needed, and there. Exact up to l = 2, where Lambert's light ends but for 1 %.
 vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);
   mat3 second = multum_environment_frame * multum_sh_second_moments(parts) * transpose(multum_environment_frame);
