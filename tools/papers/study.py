@@ -150,11 +150,11 @@ class Study:
         self.devices.add(loaded["device"])
         return loaded
 
-    def view(self, name, baked, *options, compare=()):
-        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and what else `compare` names."""
+    def view(self, name, baked, *options, compare=(), samples=None):
+        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and what else `compare` names. `samples`: of this truth."""
         report = self.path(f"{name}.view.json")
         command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
-                   "--report", report, "--samples", self.samples, *options]
+                   "--report", report, "--samples", samples or self.samples, *options]
         if compare:
             command += ["--compare", ",".join(compare)]
         self.run("multum-view", *command)
@@ -180,19 +180,18 @@ class Study:
 
     def figures(self, shown, exposure=1.0, name="figure", small=False):
         """`shown`: (linear picture, caption) each, beside one another."""
-        cells = []
+        files = []
         for picture, caption in shown:
             self.picture_count += 1
-            file = f"page_{self.picture_count:02d}_{name}.png"
-            write_picture(self.path(file), srgb(exposure * picture))
-            cells.append(f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}" loading="lazy">'
-                         f"</a><figcaption>{text(caption)}</figcaption></figure>")
-        self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
+            files.append((f"page_{self.picture_count:02d}_{name}.png", caption))
+            write_picture(self.path(files[-1][0]), srgb(exposure * picture))
+        self.picture_files(files, small)
 
-    def picture_file(self, file, caption):
-        """A picture that a program has written into the folder."""
-        self.parts.append(f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}"></a>'
-                          f"<figcaption>{text(caption)}</figcaption></figure>")
+    def picture_files(self, files, small=False):
+        """Pictures that lie in the folder: (file, caption) each, beside one another; `small`: no larger than a tile."""
+        cells = [f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}" loading="lazy"></a>'
+                 f"<figcaption>{text(caption)}</figcaption></figure>" for file, caption in files]
+        self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
 
     def write_page(self):
         rows = [[command, f"{seconds:.1f}"] for command, seconds in self.commands]

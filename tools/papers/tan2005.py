@@ -27,7 +27,7 @@ def zoom(study):
              for i, far in enumerate((1.0, 1.06, 1.12))]
     gaussians = [study.view(f"zoom_gmm{i}", "disk_gmm", *DISK, *FRAME, *camera(38 * far, 36 * far))
                  for i, far in enumerate((1.0, 1.06, 1.12))]
-    few = [study.view(f"zoom_few{i}", "disk", *DISK, *FRAME, *camera(38 * far, 36 * far), "--samples", "16",
+    few = [study.view(f"zoom_few{i}", "disk", *DISK, *FRAME, *camera(38 * far, 36 * far), samples=16,
                       compare=("truth",))["truth"] for i, far in enumerate((1.0, 1.06, 1.12))]
     study.heading("Figure 4: three frames of a zoom")
     study.paragraph("A carved disk, the camera moving away by 6 % a frame. Flicker is what a picture changes from",
