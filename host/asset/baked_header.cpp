@@ -48,11 +48,15 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   set_text(header, "software", from.software);
   set_text(header, "colorInteropID", "data");
   set_text(header, "multum:representation", info.name);
-  header.insert("multum:formatVersion", Imf::IntAttribute(info.version));
+  header.insert("multum:formatVersion", Imf::IntAttribute(baked.format_version()));
   header.insert("multum:mapWidth", Imf::IntAttribute(baked.width));
   header.insert("multum:mapHeight", Imf::IntAttribute(baked.height));
   header.insert("multum:firstLevel", Imf::IntAttribute(baked.first_level));
   header.insert("multum:hasColours", Imf::IntAttribute(baked.has_colours ? 1 : 0));
+  if (baked.format_version() > info.version) {  // others have neither: their bytes are those of programs before
+    header.insert("multum:weightCount", Imf::IntAttribute(baked.weight_count));
+    header.insert("multum:roughness", Imf::IntAttribute(baked.has_roughness ? 1 : 0));
+  }
   set_text(header, "multum:encoding", storage_encoding_name(baked.encoding));
   set_text(header, "multum:channels", part.channels_text);
   set_text(header, "multum:sourceName", from.source_name);
@@ -187,8 +191,9 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
   const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
   const int version = int_attribute(header, "multum:formatVersion", path);
-  if (version != info.version)
-    refuse_file(path, fmt::format("format version {}", version), fmt::format("version {}", info.version));
+  if (version != info.version && version != info.version + 1)
+    refuse_file(path, fmt::format("format version {}", version),
+                fmt::format("version {} or {}", info.version, info.version + 1));
   const StoredLevels stored = parse_stored_levels(header, path);
   BakedHeader baked;
   baked.representation = info.representation;
@@ -196,6 +201,15 @@ BakedHeader parse_baked_header(const Imf::Header& header, const std::string& pat
   baked.height = stored.map_height;
   baked.first_level = stored.first_level;
   baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;
+  if (version > info.version) {
+    baked.weight_count = int_attribute(header, "multum:weightCount", path);
+    baked.has_roughness = int_attribute(header, "multum:roughness", path) != 0;
+    if (baked.weight_count < 0 || baked.weight_count > kWeightCountMax)
+      refuse_file(path, fmt::format("{} weights", baked.weight_count), fmt::format("0 to {}", kWeightCountMax));
+    if (baked.format_version() != version)
+      refuse_file(path, fmt::format("format version {} without weights and roughness", version),
+                  fmt::format("version {}", info.version));
+  }
   baked.encoding = parse_encoding(text_attribute(header, "multum:encoding", path), info, path);
   const std::string wraps = Imf::hasWrapmodes(header) ? Imf::wrapmodes(header) : "periodic";
   const std::size_t comma = wraps.find(',');

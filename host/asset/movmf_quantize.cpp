@@ -299,10 +299,14 @@ void quantize_half(MovmfLevel& level, std::size_t first, std::size_t count) {
       lobes[i] = round_lobe(lobes[i], static_cast<float>(half(lobes[i].w)), bracket_half);
 }
 
-void quantize_colours(MovmfLevel& level, std::size_t first, std::size_t count) {
+void quantize_features(MovmfLevel& level, std::size_t first, std::size_t count) {
   for (std::vector<glm::vec3>& colours : level.colours)
     for (std::size_t i = first; i < first + count; ++i)
       for (int c = 0; c < 3; ++c) colours[i][c] = static_cast<float>(half(colours[i][c]));
+  const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
+  for (std::vector<float>& weights : level.weights)
+    for (std::size_t i = first * weights.size() / texels; i < (first + count) * weights.size() / texels; ++i)
+      weights[i] = static_cast<float>(half(weights[i]));
 }
 
 }  // namespace
@@ -357,7 +361,7 @@ void quantize_movmf(MovmfLevel& rows, StorageEncoding encoding, int threads) {
       const std::size_t count = std::min(kBlock, end - i);
       if (encoding == StorageEncoding::kSnorm16) quantize_snorm(rows, i, count);
       else quantize_half(rows, i, count);
-      quantize_colours(rows, i, count);
+      quantize_features(rows, i, count);
     }
   });
 }
@@ -370,7 +374,7 @@ void quantize_movmf(MovmfMipmap& mipmap, int threads) {
       continue;
     }
     for_each_row_band(level.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
-      MovmfFinest rows = finest_of(level, row_begin, row_end - row_begin);
+      MovmfFinest rows = finest_of(level, row_begin, row_end - row_begin, mipmap.has_roughness);
       quantize_movmf(rows, mipmap.encoding, 1);
       expand_into(rows, level, row_begin, 1);
     });

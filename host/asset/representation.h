@@ -26,7 +26,7 @@ struct RepresentationInfo {
   Representation representation;
   const char* option;                      // of --ndf
   const char* name;                        // attribute multum:representation
-  int version;                             // attribute multum:formatVersion
+  int version;                             // attribute multum:formatVersion; of files with materials one higher
   std::vector<StorageEncoding> encodings;  // that suit it, the default first
   const char* help;                        // what it is, in a line
 };
