@@ -73,6 +73,8 @@ BakedHeader make_header(const BakeJob& job, const BakeSource& source) {
   header.height = source.map.normals.height();
   header.first_level = job.fitting.first_level;
   header.has_colours = source.albedo.has_value();
+  header.weight_count = source.weights ? source.weights->count : 0;
+  header.has_roughness = source.has_roughness;
   return header;
 }
 
@@ -93,13 +95,20 @@ void check_job(const BakeJob& job) {
   check_encoding(job.representation, job.encoding);
   ndf_bake(job.representation).check_settings(job);
   validate(job.writing);
-  check_paths_differ({job.input, job.albedo}, {job.output, job.report});
+  check_paths_differ(input_files(job), {job.output, job.report});
   check_output_name(job.output);
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
 }
 
 }  // namespace
+
+std::vector<std::string> input_files(const BakeJob& job) {
+  std::vector<std::string> files = {job.input};
+  for (const std::string& file : {job.albedo, parse_channel_file(job.roughness).path, job.weights})
+    if (!file.empty()) files.push_back(file);
+  return files;
+}
 
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   const std::uint64_t memory_bytes = window_bytes(job);

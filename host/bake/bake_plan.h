@@ -20,7 +20,7 @@ struct BakePlan {
   StorePlace place;                // of what one level leaves for the next
 
   /// For people: a line each for the whole and for every level.
-  std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours) const;
+  std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count) const;
 };
 
 /// Memory that windows use when they may: larger bands are no faster.
@@ -28,7 +28,7 @@ constexpr std::uint64_t kUsefulWindowBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // of a map that is wider
 
 /// Throws Error(kUsage) naming --memory when not even a row of some level fits.
-BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours,
+BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
                         std::uint64_t memory_bytes, const StorePlace& place);
 
 }  // namespace multum

@@ -14,11 +14,13 @@ namespace multum {
 
 struct LobeRowsSize {
   int width, height, lobe_count;
+  bool has_colours = false;
+  int weight_count = 0;
 };
 
-/// `lobes`: r and a by rows [lobe][column]; `colours`, empty without, alike. Returns planes of (a r, a), whose shares
+/// `lobes`: r and a by rows [lobe][column]; `features` by rows [triple][lobe][column]. Returns planes of (a r, a), whose shares
 /// sum to 1 in every texel, and counts rare numerical events in `report`. `kappa_cap`: MovmfSettings::kappa_cap.
 MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
-                       const std::vector<glm::vec3>& colours, float kappa_cap, int threads, BakeReport& report);
+                       const std::vector<glm::vec3>& features, float kappa_cap, int threads, BakeReport& report);
 
 }  // namespace multum

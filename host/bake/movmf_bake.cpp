@@ -19,14 +19,17 @@ namespace {
 // Gathers what a bake hands over into a whole mipmap.
 class MipmapSink : public MovmfSink {
  public:
-  MipmapSink(int width, int height, const MovmfSettings& settings, bool has_colours) {
+  MipmapSink(int width, int height, const MovmfSettings& settings, const FeaturePlanes& features, bool has_roughness) {
     mipmap_.first_level = settings.first_level;
+    mipmap_.weight_count = features.weight_count;
+    mipmap_.has_roughness = has_roughness;
     for (int l = 0; l < mip_level_count(width, height); ++l) {
       MovmfLevel& level = mipmap_.levels.emplace_back();
       level.width = mip_level_size(width, l);
       level.height = mip_level_size(height, l);
       level.lobes.resize(static_cast<std::size_t>(settings.lobe_count));
-      if (has_colours) level.colours.resize(level.lobes.size());
+      if (features.has_colours) level.colours.resize(level.lobes.size());
+      if (features.weight_count > 0) level.weights.resize(level.lobes.size());
     }
   }
 
@@ -36,6 +39,8 @@ class MipmapSink : public MovmfSink {
       to.lobes[j].insert(to.lobes[j].end(), rows.lobes[j].begin(), rows.lobes[j].end());
     for (std::size_t j = 0; j < to.colours.size(); ++j)
       to.colours[j].insert(to.colours[j].end(), rows.colours[j].begin(), rows.colours[j].end());
+    for (std::size_t j = 0; j < to.weights.size(); ++j)
+      to.weights[j].insert(to.weights[j].end(), rows.weights[j].begin(), rows.weights[j].end());
   }
   void add_finest(int first_row, MovmfFinest rows) override {
     add_level(0, first_row, expand(rows, mipmap_.lobe_count()));
@@ -56,7 +61,7 @@ class Rehearsal {
         planes_(planes_of(likeness)),
         settings_(settings),
         schedule_(make_mip_schedule(likeness.width, likeness.height, settings, weighted)),
-        plan_(make_bake_plan(schedule_, settings, false, std::uint64_t{1} << 30, {})) {}
+        plan_(make_bake_plan(schedule_, settings, 0, std::uint64_t{1} << 30, {})) {}
 
   // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
   // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
@@ -64,8 +69,8 @@ class Rehearsal {
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     constexpr int kSideMax = 16;  // of the levels that are compared: finer ones of the likeness hold too few normals
     BakeReport ignored;
-    MipmapSink sink(likeness_.width, likeness_.height, settings_, false);
-    fit_movmf(device_, {&planes_, nullptr, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
+    MipmapSink sink(likeness_.width, likeness_.height, settings_, {}, false);
+    fit_movmf(device_, {&planes_, {}, false, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
     const MovmfMipmap mipmap = sink.take();
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
@@ -137,14 +142,16 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
                 BakeReport& report, Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate(settings, normals.width(), normals.height());
-  MULTUM_CHECK(inputs.albedo == nullptr ||
-               (inputs.albedo->width() == normals.width() && inputs.albedo->height() == normals.height()));
-  const bool has_colours = inputs.albedo != nullptr;
-  const MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
-  const BakePlan plan = make_bake_plan(schedule, settings, has_colours, inputs.memory_bytes, inputs.place);
-  report.plan = plan.to_text(schedule, settings, has_colours);
+  const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
+  MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
+  MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
+  if (inputs.has_roughness) make_shortened(schedule);
+  const BakePlan plan =
+      make_bake_plan(schedule, settings, features.triple_count(), inputs.memory_bytes, inputs.place);
+  report.plan = plan.to_text(schedule, settings, features.triple_count());
   report.device = device.info().name;
-  MovmfFitInputs fit{&normals, inputs.albedo, {}, inputs.threads, inputs.checkpoint, inputs.region};
+  MovmfFitInputs fit{&normals,       features,          inputs.has_roughness, {},
+                     inputs.threads, inputs.checkpoint, inputs.region};
   if (inputs.region == nullptr) {  // a region grows from the lobes that are there
     progress_stage(progress, "choose a start");
     fit.top_start = choose_start(device, normals, settings, schedule.weighted, report);
@@ -154,7 +161,8 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
 
 MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, BakeReport& report,
                        Progress* progress) {
-  MipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings, inputs.albedo != nullptr);
+  MipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings,
+                  FeaturePlanes::of(inputs.albedo, inputs.weights), inputs.has_roughness);
   bake_movmf(device, inputs, settings, sink, report, progress);
   return sink.take();
 }

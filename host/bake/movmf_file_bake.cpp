@@ -49,12 +49,15 @@ MovmfMipmap make_mipmap(const BakedHeader& header, int lobe_count) {
   mipmap.wrap_t = header.wrap_t;
   mipmap.provenance = header.provenance;
   mipmap.first_level = header.first_level;
+  mipmap.weight_count = header.weight_count;
+  mipmap.has_roughness = header.has_roughness;
   for (int l = 0; l < header.level_count(); ++l) {
     MovmfLevel& level = mipmap.levels.emplace_back();
     level.width = mip_level_size(header.width, l);
     level.height = mip_level_size(header.height, l);
     level.lobes.resize(static_cast<std::size_t>(lobe_count));
     if (header.has_colours) level.colours.resize(level.lobes.size());
+    if (header.weight_count > 0) level.weights.resize(level.lobes.size());
   }
   return mipmap;
 }
@@ -70,7 +73,9 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   const BakeJob& job = run.job;
   MovmfBakeInputs inputs;
   inputs.normals = &run.source.map.normals;
-  inputs.albedo = run.source.albedo ? &*run.source.albedo : nullptr;
+  inputs.albedo = run.source.colours();
+  inputs.weights = run.source.weight_map();
+  inputs.has_roughness = run.source.has_roughness;
   inputs.memory_bytes = run.memory_bytes;
   inputs.place.folder = scratch_folder(job);
   inputs.threads = job.threads;
@@ -113,8 +118,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   warn_of_sharp_lobes(job, header, report);
   if (meter) {
     progress_stage(progress, "measure");
-    const PlaneStore* const albedo = run.source.albedo ? &*run.source.albedo : nullptr;
-    report.accuracy = meter->run(run.device, run.source.map.normals, albedo, progress);
+    report.accuracy = meter->run(run.device, run.source.map.normals, run.source.colours(), progress);
     run.clock.finish("measure");
   }
   progress_advance(progress, level_units);

@@ -23,6 +23,16 @@ int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
   return static_cast<int>(first + static_cast<std::int64_t>(random % static_cast<std::uint64_t>(end - first)));
 }
 
+// The direction of a normal, which a BRDF's width may have shortened: starts are of directions alone, and EM finds the
+// widths. Unit normals stay as they are, to the bit.
+std::array<float, 3> direction_at(const PlaneStore& map, int x, int y) {
+  std::array<float, 3> n = map.texel(x, y);
+  const float squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  if (squared < 1.0f - 1e-5f)
+    for (float& component : n) component /= std::sqrt(squared);
+  return n;
+}
+
 // One normal at random of each cell of a grid over a rectangle, at most about `sample_max`.
 Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, double sample_max) {
   const int width = where.x1 - where.x0, height = where.y1 - where.y0;
@@ -36,7 +46,7 @@ Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, doubl
           split_mix(static_cast<std::uint64_t>(row) * 65536u + static_cast<std::uint64_t>(column));
       const int x = where.x0 + position_in_cell(column, columns, width, random & 0xffffffffu);
       const int y = where.y0 + position_in_cell(row, rows, height, random >> 32);
-      const std::array<float, 3> n = map.texel(x, y);
+      const std::array<float, 3> n = direction_at(map, x, y);
       normals.emplace_back(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
     }
   return normals;
@@ -254,7 +264,7 @@ NormalMap sample_likeness(const PlaneStore& map, int side_max, std::uint64_t see
           split_mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * likeness.width + x));
       const int source_x = position_in_cell(x, likeness.width, map.width(), random & 0xffffffffu);
       const int source_y = position_in_cell(y, likeness.height, map.height(), random >> 32);
-      const std::array<float, 3> n = map.texel(source_x, source_y);
+      const std::array<float, 3> n = direction_at(map, source_x, source_y);
       likeness.x.push_back(n[0]);
       likeness.y.push_back(n[1]);
       likeness.z.push_back(n[2]);

@@ -3,15 +3,14 @@
 #ifndef MULTUM_KERNELS_SHARED_MOMENTS_H
 #define MULTUM_KERNELS_SHARED_MOMENTS_H
 
-// Planes that are averaged: of slopes b = -(n_x, n_y) / n_z the moments, then the normal, then colours if there are
-// any.
+// Planes that are averaged: of slopes b = -(n_x, n_y) / n_z the moments, then the normal, then features if there are
+// any, three planes at a time.
 #define MULTUM_MOMENT_S 0
 #define MULTUM_MOMENT_T 1
 #define MULTUM_MOMENT_SS 2
 #define MULTUM_MOMENT_TT 3
 #define MULTUM_MOMENT_ST 4
 #define MULTUM_MOMENT_NORMAL 5
-#define MULTUM_MOMENT_COLOUR 8
 #define MULTUM_MOMENT_PLANES 8
 
 // A band of rows of the map. A row of a plane is `row_length` nodes: its texels, then the sums of 2, of 4, ... of them.
@@ -21,11 +20,12 @@ typedef struct MultumMomentBand {
   int first_row;  // of the map
   int row_count;
   int row_length;    // from one row's nodes to the next
-  int plane_count;   // MULTUM_MOMENT_PLANES, and 3 more with colours
+  int plane_count;   // MULTUM_MOMENT_PLANES and those of features
   int level_count;   // levels that are averaged
   int column_count;  // of them all
   float slope_z_min;
-  int unused[3];
+  int shortened;  // not 0: a normal's length is its BRDF's mean cosine
+  int unused[2];
 } MultumMomentBand;
 
 // A level that is averaged, and where the rows of it go that a band finishes: [plane][row][column].
