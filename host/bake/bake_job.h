@@ -40,6 +40,9 @@ struct BakeJob {
   int threads = 2;  // of the host's own loops
 };
 
+/// The maps that go along with the normals.
+constexpr std::string BakeJob::* kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::roughness, &BakeJob::weights};
+
 /// The files that a bake reads, the map first.
 std::vector<std::string> input_files(const BakeJob& job);
 

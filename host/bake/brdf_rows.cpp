@@ -4,7 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
+
+#include <glm/geometric.hpp>
+
+#include "host/bake/mean_cosine.h"
 
 namespace multum {
 namespace {
@@ -63,6 +68,25 @@ PowerPlan plan_powers(const std::vector<double>& exponents) {
     if (is_whole) plan.whole[e] = reach(static_cast<int>(exponents[e]), at_hand, plan.products);
   }
   return plan;
+}
+
+void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::array<const float*, 3>& normals, int count,
+                        double* values) {
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 n(static_cast<double>(normals[0][i]), static_cast<double>(normals[1][i]),
+                       static_cast<double>(normals[2][i]));
+    const double length = glm::length(n), r = std::min(length, 1.0), t = glm::dot(n, omega) / length;
+    if (is_lambert) {
+      const double d = 1.0 - r, m = r * t, v = d * (0.25 + r * (0.2343 + r * 0.15232));
+      const double x = std::min(m * m / std::max(v, 1e-20), 200.0);
+      const double g = x * (0.4117 + r * (0.2857 - r * 0.3658) + 0.0080 * x);
+      values[i] = 0.5 * (m + std::sqrt(m * m + v * std::exp(-g)));
+    } else {
+      const double mean_cosine = r * (kRoughnessExponent + 1.0) / (kRoughnessExponent + 2.0);
+      const double kappa = kappa_of_mean_cosine(mean_cosine, kRoughnessExponent);
+      values[i] = kappa / (2.0 * std::numbers::pi * (1.0 - std::exp(-2.0 * kappa))) * std::exp(kappa * (t - 1.0));
+    }
+  }
 }
 
 BrdfRows::BrdfRows(const glm::dvec3& omega, const std::vector<double>& exponents)

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <vector>
 
+#include "host/bake/feature_planes.h"
 #include "host/bake/row_blocks.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
@@ -65,12 +67,12 @@ struct PlaneRows {
   std::size_t plane_size, row_length;
 };
 
-MomentLevel gather(const PlaneRows& from, int width, int height, bool has_colours, int threads) {
+MomentLevel gather(const PlaneRows& from, int width, int height, const FeaturePlanes& features, int threads) {
   MomentLevel rows{width, height, {}, {}, {}};
   const std::size_t texels = size_of(width) * size_of(height);
   rows.slopes.resize(texels);
   rows.normals.resize(texels);
-  if (has_colours) rows.colours.resize(texels);
+  std::vector<std::vector<glm::vec3>> triples(features.triples.size(), std::vector<glm::vec3>(texels));
   for_each_row_band(height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
     for (int y = row_begin; y < row_end; ++y) {
       const float* const in = from.first + size_of(y) * from.row_length;
@@ -83,12 +85,13 @@ MomentLevel gather(const PlaneRows& from, int width, int height, bool has_colour
                           value(MULTUM_MOMENT_SS, x),
                           value(MULTUM_MOMENT_TT, x),
                           value(MULTUM_MOMENT_ST, x)};
-        constexpr int kNormal = MULTUM_MOMENT_NORMAL, kColour = MULTUM_MOMENT_COLOUR;
-        rows.normals[i] = {value(kNormal, x), value(kNormal + 1, x), value(kNormal + 2, x)};
-        if (has_colours) rows.colours[i] = {value(kColour, x), value(kColour + 1, x), value(kColour + 2, x)};
+        const auto vector = [&](int plane) { return glm::vec3(value(plane, x), value(plane + 1, x), value(plane + 2, x)); };
+        rows.normals[i] = vector(MULTUM_MOMENT_NORMAL);
+        for (std::size_t t = 0; t < triples.size(); ++t) triples[t][i] = vector(MULTUM_MOMENT_PLANES + 3 * static_cast<int>(t));
       }
     }
   });
+  split_features(std::move(triples), features, rows.colours, rows.weights);
   return rows;
 }
 
@@ -100,12 +103,14 @@ class MomentPass {
         sink_(sink),
         width_(inputs.normals->width()),
         height_(inputs.normals->height()),
-        plane_count_(MULTUM_MOMENT_PLANES + (inputs.albedo != nullptr ? 3 : 0)),
+        feature_planes_(FeaturePlanes::of(inputs.albedo, inputs.weights)),
+        plane_count_(MULTUM_MOMENT_PLANES + 3 * feature_planes_.triple_count()),
         blocks_(width_),
         columns_(make_columns(blocks_, width_, height_, inputs.first_level)),
         band_rows_(choose_band_rows()) {
     make_buffers();
     finest_ = device.kernel("moments", "moment_finest", {1, 1, false});
+    take_features_ = device.kernel("moments", "moment_features", {1, 1, false});
     sum_blocks_ = device.kernel("moments", "moment_blocks", {1, 1, false});
     sum_levels_ = device.kernel("moments", "moment_levels", {1, 1, false});
   }
@@ -132,7 +137,6 @@ class MomentPass {
   // Nodes of a row apart: rounded up, and not at a distance of a power of two, which would share cache lines' places.
   int row_length() const { return static_cast<int>((blocks_.node_count() + 15) / 16 * 16 + 16); }
   int column_count() const { return static_cast<int>(columns_.tap_begin.size()) - 1; }
-  bool has_colours() const { return inputs_.albedo != nullptr; }
 
   // The rows of a level that `rows` finest rows finish, at most.
   int finished_max(const MultumMomentLevel& level, int rows) const {
@@ -140,7 +144,7 @@ class MomentPass {
   }
   // What a row more in the bands takes: map planes, nodes, what comes of them, and rows that wait to be written.
   std::uint64_t row_bytes() const {
-    const std::size_t map_planes = kMapPlanes * (has_colours() ? 2 : 1);
+    const std::size_t map_planes = kMapPlanes * (1 + feature_planes_.triples.size());
     const std::size_t values = map_planes * size_of(width_) + size_of(plane_count_) * size_of(row_length()) +
                                3 * size_of(plane_count_ + 1) * size_of(width_);
     return values * sizeof(float);
@@ -163,8 +167,9 @@ class MomentPass {
   void make_buffers() {
     const std::size_t row = size_of(width_) * sizeof(float) * size_of(band_rows_);
     for (DeviceBuffer& plane : normals_) plane = device_.make_buffer(row, "normals");
-    if (has_colours())
-      for (DeviceBuffer& plane : colours_) plane = device_.make_buffer(row, "colours");
+    features_.resize(feature_planes_.triples.size());
+    for (std::array<DeviceBuffer, kMapPlanes>& triple : features_)
+      for (DeviceBuffer& plane : triple) plane = device_.make_buffer(row, "features");
     nodes_ = device_.make_buffer(size_of(plane_count_) * size_of(band_rows_) * size_of(row_length()) * sizeof(float),
                                  "nodes of rows");
     std::size_t values = 1;
@@ -184,16 +189,24 @@ class MomentPass {
   void read_band(int first_row, int rows) {
     const auto read = [&](const PlaneStore& store, std::array<DeviceBuffer, kMapPlanes>& planes) {
       for (int p = 0; p < static_cast<int>(kMapPlanes); ++p)
-        device_.visit(planes[size_of(p)], [&](void* bytes) {
-          auto* const values = static_cast<float*>(bytes);
-          store.read_rows(p, first_row, rows, values);
-          if (&planes == &normals_ && p == 2)
-            clamped_ += static_cast<std::uint64_t>(std::count_if(values, values + size_of(rows) * size_of(width_),
-                                                                 [](float z) { return z < kSlopeZMin; }));
-        });
+        device_.visit(planes[size_of(p)],
+                      [&](void* bytes) { store.read_rows(p, first_row, rows, static_cast<float*>(bytes)); });
     };
     read(*inputs_.normals, normals_);
-    if (has_colours()) read(*inputs_.albedo, colours_);
+    for (std::size_t t = 0; t < features_.size(); ++t) read(*feature_planes_.triples[t], features_[t]);
+    count_clamped(rows);
+  }
+
+  // Normals that are nearer to the horizon than slopes go, whatever their length.
+  void count_clamped(int rows) {
+    std::array<const float*, kMapPlanes> n{};
+    for (std::size_t p = 0; p < kMapPlanes; ++p)
+      device_.visit(normals_[p], [&](void* bytes) { n[p] = static_cast<const float*>(bytes); });
+    for (std::size_t i = 0; i < size_of(rows) * size_of(width_); ++i) {
+      const float length =
+          inputs_.has_roughness ? std::sqrt(n[0][i] * n[0][i] + n[1][i] * n[1][i] + n[2][i] * n[2][i]) : 1.0f;
+      clamped_ += n[2][i] < kSlopeZMin * length ? 1u : 0u;
+    }
   }
 
   MultumMomentBand band_of(int first_row, int rows) const {
@@ -207,14 +220,19 @@ class MomentPass {
     band.level_count = static_cast<int>(columns_.levels.size());
     band.column_count = column_count();
     band.slope_z_min = kSlopeZMin;
+    band.shortened = inputs_.has_roughness ? 1 : 0;
     return band;
   }
 
   void average(int first_row, int rows) {
     const MultumMomentBand band = band_of(first_row, rows);
-    const std::array<DeviceBuffer, kMapPlanes>& colours = has_colours() ? colours_ : normals_;  // or anything
-    finest_.launch({size_of(rows) * size_of(width_), kLocalSize}, normals_[0], normals_[1], normals_[2], colours[0],
-                   colours[1], colours[2], nodes_, band);
+    const Kernel::WorkSize texels = {size_of(rows) * size_of(width_), kLocalSize};
+    finest_.launch(texels, normals_[0], normals_[1], normals_[2], nodes_, band);
+    int first_plane = MULTUM_MOMENT_PLANES;
+    for (const std::array<DeviceBuffer, kMapPlanes>& triple : features_) {
+      take_features_.launch(texels, triple[0], triple[1], triple[2], nodes_, band, first_plane);
+      first_plane += 3;
+    }
     if (columns_.levels.empty()) return;
     for (int k = 1; k < blocks_.depth(); ++k)
       sum_blocks_.launch({size_of(plane_count_) * size_of(rows) * size_of(blocks_.block_count(k)), kLocalSize}, nodes_,
@@ -238,7 +256,7 @@ class MomentPass {
       device_.visit(nodes_, [&](void* bytes) {
         const PlaneRows from = {static_cast<const float*>(bytes), size_of(rows) * size_of(row_length()),
                                 size_of(row_length())};
-        sink_.add_level(0, first_row, gather(from, width_, rows, has_colours(), inputs_.threads));
+        sink_.add_level(0, first_row, gather(from, width_, rows, feature_planes_, inputs_.threads));
       });
     if (columns_.levels.empty()) return;
     device_.visit(averages_, [&](void* bytes) {
@@ -248,7 +266,7 @@ class MomentPass {
         const PlaneRows from = {static_cast<const float*>(bytes) + level.first_value,
                                 size_of(level.row_count) * size_of(level.width), size_of(level.width)};
         sink_.add_level(columns_.numbers[i], level.first_row,
-                        gather(from, level.width, level.row_count, has_colours(), inputs_.threads));
+                        gather(from, level.width, level.row_count, feature_planes_, inputs_.threads));
       }
     });
   }
@@ -256,14 +274,17 @@ class MomentPass {
   Device& device_;
   const MomentBakeInputs& inputs_;
   MomentSink& sink_;
-  const int width_, height_, plane_count_;
+  const int width_, height_;
+  const FeaturePlanes feature_planes_;
+  const int plane_count_;
   const RowBlocks blocks_;
   Columns columns_;
   const int band_rows_;
   std::uint64_t clamped_ = 0;
-  std::array<DeviceBuffer, kMapPlanes> normals_, colours_;
+  std::array<DeviceBuffer, kMapPlanes> normals_;
+  std::vector<std::array<DeviceBuffer, kMapPlanes>> features_;  // triples
   DeviceBuffer nodes_, averages_, sums_, tap_begin_, taps_, levels_;
-  Kernel finest_, sum_blocks_, sum_levels_;
+  Kernel finest_, take_features_, sum_blocks_, sum_levels_;
 };
 
 // Gathers what a bake hands over into a whole mipmap.
@@ -275,6 +296,7 @@ class MipmapSink : public MomentSink {
     to.slopes.insert(to.slopes.end(), rows.slopes.begin(), rows.slopes.end());
     to.normals.insert(to.normals.end(), rows.normals.begin(), rows.normals.end());
     to.colours.insert(to.colours.end(), rows.colours.begin(), rows.colours.end());
+    to.weights.insert(to.weights.end(), rows.weights.begin(), rows.weights.end());
   }
 
  private:
@@ -297,8 +319,7 @@ void bake_moments(Device& device, const MomentBakeInputs& inputs, MomentSink& si
                   Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate_moments(inputs.first_level, normals.width(), normals.height());
-  MULTUM_CHECK(inputs.albedo == nullptr ||
-               (inputs.albedo->width() == normals.width() && inputs.albedo->height() == normals.height()));
+  MULTUM_CHECK(FeaturePlanes::of(inputs.albedo, inputs.weights).all_of_size(normals.width(), normals.height()));
   MomentPass pass(device, inputs, sink);
   report.plan = pass.plan_text();
   report.device = device.info().name;
@@ -320,6 +341,8 @@ MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap*
   mipmap.header.height = map.height;
   mipmap.header.first_level = inputs.first_level;
   mipmap.header.has_colours = albedo != nullptr;
+  mipmap.header.weight_count = inputs.weights != nullptr ? inputs.weights->count : 0;
+  mipmap.header.has_roughness = inputs.has_roughness;
   mipmap.levels = empty_moment_levels(map.width, map.height);
   MipmapSink sink(mipmap.levels);
   bake_moments(device, all, sink, report, progress);

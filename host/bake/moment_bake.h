@@ -9,6 +9,7 @@
 #include "host/asset/moment_mipmap.h"
 #include "host/bake/bake_report.h"
 #include "host/base/progress.h"
+#include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
@@ -25,6 +26,8 @@ class MomentSink {
 struct MomentBakeInputs {
   const PlaneStore* normals = nullptr;
   const PlaneStore* albedo = nullptr;                   // of the same size; null: no colours
+  const WeightMap* weights = nullptr;                   // of the same size; null: none
+  bool has_roughness = false;                           // normals are shortened (host/image/material_maps.h)
   int first_level = 0;                                  // the finest to make
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers; changes no byte of the result
   int threads = 1;                                      // of the host's own loops

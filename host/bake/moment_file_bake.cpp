@@ -46,7 +46,7 @@ class FileSink : public MomentSink {
 // (bake_job.cpp) they are taken from the buffers' share: wide maps need more memory, and say so.
 std::uint64_t waiting_bytes_beyond_usual(const BakedHeader& header, const BakedWriteOptions& options) {
   constexpr std::uint64_t kUsual = std::uint64_t{32} << 20;
-  const std::uint64_t channels = header.has_colours ? 12 : 9;
+  const std::uint64_t channels = (header.has_colours ? 12u : 9u) + static_cast<std::uint64_t>(header.weight_count);
   std::uint64_t bytes = 0;
   for (int l = header.first_level; l < header.level_count(); ++l) {
     const auto texels = static_cast<std::uint64_t>(mip_level_size(header.width, l)) *
@@ -83,7 +83,9 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   FileSink sink(writer, meter ? &*meter : nullptr, job.encoding, job.threads);
   MomentBakeInputs inputs;
   inputs.normals = &run.source.map.normals;
-  inputs.albedo = run.source.albedo ? &*run.source.albedo : nullptr;
+  inputs.albedo = run.source.colours();
+  inputs.weights = run.source.weight_map();
+  inputs.has_roughness = run.source.has_roughness;
   inputs.first_level = run.header.first_level;
   inputs.memory_bytes = run.memory_bytes - std::min(run.memory_bytes, waiting_bytes_beyond_usual(run.header, writing));
   inputs.threads = job.threads;

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "host/bake/mean_cosine.h"
 #include "host/base/parallel.h"
 #include "host/base/split_mix.h"
 
@@ -65,18 +66,6 @@ struct Fit {
   double error = HUGE_VAL;
 };
 
-// kappa of a mean length: Banerjee's start and two Newton steps.
-double kappa_of(double r, double kappa_max) {
-  r = std::min(r, 1.0 - 1e-9);
-  if (r > 0.9) return std::min(1.0 / (1.0 - r), kappa_max);
-  double kappa = std::max((3.0 * r - r * r * r) / (1.0 - r * r), 0.05);
-  for (int step = 0; step < 2; ++step) {
-    const double a = 1.0 / std::tanh(kappa) - 1.0 / kappa;
-    kappa = std::max(kappa - (a - r) / (1.0 - a * a - 2.0 * a / kappa), 0.05);
-  }
-  return std::min(kappa, kappa_max);
-}
-
 Fit start_from(const Normals& normals, const std::vector<std::size_t>& chosen) {
   Fit fit;
   for (std::size_t i : chosen) fit.lobes.push_back({normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())});
@@ -116,7 +105,7 @@ void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max)
       if (weight[j] < 1e-9 || length < 1e-9) continue;
       lobe.mu = sum[j] / length;
       lobe.mean_length = std::min(length / weight[j], 1.0);
-      lobe.kappa = kappa_of(lobe.mean_length, kappa_max);
+      lobe.kappa = kappa_of_mean_cosine(lobe.mean_length, kappa_max);
     }
   }
 }
@@ -159,7 +148,7 @@ class HighlightError {
         for (const Lobe& lobe : fit.lobes) {
           // Mean cosines multiply under convolution: docs/ALGORITHMS.md, "Shading a filtered lobe".
           const double mean_cosine = lobe.mean_length * (1.0 - 1.0 / kSharpness[s]);
-          model += lobe.amplitude * density(kappa_of(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
+          model += lobe.amplitude * density(kappa_of_mean_cosine(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
         }
         difference += std::abs(model - truth_[s][d]);
         total += truth_[s][d];
