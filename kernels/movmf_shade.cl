@@ -13,7 +13,7 @@
 
 // One work-item = one sample point; global size sample_count.
 //   lobes      [sample][lobe]                 (a r_x, a r_y, a r_z, a), already filtered
-//   half_vectors [half_count], lights [light_count]   unit vectors, w unused
+//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
 // Compute bound.
@@ -39,7 +39,7 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
   for (int d = 0; d < light_count; ++d) {
     float sum = 0.0f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {
-      sum += shade_lambert(lobes[(size_t)sample * MULTUM_LOBES + j], lights[d].xyz);
+      sum += shade_lambert(without_roughness(lobes[(size_t)sample * MULTUM_LOBES + j], lights[d].w), lights[d].xyz);
     }
     *out++ = sum;
   }

@@ -11,6 +11,10 @@
 
 namespace multum {
 
+/// What is drawn of a file with roughness in is shaded with a Blinn-Phong of this exponent, which adds no width of its own
+/// but where there is none at all.
+constexpr float kRoughnessExponent = 1e6f;
+
 constexpr int kWeightCountMax = 4;  // channels of a texture
 
 /// What the file says of itself beside its pixels.
@@ -37,6 +41,7 @@ struct BakedHeader {
   int weight_count = 0;  // linear blend weights of basis BRDFs, 0..kWeightCountMax
   // A BRDF's width is in the normals' lengths: each of level 0 is c(roughness) n (host/image/material_maps.h).
   bool has_roughness = false;
+  float mean_cosine = 1.0f;  // mean of c over the map: diffuse light divides by it what roughness took of the lengths
 
   int level_count() const;
   /// multum:formatVersion: programs that know neither weights nor roughness refuse the file.

@@ -2,6 +2,7 @@
 #include "host/asset/baked_header.h"
 
 #include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
 #include <ImfIntAttribute.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
@@ -56,6 +57,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   if (baked.format_version() > info.version) {  // others have neither: their bytes are those of programs before
     header.insert("multum:weightCount", Imf::IntAttribute(baked.weight_count));
     header.insert("multum:roughness", Imf::IntAttribute(baked.has_roughness ? 1 : 0));
+    header.insert("multum:meanCosine", Imf::FloatAttribute(baked.mean_cosine));
   }
   set_text(header, "multum:encoding", storage_encoding_name(baked.encoding));
   set_text(header, "multum:channels", part.channels_text);
@@ -65,6 +67,13 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   set_text(header, "multum:settingsHash", from.settings_hash);
   set_text(header, kContentHashAttribute, std::string(kContentHashDigits, ' '));
   return header;
+}
+
+float float_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::FloatAttribute>(name);
+  if (attribute == nullptr)
+    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
 }
 
 std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path) {
@@ -204,6 +213,9 @@ BakedHeader parse_baked_header(const Imf::Header& header, const std::string& pat
   if (version > info.version) {
     baked.weight_count = int_attribute(header, "multum:weightCount", path);
     baked.has_roughness = int_attribute(header, "multum:roughness", path) != 0;
+    baked.mean_cosine = float_attribute(header, "multum:meanCosine", path);
+    if (!(baked.mean_cosine >= 0.5f && baked.mean_cosine <= 1.0f))
+      refuse_file(path, fmt::format("a mean cosine of {}", baked.mean_cosine), "0.5 to 1");
     if (baked.weight_count < 0 || baked.weight_count > kWeightCountMax)
       refuse_file(path, fmt::format("{} weights", baked.weight_count), fmt::format("0 to {}", kWeightCountMax));
     if (baked.format_version() != version)

@@ -30,6 +30,7 @@ MovmfMipmap parse_header(const Imf::Header& header, const std::string& path) {
   mipmap.first_level = baked.first_level;
   mipmap.weight_count = baked.weight_count;
   mipmap.has_roughness = baked.has_roughness;
+  mipmap.mean_cosine = baked.mean_cosine;
   for (int l = 0; l < baked.level_count(); ++l) {
     MovmfLevel level;
     level.width = mip_level_size(baked.width, l);

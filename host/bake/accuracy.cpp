@@ -133,7 +133,7 @@ class Comparison {
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kTruthBytesMax = std::size_t{256} << 20;
     static const std::vector<double> kLambert = {1.0};
-    Pass pass{{{}, {}, settings_.exponents}, {}};
+    Pass pass{{{}, {}, settings_.exponents, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
     std::size_t bytes = 0;
     for (std::size_t d = first; d < half_count() + settings_.directions.lights.size(); ++d) {
       const bool is_light = d >= half_count();
@@ -256,9 +256,10 @@ AccuracyMeter::AccuracyMeter(int map_width, int map_height, const AccuracySettin
     : settings_(settings),
       points_(level_sizes(map_width, map_height), {settings.first_level, settings.samples_per_level, settings.seed}) {}
 
-AccuracySettings AccuracyMeter::of_file(AccuracySettings settings, bool has_roughness) {
+AccuracySettings AccuracyMeter::of_file(AccuracySettings settings, bool has_roughness, float mean_cosine) {
   settings.has_roughness = has_roughness;
-  if (has_roughness) settings.exponents = {kRoughnessExponent};
+  settings.mean_cosine = mean_cosine;
+  if (has_roughness) settings.exponents = {static_cast<double>(kRoughnessExponent)};
   return settings;
 }
 

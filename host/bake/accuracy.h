@@ -49,9 +49,10 @@ struct AccuracySettings {
   std::uint64_t seed = 1;
   int first_level = 0;  // finer ones are not measured
   AccuracyDirections directions = accuracy_directions();
-  // Normals are shortened by their BRDF's width (host/image/material_maps.h), and every one of them is its own BRDF: the
-  // BRDFs are "roughness" and, convolved with the facets too, "lambert".
+  // Normals are shortened by their BRDF's width (host/image/material_maps.h), by `mean_cosine` in the mean, and every one
+  // has its own highlight: the BRDFs are "roughness" and "lambert".
   bool has_roughness = false;
+  float mean_cosine = 1.0f;
   int threads = 2;
 };
 
@@ -73,7 +74,7 @@ class AccuracyMeter {
  protected:
   AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings);
   /// The settings for a file with or without a BRDF's width in.
-  static AccuracySettings of_file(AccuracySettings settings, bool has_roughness);
+  static AccuracySettings of_file(AccuracySettings settings, bool has_roughness, float mean_cosine);
   const AccuracyPoints& points() const { return points_; }
   virtual AccuracyModel& model() = 0;
 
@@ -87,7 +88,7 @@ class MovmfMeter : public AccuracyMeter {
  public:
   /// Of `header`: sizes of levels, lobe count, first level; no texels.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
-      : AccuracyMeter(header.width(), header.height(), of_file(settings, header.has_roughness)),
+      : AccuracyMeter(header.width(), header.height(), of_file(settings, header.has_roughness, header.mean_cosine)),
         model_(header, has_colours, points().texels()) {}
 
   /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.
@@ -102,7 +103,7 @@ class MovmfMeter : public AccuracyMeter {
 class MomentMeter : public AccuracyMeter {
  public:
   MomentMeter(const BakedHeader& header, const AccuracySettings& settings)
-      : AccuracyMeter(header.width, header.height, of_file(settings, header.has_roughness)),
+      : AccuracyMeter(header.width, header.height, of_file(settings, header.has_roughness, header.mean_cosine)),
         model_(header, points().texels()) {}
 
   void add_rows(int level, int first_row, const MomentLevel& rows) { model_.add_rows(level, first_row, rows); }

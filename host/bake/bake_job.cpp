@@ -75,6 +75,7 @@ BakedHeader make_header(const BakeJob& job, const BakeSource& source) {
   header.has_colours = source.albedo.has_value();
   header.weight_count = source.weights ? source.weights->count : 0;
   header.has_roughness = source.has_roughness;
+  header.mean_cosine = static_cast<float>(source.mean_cosine);
   return header;
 }
 

@@ -18,6 +18,7 @@ struct BakeSource {
   std::optional<PlaneStore> albedo;  // where the job has one
   std::optional<WeightMap> weights;  // the same
   bool has_roughness = false;        // normals are shortened by it
+  double mean_cosine = 1.0;          // of the roughness map
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }
   const WeightMap* weight_map() const { return weights ? &*weights : nullptr; }

@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/baked_file.h"
 #include "host/bake/mean_cosine.h"
 
 namespace multum {
@@ -77,13 +78,10 @@ void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::arr
                        static_cast<double>(normals[2][i]));
     const double length = glm::length(n), r = std::min(length, 1.0), t = glm::dot(n, omega) / length;
     if (is_lambert) {
-      const double d = 1.0 - r, m = r * t, v = d * (0.25 + r * (0.2343 + r * 0.15232));
-      const double x = std::min(m * m / std::max(v, 1e-20), 200.0);
-      const double g = x * (0.4117 + r * (0.2857 - r * 0.3658) + 0.0080 * x);
-      values[i] = 0.5 * (m + std::sqrt(m * m + v * std::exp(-g)));
+      values[i] = std::max(t, 0.0);
     } else {
-      const double mean_cosine = r * (kRoughnessExponent + 1.0) / (kRoughnessExponent + 2.0);
-      const double kappa = kappa_of_mean_cosine(mean_cosine, kRoughnessExponent);
+      constexpr double kExponent = static_cast<double>(kRoughnessExponent);
+      const double kappa = kappa_of_mean_cosine(r * (kExponent + 1.0) / (kExponent + 2.0), kExponent);
       values[i] = kappa / (2.0 * std::numbers::pi * (1.0 - std::exp(-2.0 * kappa))) * std::exp(kappa * (t - 1.0));
     }
   }

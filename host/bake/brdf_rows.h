@@ -37,11 +37,8 @@ class BrdfRows {
 };
 
 /// Where a BRDF's width is in the normals' lengths (host/image/material_maps.h): the vMF lobe of each shortened normal,
-/// as densities towards `omega`; or, towards a light, Lambert convolved with it by the formula of shading (at most 0.22 %
-/// off: kernels/device/vmf_shading.clh). Facets lie about as their lobe says, for both.
+/// as densities towards `omega`; or max(0, omega . n) of the normal alone, which diffuse light depends on.
 void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::array<const float*, 3>& normals, int count,
                         double* values);
-/// The exponent that lobes of such a file are shaded with: a width that none is narrower than, and adds none to others.
-constexpr double kRoughnessExponent = 1e6;
 
 }  // namespace multum

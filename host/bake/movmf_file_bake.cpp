@@ -51,6 +51,7 @@ MovmfMipmap make_mipmap(const BakedHeader& header, int lobe_count) {
   mipmap.first_level = header.first_level;
   mipmap.weight_count = header.weight_count;
   mipmap.has_roughness = header.has_roughness;
+  mipmap.mean_cosine = header.mean_cosine;
   for (int l = 0; l < header.level_count(); ++l) {
     MovmfLevel& level = mipmap.levels.emplace_back();
     level.width = mip_level_size(header.width, l);

@@ -27,6 +27,7 @@ void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipma
   check_same(path, "first level", std::to_string(old.first_level), std::to_string(header.first_level));
   check_same(path, "colours:", old.has_colours() ? "yes" : "no", header.has_colours() ? "yes" : "no");
   check_same(path, "weights:", std::to_string(old.weight_count), std::to_string(header.weight_count));
+  check_same(path, "a mean cosine of", std::to_string(old.mean_cosine), std::to_string(header.mean_cosine));
   check_same(path, "roughness:", old.has_roughness ? "yes" : "no", header.has_roughness ? "yes" : "no");
   check_same(path, "wrap mode", wrap_mode_name(old.wrap_s), wrap_mode_name(header.wrap_s));
   check_same(path, "wrap mode", wrap_mode_name(old.wrap_t), wrap_mode_name(header.wrap_t));

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <numeric>
 
 #include "host/base/error.h"
 #include "host/base/parallel.h"
@@ -98,23 +99,27 @@ ChannelFile parse_channel_file(const std::string& text) {
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-void shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place, int threads) {
+double shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place, int threads) {
   const Wanted wanted{file.path, "a roughness map", normals.width(), normals.height()};
   ImageReader reader(file.path, settings_of(place, threads));
   check_size(wanted, reader.info());
   const std::size_t channel = find_channel(file, reader.info().channel_names);
+  std::vector<double> sums(static_cast<std::size_t>(normals.height()));  // by rows: no band or thread can be seen in them
   read_channels(reader, wanted, {channel}, threads, [&](int first_row, int row_count, const auto& channels) {
     const std::vector<float>& roughness = channels[0];
+    const auto width = static_cast<std::size_t>(normals.width());
     std::vector<float> x(roughness.size()), y(roughness.size()), z(roughness.size());
     normals.read_rows(first_row, row_count, {x.data(), y.data(), z.data()});
     for (std::size_t i = 0; i < roughness.size(); ++i) {
       const auto c = static_cast<float>(mean_cosine_of_roughness(static_cast<double>(roughness[i])));
+      sums[static_cast<std::size_t>(first_row) + i / width] += static_cast<double>(c);
       x[i] *= c;
       y[i] *= c;
       z[i] *= c;
     }
     normals.write_rows(first_row, row_count, {x.data(), y.data(), z.data()});
   });
+  return std::accumulate(sums.begin(), sums.end(), 0.0) / (static_cast<double>(normals.width()) * normals.height());
 }
 
 WeightMap read_weight_map(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {

@@ -35,9 +35,9 @@ struct ChannelFile {
 /// "FILE" or "FILE:CHANNEL". What names a file that exists is a path, colons and all.
 ChannelFile parse_channel_file(const std::string& text);
 
-/// Multiplies unit normals by c of the roughness map, which must be of their size. Throws Error(kInput) naming the file,
+/// Multiplies unit normals by c of the roughness map, which must be of their size. Returns the mean of c. Throws Error(kInput) naming the file,
 /// what was found and what was expected.
-void shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place, int threads);
+double shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place, int threads);
 
 /// Weights of 1 to 4 basis BRDFs.
 struct WeightMap {
