@@ -11,18 +11,19 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+/// The part of it between the angles f_low and f_reach of n and w:
 /// integral f(angle of n and w) vMF(n) dn in polar coordinates (angle a, azimuth phi) around w. Both factors are below
 /// e^-50 outside ten of their standard deviations, so `a` runs over what is left; the azimuth is periodic, where the
 /// trapezoid rule converges exponentially once the step is below the vMF's width.
-double convolve(const std::function<double(double)>& f, double f_reach, double kappa, double theta) {
+double convolve(const std::function<double(double)>& f, double f_low, double f_reach, double kappa, double theta,
+                int rings) {
   const double reach = 10.0 / std::sqrt(kappa);
-  const double low = std::max(0.0, theta - reach);
+  const double low = std::max(f_low, theta - reach);
   const double high = std::min({kPi, theta + reach, f_reach});
   if (high <= low) return 0.0;
-  const int rings = 400;  // midpoint rule
   const int spokes = 64 + static_cast<int>(12.0 * std::sqrt(kappa));
   double sum = 0.0;
-  for (int i = 0; i < rings; ++i) {
+  for (int i = 0; i < rings; ++i) {  // midpoint rule
     const double a = low + (high - low) * (i + 0.5) / rings;
     double ring = 0.0;
     for (int k = 0; k < spokes; ++k) {
@@ -35,6 +36,8 @@ double convolve(const std::function<double(double)>& f, double f_reach, double k
   const double density = kappa / (2.0 * kPi * -std::expm1(-2.0 * kappa));
   return sum * density * (high - low) / rings * 2.0 * kPi / spokes;
 }
+
+constexpr int kRings = 400;
 
 }  // namespace
 
@@ -65,17 +68,45 @@ double blinn_phong(double s, double theta) {
 
 double convolved_blinn_phong(double s, double kappa, double theta) {
   const double reach = std::min(0.5 * kPi, 10.0 / std::sqrt(s));
-  return convolve([s](double a) { return blinn_phong(s, a); }, reach, kappa, theta);
+  return convolve([s](double a) { return blinn_phong(s, a); }, 0.0, reach, kappa, theta, kRings);
 }
 
 double convolved_lambert(double kappa, double theta) {
-  return convolve([](double a) { return std::cos(a); }, 0.5 * kPi, kappa, theta);
+  return convolve([](double a) { return std::cos(a); }, 0.0, 0.5 * kPi, kappa, theta, kRings);
 }
 
 double convolved_vmf(double kappa_f, double kappa, double theta) {
   const double reach = std::min(kPi, 10.0 / std::sqrt(kappa_f));
-  return convolve([kappa_f](double a) { return vmf_density(kappa_f, a); }, reach, kappa, theta);
+  return convolve([kappa_f](double a) { return vmf_density(kappa_f, a); }, 0.0, reach, kappa, theta, kRings);
 }
+
+double ggx(double alpha, double theta) {
+  if (theta >= 0.5 * kPi) return 0.0;
+  const double c = std::cos(theta), s = std::sin(theta);
+  const double y = alpha * alpha * c * c + s * s;
+  return alpha * alpha / (kPi * y * y);
+}
+
+double convolved_ggx(double alpha, double kappa, double theta) {
+  // The peak, and the tail that reaches to the horizon.
+  const auto f = [alpha](double a) { return ggx(alpha, a); };
+  const double middle = std::min(6.0 * alpha, 0.25 * kPi);
+  return convolve(f, 0.0, middle, kappa, theta, 150) + convolve(f, middle, 0.5 * kPi, kappa, theta, 150);
+}
+
+double smith_visibility(double alpha, double n_l, double n_v) {
+  // Of each direction G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
+  const auto lambda = [alpha](double c) {
+    return 0.5 * (std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * c * c) / c - 1.0);
+  };
+  return 1.0 / (1.0 + lambda(n_l) + lambda(n_v)) / (4.0 * n_l * n_v);
+}
+
+double groove_visibility(double n_l, double n_v, double n_h, double v_h) {
+  return std::min({1.0, 2.0 * n_h * n_v / v_h, 2.0 * n_h * n_l / v_h}) / (4.0 * n_l * n_v);
+}
+
+double schlick(double f0, double v_h) { return f0 + (1.0 - f0) * std::pow(1.0 - v_h, 5.0); }
 
 double product_blinn_phong(double s, double spread, double theta) {
   const double r = 1.0 - spread;

@@ -18,6 +18,13 @@ double convolved_blinn_phong(double s, double kappa, double theta);
 double convolved_lambert(double kappa, double theta);
 double convolved_vmf(double kappa_f, double kappa, double theta);
 
+/// GGX and what stands beside it in glTF and in Cook and Torrance 1982: V = G / (4 n.l n.v).
+double ggx(double alpha, double theta);
+double convolved_ggx(double alpha, double kappa, double theta);
+double smith_visibility(double alpha, double n_l, double n_v);
+double groove_visibility(double n_l, double n_v, double n_h, double v_h);
+double schlick(double f0, double v_h);
+
 /// The formula of runtime_gl/shaders/common/movmf_shading.glsl, without the amplitude. `spread` = 1 - |r|.
 double product_blinn_phong(double s, double spread, double theta);
 

@@ -62,6 +62,7 @@ namespace multum::gl {
   X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                     \
   X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                         \
   X(PFNGLPROGRAMUNIFORM1IVPROC, ProgramUniform1iv)                       \
+  X(PFNGLPROGRAMUNIFORM1FVPROC, ProgramUniform1fv)                       \
   X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                         \
   X(PFNGLPROGRAMUNIFORM3FVPROC, ProgramUniform3fv)                       \
   X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)           \

@@ -89,6 +89,10 @@ void ShaderProgram::set(const char* uniform, float value) const {
   gl_->ProgramUniform1f(id_, location(uniform), value);
 }
 
+void ShaderProgram::set_floats(const char* uniform, const float* values, int count) const {
+  gl_->ProgramUniform1fv(id_, location(uniform), count, values);
+}
+
 void ShaderProgram::set_vec3(const char* uniform, const float* values, int count) const {
   gl_->ProgramUniform3fv(id_, location(uniform), count, values);
 }

@@ -8,6 +8,8 @@
 
 #include "host/base/error.h"
 #include "runtime_gl/materials/finest_levels.h"
+#include "runtime_gl/materials/texture_binder.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
 namespace {
@@ -70,12 +72,29 @@ MomentMaterial::MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap
   if (has_finest_albedo(left_out, *source)) albedo_map_.emplace(upload_finest_albedo(gl, left_out, *source, sampler));
 }
 
-void MomentMaterial::bind() const {
-  int unit = 0;
-  for (const std::optional<Texture>* texture : {&means_, &slopes_, &colours_, &normal_map_, &albedo_map_}) {
-    if (texture->has_value()) (*texture)->bind(unit);
-    ++unit;
-  }
+ShaderParts moment_shader_parts(MomentShading shading) {
+  ShaderParts parts{{}, {shader_brdf_blinn_phong_glsl, shader_common_moment_shading_glsl, shader_surface_normals_glsl}};
+  parts.flags.push_back(shading == MomentShading::kToksvig ? "MULTUM_TOKSVIG" : "MULTUM_LEAN");
+  if (shading == MomentShading::kLeanJacobian) parts.flags.push_back("MULTUM_JACOBIAN");
+  return parts;
+}
+
+ShaderParts MomentMaterial::shader_parts() const {
+  ShaderParts parts = moment_shader_parts(shading_);
+  if (colours_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
+  if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
+  if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  return parts;
+}
+
+int MomentMaterial::bind(const ShaderProgram& shader) const {
+  TextureBinder binder(shader);
+  binder.bind("u_normals", means_);
+  binder.bind("u_slopes", slopes_);
+  binder.bind("u_albedo", colours_);
+  binder.bind("u_normal_map", normal_map_);
+  binder.bind("u_albedo_map", albedo_map_);
+  return binder.next_unit();
 }
 
 }  // namespace multum::gl

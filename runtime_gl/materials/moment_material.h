@@ -8,6 +8,7 @@
 
 #include "host/asset/moment_mipmap.h"
 #include "runtime_gl/gl/texture.h"
+#include "runtime_gl/materials/material.h"
 
 namespace multum::gl {
 
@@ -16,7 +17,10 @@ struct NormalImage;
 /// How moments are shaded (shaders/common/moment_shading.glsl).
 enum class MomentShading { kToksvig, kLean, kLeanJacobian };
 
-class MomentMaterial {
+/// The flags of surface/normals.glsl.
+ShaderParts moment_shader_parts(MomentShading shading);
+
+class MomentMaterial : public Material {
  public:
   /// half -> RGBA16F, float -> RGBA32F. `source`: the map that was baked; needed, and used, when the file's first level
   /// is not 0. Throws Error(kInput) when a level has not the texels that it should, or `source` is missing or of
@@ -24,16 +28,17 @@ class MomentMaterial {
   MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap, float anisotropy,
                  const NormalImage* source = nullptr);
 
-  /// Units: 0 mean normals, 1 slopes, 2 colours, 3 the normal map, 4 the albedo map; those that there are.
-  void bind() const;
-  bool has_colours() const { return colours_.has_value(); }
-  bool has_normal_map() const { return normal_map_.has_value(); }
-  bool has_albedo_map() const { return albedo_map_.has_value(); }
+  void set_shading(MomentShading shading) { shading_ = shading; }
+
+  const char* name() const override { return "moments"; }
+  ShaderParts shader_parts() const override;
+  int bind(const ShaderProgram& shader) const override;
 
  private:
   std::optional<Texture> means_;   // E[n]; w = E[b_s b_t]
   std::optional<Texture> slopes_;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
   std::optional<Texture> colours_, normal_map_, albedo_map_;
+  MomentShading shading_ = MomentShading::kLeanJacobian;
 };
 
 }  // namespace multum::gl

@@ -3,6 +3,8 @@
 
 #include "host/base/error.h"
 #include "runtime_gl/materials/finest_levels.h"
+#include "runtime_gl/materials/texture_binder.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
 namespace {
@@ -83,12 +85,22 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
   }
 }
 
-void MovmfMaterial::bind() const {
-  int unit = 0;
-  for (const Texture& lobe : lobes_) lobe.bind(unit++);
-  for (const Texture& colour : colours_) colour.bind(unit++);
-  if (normal_map_.has_value()) normal_map_->bind(unit++);
-  if (albedo_map_.has_value()) albedo_map_->bind(unit++);
+ShaderParts MovmfMaterial::shader_parts() const {
+  ShaderParts parts{{"MULTUM_LOBE_COUNT " + std::to_string(lobe_count())}, {shader_surface_movmf_glsl}};
+  if (formula_ == LobeFormula::kPaper) parts.flags.push_back("MULTUM_PAPER");
+  if (!colours_.empty()) parts.flags.push_back("MULTUM_COLOURS");
+  if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
+  if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  return parts;
+}
+
+int MovmfMaterial::bind(const ShaderProgram& shader) const {
+  TextureBinder binder(shader);
+  binder.bind("u_lobes", lobes_);
+  binder.bind("u_colours", colours_);
+  binder.bind("u_normal_map", normal_map_);
+  binder.bind("u_albedo_map", albedo_map_);
+  return binder.next_unit();
 }
 
 }  // namespace multum::gl

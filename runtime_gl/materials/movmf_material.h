@@ -9,6 +9,7 @@
 
 #include "host/asset/movmf_mipmap.h"
 #include "runtime_gl/gl/texture.h"
+#include "runtime_gl/materials/material.h"
 
 namespace multum::gl {
 
@@ -17,19 +18,24 @@ struct NormalImage;
 /// snorm16 -> RGBA16_SNORM, half -> RGBA16F, float -> RGBA32F.
 TexelFormat texel_format(StorageEncoding encoding);
 
-class MovmfMaterial {
+enum class LobeFormula {
+  kProduct,  // mean cosines multiplied (docs/ALGORITHMS.md)
+  kPaper,    // Han et al. 2007, equation 20 and Algorithm 2; of Blinn-Phong
+};
+
+class MovmfMaterial : public Material {
  public:
   /// `source`: the map that was baked; needed, and used, when the mipmap's first level is not 0. Throws Error(kInput)
   /// when the mipmap has no levels, their sizes do not halve as they should, or `source` is missing or of another size.
   MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                 const NormalImage* source = nullptr);
 
-  /// Lobes take the units 0, 1, ..., then come colours, the normal map and the albedo map, those that there are.
-  void bind() const;
+  void set_formula(LobeFormula formula) { formula_ = formula; }
+
+  const char* name() const override { return "movmf"; }
+  ShaderParts shader_parts() const override;
+  int bind(const ShaderProgram& shader) const override;
   int lobe_count() const { return static_cast<int>(lobes_.size()); }
-  bool has_colours() const { return !colours_.empty(); }
-  bool has_normal_map() const { return normal_map_.has_value(); }
-  bool has_albedo_map() const { return albedo_map_.has_value(); }
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
 
  private:
@@ -37,6 +43,7 @@ class MovmfMaterial {
   std::vector<Texture> colours_;
   std::optional<Texture> normal_map_;  // (mean normal, 1), levels 0 to the first that is stored less one
   std::optional<Texture> albedo_map_;
+  LobeFormula formula_ = LobeFormula::kProduct;
 };
 
 }  // namespace multum::gl

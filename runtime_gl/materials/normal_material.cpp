@@ -10,6 +10,9 @@
 #include "host/asset/moment_mipmap.h"
 #include "host/base/error.h"
 #include "runtime_gl/materials/mip_texture.h"
+#include "runtime_gl/materials/moment_material.h"
+#include "runtime_gl/materials/texture_binder.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
 namespace {
@@ -18,6 +21,16 @@ namespace {
 glm::vec2 slope(const glm::vec3& n) {
   const float z = std::max(n.z, kSlopeZMin);
   return {-n.x / z, -n.y / z};
+}
+
+ShaderParts baseline_shader_parts(Baseline baseline) {
+  switch (baseline) {
+    case Baseline::kMip: return {{"MULTUM_MIP"}, {shader_surface_normals_glsl}};
+    case Baseline::kToksvig: return moment_shader_parts(MomentShading::kToksvig);
+    case Baseline::kLean: return moment_shader_parts(MomentShading::kLean);
+    case Baseline::kLeanJacobian: return moment_shader_parts(MomentShading::kLeanJacobian);
+  }
+  return {};
 }
 
 }  // namespace
@@ -71,10 +84,24 @@ NormalMaterial::NormalMaterial(const GlFunctions& gl, const NormalImage& image, 
   albedo_.emplace(upload_mips(gl, "the albedo", std::move(albedo), level_count, sampler));
 }
 
-void NormalMaterial::bind() const {
-  normals_->bind(0);
-  if (slopes_.has_value()) slopes_->bind(1);
-  if (albedo_.has_value()) albedo_->bind(2);
+void NormalMaterial::set_baseline(Baseline baseline) {
+  MULTUM_CHECK(slopes_.has_value());
+  baseline_ = baseline;
+}
+
+ShaderParts NormalMaterial::shader_parts() const {
+  ShaderParts parts = slopes_.has_value() ? baseline_shader_parts(baseline_)
+                                          : ShaderParts{{"MULTUM_TRUTH"}, {shader_surface_normals_glsl}};
+  if (albedo_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
+  return parts;
+}
+
+int NormalMaterial::bind(const ShaderProgram& shader) const {
+  TextureBinder binder(shader);
+  binder.bind("u_normals", normals_);
+  binder.bind("u_slopes", slopes_);
+  binder.bind("u_albedo", albedo_);
+  return binder.next_unit();
 }
 
 }  // namespace multum::gl

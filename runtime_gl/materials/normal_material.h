@@ -11,6 +11,7 @@
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
 #include "runtime_gl/gl/texture.h"
+#include "runtime_gl/materials/material.h"
 
 namespace multum::gl {
 
@@ -30,20 +31,27 @@ NormalImage finest_normals(const MovmfMipmap& mipmap);
 /// The same of a file of moments.
 NormalImage finest_normals(const MomentMipmap& mipmap);
 
-class NormalMaterial {
+/// What users have today, from averages.
+enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
+
+class NormalMaterial : public Material {
  public:
   /// kNearest: level 0 alone, nearest texel (truth). kMipmapped: box-filtered mips, trilinear (baselines).
   enum class Sampling { kNearest, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 
-  /// Units: 0 normals, 1 slopes, 2 albedo.
-  void bind() const;
-  bool has_albedo() const { return albedo_.has_value(); }
+  /// Of what is mipmapped.
+  void set_baseline(Baseline baseline);
+
+  const char* name() const override { return slopes_.has_value() ? "baseline" : "truth"; }
+  ShaderParts shader_parts() const override;
+  int bind(const ShaderProgram& shader) const override;
 
  private:
   std::optional<Texture> normals_;  // mean n; w = E[b_s b_t]
   std::optional<Texture> slopes_;   // E[b_s], E[b_t], E[b_s^2], E[b_t^2], b = -n_xy / n_z
   std::optional<Texture> albedo_;
+  Baseline baseline_ = Baseline::kMip;
 };
 
 }  // namespace multum::gl

@@ -10,38 +10,34 @@
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/gl/shader_program.h"
-#include "runtime_gl/materials/moment_material.h"
-#include "runtime_gl/materials/movmf_material.h"
-#include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/materials/material.h"
 #include "runtime_gl/render/scene.h"
 
 namespace multum::gl {
-
-enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 struct Picture {
   FloatImage image;
   double frame_time_ms;  // glFinish to glFinish of one frame, the median of 3 after a first one; truth: all passes
 };
 
+/// The fragment shader of a material, a BRDF and lights: each text once, and the flags of all.
+ShaderSources scene_shader_sources(const Material& material, const Scene& scene);
+
 class Renderer {
  public:
   Renderer(const GlFunctions& gl, int width, int height);
 
-  Picture draw_movmf(const Mesh& mesh, const MovmfMaterial& material, const Scene& scene, LobeFormula formula);
-  /// Of a file of moments, shaded as draw_baseline() shades what is averaged on the spot.
-  Picture draw_moments(const Mesh& mesh, const MomentMaterial& material, const Scene& scene, MomentShading shading);
-  Picture draw_baseline(const Mesh& mesh, const NormalMaterial& material, const Scene& scene, Baseline baseline);
-  /// The mean of `sample_count` pictures of unfiltered normals, each shifted by a fraction of a pixel (low-discrepancy
-  /// sequence, box filter of one pixel): cosines and BRDF evaluated at every sample's own normal.
-  Picture draw_truth(const Mesh& mesh, const NormalMaterial& material, const Scene& scene, int sample_count);
+  /// Compiles what the material, the BRDF and the lights need, the first time that they meet.
+  Picture draw(const Mesh& mesh, const Material& material, const Scene& scene);
+  /// The mean of `sample_count` pictures, each shifted by a fraction of a pixel (low-discrepancy
+  /// sequence, box filter of one pixel). Of the finest map's normals: the BRDF at every sample's own normal.
+  Picture draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count);
 
  private:
-  const ShaderProgram& program(const std::string& name, const std::vector<std::string>& flags);
+  const ShaderProgram& program(const Material& material, const Scene& scene);
   void accumulate(const ShaderProgram& adder) const;
-  void set_scene(const ShaderProgram& shader, const Scene& scene) const;
+  void set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) const;
   void draw_once(const ShaderProgram& shader, const Mesh& mesh, const Scene& scene, glm::vec2 jitter) const;
-  Picture draw_timed(const ShaderProgram& shader, const Mesh& mesh, const Scene& scene) const;
 
   const GlFunctions& gl_;
   Framebuffer framebuffer_;

@@ -9,6 +9,9 @@
 #include "host/base/error.h"
 #include "host/base/split_mix.h"
 #include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/materials/moment_material.h"
+#include "runtime_gl/materials/movmf_material.h"
+#include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
@@ -52,8 +55,9 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
     EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
   }
   FloatImage movmf(const TestMap& map, const Scene& scene, LobeFormula formula = LobeFormula::kProduct) {
-    const MovmfMaterial material(context_->functions(), map.mipmap, 1.0f, &map.image);
-    return renderer_->draw_movmf(*mesh_, material, scene, formula).image;
+    MovmfMaterial material(context_->functions(), map.mipmap, 1.0f, &map.image);
+    material.set_formula(formula);
+    return renderer_->draw(*mesh_, material, scene).image;
   }
   /// The same from a file that begins at `first_level`.
   FloatImage movmf_from(int first_level, TestMap map, const Scene& scene, LobeFormula formula = LobeFormula::kProduct) {
@@ -65,12 +69,14 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
     return renderer_->draw_truth(*mesh_, material, scene, samples).image;
   }
   FloatImage moments(const TestMap& map, const MomentMipmap& mipmap, const Scene& scene, MomentShading shading) {
-    const MomentMaterial material(context_->functions(), mipmap, 1.0f, &map.image);
-    return renderer_->draw_moments(*mesh_, material, scene, shading).image;
+    MomentMaterial material(context_->functions(), mipmap, 1.0f, &map.image);
+    material.set_shading(shading);
+    return renderer_->draw(*mesh_, material, scene).image;
   }
   FloatImage baseline(const TestMap& map, const Scene& scene, Baseline which) {
-    const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kMipmapped, 1.0f);
-    return renderer_->draw_baseline(*mesh_, material, scene, which).image;
+    NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kMipmapped, 1.0f);
+    material.set_baseline(which);
+    return renderer_->draw(*mesh_, material, scene).image;
   }
   std::unique_ptr<HeadlessContext> context_;
   std::unique_ptr<Mesh> mesh_;
@@ -377,7 +383,7 @@ TEST(Render, OsmesaEqualsEgl) {
     const MovmfMaterial material(context->functions(), map.mipmap, 1.0f);
     Scene scene;
     scene.uv_scale = 60.0f;
-    pictures.push_back(renderer.draw_movmf(mesh, material, scene, LobeFormula::kProduct).image);
+    pictures.push_back(renderer.draw(mesh, material, scene).image);
     software += gl_string(context->functions(), GL_RENDERER).find("llvmpipe") != std::string::npos ? "s" : "g";
   }
   // The same rasteriser behind both gives the same bits; a GPU behind EGL may differ in rounding and in its LOD.

@@ -14,11 +14,11 @@
 namespace multum::gl {
 
 struct ShaderHarnessInput {
-  std::string expression;              // a vec4, of the vec4s a and b, with movmf_shading.glsl's functions
+  std::string expression;              // a vec4, of the vec4s a and b, with the functions of common/ and brdf/
   std::vector<glm::vec4> a;            // at most 16384 elements
   std::vector<glm::vec4> b;            // as many
   const Texture* texture = nullptr;    // bound to the sampler `map`
-  std::vector<SourceEdit> edits = {};  // of "movmf_shading": what takes a guard out
+  std::vector<SourceEdit> edits = {};  // of "movmf_shading" (with brdf/): what takes a guard out
 };
 
 /// The output is poisoned with NaN first: an element that no fragment wrote shows.

@@ -127,7 +127,7 @@ TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   const std::string out = path("out.png");
   expect_refusal({"-o", path("out.jpg")}, 2, "written as .png or .exr");
   expect_refusal({}, 2, "multum-view: --output is required\nSee 'multum-view --help'.\n");
-  expect_refusal({"-o", out, "--brdf", "ggx:0.1"}, 2, "blinn-phong:S");
+  expect_refusal({"-o", out, "--brdf", "ggx:0.01"}, 2, "ggx:ROUGHNESS");
   expect_refusal({"-o", out, "--brdf", "blinn-phong:nan"}, 2, "blinn-phong:S");
   expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, "1..100000");
   expect_refusal({"-o", out, "--light", "0,0,0"}, 2, "towards the light");

@@ -25,9 +25,10 @@ struct RawOptions {
   std::string camera;
   std::string up;
   std::vector<std::string> lights;
+  std::vector<std::string> point_lights;
   std::string brdf = "blinn-phong:100";
-  std::string diffuse = "0.5";
-  std::string specular = "0.1";
+  std::string diffuse;
+  std::string specular;
   std::string size = "640x480";
   std::string context = "auto";
   std::string formula = "product";
@@ -84,6 +85,16 @@ gl::Light parse_light(const std::string& text) {
   return light;
 }
 
+gl::PointLight parse_point_light(const std::string& text) {
+  const char* const expected = "x,y,z of its place, then its intensity >= 0, grey or r,g,b: 0,2,1,3.14";
+  const std::vector<float> n = parse_numbers("--point-light", text, expected);
+  if (n.size() != 4 && n.size() != 6) refuse("--point-light", text, expected);
+  gl::PointLight light{{n[0], n[1], n[2]}, n.size() == 4 ? glm::vec3(n[3]) : glm::vec3(n[3], n[4], n[5])};
+  if (light.intensity.x < 0.0f || light.intensity.y < 0.0f || light.intensity.z < 0.0f)
+    refuse("--point-light", text, expected);
+  return light;
+}
+
 void parse_camera(const std::string& text, gl::Camera& camera) {
   const char* const expected =
       "eye x,y,z, target x,y,z and perhaps the vertical field of view in degrees (1..170): "
@@ -124,21 +135,60 @@ void parse_up(const std::string& text, ViewOptions& options) {
   camera.up = options.up;
 }
 
-void parse_brdf(const std::string& text, gl::Brdf& brdf) {
-  const char* const expected = "blinn-phong:S with S 1..100000, or torrance-sparrow:SIGMA with SIGMA 0.002..1 radians";
+constexpr char kBrdfExpected[] =
+    "lambert, blinn-phong:S with S 1..100000, torrance-sparrow:SIGMA or cook-torrance:SIGMA[,F0] with SIGMA 0.002..1 "
+    "radians, ggx:ROUGHNESS[,F0] with ROUGHNESS 0.05..1 (F0 0..1, grey or r,g,b), or a measured BRDF's file";
+
+/// A family's first number, then F0 where it has one.
+struct BrdfNumbers {
+  float first;
+  std::optional<glm::vec3> f0;
+};
+
+BrdfNumbers parse_brdf_numbers(const std::string& text, std::size_t colon, float low, float high, bool has_f0) {
+  const std::vector<float> n = parse_numbers("--brdf", text.substr(colon + 1), kBrdfExpected);
+  if (n.empty() || !(n[0] >= low && n[0] <= high)) refuse("--brdf", text, kBrdfExpected);
+  if (n.size() != 1 && !(has_f0 && (n.size() == 2 || n.size() == 4))) refuse("--brdf", text, kBrdfExpected);
+  if (n.size() == 1) return {n[0], std::nullopt};
+  const glm::vec3 f0 = n.size() == 2 ? glm::vec3(n[1]) : glm::vec3(n[1], n[2], n[3]);
+  for (int i = 0; i < 3; ++i)
+    if (!(f0[i] >= 0.0f && f0[i] <= 1.0f)) refuse("--brdf", text, kBrdfExpected);
+  return {n[0], f0};
+}
+
+/// `--diffuse` and `--specular` come after it: a measured BRDF has its own.
+Brdf parse_brdf(const std::string& text, int term_count) {
+  Brdf brdf;
+  brdf.term_count = term_count;
   const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) refuse("--brdf", text, expected);
   const std::string name = text.substr(0, colon);
-  const std::vector<float> n = parse_numbers("--brdf", text.substr(colon + 1), expected);
-  if (name == "blinn-phong" && n.size() == 1 && n[0] >= 1.0f && n[0] <= 1e5f) {
-    brdf.kind = gl::BrdfKind::kBlinnPhong;
-    brdf.exponent = n[0];
-  } else if (name == "torrance-sparrow" && n.size() == 1 && n[0] >= 0.002f && n[0] <= 1.0f) {
-    brdf.kind = gl::BrdfKind::kTorranceSparrow;
-    brdf.sigma = n[0];
+  const auto numbers = [&](float low, float high, bool has_f0) {
+    const BrdfNumbers n = parse_brdf_numbers(text, colon, low, high, has_f0);
+    brdf.f0 = n.f0.value_or(brdf.f0);
+    return n.first;
+  };
+  const bool has_numbers = colon != std::string::npos;
+  if (text == "lambert") {
+    brdf.kind = BrdfKind::kLambert;
+  } else if (has_numbers && name == "blinn-phong") {
+    brdf.exponent = numbers(1.0f, 1e5f, false);
+  } else if (has_numbers && name == "torrance-sparrow") {
+    brdf.kind = BrdfKind::kTorranceSparrow;
+    brdf.sigma = numbers(0.002f, 1.0f, false);
+  } else if (has_numbers && name == "cook-torrance") {
+    brdf.kind = BrdfKind::kCookTorrance;
+    brdf.sigma = numbers(0.002f, 1.0f, true);
+  } else if (has_numbers && name == "ggx") {
+    brdf.kind = BrdfKind::kGgx;
+    brdf.roughness = numbers(0.05f, 1.0f, true);
   } else {
-    refuse("--brdf", text, expected);
+    refuse("--brdf", text, kBrdfExpected);
   }
+  // Schlick's term is in their specular part already.
+  const bool has_fresnel = brdf.kind == BrdfKind::kCookTorrance || brdf.kind == BrdfKind::kGgx;
+  if (has_fresnel) brdf.specular = glm::vec3(1.0f);
+  if (brdf.kind == BrdfKind::kLambert) brdf.specular = glm::vec3(0.0f);
+  return brdf;
 }
 
 void parse_size(const std::string& text, ViewOptions& options) {
@@ -164,12 +214,14 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   if (!raw.camera.empty()) parse_camera(raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
   parse_up(raw.up, options);
-  if (!raw.lights.empty()) scene.lights.clear();
+  if (!raw.lights.empty() || !raw.point_lights.empty()) scene.lights.clear();
   if (raw.lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
   for (const std::string& light : raw.lights) scene.lights.push_back(parse_light(light));
-  parse_brdf(raw.brdf, scene.brdf);
-  scene.brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
-  scene.brdf.specular = parse_colour("--specular", raw.specular);
+  if (raw.point_lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--point-light: at most 8 lights");
+  for (const std::string& light : raw.point_lights) scene.point_lights.push_back(parse_point_light(light));
+  scene.brdf = parse_brdf(raw.brdf, scene.brdf.term_count);
+  if (!raw.diffuse.empty()) scene.brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
+  if (!raw.specular.empty()) scene.brdf.specular = parse_colour("--specular", raw.specular);
   parse_size(raw.size, options);
   options.context = gl::parse_context_backend(raw.context).value();
   options.formula = raw.formula == "paper" ? gl::LobeFormula::kPaper : gl::LobeFormula::kProduct;
@@ -177,7 +229,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   if (!raw.compare.empty()) options.compare = parse_compare(raw.compare);
   if (!options.albedo.empty() && options.source.empty())
     throw Error(ErrorCode::kUsage, "--albedo goes with --source: both describe the map that the file was baked from");
-  if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind == gl::BrdfKind::kTorranceSparrow)
+  if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind != BrdfKind::kBlinnPhong)
     throw Error(ErrorCode::kUsage, "--formula paper is Blinn-Phong's; use it with --brdf blinn-phong:S");
   check_picture_path(options.output);
 }
@@ -204,9 +256,19 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
                  "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
   app.add_option("--up", raw.up, "x,y,z that is up in the picture (default: 0,0,1; with a mesh 0,1,0)");
   app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
-  app.add_option("--brdf", raw.brdf, "blinn-phong:S or torrance-sparrow:SIGMA")->capture_default_str();
-  app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b")->capture_default_str();
-  app.add_option("--specular", raw.specular, "specular factor, grey or r,g,b")->capture_default_str();
+  app.add_option("--point-light", raw.point_lights,
+                 "at x,y,z, with an intensity: x,y,z,i or x,y,z,r,g,b; up to 8 times");
+  app.add_option("--brdf", raw.brdf,
+                 "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or a "
+                 "measured one's file (.brdf text, .binary of MERL, .json of a fit)")
+      ->capture_default_str();
+  app.add_option("--brdf-terms", o.scene.brdf.term_count,
+                 "vMF densities that GGX and measured facets are a sum of, over lobes: more is nearer and slower")
+      ->check(CLI::Range(1, kBrdfTermCountMax))
+      ->capture_default_str();
+  app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b (default: 0.5, or what was measured)");
+  app.add_option("--specular", raw.specular,
+                 "specular factor, grey or r,g,b (default: 0.1; 1 where Fresnel or a measurement is in it)");
   app.add_option("--formula", raw.formula, "lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)")
       ->check(CLI::IsMember({"product", "paper"}))
       ->capture_default_str();

@@ -8,6 +8,7 @@
 
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/moment_material.h"
+#include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/render/scene.h"
 #include "tools/command_line/reading_options.h"
 

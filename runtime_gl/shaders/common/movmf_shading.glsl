@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shading of one lobe of a filtered mixture of von Mises-Fisher (vMF) lobes: Han et al. 2007, sections 4 and 7.
-// Paste this file into any GLSL 330 or ES 300 shader (`precision highp float;` there): it has no uniforms, samplers or
-// outputs. A texel holds, per lobe, (a r_x, a r_y, a r_z, a): amplitude a, mean vector r of the lobe's normals in
-// tangent space. Let the hardware filter it, call a function below for every lobe, and add what they return:
+// Paste this file, and behind it those of brdf/ that are wanted, into any GLSL 330 or ES 300 shader (`precision highp
+// float;` there): while no flag is defined they have no uniforms, samplers or outputs. A texel holds, per lobe,
+// (a r_x, a r_y, a r_z, a): amplitude a, mean vector r of the lobe's normals in tangent space. Let the hardware filter
+// it, call a function for every lobe, and add what they return:
 //
 //     vec4 lobe = texture(lobe_map, uv);
 //     float diffuse = multum_movmf_lambert(lobe, l);                // l, h: unit, tangent space
@@ -17,19 +18,9 @@
 // The highlight's own cosine max(n . l, 0) depends on n too: per lobe its mean is taken, diffuse / a. Measured on
 // pictures of the four-quarter map (s 20 to 500, two lights): 0 to 1 % nearer the truth than max(mu . l, 0) of the
 // paper's Algorithm 2, and up to 14 % nearer than the cosine at the mode of f(h . n) vMF(n).
-//
-// Departures from the paper. Its Blinn-Phong rule s' = kappa s / (kappa + s) (eq. 20) is kept as
-// multum_movmf_blinn_phong_paper(): relative L1 over the hemisphere 3 % at kappa 50, 22 % at 5, 54-70 % at kappa <= 1.
-// Used instead: mean cosines multiply exactly under spherical convolution, so the convolved lobe has the mean cosine
-// A = |r| c_f, c_f = the mean cosine of f. Between the two shapes with that mean cosine - vMF, right for a broad lobe,
-// and cosine power, right for a lobe sharper than f and exact at |r| = 1 - one weight blends. Errors, by quadrature
-// (tools/fit_shading.py): s = 5 at most 1.5 %, s >= 20 0.8 %, s >= 100 0.25 %, at every kappa from 0.5 to 1e5.
 
 const float MULTUM_PI = 3.14159265358979;
 const float MULTUM_AMPLITUDE_MIN = 1e-6;  // below: no lobe; 1/32767, the least stored amplitude, is 30 times this
-
-// Weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 - c_f)), fitted.
-const float MULTUM_SHAPE_BLEND = 1.4;
 
 // 1 - |r|, the lobe's spread: 0 = one direction, 1 = all directions. Formed from (a - |a r|) / a; rounding of stored
 // values can leave |r| a little above 1, which means 1.
@@ -64,56 +55,6 @@ float multum_vmf_kappa(float q) {
 float multum_vmf_density(float kappa, float e) {
   float scale = kappa > 1e-3 ? kappa / (1.0 - exp(-2.0 * kappa)) : 0.5 * (1.0 + kappa);
   return scale / (2.0 * MULTUM_PI) * exp(-kappa * e);
-}
-
-// log(1 - e) to full relative precision: log(t) of a rounded t close to 1 is off by 6e-8, and s = 1e5 multiplies it.
-// log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5 + ...); the terms left out are 3e-9 at e = 0.1.
-float multum_log_one_minus(float e) {
-  if (e > 0.1) return log(max(1.0 - e, 1e-30));
-  float y = e / (2.0 - e);
-  float y2 = y * y;
-  return -2.0 * y * (1.0 + y2 * (1.0 / 3.0 + y2 * 0.2));
-}
-
-// Normalised Blinn-Phong (s + 1) / (2 pi) max(t, 0)^s, e = 1 - t: the normal distribution of one direction.
-float multum_blinn_phong(float s, float e) {
-  return e < 1.0 ? (s + 1.0) / (2.0 * MULTUM_PI) * exp(s * multum_log_one_minus(e)) : 0.0;
-}
-
-// Blinn-Phong of exponent s convolved with the lobe, at the unit half vector h.
-//   c_f = (s + 1) / (s + 2);   1 - A = d + (1 - d) / (s + 2), d = 1 - |r|: a sum of what is small, nothing cancels
-//   vMF shape:           kappa = A^-1(A)
-//   cosine-power shape:  s' = (2 A - 1) / (1 - A), the exponent whose (s' + 1) / (s' + 2) is A; A < 1/2 has none: 0
-float multum_movmf_blinn_phong(vec4 lobe, vec3 h, float s) {
-  if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
-  float d = multum_movmf_spread(lobe);
-  float r = 1.0 - d;
-  float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
-  float q = d + r / (s + 2.0);
-  float power = max((1.0 - 2.0 * q) / q, 0.0);
-  float weight = r * r / (r * r + MULTUM_SHAPE_BLEND * d * (s + 2.0));
-  return lobe.w * mix(multum_vmf_density(multum_vmf_kappa(q), e), multum_blinn_phong(power, e), weight);
-}
-
-// The paper's rule (Han et al. 2007, eq. 20): s' = kappa s / (kappa + s), kappa = A^-1(|r|).
-float multum_movmf_blinn_phong_paper(vec4 lobe, vec3 h, float s) {
-  if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
-  float kappa = multum_vmf_kappa(multum_movmf_spread(lobe));
-  float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
-  return lobe.w * multum_blinn_phong(kappa * s / (kappa + s), e);
-}
-
-// Torrance-Sparrow's facet distribution of roughness sigma (radians) taken as a vMF of kappa_f = 1 / (2 sigma^2),
-// convolved with the lobe: 1 - A = d + (1 - d) q_f, q_f = 1 - A(kappa_f) = 1/kappa_f - 2/(exp(2 kappa_f) - 1), for the
-// sigma <= 1 that make sense (kappa_f >= 1/2). Exact at |r| = 1, at most 3.5 % off (relative L1) where lobe and BRDF
-// are equally broad. Fresnel and shadowing multiply outside.
-float multum_movmf_torrance_sparrow(vec4 lobe, vec3 h, float sigma) {
-  if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
-  float kappa_f = 0.5 / (sigma * sigma);
-  float d = multum_movmf_spread(lobe);
-  float q_f = 1.0 / kappa_f - 2.0 / (exp(min(2.0 * kappa_f, 80.0)) - 1.0);
-  float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
-  return lobe.w * multum_vmf_density(multum_vmf_kappa(d + (1.0 - d) * q_f), e);
 }
 
 // Lambert, max(n . l, 0), convolved with the lobe; the caller multiplies by albedo / pi. With m = r . l = |r| t:

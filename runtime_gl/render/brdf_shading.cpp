@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime_gl/render/brdf_shading.h"
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "host/brdf/facet_distribution.h"
+#include "host/brdf/measured_brdf.h"
+#include "host/brdf/vmf_terms.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
+
+namespace multum::gl {
+namespace {
+
+std::string terms_flag(const Brdf& brdf) { return "MULTUM_TERM_COUNT " + std::to_string(brdf.term_count); }
+
+std::vector<glm::vec3> to_floats(const std::vector<glm::dvec3>& values) { return {values.begin(), values.end()}; }
+
+void set_terms(const ShaderProgram& shader, const Brdf& brdf) {
+  std::vector<glm::vec3> weights;
+  std::vector<float> spreads;
+  for (const VmfTerm& term : vmf_terms(brdf)) {
+    weights.emplace_back(term.weight);
+    spreads.push_back(static_cast<float>(term.spread));
+  }
+  const int count = static_cast<int>(weights.size());
+  shader.set_vec3("u_term_weights", glm::value_ptr(weights[0]), count);
+  shader.set_floats("u_term_spreads", spreads.data(), count);
+}
+
+}  // namespace
+
+ShaderParts brdf_shader_parts(const Brdf& brdf) {
+  switch (brdf.kind) {
+    case BrdfKind::kLambert: return {{"MULTUM_LAMBERT"}, {}};
+    case BrdfKind::kBlinnPhong: return {{"MULTUM_BLINN_PHONG"}, {shader_brdf_blinn_phong_glsl}};
+    case BrdfKind::kTorranceSparrow: return {{"MULTUM_TORRANCE_SPARROW"}, {shader_brdf_torrance_sparrow_glsl}};
+    case BrdfKind::kCookTorrance:
+      return {{"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY", "MULTUM_FRESNEL",
+               "MULTUM_FRESNEL_DIFFUSE"},
+              {shader_brdf_torrance_sparrow_glsl, shader_brdf_cook_torrance_glsl}};
+    case BrdfKind::kGgx:
+      return {{"MULTUM_GGX", terms_flag(brdf), "MULTUM_VISIBILITY", "MULTUM_FRESNEL", "MULTUM_FRESNEL_DIFFUSE"},
+              {shader_brdf_cook_torrance_glsl, shader_brdf_ggx_glsl, shader_brdf_terms_glsl}};
+    case BrdfKind::kMeasured:
+      return {{"MULTUM_MEASURED", terms_flag(brdf), "MULTUM_FRESNEL"},
+              {shader_brdf_measured_glsl, shader_brdf_terms_glsl}};
+  }
+  return {};
+}
+
+void set_brdf(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
+  shader.set_vec3("u_diffuse", glm::value_ptr(brdf.diffuse), 1);
+  shader.set_vec3("u_specular", glm::value_ptr(brdf.specular), 1);
+  shader.set("u_exponent", static_cast<float>(equivalent_exponent(brdf)));
+  shader.set("u_sigma", brdf.sigma);
+  shader.set("u_alpha", ggx_alpha(brdf));
+  shader.set_vec3("u_f0", glm::value_ptr(brdf.f0), 1);
+  if (brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured) set_terms(shader, brdf);
+  if (brdf.kind == BrdfKind::kMeasured) {
+    const std::vector<glm::vec3> facets = to_floats(brdf.measured->facets);
+    const std::vector<glm::vec3> differences = to_floats(brdf.measured->differences);
+    shader.set_vec3("u_facets", glm::value_ptr(facets[0]), kFacetTableSize);
+    shader.set_vec3("u_differences", glm::value_ptr(differences[0]), kDifferenceTableSize);
+  }
+  if (zonal_order < 0) return;
+  const std::vector<glm::vec3> zonal = to_floats(zonal_coefficients(brdf, zonal_order));
+  shader.set_vec3("u_zonal", glm::value_ptr(zonal[0]), zonal_order + 1);
+}
+
+}  // namespace multum::gl

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lights of a scene in a shader: flags for those that there are, and uniforms.
+#pragma once
+
+#include "runtime_gl/materials/material.h"
+#include "runtime_gl/render/scene.h"
+
+namespace multum::gl {
+
+ShaderParts light_shader_parts(const Scene& scene);
+void set_lights(const ShaderProgram& shader, const Scene& scene);
+
+}  // namespace multum::gl

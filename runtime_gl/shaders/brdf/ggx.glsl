@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// GGX as glTF 2.0 has it (appendix B; Walter et al. 2007), behind cook_torrance.glsl for Schlick's term: alpha =
+// roughness^2. Of one normal; over lobes it is the sum of terms.glsl.
+
+// D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), e = 1 - t: 1 - t^2 = e (2 - e), so that nothing cancels near t = 1.
+float multum_ggx(float alpha, float e) {
+  if (e >= 1.0) return 0.0;
+  float t = 1.0 - e;
+  float x = alpha * alpha;
+  float y = x * t * t + e * (2.0 - e);
+  return x / (MULTUM_PI * y * y);
+}
+
+// Smith's correlated masking and shadowing over 4 n.l n.v (Heitz 2014).
+float multum_smith_visibility(float alpha, float n_l, float n_v) {
+  float x = alpha * alpha;
+  float masking = n_l * sqrt(n_v * n_v * (1.0 - x) + x);
+  float shadowing = n_v * sqrt(n_l * n_l * (1.0 - x) + x);
+  return 0.5 / max(masking + shadowing, 1e-6);
+}
+
+#ifdef MULTUM_GGX
+uniform float u_alpha;
+
+vec3 multum_facets(vec3 n, vec3 h) { return vec3(multum_ggx(u_alpha, multum_one_minus_cosine(n, h))); }
+
+float multum_visibility(float n_l, float n_v, float n_h, float v_h) {
+  return multum_smith_visibility(u_alpha, n_l, n_v);
+}
+#endif

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A facet distribution as a sum of vMFs, f = sum w_i vMF(lambda_i), fitted by host/brdf/vmf_terms. Each is convolved
+// with a lobe by multiplying mean cosines: A = |r| A(lambda_i), so 1 - A = d + (1 - d) q_i, d = 1 - |r|, q_i =
+// 1 - A(lambda_i).
+
+// One term's share of f convolved with a lobe of amplitude 1 and of spread d, e = 1 - mu.h.
+float multum_term(float d, float term_spread, float e) {
+  return multum_vmf_density(multum_vmf_kappa(d + (1.0 - d) * term_spread), e);
+}
+
+#ifdef MULTUM_TERM_COUNT
+uniform vec3 u_term_weights[MULTUM_TERM_COUNT];
+uniform float u_term_spreads[MULTUM_TERM_COUNT];  // q_i
+
+vec3 multum_lobe_facets(vec4 lobe, vec3 h) {
+  if (lobe.w <= MULTUM_AMPLITUDE_MIN) return vec3(0.0);
+  float d = multum_movmf_spread(lobe);
+  float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < MULTUM_TERM_COUNT; ++i) sum += u_term_weights[i] * multum_term(d, u_term_spreads[i], e);
+  return lobe.w * sum;
+}
+#endif

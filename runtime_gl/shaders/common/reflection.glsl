@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the parts of a scene's fragment shader say to each other. Texts are put together in this order:
+//
+//   common/movmf_shading.glsl, this file, one of brdf/, one of surface/, light/lights.glsl, scene.frag
+//
+// A BRDF times the cosine is k_d / pi albedo (1 - F) max(n.l, 0) + k_s F f(n.h) V max(n.l, 0). A file of brdf/ has
+//
+//   vec3 multum_facets(vec3 n, vec3 h)           f of one normal
+//   vec3 multum_lobe_facets(vec4 lobe, vec3 h)   f convolved with a vMF lobe (a r, a), amplitude in
+//   vec3 multum_fresnel(float v_h)               F, with MULTUM_FRESNEL; without, 1. What does not depend on n stands
+//                                                outside the convolution. MULTUM_FRESNEL_DIFFUSE: there is a 1 - F
+//   float multum_visibility(float n_l, float n_v, float n_h, float v_h)   V, of cosines or, over a lobe, of their means
+//                                                max(n.l, 0) and max(n.v, 0); with MULTUM_VISIBILITY; without, 1
+//
+// or, with MULTUM_LAMBERT, none of these: there is no highlight. Representations that take less than that have
+// u_exponent, the exponent of the Blinn-Phong that is as wide (1 / u_exponent is the variance of its slopes along each
+// axis), and with MULTUM_ZONAL_ORDER, which such a representation defines, u_zonal: a_l = integral over the sphere of
+// f(t) P_l(t), a_0 = 1 for what is normalised.
+//
+// A file of surface/ is a representation of the normals under a fragment:
+//
+//   struct MultumSurface                                 what was fetched
+//   MultumSurface multum_fetch_surface(vec2 st)          once a fragment
+//   MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h)   of light from l; in it are albedo,
+//                                                        amplitudes, f, V and cosines; k_d / pi, k_s and F are not
+
+uniform float u_exponent;
+#ifdef MULTUM_ZONAL_ORDER
+uniform vec3 u_zonal[MULTUM_ZONAL_ORDER + 1];
+#endif
+
+struct MultumReflection {
+  vec3 diffuse;
+  vec3 specular;
+};

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lights of a scene, as many as MULTUM_DIRECTIONAL_LIGHTS and MULTUM_POINT_LIGHTS say.
+uniform vec3 u_diffuse;   // k_d
+uniform vec3 u_specular;  // k_s
+#ifdef MULTUM_DIRECTIONAL_LIGHTS
+uniform vec3 u_light_directions[MULTUM_DIRECTIONAL_LIGHTS];  // unit, towards the light
+uniform vec3 u_light_irradiances[MULTUM_DIRECTIONAL_LIGHTS];
+#endif
+#ifdef MULTUM_POINT_LIGHTS
+uniform vec3 u_point_positions[MULTUM_POINT_LIGHTS];
+uniform vec3 u_point_intensities[MULTUM_POINT_LIGHTS];  // irradiance at distance 1
+#endif
+
+// For irradiance 1 of a surface that faces l.
+vec3 multum_radiance(MultumSurface surface, vec3 l, vec3 v) {
+  vec3 h = normalize(l + v);
+  MultumReflection reflection = multum_reflect(surface, l, v, h);
+#ifdef MULTUM_FRESNEL
+  vec3 fresnel = multum_fresnel(max(dot(v, h), 0.0));
+  reflection.specular *= fresnel;
+#ifdef MULTUM_FRESNEL_DIFFUSE
+  reflection.diffuse *= vec3(1.0) - fresnel;
+#endif
+#endif
+  vec3 radiance = u_diffuse / MULTUM_PI * reflection.diffuse;
+#ifndef MULTUM_LAMBERT
+  radiance += u_specular * reflection.specular;
+#endif
+  return radiance;
+}
+
+// `to_world`: tangent, bitangent, normal; l of the tangent space is l_world * to_world.
+vec3 multum_lights(MultumSurface surface, mat3 to_world, vec3 position, vec3 v) {
+  vec3 radiance = vec3(0.0);
+#ifdef MULTUM_DIRECTIONAL_LIGHTS
+  for (int i = 0; i < MULTUM_DIRECTIONAL_LIGHTS; ++i)
+    radiance += u_light_irradiances[i] * multum_radiance(surface, u_light_directions[i] * to_world, v);
+#endif
+#ifdef MULTUM_POINT_LIGHTS
+  for (int i = 0; i < MULTUM_POINT_LIGHTS; ++i) {
+    vec3 to_light = u_point_positions[i] - position;
+    float square = max(dot(to_light, to_light), 1e-12);
+    radiance += u_point_intensities[i] / square * multum_radiance(surface, (to_light * inversesqrt(square)) * to_world, v);
+  }
+#endif
+  return radiance;
+}

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// One normal a fragment, in one of four ways (exactly one is defined):
+//   MULTUM_TRUTH  the finest map's nearest texel        MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
+//   MULTUM_MIP    averaged normal, normalised           MULTUM_LEAN     slope moments (Olano and Baker 2010):
+//                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
+// and MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored come from the normal map, by Toksvig's rule:
+// it has no moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP,
+// TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the same.
+uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_s b_t] for LEAN
+#ifdef MULTUM_LEAN
+uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
+#endif
+#ifdef MULTUM_COLOURS
+uniform sampler2D u_albedo;
+#endif
+#ifdef MULTUM_NORMAL_MAP
+uniform sampler2D u_normal_map;  // averaged normals of the levels finer than those
+#endif
+#ifdef MULTUM_ALBEDO_MAP
+uniform sampler2D u_albedo_map;
+#endif
+
+struct MultumSurface {
+  vec4 normal;
+  vec3 albedo;
+#ifdef MULTUM_LEAN
+  vec4 slopes;
+#endif
+#ifdef MULTUM_NORMAL_MAP
+  vec4 finest;  // mean normal; w = its share
+  vec3 finest_albedo;
+#endif
+};
+
+MultumSurface multum_fetch_surface(vec2 st) {
+  MultumSurface surface;
+  surface.normal = texture(u_normals, st);
+  surface.albedo = vec3(1.0);
+#ifdef MULTUM_COLOURS
+  surface.albedo = texture(u_albedo, st).rgb;
+#endif
+#ifdef MULTUM_LEAN
+  surface.slopes = texture(u_slopes, st);
+#endif
+#ifdef MULTUM_NORMAL_MAP
+  vec3 mean = texture(u_normal_map, st).xyz;
+  surface.finest = vec4(mean, multum_movmf_normal_map(mean, textureQueryLod(u_normals, st).y).w);
+  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
+#ifdef MULTUM_ALBEDO_MAP
+  surface.finest_albedo = texture(u_albedo_map, st).rgb;
+#endif
+#endif
+  return surface;
+}
+
+// Beyond the border of a map that wraps black there is no material: a mean of 0, which no normals above the surface
+// have.
+const float MULTUM_MEAN_MIN = 1e-12;
+
+// The highlight's cosine is that of the averaged normal.
+MultumReflection multum_reflect_mean(vec3 mean, vec3 albedo, vec3 facets, float diffuse, vec3 l, vec3 v, vec3 h) {
+  vec3 n = normalize(mean);
+  float n_l = max(dot(n, l), 0.0);
+  vec3 specular = facets * n_l;
+#ifdef MULTUM_VISIBILITY
+  specular *= multum_visibility(n_l, max(dot(n, v), 0.0), max(dot(n, h), 0.0), dot(v, h));
+#endif
+  return MultumReflection(albedo * diffuse, specular);
+}
+
+MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
+  vec3 mean = surface.normal.xyz;
+  float size = length(mean);
+  if (size <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));
+#if defined(MULTUM_TOKSVIG) || defined(MULTUM_LEAN)
+  float diffuse = max(dot(mean, l), 0.0);
+#else
+  float diffuse = max(dot(mean / size, l), 0.0);
+#endif
+  vec3 facets = vec3(0.0);
+#if defined(MULTUM_LAMBERT)
+#elif defined(MULTUM_TOKSVIG)
+  facets = vec3(multum_moments_toksvig(mean, h, u_exponent));
+#elif defined(MULTUM_JACOBIAN)
+  facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, true));
+#elif defined(MULTUM_LEAN)
+  facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, false));
+#else
+  facets = multum_facets(mean / size, h);
+#endif
+  return multum_reflect_mean(mean, surface.albedo, facets, diffuse, l, v, h);
+}
+
+MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
+  MultumReflection sum = multum_reflect_texel(surface, l, v, h);
+#ifdef MULTUM_NORMAL_MAP
+  MultumReflection finest = MultumReflection(vec3(0.0), vec3(0.0));
+  vec3 mean = surface.finest.xyz;
+  if (length(mean) > MULTUM_MEAN_MIN)
+    finest = multum_reflect_mean(mean, surface.finest_albedo, vec3(multum_moments_toksvig(mean, h, u_exponent)),
+                                 max(dot(mean, l), 0.0), l, v, h);
+  sum.diffuse = mix(sum.diffuse, finest.diffuse, surface.finest.w);
+  sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
+#endif
+  return sum;
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/baked_map.h"
+
+#include "host/base/error.h"
+#include "runtime_gl/materials/moment_material.h"
+#include "runtime_gl/materials/movmf_material.h"
+
+namespace multum {
+
+BakedMap read_baked_map(const std::string& path) {
+  BakedMap map{read_baked_header(path), std::nullopt, std::nullopt};
+  if (map.header.representation == Representation::kMovmf) map.lobes = read_movmf_mipmap(path);
+  else map.moments = read_moment_mipmap(path);
+  return map;
+}
+
+gl::NormalImage finest_normals(const BakedMap& map) {
+  return map.lobes ? gl::finest_normals(*map.lobes) : gl::finest_normals(*map.moments);
+}
+
+std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map, const ViewOptions& options,
+                                            const gl::NormalImage& source) {
+  if (map.lobes) {
+    auto material = std::make_unique<gl::MovmfMaterial>(gl, *map.lobes, options.anisotropy, &source);
+    material->set_formula(options.formula);
+    return material;
+  }
+  auto material = std::make_unique<gl::MomentMaterial>(gl, *map.moments, options.anisotropy, &source);
+  material->set_shading(options.moments.value_or(kUsualMomentShading));
+  return material;
+}
+
+void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
+  const bool has_lobes = baked.representation == Representation::kMovmf;
+  if (has_lobes && options.moments)
+    throw Error(ErrorCode::kUsage, options.input + ": holds lobes, found --moments, expected it for files of moments");
+  if (!has_lobes && options.formula == gl::LobeFormula::kPaper)
+    throw Error(ErrorCode::kUsage, options.input + ": holds moments, found --formula paper, expected it for lobes");
+}
+
+}  // namespace multum

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// A baked file of any representation: what reads it, what draws it, and the options that are for it alone. A new
+// representation is a member here and a branch of each function.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host/asset/moment_mipmap.h"
+#include "host/asset/movmf_mipmap.h"
+#include "runtime_gl/materials/normal_material.h"
+#include "tools/multum_view/view_options.h"
+
+namespace multum {
+
+struct BakedMap {
+  BakedHeader header;
+  std::optional<MovmfMipmap> lobes;  // one of these
+  std::optional<MomentMipmap> moments;
+};
+
+BakedMap read_baked_map(const std::string& path);
+
+/// Level 0, which must be stored, as normals.
+gl::NormalImage finest_normals(const BakedMap& map);
+
+/// Shaded as the options say. `source`: used where the file leaves levels to it.
+std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map, const ViewOptions& options,
+                                            const gl::NormalImage& source);
+
+/// Throws Error(kUsage): an option is for files of another representation.
+void check_options_of(const ViewOptions& options, const BakedHeader& baked);
+
+/// Of files of moments, when no option says it: the one of least error on most maps, by the bakes' own measurements
+/// (docs/ALGORITHMS.md, "Moments").
+constexpr gl::MomentShading kUsualMomentShading = gl::MomentShading::kLeanJacobian;
+
+}  // namespace multum

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/view_inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/image/colour_map.h"
+#include "host/image/normal_map.h"
+#include "host/image/reading_settings.h"
+#include "host/mesh/mesh.h"
+#include "runtime_gl/render/camera.h"
+
+namespace multum {
+namespace {
+
+constexpr float kPlaneSize = 60.0f;
+
+gl::MeshData to_mesh_data(const TriangleMesh& mesh) {
+  gl::MeshData data;
+  data.indices = mesh.indices;
+  data.vertices.reserve(mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    data.vertices.push_back({mesh.positions[i], mesh.normals[i], mesh.tangents[i], mesh.uvs[i]});
+  return data;
+}
+
+/// As the bake read it, unless the command line says otherwise.
+NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader& baked) {
+  NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
+  settings.wrap_s = baked.wrap_s;
+  settings.wrap_t = baked.wrap_t;
+  if (hash_file(options.source) == baked.provenance.source_hash) {
+    settings.repair_share_max = 1.0f;  // the bake took these very texels
+  } else if (!baked.provenance.source_hash.empty()) {
+    log_warning(fmt::format(
+        "{}: is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map", options.source,
+        options.input, baked.provenance.source_name, baked.provenance.source_hash,
+        baked.first_level > 0 ? "the finest levels, the truth and the baselines" : "the truth and the baselines"));
+  }
+  apply(options.reading, settings);
+  return settings;
+}
+
+}  // namespace
+
+gl::MeshData make_mesh(ViewOptions& options) {
+  gl::Scene& scene = options.scene;
+  if (options.mesh.empty()) {
+    scene.uv_scale = options.repeat > 0.0f ? options.repeat : kPlaneSize;
+    return to_mesh_data(make_plane(kPlaneSize));
+  }
+  scene.uv_scale = options.repeat > 0.0f ? options.repeat : 1.0f;
+  const TriangleMesh mesh = read_mesh(options.mesh);
+  glm::vec3 low = mesh.positions[0];
+  glm::vec3 high = low;
+  for (const glm::vec3& p : mesh.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const gl::Camera frame = gl::frame_box(low, high, options.up);
+  if (!options.has_camera) scene.camera = frame;
+  scene.camera.near_distance = frame.near_distance;
+  scene.camera.far_distance = std::max(frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target));
+  return to_mesh_data(mesh);
+}
+
+bool needs_source(const ViewOptions& options, const BakedHeader& baked) {
+  return !options.compare.empty() || baked.first_level > 0;
+}
+
+gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map) {
+  const BakedHeader& baked = map.header;
+  if (options.source.empty() && baked.first_level > 0)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
+                            "baked from, which has the finer ones ({}, SHA-256 {})",
+                            options.input, levels_text(baked.first_level, baked.level_count()), baked.width,
+                            baked.height, baked.provenance.source_name, baked.provenance.source_hash));
+  if (options.source.empty()) return finest_normals(map);
+  const NormalMap normals = read_normal_map(options.source, source_settings(options, baked), 1, nullptr);
+  log_info(options.source + ": " + normals.report.encoding);
+  if (normals.width != baked.width || normals.height != baked.height)
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source, normals.width,
+                            normals.height, options.input, baked.width, baked.height));
+  gl::NormalImage image{normals.width, normals.height, {}, {}, baked.wrap_s, baked.wrap_t};
+  for (std::size_t i = 0; i < normals.x.size(); ++i)
+    image.normals.emplace_back(normals.x[i], normals.y[i], normals.z[i]);
+  if (options.albedo.empty()) return image;
+  const ColourMap colours = read_albedo_map(options.albedo, normals.width, normals.height, 1);
+  for (std::size_t i = 0; i < colours.r.size(); ++i)
+    image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
+  return image;
+}
+
+void warn_of_sources(const ViewOptions& options, const BakedHeader& baked) {
+  if (!needs_source(options, baked) && !options.source.empty())
+    log_warning(options.source + ": is not read without --compare: the baked map's picture does not need it");
+  if (baked.first_level > 0 && baked.has_colours && options.albedo.empty())
+    log_warning(
+        fmt::format("{}: has colours from level {} on; without --albedo the finer levels have those of level "
+                    "{}, blurred",
+                    options.input, baked.first_level, baked.first_level));
+}
+
+}  // namespace multum

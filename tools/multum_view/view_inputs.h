@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is read to be drawn: the mesh and the normal map that was baked.
+#pragma once
+
+#include "runtime_gl/gl/mesh.h"
+#include "tools/multum_view/baked_map.h"
+
+namespace multum {
+
+/// The plane, or the mesh that the options name; sets what the scene takes of it: repeats and the camera.
+gl::MeshData make_mesh(ViewOptions& options);
+
+/// A file that holds every level draws itself; others take the finest from the source.
+bool needs_source(const ViewOptions& options, const BakedHeader& baked);
+
+/// The map that was baked, as the bake read it; without --source, level 0 of the file.
+gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map);
+
+void warn_of_sources(const ViewOptions& options, const BakedHeader& baked);
+
+}  // namespace multum

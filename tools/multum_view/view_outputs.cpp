@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/view_outputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/base/atomic_file.h"
+#include "host/base/output_paths.h"
+#include "host/brdf/measured_brdf.h"
+#include "runtime_gl/render/contact_sheet.h"
+#include "runtime_gl/render/picture_error.h"
+#include "tools/multum_view/write_image.h"
+
+namespace multum {
+namespace {
+
+bool has_truth(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "truth"; }
+
+const char* moment_shading_name(gl::MomentShading shading) {
+  switch (shading) {
+    case gl::MomentShading::kToksvig: return "toksvig";
+    case gl::MomentShading::kLean: return "lean";
+    case gl::MomentShading::kLeanJacobian: return "lean-jacobian";
+  }
+  return "?";
+}
+
+/// First row: the pictures; second, where there is a truth: what each is off by.
+gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
+  std::vector<std::vector<gl::SheetCell>> rows(has_truth(pictures) ? 2 : 1);
+  for (const NamedPicture& one : pictures) {
+    rows[0].push_back({one.name, one.picture.image});
+    if (!has_truth(pictures)) continue;
+    gl::FloatImage difference = gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain);
+    const double error = gl::picture_error(one.picture.image, pictures[0].picture.image).relative_l1;
+    const bool is_truth = &one == &pictures[0];
+    rows[1].push_back({is_truth ? "difference, 4 times" : fmt::format("{}: {:.1f} % off", one.name, 100.0 * error),
+                       std::move(difference)});
+  }
+  return gl::make_contact_sheet(rows, 1.0f / exposure);
+}
+
+/// The file that a picture gets by itself: `what` is its name, or its name and "_difference".
+std::string picture_path(const ViewOptions& options, const std::string& what) {
+  return options.pictures + "_" + what + options.output.substr(options.output.rfind('.'));
+}
+
+/// Every picture, and what it is off by, in a file of its own.
+void write_each(const ViewOptions& options, const std::vector<NamedPicture>& pictures) {
+  for (const NamedPicture& one : pictures) {
+    write_picture(picture_path(options, one.name), one.picture.image, options.exposure);
+    if (has_truth(pictures) && one.name != "truth")
+      write_picture(picture_path(options, one.name + "_difference"),
+                    gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain),
+                    options.exposure);
+  }
+}
+
+nlohmann::json colour_json(const glm::vec3& colour) { return {colour.x, colour.y, colour.z}; }
+
+nlohmann::json brdf_json(const Brdf& brdf) {
+  switch (brdf.kind) {
+    case BrdfKind::kLambert: return {{"brdf", "lambert"}};
+    case BrdfKind::kBlinnPhong: return {{"brdf", "blinn-phong"}, {"exponent", brdf.exponent}};
+    case BrdfKind::kTorranceSparrow: return {{"brdf", "torrance-sparrow"}, {"sigma", brdf.sigma}};
+    case BrdfKind::kCookTorrance:
+      return {{"brdf", "cook-torrance"}, {"sigma", brdf.sigma}, {"f0", colour_json(brdf.f0)}};
+    case BrdfKind::kGgx:
+      return {{"brdf", "ggx"}, {"roughness", brdf.roughness}, {"f0", colour_json(brdf.f0)}, {"terms", brdf.term_count}};
+    case BrdfKind::kMeasured:
+      return {{"brdf", "measured"},
+              {"name", brdf.measured->name},
+              {"terms", brdf.term_count},
+              {"factors_relative_error", brdf.measured->relative_error}};
+  }
+  return {};
+}
+
+}  // namespace
+
+void check_outputs(const ViewOptions& options) {
+  std::vector<std::string> outputs = {options.output};
+  if (!options.report.empty()) outputs.push_back(options.report);
+  if (!options.pictures.empty()) {
+    const bool compares_truth =
+        std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
+    std::vector<std::string> names = options.compare;
+    names.insert(names.begin(), "multum");
+    for (const std::string& name : names) {
+      outputs.push_back(picture_path(options, name));
+      if (compares_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
+    }
+  }
+  check_paths_differ({options.input, options.source, options.albedo, options.mesh}, outputs);
+  for (const std::string& path : outputs) check_writable(path);
+}
+
+void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>& pictures) {
+  write_picture(options.output, pictures.size() == 1 ? pictures[0].picture.image : compose(pictures, options.exposure),
+                options.exposure);
+  if (!options.pictures.empty()) write_each(options, pictures);
+}
+
+nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
+  nlohmann::json rows = nlohmann::json::array();
+  fmt::print("{:14} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms");
+  for (const NamedPicture& one : pictures) {
+    nlohmann::json row = {{"name", one.name}, {"frame_time_ms", one.picture.frame_time_ms}};
+    std::string l1 = "-";
+    std::string rmse = "-";
+    if (has_truth(pictures) && one.name != "truth") {
+      const gl::PictureError error = gl::picture_error(one.picture.image, pictures[0].picture.image);
+      row["relative_l1"] = error.relative_l1;
+      row["rmse"] = error.rmse;
+      l1 = fmt::format("{:.2f} %", 100.0 * error.relative_l1);
+      rmse = fmt::format("{:.5f}", error.rmse);
+    }
+    fmt::print("{:10} {:>12} {:>10} {:>10.1f}\n", one.name, l1, rmse, one.picture.frame_time_ms);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+void write_report(const ViewOptions& options, const std::string& context, const nlohmann::json& pictures) {
+  nlohmann::json report = {{"software", std::string("multum-view ") + MULTUM_VERSION},
+                           {"context", context},
+                           {"width", options.width},
+                           {"height", options.height},
+                           {"truth_samples", options.samples},
+                           {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
+                           {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
+                           {"moments", moment_shading_name(options.moments.value_or(kUsualMomentShading))},
+                           {"anisotropy", options.anisotropy},
+                           {"pictures", pictures}};
+  report.update(brdf_json(options.scene.brdf));
+  write_text_file(options.report, report.dump(2) + "\n");
+}
+
+}  // namespace multum

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What multum-view writes: pictures, a table of errors and times, a report.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "tools/multum_view/view_drawing.h"
+
+namespace multum {
+
+/// Refuses, before anything is drawn, file names that would overwrite each other or what is read, or that cannot be
+/// written: nothing is rendered for nothing, and no picture is left beside a report that failed.
+void check_outputs(const ViewOptions& options);
+
+/// The sheet, and with --pictures every picture, and what it is off by, in a file of its own.
+void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>& pictures);
+
+/// Prints it, and returns its rows.
+nlohmann::json print_table(const std::vector<NamedPicture>& pictures);
+
+/// `context`: how GL describes itself.
+void write_report(const ViewOptions& options, const std::string& context, const nlohmann::json& pictures);
+
+}  // namespace multum
