@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+#include <utility>
+
 #include "host/base/log.h"
 
 namespace multum {
@@ -17,6 +20,29 @@ gl::Baseline baseline_of(const std::string& name) {
 
 bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
+// Basis BRDFs one after another, each times its weight: what a surface reflects is their sum, whatever they are.
+template <typename Draw>
+gl::Picture draw_blended(const ViewOptions& options, gl::Material& material, const Draw& draw) {
+  gl::Scene scene = options.scene;
+  if (options.basis.size() <= 1) return draw(scene);
+  gl::Picture sum;
+  for (std::size_t k = 0; k < options.basis.size(); ++k) {
+    scene.brdf = options.basis[k];
+    material.set_basis(static_cast<int>(k));
+    gl::Picture part = draw(scene);
+    if (k == 0) {
+      sum = std::move(part);
+      continue;
+    }
+    // Alpha is coverage, the same in each.
+    for (std::size_t i = 0; i < sum.image.rgba.size(); ++i)
+      if (i % 4 != 3) sum.image.rgba[i] += part.image.rgba[i];
+    sum.frame_time_ms += part.frame_time_ms;
+  }
+  material.set_basis(std::nullopt);
+  return sum;
+}
+
 }  // namespace
 
 std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
@@ -24,16 +50,22 @@ std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunct
   using gl::NormalMaterial;
   gl::Renderer renderer(gl, options.width, options.height);
   std::vector<NamedPicture> pictures;
-  pictures.push_back({"multum", renderer.draw(mesh, *make_material(gl, map, options, source), options.scene)});
+  const auto drawn = [&](gl::Material& material) {
+    return draw_blended(options, material, [&](const gl::Scene& scene) { return renderer.draw(mesh, material, scene); });
+  };
+  pictures.push_back({"multum", drawn(*make_material(gl, map, options, source))});
   if (options.compare.empty()) return pictures;
   NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
   for (const std::string& name : options.compare) {
     if (name == "truth") {
-      const NormalMaterial finest(gl, source, NormalMaterial::Sampling::kNearest, 1.0f);
-      pictures.insert(pictures.begin(), {name, renderer.draw_truth(mesh, finest, options.scene, options.samples)});
+      NormalMaterial finest(gl, source, NormalMaterial::Sampling::kNearest, 1.0f);
+      const auto draw = [&](const gl::Scene& scene) {
+        return renderer.draw_truth(mesh, finest, scene, options.samples);
+      };
+      pictures.insert(pictures.begin(), {name, draw_blended(options, finest, draw)});
     } else {
       mipmapped.set_baseline(baseline_of(name));
-      pictures.push_back({name, renderer.draw(mesh, mipmapped, options.scene)});
+      pictures.push_back({name, drawn(mipmapped)});
     }
   }
   return pictures;

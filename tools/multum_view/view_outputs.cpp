@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "host/image/material_maps.h"
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
 #include "host/brdf/measured_brdf.h"
@@ -92,7 +93,9 @@ void check_outputs(const ViewOptions& options) {
       if (compares_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
     }
   }
-  check_paths_differ({options.input, options.source, options.albedo, options.mesh}, outputs);
+  check_paths_differ({options.input, options.source, options.albedo, parse_channel_file(options.roughness).path,
+                      options.weights, options.mesh},
+                     outputs);
   for (const std::string& path : outputs) check_writable(path);
 }
 

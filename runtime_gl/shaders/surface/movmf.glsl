@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A mixture of MULTUM_LOBE_COUNT vMF lobes, trilinear. MULTUM_COLOURS: lobes have colours; MULTUM_NORMAL_MAP: levels
 // finer than those of the lobes come from the normal map, as one more lobe; MULTUM_ALBEDO_MAP: with its own colours;
+// MULTUM_ROUGHNESS: the BRDF's width is in the lobes; MULTUM_BASIS k: all is times weight k of the lobes;
 // MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular alike.
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
 #ifdef MULTUM_COLOURS
@@ -14,6 +15,12 @@ uniform sampler2D u_normal_map;  // mean normals of the levels finer than those 
 #endif
 #ifdef MULTUM_ALBEDO_MAP
 uniform sampler2D u_albedo_map;
+#endif
+#ifdef MULTUM_ROUGHNESS
+uniform float u_mean_cosine;
+#endif
+#ifdef MULTUM_BASIS
+uniform sampler2D u_weights[MULTUM_LOBE_COUNT];
 #endif
 
 struct MultumSurface {
@@ -31,6 +38,7 @@ MultumSurface multum_fetch_surface(vec2 st) {
   finest.w *= normal.w;  // beyond a black border there is no material
 #endif
   vec3 mean_colour = vec3(0.0);
+  float mean_weight = 0.0;
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
     vec4 lobe = texture(u_lobes[j], st);
     surface.albedos[j] = vec3(1.0);
@@ -40,9 +48,18 @@ MultumSurface multum_fetch_surface(vec2 st) {
     surface.albedos[j] = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
     mean_colour += colour;
 #endif
+#ifdef MULTUM_BASIS
+    // Shading is linear in (a r, a): weights are amplitudes.
+    float weight = texture(u_weights[j], st)[MULTUM_BASIS];
+    mean_weight += weight;
+    lobe *= weight / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+#endif
     surface.lobes[j] = share * lobe;
   }
 #ifdef MULTUM_NORMAL_MAP
+#ifdef MULTUM_BASIS
+  finest *= mean_weight;  // of the first stored level
+#endif
   surface.lobes[MULTUM_LOBE_COUNT] = finest;
 #if defined(MULTUM_ALBEDO_MAP)
   surface.albedos[MULTUM_LOBE_COUNT] = texture(u_albedo_map, st).rgb;
@@ -73,7 +90,11 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
     float cosine = max(dot(multum_movmf_mean_direction(lobe), l), 0.0);
     float diffuse = lobe.w * cosine;
 #else
+#ifdef MULTUM_ROUGHNESS
+    float diffuse = multum_movmf_lambert(multum_movmf_without_roughness(lobe, u_mean_cosine), l);
+#else
     float diffuse = multum_movmf_lambert(lobe, l);
+#endif
     float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
     sum.diffuse += surface.albedos[j] * diffuse;

@@ -3,7 +3,8 @@
 //   MULTUM_TRUTH  the finest map's nearest texel        MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP    averaged normal, normalised           MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// and MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored come from the normal map, by Toksvig's rule:
+// and MULTUM_ROUGHNESS (lengths of normals are a BRDF's width; TRUTH: of each its own), MULTUM_BASIS k (all is times weight
+// k), MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored come from the normal map, by Toksvig's rule:
 // it has no moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP,
 // TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the same.
 uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_s b_t] for LEAN
@@ -12,6 +13,12 @@ uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
 #endif
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_albedo;
+#endif
+#ifdef MULTUM_ROUGHNESS
+uniform float u_mean_cosine;
+#endif
+#ifdef MULTUM_BASIS
+uniform sampler2D u_weights;
 #endif
 #ifdef MULTUM_NORMAL_MAP
 uniform sampler2D u_normal_map;  // averaged normals of the levels finer than those
@@ -23,6 +30,7 @@ uniform sampler2D u_albedo_map;
 struct MultumSurface {
   vec4 normal;
   vec3 albedo;
+  float weight;
 #ifdef MULTUM_LEAN
   vec4 slopes;
 #endif
@@ -42,6 +50,10 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #ifdef MULTUM_LEAN
   surface.slopes = texture(u_slopes, st);
 #endif
+  surface.weight = 1.0;
+#ifdef MULTUM_BASIS
+  surface.weight = texture(u_weights, st)[MULTUM_BASIS];
+#endif
 #ifdef MULTUM_NORMAL_MAP
   vec3 mean = texture(u_normal_map, st).xyz;
   surface.finest = vec4(mean, multum_movmf_normal_map(mean, textureQueryLod(u_normals, st).y).w);
@@ -56,6 +68,14 @@ MultumSurface multum_fetch_surface(vec2 st) {
 // Beyond the border of a map that wraps black there is no material: a mean of 0, which no normals above the surface
 // have.
 const float MULTUM_MEAN_MIN = 1e-12;
+
+// max(E[n] . l, 0).
+float multum_mean_cosine(vec3 mean, vec3 l) {
+#ifdef MULTUM_ROUGHNESS
+  mean = multum_movmf_without_roughness(vec4(mean, 1.0), u_mean_cosine).xyz;
+#endif
+  return max(dot(mean, l), 0.0);
+}
 
 // The highlight's cosine is that of the averaged normal.
 MultumReflection multum_reflect_mean(vec3 mean, vec3 albedo, vec3 facets, float diffuse, vec3 l, vec3 v, vec3 h) {
@@ -73,7 +93,7 @@ MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec
   float size = length(mean);
   if (size <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));
 #if defined(MULTUM_TOKSVIG) || defined(MULTUM_LEAN)
-  float diffuse = max(dot(mean, l), 0.0);
+  float diffuse = multum_mean_cosine(mean, l);
 #else
   float diffuse = max(dot(mean / size, l), 0.0);
 #endif
@@ -85,6 +105,8 @@ MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec
   facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, true));
 #elif defined(MULTUM_LEAN)
   facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, false));
+#elif defined(MULTUM_ROUGHNESS)
+  facets = multum_lobe_facets(vec4(mean, 1.0), h);
 #else
   facets = multum_facets(mean / size, h);
 #endif
@@ -98,9 +120,11 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
   vec3 mean = surface.finest.xyz;
   if (length(mean) > MULTUM_MEAN_MIN)
     finest = multum_reflect_mean(mean, surface.finest_albedo, vec3(multum_moments_toksvig(mean, h, u_exponent)),
-                                 max(dot(mean, l), 0.0), l, v, h);
+                                 multum_mean_cosine(mean, l), l, v, h);
   sum.diffuse = mix(sum.diffuse, finest.diffuse, surface.finest.w);
   sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
 #endif
+  sum.diffuse *= surface.weight;
+  sum.specular *= surface.weight;
   return sum;
 }
