@@ -60,6 +60,7 @@ MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settin
     fit.cell_side = kCellSideFew;
     fit.sample_capacity = fit.cell_side * fit.cell_side;
   }
+  if (how.shortened) make_shortened(schedule);
   return schedule;
 }
 
@@ -99,7 +100,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   windows.lobes = &lobes;
   windows.directed = &directed;
   windows.normals = &normals;
-  const auto condensed = condense_levels(device, planes, nullptr, schedule, how.condense_rows, {}, nullptr);
+  const auto condensed = condense_levels(device, planes, {}, schedule, how.condense_rows, {}, nullptr);
   RowWindow samples, counts;
   if (how.method == FitMethod::kCondensed) {
     const CondensedLevel& from = condensed.at(how.level);
