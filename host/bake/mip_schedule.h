@@ -58,6 +58,8 @@ constexpr int kSamplesPerChunk = 4096;
 /// `weighted`: use the kernels that weigh samples even where whole texels are covered (the same result).
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);
 
+/// Facets that a shortened normal stands for when EM shares it out (movmf_em.clh).
+constexpr float kCopiesShortened = 16.0f;
 /// For normals that a BRDF's width has shortened.
 void make_shortened(MipSchedule& schedule);
 

@@ -56,6 +56,7 @@ typedef struct MultumMovmfFit {
   int sample_capacity;           // samples of a texel, at most (movmf_em_texels.cl): of a condensed one its cells
   int cell_side;                 // cells along a side of a condensed texel's grid; 0: not condensed
   int shortened;                 // not 0: normals are mean vectors of a BRDF's lobes, of lengths up to 1
+  float extra_copies;            // a sample counts as one and so many more facets when EM shares it out
   float settled_change_squared;  // a texel in which nothing moves by more is done; 0: run every iteration
   int chunk_rows;                // rows a chunk sums (movmf_em_chunks.cl)
   int chunk_count;               // chunks a texel
