@@ -41,20 +41,12 @@ class FileSink : public MomentSink {
   const int threads_;
 };
 
-// Rows of tiles that the writer holds until they are full: of every level one, since all levels are made at once. Nine
-// to twelve floats a texel, and the halfs of a part of the widest level. Beyond what every bake is taken to need
-// (bake_job.cpp) they are taken from the buffers' share: wide maps need more memory, and say so.
-std::uint64_t waiting_bytes_beyond_usual(const BakedHeader& header, const BakedWriteOptions& options) {
-  constexpr std::uint64_t kUsual = std::uint64_t{32} << 20;
-  const std::uint64_t channels = (header.has_colours ? 12u : 9u) + static_cast<std::uint64_t>(header.weight_count);
+// Rows of tiles that the writer holds: of every level one, since all levels are made at once.
+std::uint64_t waiting_bytes(const BakedHeader& header, int tile_size) {
+  const std::uint64_t values = (header.has_colours ? 12u : 9u) + static_cast<std::uint64_t>(header.weight_count);
   std::uint64_t bytes = 0;
-  for (int l = header.first_level; l < header.level_count(); ++l) {
-    const auto texels = static_cast<std::uint64_t>(mip_level_size(header.width, l)) *
-                        static_cast<std::uint64_t>(std::min(options.tile_size, mip_level_size(header.height, l)));
-    bytes += texels * channels * sizeof(float);
-    if (l == header.first_level) bytes += texels * 6 * sizeof(std::uint16_t);
-  }
-  return bytes > kUsual ? bytes - kUsual : 0;
+  for (int l = header.first_level; l < header.level_count(); ++l) bytes += tile_row_bytes(header, l, tile_size, values);
+  return bytes;
 }
 
 void warn_of_limited_slopes(const BakeRun& run, const BakeReport& report) {
@@ -87,7 +79,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   inputs.weights = run.source.weight_map();
   inputs.has_roughness = run.source.has_roughness;
   inputs.first_level = run.header.first_level;
-  inputs.memory_bytes = run.memory_bytes - std::min(run.memory_bytes, waiting_bytes_beyond_usual(run.header, writing));
+  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes(run.header, writing.tile_size));
   inputs.threads = job.threads;
   bake_moments(run.device, inputs, sink, report, progress);
   run.clock.finish("average");

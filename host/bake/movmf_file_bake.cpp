@@ -69,6 +69,16 @@ std::string checkpoint_key(const MovmfMipmap& header) {
   return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 
+// Rows of tiles that the writer holds: of the level that is fitted, and of level 0 beside level 1.
+std::uint64_t waiting_bytes(const BakeRun& run) {
+  const BakedHeader& header = run.header;
+  const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);
+  const auto lobes = static_cast<std::uint64_t>(run.job.fitting.lobe_count);
+  const int level = std::min(std::max(1, header.first_level), header.level_count() - 1), tile = run.job.writing.tile_size;
+  return tile_row_bytes(header, level, tile, lobes * (4 + features)) +
+         (header.first_level == 0 ? tile_row_bytes(header, 0, tile, 4 + features) : 0);
+}
+
 // A region alone, or all of the map.
 void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
@@ -77,7 +87,7 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   inputs.albedo = run.source.colours();
   inputs.weights = run.source.weight_map();
   inputs.has_roughness = run.source.has_roughness;
-  inputs.memory_bytes = run.memory_bytes;
+  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes(run));
   inputs.place.folder = scratch_folder(job);
   inputs.threads = job.threads;
   if (job.region) {
