@@ -122,7 +122,7 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
 void make_shortened(MipSchedule& schedule) {
   for (LevelSchedule& level : schedule.levels) {
     level.fit.shortened = 1;
-    level.fit.extra_copies = getenv("MULTUM_COPIES") ? (float)atof(getenv("MULTUM_COPIES")) - 1.0f : kCopiesShortened - 1.0f;
+    level.fit.extra_copies = kCopiesShortened - 1.0f;
     if (level.method != FitMethod::kCondensed) continue;
     level.fit.cell_side = level.fit.cell_side == kCellSideFew ? kCellSideFewShortened : kCellSideShortened;
     level.fit.sample_capacity = MULTUM_LENGTH_CLASSES * level.fit.cell_side * level.fit.cell_side;

@@ -59,7 +59,7 @@ constexpr int kSamplesPerChunk = 4096;
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);
 
 /// Facets that a shortened normal stands for when EM shares it out (movmf_em.clh).
-constexpr float kCopiesShortened = 16.0f;
+constexpr float kCopiesShortened = 4.0f;
 /// For normals that a BRDF's width has shortened.
 void make_shortened(MipSchedule& schedule);
 

@@ -55,12 +55,13 @@ class MipmapSink : public MovmfSink {
 // One bake of a small likeness after another, each from another start: what they share is made once.
 class Rehearsal {
  public:
-  Rehearsal(Device& device, const NormalMap& likeness, const MovmfSettings& settings, bool weighted)
+  Rehearsal(Device& device, const NormalMap& likeness, const MovmfSettings& settings, const MipSchedule& of_map)
       : device_(device),
         likeness_(likeness),
         planes_(planes_of(likeness)),
         settings_(settings),
-        schedule_(make_mip_schedule(likeness.width, likeness.height, settings, weighted)),
+        has_roughness_(!of_map.levels.empty() && of_map.levels[0].fit.shortened != 0),
+        schedule_(make_schedule(likeness, settings, of_map.weighted, has_roughness_)),
         plan_(make_bake_plan(schedule_, settings, 0, std::uint64_t{1} << 30, {})) {}
 
   // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
@@ -69,8 +70,8 @@ class Rehearsal {
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     constexpr int kSideMax = 16;  // of the levels that are compared: finer ones of the likeness hold too few normals
     BakeReport ignored;
-    MipmapSink sink(likeness_.width, likeness_.height, settings_, {}, false);
-    fit_movmf(device_, {&planes_, {}, false, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
+    MipmapSink sink(likeness_.width, likeness_.height, settings_, {}, has_roughness_);
+    fit_movmf(device_, {&planes_, {}, has_roughness_, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
     const MovmfMipmap mipmap = sink.take();
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
@@ -88,20 +89,29 @@ class Rehearsal {
   }
 
  private:
+  static MipSchedule make_schedule(const NormalMap& map, const MovmfSettings& settings, bool weighted,
+                                   bool has_roughness) {
+    MipSchedule schedule = make_mip_schedule(map.width, map.height, settings, weighted);
+    if (has_roughness) make_shortened(schedule);
+    return schedule;
+  }
+
   Device& device_;
   const NormalMap& likeness_;
   const PlaneStore planes_;
   const MovmfSettings settings_;
+  const bool has_roughness_;
   const MipSchedule schedule_;
   const BakePlan plan_;
 };
 
 std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
-                                        bool weighted, BakeReport& report) {
+                                        const MipSchedule& schedule, BakeReport& report) {
   constexpr int kLikenessSide = 64;
   const auto started = std::chrono::steady_clock::now();
   const std::uint64_t launches_before = device.launch_total();
-  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
+  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2,
+                           !schedule.levels.empty() && schedule.levels[0].fit.shortened != 0};
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
   report.starts_rehearsed = 0;
   std::size_t best = 0;
@@ -110,7 +120,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
     MovmfSettings whole = settings;
     whole.first_level = 0;  // of the likeness, which has fewer levels than the map
     const NormalMap likeness = sample_likeness(normals, kLikenessSide, search.seed);
-    const Rehearsal rehearsal(device, likeness, whole, weighted);  // the map's own kernels: no second set of programs
+    const Rehearsal rehearsal(device, likeness, whole, schedule);  // the map's own kernels: no second set of programs
     double least = HUGE_VAL;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       const double error = rehearsal.error_from(candidates[c]);
@@ -154,7 +164,7 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
                      inputs.threads, inputs.checkpoint, inputs.region};
   if (inputs.region == nullptr) {  // a region grows from the lobes that are there
     progress_stage(progress, "choose a start");
-    fit.top_start = choose_start(device, normals, settings, schedule.weighted, report);
+    fit.top_start = choose_start(device, normals, settings, schedule, report);
   }
   fit_movmf(device, fit, settings, schedule, plan, sink, report, progress);
 }

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "host/bake/mean_cosine.h"
+#include "host/bake/mip_schedule.h"
 #include "host/base/parallel.h"
 #include "host/base/split_mix.h"
 
@@ -22,16 +23,6 @@ using Normals = std::vector<glm::dvec3>;
 int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
   const std::int64_t first = std::int64_t{cell} * size / cells, end = std::int64_t{cell + 1} * size / cells;
   return static_cast<int>(first + static_cast<std::int64_t>(random % static_cast<std::uint64_t>(end - first)));
-}
-
-// The direction of a normal, which a BRDF's width may have shortened: starts are of directions alone, and EM finds the
-// widths. Unit normals stay as they are, to the bit.
-std::array<float, 3> direction_at(const PlaneStore& map, int x, int y) {
-  std::array<float, 3> n = map.texel(x, y);
-  const float squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  if (squared < 1.0f - 1e-5f)
-    for (float& component : n) component /= std::sqrt(squared);
-  return n;
 }
 
 // One normal at random of each cell of a grid over a rectangle, at most about `sample_max`.
@@ -47,7 +38,7 @@ Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, doubl
           split_mix(static_cast<std::uint64_t>(row) * 65536u + static_cast<std::uint64_t>(column));
       const int x = where.x0 + position_in_cell(column, columns, width, random & 0xffffffffu);
       const int y = where.y0 + position_in_cell(row, rows, height, random >> 32);
-      const std::array<float, 3> n = direction_at(map, x, y);
+      const std::array<float, 3> n = map.texel(x, y);
       normals.emplace_back(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
     }
   return normals;
@@ -66,28 +57,38 @@ struct Fit {
   double error = HUGE_VAL;
 };
 
-Fit start_from(const Normals& normals, const std::vector<std::size_t>& chosen) {
+Fit start_from(const Normals& normals, const std::vector<std::size_t>& chosen, bool has_roughness) {
   Fit fit;
-  for (std::size_t i : chosen) fit.lobes.push_back({normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())});
+  for (std::size_t i : chosen) {
+    Lobe lobe{normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())};
+    if (has_roughness) {  // as wide as that normal's own lobe: on a flat surface nothing else tells lobes apart
+      const double length = glm::length(normals[i]);
+      lobe = {normals[i] / length, 0.95 * length, kappa_of_mean_cosine(0.95 * length, 30.0), lobe.amplitude};
+    }
+    fit.lobes.push_back(lobe);
+  }
   return fit;
 }
 
-// EM in double, Han et al. 2007, section 7, Algorithm 1, without alignment.
-void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max) {
+// EM in double, Han et al. 2007, section 7, Algorithm 1, without alignment; of shortened normals, `copies` of each
+// (kernels/device/movmf_em.clh).
+void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max, double copies) {
   const std::size_t count = fit.lobes.size();
   for (int iteration = 0; iteration < iterations; ++iteration) {
     std::array<double, 8> constant{}, weight{};
     std::array<glm::dvec3, 8> sum{};
     for (std::size_t j = 0; j < count; ++j) {
       const Lobe& lobe = fit.lobes[j];
-      constant[j] = std::log(std::max(lobe.amplitude, 1e-6) * lobe.kappa / (1.0 - std::exp(-2.0 * lobe.kappa)));
+      const double peak = lobe.kappa / (1.0 - std::exp(-2.0 * lobe.kappa));
+      constant[j] = std::log(std::max(lobe.amplitude, 1e-6) * lobe.kappa / (1.0 - std::exp(-2.0 * lobe.kappa))) +
+                    (copies - 1.0) * std::log(peak);
     }
     double log_likelihood = 0.0;
     for (const glm::dvec3& n : normals) {
       std::array<double, 8> e{};
       double largest = -HUGE_VAL, total = 0.0;
       for (std::size_t j = 0; j < count; ++j) {
-        e[j] = constant[j] + fit.lobes[j].kappa * (glm::dot(fit.lobes[j].mu, n) - 1.0);
+        e[j] = constant[j] + copies * fit.lobes[j].kappa * (glm::dot(fit.lobes[j].mu, n) - 1.0);
         largest = std::max(largest, e[j]);
       }
       for (std::size_t j = 0; j < count; ++j) total += e[j] = std::exp(e[j] - largest);
@@ -134,7 +135,7 @@ class HighlightError {
     for (std::size_t s = 0; s < kSharpness.size(); ++s)
       for (std::size_t d = 0; d < kDirections; ++d) {
         double sum = 0.0;
-        for (const glm::dvec3& n : normals) sum += density(kSharpness[s], glm::dot(n, directions_[d]));
+        for (const glm::dvec3& n : normals) sum += highlight(n, kSharpness[s], directions_[d]);
         truth_[s][d] = sum / static_cast<double>(normals.size());
       }
   }
@@ -159,6 +160,12 @@ class HighlightError {
   }
 
  private:
+  // Of a normal, with the width of a lobe of its own where it is shortened.
+  static double highlight(const glm::dvec3& n, double sharpness, const glm::dvec3& direction) {
+    const double length = glm::length(n);
+    if (length > 1.0 - 1e-6) return density(sharpness, glm::dot(n, direction));
+    return density(kappa_of_mean_cosine(length * (1.0 - 1.0 / sharpness), 1e6), glm::dot(n, direction) / length);
+  }
   static constexpr int kDirections = 256;
   static constexpr std::array<double, 3> kSharpness = {20.0, 100.0, 500.0};
   static double density(double kappa, double t) {
@@ -215,6 +222,7 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
   const Normals normals = sample_normals(map, {0, 0, map.width(), map.height()}, 1024.0);
   const HighlightError error(normals);
   const auto cap = static_cast<double>(search.kappa_max);
+  const double copies = search.has_roughness ? static_cast<double>(kCopiesShortened) : 1.0;
   const auto lobe_count = static_cast<std::size_t>(search.lobe_count);
   std::vector<Fit> fits(kTrials);
   for_each_item(kTrials, search.threads, [&](int row) {
@@ -223,12 +231,12 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
     if (trial == 0) chosen = farthest_first(normals, search.lobe_count);
     for (std::size_t j = chosen.size(); j < lobe_count; ++j)
       chosen.push_back(split_mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
-    fits[trial] = start_from(normals, chosen);
-    iterate(fits[trial], normals, kShortIterations, cap);
+    fits[trial] = start_from(normals, chosen, search.has_roughness);
+    iterate(fits[trial], normals, kShortIterations, cap, copies);
   });
   fits = finalists(std::move(fits), error, search.threads);
   for_each_item(static_cast<int>(fits.size()), search.threads,
-                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap); });
+                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap, copies); });
   rate(fits, error, search.threads);
   std::stable_sort(fits.begin(), fits.end(), less_error);
   fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());
@@ -253,7 +261,7 @@ NormalMap sample_likeness(const PlaneStore& map, int side_max, std::uint64_t see
           split_mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * likeness.width + x));
       const int source_x = position_in_cell(x, likeness.width, map.width(), random & 0xffffffffu);
       const int source_y = position_in_cell(y, likeness.height, map.height(), random >> 32);
-      const std::array<float, 3> n = direction_at(map, source_x, source_y);
+      const std::array<float, 3> n = map.texel(source_x, source_y);
       likeness.x.push_back(n[0]);
       likeness.y.push_back(n[1]);
       likeness.z.push_back(n[2]);

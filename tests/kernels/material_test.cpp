@@ -28,6 +28,17 @@ NormalMap bumpy_map(int width, int height, unsigned seed) {
   });
 }
 
+// Three facets with some noise, each of its own width: what lobes should find.
+NormalMap facets(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  return make_map(width, height, [&](int x, int y) {
+    const int facet = (x / 3 + y / 5) % 3;
+    const glm::dvec3 noise(uniform(random), uniform(random), uniform(random));
+    const glm::dvec3 n(facet == 0 ? 0.6 : facet == 1 ? -0.5 : 0.0, facet == 2 ? 0.6 : -0.1, 0.8);
+    return (facet == 0 ? 0.999 : facet == 1 ? 0.9 : 0.97) * glm::normalize(n + 0.2 * noise);
+  });
+}
+
 // Each normal times 1/2 to 1, most near 1.
 NormalMap shortened(NormalMap map, unsigned seed) {
   std::mt19937 random(seed);
@@ -74,13 +85,14 @@ TEST(ShortenedNormals, EmEqualsReference) {
       how.scalar = scalar;
       const auto found = fit_with_kernels(map, parent, 3, how);
       ASSERT_EQ(found.size(), expected.size());
-      for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT(error_of(found[i], expected[i]), 2e-4) << level << ": " << i;
+      // As in movmf_em_test, times the copies that differences of log densities count.
+      for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT(error_of(found[i], expected[i]), 4e-4) << level << ": " << i;
     }
   }
 }
 
 TEST(ShortenedNormals, CondensedOnesGiveTheLobesOfAllOfThem) {
-  const NormalMap map = shortened(bumpy_map(128, 128, 33), 34);
+  const NormalMap map = facets(128, 128, 33);
   const auto parent = spread_parent(map, 6, 3);
   LevelFit how;
   how.level = 6;

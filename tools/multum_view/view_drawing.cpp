@@ -25,7 +25,7 @@ template <typename Draw>
 gl::Picture draw_blended(const ViewOptions& options, gl::Material& material, const Draw& draw) {
   gl::Scene scene = options.scene;
   if (options.basis.size() <= 1) return draw(scene);
-  gl::Picture sum;
+  gl::Picture sum{};
   for (std::size_t k = 0; k < options.basis.size(); ++k) {
     scene.brdf = options.basis[k];
     material.set_basis(static_cast<int>(k));
