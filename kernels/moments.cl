@@ -56,8 +56,8 @@ __kernel void moment_features(__global const float* value_x, __global const floa
   const int item = (int)get_global_id(0);
   if (item >= band.row_count * band.map_width) return;
   const size_t plane_size = (size_t)band.row_count * band.row_length;
-  __global float* out = nodes + first_plane * plane_size + (size_t)(item / band.map_width) * band.row_length +
-                        item % band.map_width;
+  __global float* out =
+      nodes + first_plane * plane_size + (size_t)(item / band.map_width) * band.row_length + item % band.map_width;
   out[0] = value_x[item];
   out[plane_size] = value_y[item];
   out[2 * plane_size] = value_z[item];

@@ -8,10 +8,10 @@
 // three quarters from how many normals lie where and by a quarter from their extent: a few steep edges do not coarsen
 // the cells of a flat texel. What lies outside the axes belongs to the outermost cells.
 //
-// Normals that a BRDF's width has shortened (MovmfFit::shortened) lie by their directions, in a grid of their own for each
-// class of lengths: sharp and wide BRDFs under one texel are what lobes are to tell apart. Classes end at kappa 1250, 133
-// and 22, that is at a perceptual roughness of 0.2, 0.35 and 0.55, so that the kappas of a class differ by 9 at most but
-// for the sharpest, whose widths hardly show.
+// Normals that a BRDF's width has shortened (MovmfFit::shortened) lie by their directions, in a grid of their own for
+// each class of lengths: sharp and wide BRDFs under one texel are what lobes are to tell apart. Classes end at kappa
+// 1250, 133 and 22, that is at a perceptual roughness of 0.2, 0.35 and 0.55, so that the kappas of a class differ by 9
+// at most but for the sharpest, whose widths hardly show.
 //
 // The map streams by in bands of rows. Sums are whole numbers of 2^-30, so that no order of bands, chunks or threads
 // can be seen in them, and nothing is rounded away that thousands of nearly equal normals differ by: 2^28 of them add
@@ -173,8 +173,8 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
         const float2 p = place_of_normal(normal_x[source], normal_y[source], normal_z[source], &fit);
         cells_of[i] = cell_along(p.y, axis_y, fit.cell_side) * fit.cell_side + cell_along(p.x, axis_x, fit.cell_side);
         if (fit.shortened)
-          cells_of[i] += fit.cell_side * fit.cell_side *
-                         length_class(normal_x[source], normal_y[source], normal_z[source]);
+          cells_of[i] +=
+              fit.cell_side * fit.cell_side * length_class(normal_x[source], normal_y[source], normal_z[source]);
       }
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per-lobe colours, weights of basis BRDFs and any other linear material features: a_j y_j = sum_i z_ij y_i / N, with the
-// responsibilities of the very E-step that gave the stored amplitudes, so that the sum over lobes is the texel's mean
-// exactly (Han et al. 2007, section 7.3). Three channels at a time: colours, or three of the weights.
+// Per-lobe colours, weights of basis BRDFs and any other linear material features: a_j y_j = sum_i z_ij y_i / N, with
+// the responsibilities of the very E-step that gave the stored amplitudes, so that the sum over lobes is the texel's
+// mean exactly (Han et al. 2007, section 7.3). Three channels at a time: colours, or three of the weights.
 
 #include "device/level_window.clh"
 #include "device/texel_coverage.clh"

@@ -11,8 +11,8 @@
 
 namespace multum {
 
-/// What is drawn of a file with roughness in is shaded with a Blinn-Phong of this exponent, the sharpest that the formulas are
-/// tested with: it adds no width to what is rougher than 0.1, and keeps mirrors finite.
+/// What is drawn of a file with roughness in is shaded with a Blinn-Phong of this exponent, the sharpest that the
+/// formulas are tested with: it adds no width to what is rougher than 0.1, and keeps mirrors finite.
 constexpr float kRoughnessExponent = 1e5f;
 
 constexpr int kWeightCountMax = 4;  // channels of a texture

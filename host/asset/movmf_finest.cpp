@@ -123,8 +123,8 @@ MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, boo
       if (lobe == glm::vec4(0.0f) && colour == glm::vec3(0.0f)) continue;
       const glm::vec3 normal(lobe);
       const float length_squared = glm::dot(normal, normal);
-      const bool whole = lobe.w == 1.0f && normal.z >= 0.0f &&
-                         (has_roughness || length_squared >= kLengthSquaredMin) && length_squared <= kLengthSquaredMax;
+      const bool whole = lobe.w == 1.0f && normal.z >= 0.0f && (has_roughness || length_squared >= kLengthSquaredMin) &&
+                         length_squared <= kLengthSquaredMax;
       const bool alone = rows.lobe[i] == kLobeCountMax;
       MULTUM_CHECK(whole && alone);
       rows.normals[i] = normal;

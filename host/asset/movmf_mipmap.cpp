@@ -19,9 +19,9 @@ MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count) {
 }
 
 BakedHeader header_of(const MovmfMipmap& mipmap) {
-  return {Representation::kMovmf, mipmap.encoding, mipmap.wrap_s,      mipmap.wrap_t,       mipmap.provenance,
-          mipmap.width(),         mipmap.height(), mipmap.first_level, mipmap.has_colours(),
-          mipmap.weight_count,    mipmap.has_roughness, mipmap.mean_cosine};
+  return {Representation::kMovmf, mipmap.encoding,     mipmap.wrap_s,        mipmap.wrap_t,
+          mipmap.provenance,      mipmap.width(),      mipmap.height(),      mipmap.first_level,
+          mipmap.has_colours(),   mipmap.weight_count, mipmap.has_roughness, mipmap.mean_cosine};
 }
 
 void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {

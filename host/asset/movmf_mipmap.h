@@ -50,8 +50,8 @@ struct MovmfMipmap {
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   BakedProvenance provenance;
-  int first_level = 0;             // the finest level that is stored, 0..levels - 1
-  int weight_count = 0;            // as BakedHeader has them
+  int first_level = 0;   // the finest level that is stored, 0..levels - 1
+  int weight_count = 0;  // as BakedHeader has them
   bool has_roughness = false;
   float mean_cosine = 1.0f;
   std::vector<MovmfLevel> levels;  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1

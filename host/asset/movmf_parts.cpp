@@ -17,7 +17,8 @@ constexpr char kFinestText[] =
 constexpr char kLobeText[] =
     "R,G,B,A = a*r.x,a*r.y,a*r.z,a; r = mean normal, +X right, +Y up, +Z out; data, not colour";
 constexpr char kFinestRoughText[] =
-    "normalX, normalY, normalZ = c(roughness)*n, unit n +X right, +Y up, +Z out; lobe = number of the lobe that has all "
+    "normalX, normalY, normalZ = c(roughness)*n, unit n +X right, +Y up, +Z out; lobe = number of the lobe that has "
+    "all "
     "of the texel; albedo = linear RGB; data, not colour";
 constexpr char kWeightsText[] =
     "R,G,B,A = a*weights of basis BRDFs 0 to 3; a is in the lobe part of the same number; data, not colour";
@@ -30,9 +31,8 @@ void add_weight_channels(const std::string& layer, const MovmfMipmap& header, Ba
 
 // In the order in which OpenImageIO lists layers and their channels, as with the other parts.
 MovmfPart finest_part(const MovmfMipmap& header) {
-  MovmfPart part{{"finest", {}, 0, 1, true, header.has_roughness ? kFinestRoughText : kFinestText},
-                 MovmfPartKind::kFinest,
-                 0};
+  MovmfPart part{
+      {"finest", {}, 0, 1, true, header.has_roughness ? kFinestRoughText : kFinestText}, MovmfPartKind::kFinest, 0};
   if (header.has_colours())
     for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
       part.channels.push_back({name, colour_type(header.encoding)});
@@ -116,7 +116,8 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
     if (part->kind == MovmfPartKind::kFinest) {
       std::vector<float> values;
       for (int row = 0; row < level.height; row += kRowsPerBand) {
-        const MovmfFinest rows = finest_of(level, row, std::min(kRowsPerBand, level.height - row), mipmap.has_roughness);
+        const MovmfFinest rows =
+            finest_of(level, row, std::min(kRowsPerBand, level.height - row), mipmap.has_roughness);
         values.resize(rows.normals.size() * channels);
         interleave(rows, 0, rows.normals.size(), values.data());
         hash.update(values.data(), values.size() * sizeof(float));

@@ -49,8 +49,9 @@ void scan_weights(const MovmfLevel& rows, std::size_t lobe, std::size_t texel, c
   for (std::size_t k = 0; k < count; ++k) {
     const float weight = rows.weights[lobe][texel * count + k];
     if (!std::isfinite(weight)) ++nonfinite;
-    else offer(std::max(-static_cast<double>(weight),
-                        static_cast<double>(weight) - static_cast<double>(rows.lobes[lobe][texel].w) - kExcessMax));
+    else
+      offer(std::max(-static_cast<double>(weight),
+                     static_cast<double>(weight) - static_cast<double>(rows.lobes[lobe][texel].w) - kExcessMax));
   }
 }
 
@@ -75,8 +76,8 @@ void scan_rows(StorageEncoding encoding, int l, std::size_t first_texel, const M
       if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) ++scan.nonfinite;
     }
     for (std::size_t j = 0; j < rows.weights.size(); ++j)
-      scan_weights(rows, j, i, [&](double excess) { scan.weight_range.offer(excess, l, first_texel + i); },
-                   scan.nonfinite);
+      scan_weights(
+          rows, j, i, [&](double excess) { scan.weight_range.offer(excess, l, first_texel + i); }, scan.nonfinite);
   }
 }
 
@@ -123,10 +124,10 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
   MovmfReader reader(path, threads);
   const MovmfMipmap& mipmap = reader.header();
   std::vector<VerifyFinding> findings;
-  findings.push_back({"structure", true,
-                      fmt::format("{} x {}, {}, {} lobes{}, encoding {}", mipmap.width(), mipmap.height(),
-                                  levels_text(mipmap), mipmap.lobe_count(), materials_text(header_of(mipmap)),
-                                  storage_encoding_name(mipmap.encoding))});
+  findings.push_back(
+      {"structure", true,
+       fmt::format("{} x {}, {}, {} lobes{}, encoding {}", mipmap.width(), mipmap.height(), levels_text(mipmap),
+                   mipmap.lobe_count(), materials_text(header_of(mipmap)), storage_encoding_name(mipmap.encoding))});
   Scan scan;
   const std::string hash = scan_file(reader, threads, seen, scan);
   findings.push_back({"checksum", hash == mipmap.provenance.content_hash,

@@ -144,8 +144,7 @@ class Comparison {
           is_light ? settings_.directions.lights[d - half_count()] : settings_.directions.half_vectors[d];
       (is_light ? pass.directions.lights : pass.directions.half_vectors).push_back(omega);
       pass.truths.push_back(std::make_unique<BrdfTruth>(
-          averages_,
-          settings_.has_roughness ? shortened_values(omega, is_light) : power_values(omega, exponents),
+          averages_, settings_.has_roughness ? shortened_values(omega, is_light) : power_values(omega, exponents),
           channel_count_ > 0));
     }
     return pass;
@@ -191,8 +190,9 @@ class Comparison {
         const std::size_t first_value = static_cast<std::size_t>(1 + channel) * own_count;
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
           for (std::size_t e = 0; e < own_count; ++e) {
-            const double truth = truth_at(*pass.truths[d], points[i], first_value + e) *
-                                 (is_light || settings_.has_roughness ? 1.0 : (settings_.exponents[e] + 1.0) / (2.0 * M_PI));
+            const double truth =
+                truth_at(*pass.truths[d], points[i], first_value + e) *
+                (is_light || settings_.has_roughness ? 1.0 : (settings_.exponents[e] + 1.0) / (2.0 * M_PI));
             const std::size_t value =
                 is_light ? pass_half_count * exponent_count + d - pass_half_count : e * pass_half_count + d;
             const auto shaded = static_cast<double>(values[i * value_count + value]);
@@ -214,10 +214,9 @@ class Comparison {
   std::size_t brdf_count() const { return plain_count_ * groups_per_shading() * shadings_.size(); }
   std::string brdf_name(std::size_t brdf) const {
     const std::size_t plain = brdf % plain_count_, group = brdf / plain_count_;
-    std::string name =
-        plain + 1 == plain_count_ ? "lambert"
-        : settings_.has_roughness ? "roughness"
-                                  : fmt::format("blinn-phong:{}", settings_.exponents[plain]);
+    std::string name = plain + 1 == plain_count_ ? "lambert"
+                       : settings_.has_roughness ? "roughness"
+                                                 : fmt::format("blinn-phong:{}", settings_.exponents[plain]);
     const std::string& shading = shadings_[group / groups_per_shading()];
     if (!shading.empty()) name += " " + shading;
     return group % groups_per_shading() == 0 ? name : name + " coloured";

@@ -28,8 +28,8 @@ namespace multum {
 struct AccuracyRow {
   int level;
   AccuracyPoint point;
-  // "lambert", "blinn-phong:20", or "roughness" where a BRDF's width is in; with " toksvig", " lean", ... where there are several ways to shade it, and then with
-  // " coloured" when multiplied by the colours.
+  // "lambert", "blinn-phong:20", or "roughness" where a BRDF's width is in; with " toksvig", " lean", ... where there
+  // are several ways to shade it, and then with " coloured" when multiplied by the colours.
   std::string brdf;
   double error;       // relative L1, 0.1 = 10 %
   double confidence;  // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
@@ -49,8 +49,8 @@ struct AccuracySettings {
   std::uint64_t seed = 1;
   int first_level = 0;  // finer ones are not measured
   AccuracyDirections directions = accuracy_directions();
-  // Normals are shortened by their BRDF's width (host/image/material_maps.h), by `mean_cosine` in the mean, and every one
-  // has its own highlight: the BRDFs are "roughness" and "lambert".
+  // Normals are shortened by their BRDF's width (host/image/material_maps.h), by `mean_cosine` in the mean, and every
+  // one has its own highlight: the BRDFs are "roughness" and "lambert".
   bool has_roughness = false;
   float mean_cosine = 1.0f;
   int threads = 2;

@@ -68,9 +68,8 @@ void TexelSums::finish() {
 
 BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents) {
   const auto rows = std::make_shared<BrdfRows>(omega, exponents);
-  return {exponents.size(), [rows](const auto& normals, int width, const auto& values) {
-            rows->evaluate(normals, width, values);
-          }};
+  return {exponents.size(),
+          [rows](const auto& normals, int width, const auto& values) { rows->evaluate(normals, width, values); }};
 }
 
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert) {

@@ -106,7 +106,7 @@ void check_job(const BakeJob& job) {
 
 std::vector<std::string> input_files(const BakeJob& job) {
   std::vector<std::string> files = {job.input};
-  for (std::string BakeJob::* map : kMaterialMaps)
+  for (std::string BakeJob::*map : kMaterialMaps)
     if (!(job.*map).empty())
       files.push_back(map == &BakeJob::roughness ? parse_channel_file(job.roughness).path : job.*map);
   return files;

@@ -18,12 +18,12 @@
 namespace multum {
 
 struct BakeJob {
-  std::string input;   // a normal map or height field
-  std::string albedo;  // empty: no colours
+  std::string input;      // a normal map or height field
+  std::string albedo;     // empty: no colours
   std::string roughness;  // FILE or FILE:CHANNEL (parse_channel_file); empty: none
   std::string weights;    // of basis BRDFs, a channel each; empty: none
-  std::string output;  // *.ndf.exr
-  std::string report;  // JSON file; empty: none
+  std::string output;     // *.ndf.exr
+  std::string report;     // JSON file; empty: none
   NormalMapSettings reading;
   Representation representation = Representation::kMovmf;
   MovmfSettings fitting;  // of lobes; its first level is that of every representation
@@ -41,7 +41,7 @@ struct BakeJob {
 };
 
 /// The maps that go along with the normals.
-constexpr std::string BakeJob::* kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::roughness, &BakeJob::weights};
+constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::roughness, &BakeJob::weights};
 
 /// The files that a bake reads, the map first.
 std::vector<std::string> input_files(const BakeJob& job);

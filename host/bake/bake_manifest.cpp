@@ -24,11 +24,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr char kWhole[] = "the manifest";
 
 const std::vector<std::string> kDefaultKeys = {
-    "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
-    "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
-    "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
-    "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression",
-    "roughness",      "weights"};
+    "error_max",  "ndf",          "lobes",          "reference",    "iterations",  "sweeps",
+    "order",      "align",        "kappa_cap",      "first_level",  "data_format", "wrap",
+    "swrap",      "twrap",        "coarse_normals", "green",        "signed",      "unsigned",
+    "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "fixnan",      "checknan",
+    "repair_max", "albedo",       "compression",    "roughness",    "weights"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;
@@ -97,8 +97,8 @@ void read_options(const StrictTable& table, ManifestOptions& options) {
   read_choice(table, "wrap", kWrapModes, map.wrap);
   read_choice(table, "swrap", kWrapModes, map.wrap_s);
   read_choice(table, "twrap", kWrapModes, map.wrap_t);
-  for (const auto& [key, value] : {std::pair{"albedo", &map.albedo}, std::pair{"roughness", &map.roughness},
-                                   std::pair{"weights", &map.weights}})
+  for (const auto& [key, value] :
+       {std::pair{"albedo", &map.albedo}, std::pair{"roughness", &map.roughness}, std::pair{"weights", &map.weights}})
     if (table.has(key)) *value = table.text(key, "");
   read_choice(table, "ndf", kNdfs, map.ndf);
   read_whole(table, "lobes", kLobeCounts, map.lobes);
@@ -133,9 +133,9 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
                  fmt::format("is \"{}\", but the input is no set: expected a name without <UDIM>", job.output));
   for (const auto& [key, map] : kMaterialKeys)
     if (!is_set && has_udim(job.*map))
-      table.refuse(table.has(key) ? key : "",
-                   fmt::format("has the {} \"{}\", but the input is no set: expected a name without <UDIM>", key,
-                               job.*map));
+      table.refuse(
+          table.has(key) ? key : "",
+          fmt::format("has the {} \"{}\", but the input is no set: expected a name without <UDIM>", key, job.*map));
   const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output);
   if (is_set && !has_udim(job.output) && !is_folder)
     table.refuse("output",
@@ -176,7 +176,7 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   apply(options.map, job);
   job.input = resolved(path, entry.table.text("input"));
   job.output = resolved(path, entry.table.text("output"));
-  for (std::string BakeJob::* map : kMaterialMaps) job.*map = resolved(path, job.*map);
+  for (std::string BakeJob::*map : kMaterialMaps) job.*map = resolved(path, job.*map);
   check_paths(entry.table, job);
   for (BakeJob& one : jobs_of(job)) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();

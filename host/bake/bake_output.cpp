@@ -22,7 +22,7 @@ MovmfFinest row_of(const MovmfFinest& rows, int row) {
   const std::size_t texels = rows.normals.size(), width = static_cast<std::size_t>(rows.width);
   const std::size_t begin = static_cast<std::size_t>(row) * width;
   const auto of_row = [&](const auto& values) { return texels_of(values, texels, begin, begin + width); };
-  return {rows.width, 1, of_row(rows.normals), of_row(rows.lobe), of_row(rows.colours), of_row(rows.weights),
+  return {rows.width,        1, of_row(rows.normals), of_row(rows.lobe), of_row(rows.colours), of_row(rows.weights),
           rows.has_roughness};
 }
 

@@ -54,7 +54,9 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
         refuse(memory_bytes, bytes_of(1),
                fmt::format("level {}, all its texels at once (--coarse-normals all),", level.level));
     } else {
-      const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, triple_count, {rows, map_height}); };
+      const auto bytes_of = [&](int rows) {
+        return fit_level_bytes(level, settings, triple_count, {rows, map_height});
+      };
       band = {choose_rows(height, memory_bytes, useful, bytes_of, fmt::format("a row of level {}", level.level)),
               map_height};
     }

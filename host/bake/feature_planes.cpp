@@ -17,9 +17,8 @@ FeaturePlanes FeaturePlanes::of(const PlaneStore* albedo, const WeightMap* weigh
 }
 
 bool FeaturePlanes::all_of_size(int width, int height) const {
-  return std::all_of(triples.begin(), triples.end(), [&](const PlaneStore* triple) {
-    return triple->width() == width && triple->height() == height;
-  });
+  return std::all_of(triples.begin(), triples.end(),
+                     [&](const PlaneStore* triple) { return triple->width() == width && triple->height() == height; });
 }
 
 void split_features(std::vector<std::vector<glm::vec3>> triples, const FeaturePlanes& features,

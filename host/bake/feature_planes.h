@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Linear features of a material that go along with its normals, averaged or shared out among lobes: colours, then weights
-// of basis BRDFs (Han et al. 2007, section 7.3). Every bake takes them as planes by threes, whatever they mean.
+// Linear features of a material that go along with its normals, averaged or shared out among lobes: colours, then
+// weights of basis BRDFs (Han et al. 2007, section 7.3). Every bake takes them as planes by threes, whatever they mean.
 #pragma once
 
 #include <vector>

@@ -18,8 +18,9 @@ struct LobeRowsSize {
   int weight_count = 0;
 };
 
-/// `lobes`: r and a by rows [lobe][column]; `features` by rows [triple][lobe][column]. Returns planes of (a r, a), whose shares
-/// sum to 1 in every texel, and counts rare numerical events in `report`. `kappa_cap`: MovmfSettings::kappa_cap.
+/// `lobes`: r and a by rows [lobe][column]; `features` by rows [triple][lobe][column]. Returns planes of (a r, a),
+/// whose shares sum to 1 in every texel, and counts rare numerical events in `report`. `kappa_cap`:
+/// MovmfSettings::kappa_cap.
 MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
                        const std::vector<glm::vec3>& features, float kappa_cap, int threads, BakeReport& report);
 

@@ -85,9 +85,12 @@ MomentLevel gather(const PlaneRows& from, int width, int height, const FeaturePl
                           value(MULTUM_MOMENT_SS, x),
                           value(MULTUM_MOMENT_TT, x),
                           value(MULTUM_MOMENT_ST, x)};
-        const auto vector = [&](int plane) { return glm::vec3(value(plane, x), value(plane + 1, x), value(plane + 2, x)); };
+        const auto vector = [&](int plane) {
+          return glm::vec3(value(plane, x), value(plane + 1, x), value(plane + 2, x));
+        };
         rows.normals[i] = vector(MULTUM_MOMENT_NORMAL);
-        for (std::size_t t = 0; t < triples.size(); ++t) triples[t][i] = vector(MULTUM_MOMENT_PLANES + 3 * static_cast<int>(t));
+        for (std::size_t t = 0; t < triples.size(); ++t)
+          triples[t][i] = vector(MULTUM_MOMENT_PLANES + 3 * static_cast<int>(t));
       }
     }
   });

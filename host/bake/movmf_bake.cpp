@@ -156,12 +156,10 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
   if (inputs.has_roughness) make_shortened(schedule);
-  const BakePlan plan =
-      make_bake_plan(schedule, settings, features.triple_count(), inputs.memory_bytes, inputs.place);
+  const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(), inputs.memory_bytes, inputs.place);
   report.plan = plan.to_text(schedule, settings, features.triple_count());
   report.device = device.info().name;
-  MovmfFitInputs fit{&normals,       features,          inputs.has_roughness, {},
-                     inputs.threads, inputs.checkpoint, inputs.region};
+  MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};
   if (inputs.region == nullptr) {  // a region grows from the lobes that are there
     progress_stage(progress, "choose a start");
     fit.top_start = choose_start(device, normals, settings, schedule, report);

@@ -29,8 +29,7 @@ int chunk_count_of(const MultumMovmfFit& fit) { return (fit.sample_columns + kCh
 // One level while the map passes: buffers for the rows of texels that the band meets, row y in slot y % slots.
 class LevelCondenser {
  public:
-  LevelCondenser(Device& device, const LevelSchedule& level, bool weighted, int band_rows,
-                 std::size_t triple_count,
+  LevelCondenser(Device& device, const LevelSchedule& level, bool weighted, int band_rows, std::size_t triple_count,
                  const StorePlace& place)
       : device_(device),
         fit_(level.fit),
@@ -38,8 +37,8 @@ class LevelCondenser {
         chunk_count_(chunk_count_of(level.fit)),
         axes_(level.fit.height, width_ * kAxisBytes, place),
         row_bytes_(width_ * condensed_bytes(level.fit)),
-        result_{RowStore(level.fit.height, row_bytes_, place), RowStore(level.fit.height, width_ * sizeof(int), place),
-                {}},
+        result_{
+            RowStore(level.fit.height, row_bytes_, place), RowStore(level.fit.height, width_ * sizeof(int), place), {}},
         slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
         host_(std::max(row_bytes_, width_ * kAxisBytes)),
         numbers_(width_) {
@@ -226,14 +225,13 @@ std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int tri
   for (const LevelSchedule& level : schedule.levels) {
     if (level.method != FitMethod::kCondensed) continue;
     const MultumMovmfFit& fit = level.fit;
-    const std::uint64_t cells =
-        static_cast<std::uint64_t>(chunk_count_of(fit)) * cell_bytes(fit) * windows;
+    const std::uint64_t cells = static_cast<std::uint64_t>(chunk_count_of(fit)) * cell_bytes(fit) * windows;
     bytes += static_cast<std::uint64_t>(fit.width) *
              (static_cast<std::uint64_t>(rows_met(fit, band_rows)) * (cells + kAxisBytes) + 2 * condensed_bytes(fit));
   }
   const int map_width = schedule.levels.empty() ? 0 : schedule.levels[0].fit.map_width;
-  return bytes + static_cast<std::uint64_t>(band_rows) * static_cast<std::uint64_t>(map_width) * sizeof(float) *
-                     3 * windows;
+  return bytes +
+         static_cast<std::uint64_t>(band_rows) * static_cast<std::uint64_t>(map_width) * sizeof(float) * 3 * windows;
 }
 
 }  // namespace multum

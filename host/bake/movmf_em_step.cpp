@@ -134,8 +134,7 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const 
 
 void MovmfEmStep::fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count,
                                const StepWindows& windows) {
-  const std::size_t count =
-      method == FitMethod::kCondensed ? windows.condensed_triples.size() : windows.triples.size();
+  const std::size_t count = method == FitMethod::kCondensed ? windows.condensed_triples.size() : windows.triples.size();
   for (std::size_t triple = 0; triple < count; ++triple) fit_triple(method, fit, texel_count, windows, triple);
 }
 
@@ -146,8 +145,8 @@ void MovmfEmStep::fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t t
   if (method == FitMethod::kCondensed) {
     const std::size_t groups = group_count(texel_count);
     ensure(device_, feature_samples_, sample_bytes(fit, groups * MULTUM_GROUP, kWeightedPlanes), "packed features");
-    condensed_pack_kernel_.launch({groups}, windows.condensed_triples[triple]->buffer(), windows.condensed_counts->buffer(),
-                                  list_, feature_samples_, sample_counts_, fit);
+    condensed_pack_kernel_.launch({groups}, windows.condensed_triples[triple]->buffer(),
+                                  windows.condensed_counts->buffer(), list_, feature_samples_, sample_counts_, fit);
     made(feature_condensed_kernel_, "movmf_features", "movmf_feature_condensed", scalar_)
         .launch({groups * MULTUM_GROUP}, samples_, feature_samples_, sample_counts_, start_, list_, features, fit,
                 first_plane);

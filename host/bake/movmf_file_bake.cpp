@@ -74,7 +74,8 @@ std::uint64_t waiting_bytes(const BakeRun& run) {
   const BakedHeader& header = run.header;
   const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);
   const auto lobes = static_cast<std::uint64_t>(run.job.fitting.lobe_count);
-  const int level = std::min(std::max(1, header.first_level), header.level_count() - 1), tile = run.job.writing.tile_size;
+  const int level = std::min(std::max(1, header.first_level), header.level_count() - 1),
+            tile = run.job.writing.tile_size;
   return tile_row_bytes(header, level, tile, lobes * (4 + features)) +
          (header.first_level == 0 ? tile_row_bytes(header, 0, tile, 4 + features) : 0);
 }

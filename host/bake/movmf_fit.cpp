@@ -46,8 +46,8 @@ class MovmfFitter {
     const double start_seconds = now_seconds();
     const std::uint64_t launches_before = device_.launch_total();
     progress_stage(progress_, "condense normals");
-    condensed_ = condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_, plan_.condense_rows, plan_.place,
-                                 progress_);
+    condensed_ = condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_, plan_.condense_rows,
+                                 plan_.place, progress_);
     report_.condense_seconds = now_seconds() - start_seconds;
     report_.condense_launches = device_.launch_total() - launches_before;
     for (const LevelSchedule& level : schedule_.levels) fit(level);
@@ -210,8 +210,8 @@ class MovmfFitter {
         inputs_.threads,
         [this, number = level.level, keeps = store.kept != nullptr && !is_kept, first_row = rows.first_row,
          size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, inputs_.features.has_colours,
-                             inputs_.features.weight_count}, lobes = std::move(lobes),
-         features = std::move(features), finest = std::move(finest)]() mutable {
+                             inputs_.features.weight_count},
+         lobes = std::move(lobes), features = std::move(features), finest = std::move(finest)]() mutable {
           if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.data(), features.data());
           sink_.add_level(number, first_row,
                           stored_rows(size, lobes, features, settings_.kappa_cap, inputs_.threads, report_));

@@ -157,8 +157,7 @@ class LevelFit {
       condensed_.move_to(rows.begin, count, fill_condensed(from, from.samples, condensed_bytes(fit_)));
       condensed_counts_.move_to(rows.begin, count, fill_planes(from.counts));
       for (std::size_t t = 0; t < condensed_triples_.size(); ++t)
-        condensed_triples_[t].move_to(rows.begin, count,
-                                      fill_condensed(from, from.triples[t], condensed_bytes(fit_)));
+        condensed_triples_[t].move_to(rows.begin, count, fill_condensed(from, from.triples[t], condensed_bytes(fit_)));
     } else if (level_.method == FitMethod::kTexels) {
       const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
       const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);

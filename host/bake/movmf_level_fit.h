@@ -46,10 +46,10 @@ struct LevelInputs {
 /// Some finished rows, while the windows still hold them.
 struct FittedRows {
   int first_row, row_count;
-  const RowWindow* lobes;    // of these rows among others
+  const RowWindow* lobes;     // of these rows among others
   const RowWindow* features;  // [triple][lobe]; null: none
-  const MapWindow* normals;  // what they cover, of levels that are fitted to all normals; null otherwise
-  MultumMovmfFit fit;        // as the windows are now
+  const MapWindow* normals;   // what they cover, of levels that are fitted to all normals; null otherwise
+  MultumMovmfFit fit;         // as the windows are now
 };
 
 struct BandPlan {

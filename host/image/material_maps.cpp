@@ -51,9 +51,8 @@ void read_channels(ImageReader& reader, const Wanted& wanted, const std::vector<
         if (!(value >= 0.0f && value <= 1.0f))
           throw Error(ErrorCode::kInput,
                       fmt::format("{}: texel ({}, {}): found {} in channel {}, expected {} with values from 0 to 1",
-                                  wanted.path, i % width,
-                                  band.first_row + row_begin + static_cast<int>(i / width), value,
-                                  info.channel_names[channels[c]], wanted.what));
+                                  wanted.path, i % width, band.first_row + row_begin + static_cast<int>(i / width),
+                                  value, info.channel_names[channels[c]], wanted.what));
         planes[c][i] = value;
       }
     use(band.first_row + row_begin, row_end - row_begin, planes);
@@ -104,7 +103,8 @@ double shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const 
   ImageReader reader(file.path, settings_of(place, threads));
   check_size(wanted, reader.info());
   const std::size_t channel = find_channel(file, reader.info().channel_names);
-  std::vector<double> sums(static_cast<std::size_t>(normals.height()));  // by rows: no band or thread can be seen in them
+  std::vector<double> sums(
+      static_cast<std::size_t>(normals.height()));  // by rows: no band or thread can be seen in them
   read_channels(reader, wanted, {channel}, threads, [&](int first_row, int row_count, const auto& channels) {
     const std::vector<float>& roughness = channels[0];
     const auto width = static_cast<std::size_t>(normals.width());
@@ -129,8 +129,8 @@ WeightMap read_weight_map(const std::string& path, int width, int height, const 
   WeightMap map;
   map.count = reader.info().channel_count;
   if (map.count > 4)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found {} channels, expected the weights of 1 to 4 basis BRDFs",
-                                               path, map.count));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found {} channels, expected the weights of 1 to 4 basis BRDFs", path, map.count));
   std::vector<std::size_t> channels;
   for (int c = 0; c < map.count; ++c) channels.push_back(static_cast<std::size_t>(c));
   for (int c = 0; c < map.count; c += 3) map.triples.push_back(make_plane_store(width, height, place));

@@ -39,8 +39,8 @@ class MomentMaterial : public Material {
   std::optional<Texture> weights_;
   int weight_count_ = 0;
   std::optional<float> mean_cosine_;  // with roughness in
-  std::optional<Texture> means_;   // E[n]; w = E[b_s b_t]
-  std::optional<Texture> slopes_;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
+  std::optional<Texture> means_;      // E[n]; w = E[b_s b_t]
+  std::optional<Texture> slopes_;     // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
   std::optional<Texture> colours_, normal_map_, albedo_map_;
   MomentShading shading_ = MomentShading::kLeanJacobian;
 };

@@ -44,7 +44,7 @@ class MovmfMaterial : public Material {
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;
   int weight_count_ = 0;
-  std::optional<float> mean_cosine_;  // with roughness in
+  std::optional<float> mean_cosine_;   // with roughness in
   std::optional<Texture> normal_map_;  // (mean normal, 1), levels 0 to the first that is stored less one
   std::optional<Texture> albedo_map_;
   LobeFormula formula_ = LobeFormula::kProduct;

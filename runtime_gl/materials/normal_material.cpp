@@ -34,7 +34,8 @@ TexelPlane weight_plane(const NormalImage& image) {
   const auto count = static_cast<std::size_t>(image.weight_count);
   TexelPlane plane{image.width, image.height, std::vector<glm::vec4>(image.normals.size(), glm::vec4(0.0f))};
   for (std::size_t i = 0; i < plane.texels.size(); ++i)
-    for (std::size_t k = 0; k < count; ++k) plane.texels[i][static_cast<glm::length_t>(k)] = image.weights[i * count + k];
+    for (std::size_t k = 0; k < count; ++k)
+      plane.texels[i][static_cast<glm::length_t>(k)] = image.weights[i * count + k];
   return plane;
 }
 
@@ -100,8 +101,7 @@ NormalMaterial::NormalMaterial(const GlFunctions& gl, const NormalImage& image, 
   if (mipmapped) slopes_.emplace(upload_mips(gl, "the slopes", std::move(slopes), level_count, sampler));
   has_roughness_ = image.has_roughness;
   weight_count_ = image.weight_count;
-  if (weight_count_ > 0)
-    weights_.emplace(upload_mips(gl, "the weights", weight_plane(image), level_count, sampler));
+  if (weight_count_ > 0) weights_.emplace(upload_mips(gl, "the weights", weight_plane(image), level_count, sampler));
   if (image.albedo.empty()) return;
   TexelPlane albedo{image.width, image.height, {}};
   for (const glm::vec3& colour : image.albedo) albedo.texels.emplace_back(colour, 1.0f);

@@ -28,8 +28,8 @@ struct NormalImage {
   std::vector<float> weights = {};  // as many a texel
 };
 
-/// Level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised unless there is roughness
-/// in, and the sums of its colours and weights.
+/// Level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised unless there is
+/// roughness in, and the sums of its colours and weights.
 NormalImage finest_normals(const MovmfMipmap& mipmap);
 /// The same of a file of moments.
 NormalImage finest_normals(const MomentMipmap& mipmap);

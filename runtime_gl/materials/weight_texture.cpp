@@ -9,8 +9,7 @@ Texture upload_weights(const GlFunctions& gl, const char* name, const TextureSha
                        const SamplerSettings& sampler, int weight_count,
                        const std::vector<const std::vector<float>*>& levels) {
   TextureShape weights_shape = shape;
-  weights_shape.format =
-      shape.format == TexelFormat::kRgba32f ? TexelFormat::kRgba32f : TexelFormat::kRgba16f;
+  weights_shape.format = shape.format == TexelFormat::kRgba32f ? TexelFormat::kRgba32f : TexelFormat::kRgba16f;
   Texture texture(gl, name, weights_shape, sampler);
   const auto count = static_cast<std::size_t>(weight_count);
   for (std::size_t l = 0; l < levels.size(); ++l) {

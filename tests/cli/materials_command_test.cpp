@@ -67,8 +67,8 @@ TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
 }
 
 TEST_F(MaterialsCommandTest, TheirContentsAreWhatAFileIsRecognisedBy) {
-  const std::vector<std::string> with = {"--roughness", path("orm.png") + ":G", "--weights", path("weights.png"),
-                                         "--no-measure", "--lobes", "2"};
+  const std::vector<std::string> with = {
+      "--roughness", path("orm.png") + ":G", "--weights", path("weights.png"), "--no-measure", "--lobes", "2"};
   ASSERT_EQ(bake("a.ndf.exr", with).exit_code, 0);
   EXPECT_TRUE(contains(bake("a.ndf.exr", with).out, "unchanged"));
   std::vector<std::string> other = with;
@@ -84,8 +84,9 @@ TEST_F(MaterialsCommandTest, TheirContentsAreWhatAFileIsRecognisedBy) {
 
 TEST_F(MaterialsCommandTest, ThreadsAndMemoryChangeNoByte) {
   for (const char* ndf : {"vmf", "moments"}) {
-    std::vector<std::string> options = {"--ndf", ndf, "--roughness", path("orm.png"), "--weights", path("weights.png"),
-                                        "--no-measure", "--threads", "1", "--memory", "1G"};
+    std::vector<std::string> options = {
+        "--ndf",        ndf,         "--roughness", path("orm.png"), "--weights", path("weights.png"),
+        "--no-measure", "--threads", "1",           "--memory",      "1G"};
     ASSERT_EQ(bake("a.ndf.exr", options).exit_code, 0);
     options[7] = "2";
     options[9] = "289M";

@@ -98,7 +98,8 @@ TEST_F(ViewTest, RefusesWhatIsForAnotherRepresentation) {
   expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, "truth, mip, toksvig, lean, lean-jacobian");
 }
 
-// The two-tilt map with a BRDF's width in its lobes, of the mean cosine c; or with weights 1/4 and 3/4, of all lobes alike.
+// The two-tilt map with a BRDF's width in its lobes, of the mean cosine c; or with weights 1/4 and 3/4, of all lobes
+// alike.
 gl::TestMap with_roughness(float c) {
   gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   map.mipmap.has_roughness = true;
@@ -122,8 +123,9 @@ gl::TestMap with_weights() {
 
 TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   const auto error_of = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth", "--size",   "64x48",
-                                          "--samples", "64",            "--context", "osmesa", "--report", path("r.json")};
+    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth",
+                                          "--size",    "64x48",         "--samples", "64",
+                                          "--context", "osmesa",        "--report",  path("r.json")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ChildResult result = view(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.output;
@@ -148,7 +150,8 @@ TEST_F(ViewTest, BlendsBasisBrdfsByWeights) {
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return read_albedo_map(path("out.exr"), 48, 32, 1);
   };
-  const ColourMap blended = draw({"blinn-phong:20", "ggx:0.3"}), broad = draw({"blinn-phong:20"}), sharp = draw({"ggx:0.3"});
+  const ColourMap blended = draw({"blinn-phong:20", "ggx:0.3"}), broad = draw({"blinn-phong:20"}),
+                  sharp = draw({"ggx:0.3"});
   double difference = 0.0;
   for (std::size_t i = 0; i < blended.g.size(); ++i) {
     const double expected = 0.25 * static_cast<double>(broad.g[i]) + 0.75 * static_cast<double>(sharp.g[i]);

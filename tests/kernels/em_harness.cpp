@@ -149,9 +149,11 @@ std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const s
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       std::vector<reference::Lobe> lobes;
-      reference::EmOptions options{
-          how.iterations, static_cast<double>(how.kappa_cap), static_cast<double>(how.kappa_cap_slope), {},
-          how.shortened ? static_cast<double>(kCopiesShortened) : 1.0};
+      reference::EmOptions options{how.iterations,
+                                   static_cast<double>(how.kappa_cap),
+                                   static_cast<double>(how.kappa_cap_slope),
+                                   {},
+                                   how.shortened ? static_cast<double>(kCopiesShortened) : 1.0};
       for (int j = 0; j < lobe_count; ++j) {
         const int parent_texel = std::min(y / 2, parent_height - 1) * parent_width + std::min(x / 2, parent_width - 1);
         const MultumVmfLobe& from = parent[static_cast<std::size_t>(j * parent_width * parent_height + parent_texel)];

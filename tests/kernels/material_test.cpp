@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights of basis BRDFs and roughness in both bakes: EM of shortened normals against double precision, features of lobes
-// against what their mean vectors say, averages, and the maps that are all of one kind.
+// Weights of basis BRDFs and roughness in both bakes: EM of shortened normals against double precision, features of
+// lobes against what their mean vectors say, averages, and the maps that are all of one kind.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,9 +66,9 @@ std::vector<MultumVmfLobe> spread_parent(const NormalMap& map, int level, int lo
 
 double error_of(const MultumVmfLobe& found, const reference::Moments& expected) {
   const double a = static_cast<double>(found.amplitude);
-  return std::max(std::abs(a - expected.amplitude),
-                  glm::length(a * glm::dvec3(found.mean_x, found.mean_y, found.mean_z) -
-                              expected.amplitude * expected.r));
+  return std::max(
+      std::abs(a - expected.amplitude),
+      glm::length(a * glm::dvec3(found.mean_x, found.mean_y, found.mean_z) - expected.amplitude * expected.r));
 }
 
 TEST(ShortenedNormals, EmEqualsReference) {
@@ -86,7 +86,8 @@ TEST(ShortenedNormals, EmEqualsReference) {
       const auto found = fit_with_kernels(map, parent, 3, how);
       ASSERT_EQ(found.size(), expected.size());
       // As in movmf_em_test, times the copies that differences of log densities count.
-      for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT(error_of(found[i], expected[i]), 4e-4) << level << ": " << i;
+      for (std::size_t i = 0; i < found.size(); ++i)
+        EXPECT_LT(error_of(found[i], expected[i]), 4e-4) << level << ": " << i;
     }
   }
 }
@@ -118,7 +119,8 @@ WeightMap weights_of(int width, int height, int count, const std::function<float
     PlaneStore& triple = map.triples.emplace_back(width, height);
     std::array<std::vector<float>, 3> planes;
     for (int i = 0; i < width * height; ++i)
-      for (int c = 0; c < 3; ++c) planes[static_cast<std::size_t>(c)].push_back(first + c < count ? value(i, first + c) : 0.0f);
+      for (int c = 0; c < 3; ++c)
+        planes[static_cast<std::size_t>(c)].push_back(first + c < count ? value(i, first + c) : 0.0f);
     triple.write_rows(0, height, {planes[0].data(), planes[1].data(), planes[2].data()});
   }
   return map;
@@ -198,16 +200,19 @@ TEST(Weights, MomentsAverageThem) {
   std::mt19937 random(38);
   std::vector<float> values(50 * 37 * 4);
   for (float& value : values) value = static_cast<float>(uniform(random));
-  const WeightMap weights = weights_of(50, 37, 4, [&](int i, int k) { return values[static_cast<std::size_t>(4 * i + k)]; });
+  const WeightMap weights =
+      weights_of(50, 37, 4, [&](int i, int k) { return values[static_cast<std::size_t>(4 * i + k)]; });
   MomentBakeInputs inputs;
   inputs.weights = &weights;
   BakeReport report;
   const MomentMipmap mipmap = bake_moments(test_device(), map, nullptr, inputs, report, nullptr);
   for (int k = 0; k < 4; ++k) {
     double mean = 0.0;
-    for (int i = 0; i < 50 * 37; ++i) mean += static_cast<double>(values[static_cast<std::size_t>(4 * i + k)]) / (50 * 37);
+    for (int i = 0; i < 50 * 37; ++i)
+      mean += static_cast<double>(values[static_cast<std::size_t>(4 * i + k)]) / (50 * 37);
     EXPECT_NEAR(mipmap.levels.back().weights[static_cast<std::size_t>(k)], mean, 1e-6);
-    EXPECT_EQ(mipmap.levels[0].weights[static_cast<std::size_t>(4 * 77 + k)], values[static_cast<std::size_t>(4 * 77 + k)]);
+    EXPECT_EQ(mipmap.levels[0].weights[static_cast<std::size_t>(4 * 77 + k)],
+              values[static_cast<std::size_t>(4 * 77 + k)]);
   }
 }
 
@@ -228,9 +233,8 @@ TEST(Roughness, FirstMomentsAreThoseOfTheShortenedNormals) {
 // Half the texels of a flat map are sharp, half rough: lobes tell them apart, at fine levels and at condensed ones.
 TEST(Roughness, LobesTellSharpFromRough) {
   const double sharp = mean_cosine_of_roughness(0.2), rough = mean_cosine_of_roughness(0.8);
-  const NormalMap map = make_map(256, 256, [&](int x, int y) {
-    return glm::dvec3(0.0, 0.0, ((x * 7 + y * 13) % 10 < 5) ? sharp : rough);
-  });
+  const NormalMap map = make_map(
+      256, 256, [&](int x, int y) { return glm::dvec3(0.0, 0.0, ((x * 7 + y * 13) % 10 < 5) ? sharp : rough); });
   const MovmfMipmap mipmap = bake(map, nullptr, true);
   for (std::size_t l = 3; l < mipmap.levels.size(); ++l)
     for (std::size_t i = 0; i < mipmap.levels[l].lobes[0].size(); ++i) {
@@ -256,7 +260,8 @@ TEST(Roughness, NoneAndFullOfIt) {
       for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
         double sum = 0.0;
         for (const auto& lobes : level.lobes) {
-          const double length = static_cast<double>(glm::length(glm::vec3(lobes[i]))), a = static_cast<double>(lobes[i].w);
+          const double length = static_cast<double>(glm::length(glm::vec3(lobes[i]))),
+                       a = static_cast<double>(lobes[i].w);
           ASSERT_TRUE(std::isfinite(length) && a >= 0.0);
           EXPECT_LE(length, a * (mipmap == &full ? 0.5 : 1.0) + 1e-5);
           sum += a;

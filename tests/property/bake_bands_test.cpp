@@ -30,8 +30,9 @@ struct Case {
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
-  *out << (c.materials ? "materials, " : "") << c.width << " x " << c.height << (c.periodic ? " periodic" : "") << (c.colours ? " colours" : "")
-       << (c.coarse == CoarseNormals::kAll ? " all" : " condensed") << " from level " << c.first_level;
+  *out << (c.materials ? "materials, " : "") << c.width << " x " << c.height << (c.periodic ? " periodic" : "")
+       << (c.colours ? " colours" : "") << (c.coarse == CoarseNormals::kAll ? " all" : " condensed") << " from level "
+       << c.first_level;
 }
 
 std::array<std::vector<float>, 3> random_planes(const Case& c, unsigned seed, bool unit) {
@@ -86,7 +87,8 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
     }
     if (c.materials) {
       weights_.count = 4;
-      for (unsigned seed : {3u, 4u}) fill(weights_.triples.emplace_back(c.width, c.height), random_planes(c, seed, false));
+      for (unsigned seed : {3u, 4u})
+        fill(weights_.triples.emplace_back(c.width, c.height), random_planes(c, seed, false));
       inputs_.weights = &weights_;
       inputs_.has_roughness = true;
     }

@@ -43,7 +43,8 @@ class MaterialFileTest : public ::testing::TestWithParam<Case> {
       for (std::size_t j = 0; j < level.lobes.size(); ++j) {
         if (c.weight_count > 0) level.weights.emplace_back();
         for (glm::vec4& lobe : level.lobes[j]) {
-          if (c.has_roughness) lobe = glm::vec4(glm::vec3(lobe) * (1.0f - 0.5f * static_cast<float>(uniform(random))), lobe.w);
+          if (c.has_roughness)
+            lobe = glm::vec4(glm::vec3(lobe) * (1.0f - 0.5f * static_cast<float>(uniform(random))), lobe.w);
           for (int k = 0; k < c.weight_count; ++k)
             level.weights[j].push_back(lobe.w * static_cast<float>(uniform(random)));
         }
@@ -71,7 +72,8 @@ TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
   EXPECT_EQ(found.weight_count, mipmap.weight_count);
   EXPECT_EQ(found.has_roughness, mipmap.has_roughness);
   EXPECT_EQ(found.mean_cosine, mipmap.mean_cosine);
-  for (std::size_t l = 0; l < mipmap.levels.size(); ++l) EXPECT_EQ(found.levels[l].weights, mipmap.levels[l].weights) << l;
+  for (std::size_t l = 0; l < mipmap.levels.size(); ++l)
+    EXPECT_EQ(found.levels[l].weights, mipmap.levels[l].weights) << l;
   EXPECT_EQ(found.provenance.content_hash, movmf_content_hash(mipmap, 2));
   EXPECT_EQ(failed(path), std::set<std::string>{});
   EXPECT_EQ(read_baked_header(path).format_version(), 4);
@@ -88,7 +90,8 @@ TEST_P(MaterialFileTest, RoughFinestNormalsKeepTheirLengths) {
   MovmfFinest rows = testing::random_finest(random, 64, 8, 2, false);
   rows.has_roughness = true;
   std::vector<glm::vec3> exact;
-  for (glm::vec3& n : rows.normals) exact.push_back(n *= 1.0f - 0.5f * static_cast<float>(std::pow(uniform(random), 4.0)));
+  for (glm::vec3& n : rows.normals)
+    exact.push_back(n *= 1.0f - 0.5f * static_cast<float>(std::pow(uniform(random), 4.0)));
   quantize_movmf(rows, GetParam().encoding, 2);
   const double step = GetParam().encoding == StorageEncoding::kHalf ? 1.0 / 2048.0 : 1.0 / 32767.0;
   for (std::size_t i = 0; i < exact.size(); ++i) {

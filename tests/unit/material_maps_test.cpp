@@ -17,7 +17,8 @@ using OIIO::TypeDesc;
 TestImage four_channels(TypeDesc::BASETYPE type, int channels) {
   TestImage image{.width = 3, .height = 2, .channels = channels, .type = type};
   for (int i = 0; i < 6; ++i)
-    for (int c = 0; c < channels; ++c) image.values.push_back(0.1f * static_cast<float>(i + 1) + 0.02f * static_cast<float>(c));
+    for (int c = 0; c < channels; ++c)
+      image.values.push_back(0.1f * static_cast<float>(i + 1) + 0.02f * static_cast<float>(c));
   if (channels == 4) image.alpha_channel = 3;
   if (channels == 2) image.alpha_channel = 1;
   return image;
@@ -99,14 +100,18 @@ TEST(RoughnessMap, WhatCannotBeIsRefused) {
     PlaneStore normals = flat(width, 2);
     shorten_by_roughness(normals, {folder / name, channel}, {}, 2);
   };
-  expect_error(ErrorCode::kInput, {"a.png", "a roughness map of 3 x 2", "normal map's 5 x 2"}, [&] { shorten("a.png", "", 5); });
-  expect_error(ErrorCode::kInput, {"a.png", "found no channel A, expected one of R, G, B"}, [&] { shorten("a.png", "A", 3); });
+  expect_error(ErrorCode::kInput, {"a.png", "a roughness map of 3 x 2", "normal map's 5 x 2"},
+               [&] { shorten("a.png", "", 5); });
+  expect_error(ErrorCode::kInput, {"a.png", "found no channel A, expected one of R, G, B"},
+               [&] { shorten("a.png", "A", 3); });
   expect_error(ErrorCode::kInput, {"a.png", "no channel rough"}, [&] { shorten("a.png", "rough", 3); });
-  for (const float bad : {-0.25f, 1.5f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+  for (const float bad :
+       {-0.25f, 1.5f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     TestImage image = four_channels(TypeDesc::FLOAT, 3);
     image.values[3 * 4 + 1] = bad;  // green of texel (1, 1)
     write_test_image(folder / "b.exr", image);
-    expect_error(ErrorCode::kInput, {"b.exr: texel (1, 1)", "in channel G", "from 0 to 1"}, [&] { shorten("b.exr", "", 3); });
+    expect_error(ErrorCode::kInput, {"b.exr: texel (1, 1)", "in channel G", "from 0 to 1"},
+                 [&] { shorten("b.exr", "", 3); });
     shorten("b.exr", "R", 3);  // what is not asked for does not matter
   }
 }
@@ -133,7 +138,8 @@ TEST(WeightMaps, WhatCannotBeIsRefused) {
   TestImage five = four_channels(TypeDesc::FLOAT, 5);
   five.channel_names = {"a", "b", "c", "d", "e"};
   write_test_image(folder / "b.exr", five);
-  expect_error(ErrorCode::kInput, {"b.exr", "found 5 channels", "1 to 4"}, [&] { read_weight_map(folder / "b.exr", 3, 2, {}, 1); });
+  expect_error(ErrorCode::kInput, {"b.exr", "found 5 channels", "1 to 4"},
+               [&] { read_weight_map(folder / "b.exr", 3, 2, {}, 1); });
   TestImage huge = four_channels(TypeDesc::FLOAT, 3);
   huge.values[2] = 1e6f;
   write_test_image(folder / "c.exr", huge);

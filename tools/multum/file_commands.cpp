@@ -71,8 +71,8 @@ constexpr InfoKind kInfoKinds[] = {
      [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
     {Representation::kMoments,
      [](const std::string&, const BakedHeader& file) {
-       return fmt::format("mean normal, first and second moments of slopes{}{}", file.has_colours ? ", mean colour" : "",
-                          material_texts(file));
+       return fmt::format("mean normal, first and second moments of slopes{}{}",
+                          file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
        return fmt::format("at a slope b, deviations of slopes down to {:.4f} b survive it",

@@ -51,7 +51,8 @@ std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunct
   gl::Renderer renderer(gl, options.width, options.height);
   std::vector<NamedPicture> pictures;
   const auto drawn = [&](gl::Material& material) {
-    return draw_blended(options, material, [&](const gl::Scene& scene) { return renderer.draw(mesh, material, scene); });
+    return draw_blended(options, material,
+                        [&](const gl::Scene& scene) { return renderer.draw(mesh, material, scene); });
   };
   pictures.push_back({"multum", drawn(*make_material(gl, map, options, source))});
   if (options.compare.empty()) return pictures;

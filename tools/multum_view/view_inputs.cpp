@@ -51,10 +51,10 @@ NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader&
 /// Lengths of normals, colours and weights, as the bake had them.
 void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::NormalImage& image) {
   if (baked.has_roughness == options.roughness.empty())
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: has {}roughness in, found {}, expected {} beside --source", options.input,
-                            baked.has_roughness ? "" : "no ", options.roughness.empty() ? "no --roughness" : "--roughness",
-                            baked.has_roughness ? "the map that it was baked with" : "none"));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has {}roughness in, found {}, expected {} beside --source",
+                                               options.input, baked.has_roughness ? "" : "no ",
+                                               options.roughness.empty() ? "no --roughness" : "--roughness",
+                                               baked.has_roughness ? "the map that it was baked with" : "none"));
   if (options.basis.size() > 1 && options.weights.empty())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: found {} of --brdf and no --weights, expected the map that it was baked with beside "

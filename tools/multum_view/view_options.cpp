@@ -234,8 +234,9 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   options.formula = raw.formula == "paper" ? gl::LobeFormula::kPaper : gl::LobeFormula::kProduct;
   if (!raw.moments.empty()) options.moments = find_choice(kMomentShadings, raw.moments);
   if (!raw.compare.empty()) options.compare = parse_compare(raw.compare);
-  for (const auto& [option, path] : {std::pair{"--albedo", &options.albedo}, std::pair{"--roughness", &options.roughness},
-                                     std::pair{"--weights", &options.weights}})
+  for (const auto& [option, path] :
+       {std::pair{"--albedo", &options.albedo}, std::pair{"--roughness", &options.roughness},
+        std::pair{"--weights", &options.weights}})
     if (!path->empty() && options.source.empty())
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} goes with --source: both describe the map that the file was baked from", option));
@@ -270,10 +271,11 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
   app.add_option("--point-light", raw.point_lights,
                  "at x,y,z, with an intensity: x,y,z,i or x,y,z,r,g,b; up to 8 times");
-  app.add_option("--brdf", raw.brdfs,
-                 "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or a "
-                 "measured one's file (.brdf text, .binary of MERL, .json of a fit); several times: basis BRDFs, which the "
-                 "file's weights blend; files with roughness in have their own (default: blinn-phong:100)")
+  app.add_option(
+         "--brdf", raw.brdfs,
+         "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or a "
+         "measured one's file (.brdf text, .binary of MERL, .json of a fit); several times: basis BRDFs, which the "
+         "file's weights blend; files with roughness in have their own (default: blinn-phong:100)")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", o.scene.brdf.term_count,

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-#include "host/image/material_maps.h"
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
 #include "host/brdf/measured_brdf.h"
+#include "host/image/material_maps.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
 #include "tools/multum_view/write_image.h"

@@ -3,8 +3,8 @@
 //   MULTUM_TRUTH  the finest map's nearest texel        MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP    averaged normal, normalised           MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// and MULTUM_ROUGHNESS (lengths of normals are a BRDF's width; TRUTH: of each its own), MULTUM_BASIS k (all is times weight
-// k), MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored come from the normal map, by Toksvig's rule:
+// and MULTUM_ROUGHNESS (lengths of normals are a BRDF's width; TRUTH: of each its own), MULTUM_BASIS k (all is times
+// weight k), MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored are the normal map's, by Toksvig's rule:
 // it has no moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP,
 // TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the same.
 uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_s b_t] for LEAN
