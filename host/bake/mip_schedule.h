@@ -58,7 +58,9 @@ constexpr int kSamplesPerChunk = 4096;
 /// `weighted`: use the kernels that weigh samples even where whole texels are covered (the same result).
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);
 
-/// Facets that a shortened normal stands for when EM shares it out (movmf_em.clh).
+/// Facets that a shortened normal stands for when EM shares it out (movmf_em.clh). Error of the four-quarter map of 256
+/// with a constant, a smooth and a noisy roughness at level 2: 10.7, 13.5 and 38.8 % with 1, 5.8, 9.1 and 26.0 with
+/// 4, 6.3, 9.4 and 29.6 with 16.
 constexpr float kCopiesShortened = 4.0f;
 /// For normals that a BRDF's width has shortened.
 void make_shortened(MipSchedule& schedule);
