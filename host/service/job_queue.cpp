@@ -233,6 +233,15 @@ void JobQueue::close_attempt(const Job& job, const AttemptResult& result, TimeMs
 }
 
 void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now) {
+  SqliteStatement& asked = statement("SELECT stop_asked FROM jobs WHERE id = ?");
+  asked.bind(1, job.id).step();
+  const std::string why = asked.text(0);
+  asked.reset();
+  if (!why.empty()) {
+    finish(job.id, JobState::kCancelled, why, now);
+    fail_dependents(job.id, now);
+    return;
+  }
   const bool is_counted = result.outcome != AttemptOutcome::kReturned;
   if (!is_counted)
     statement("UPDATE jobs SET attempts_counted = attempts_counted - 1 WHERE id = ?").bind(1, job.id).run();
@@ -306,7 +315,11 @@ void JobQueue::fail_dependents(std::int64_t id, TimeMs now) {
 CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs now) {
   const std::optional<Job> job = find(id);
   if (!job) return CancelResult::kUnknown;
-  if (job->state == JobState::kRunning) return CancelResult::kStopWorker;
+  if (job->state == JobState::kRunning) {
+    // Its attempt may have failed already, and the news be on its way here: it would be queued again.
+    statement("UPDATE jobs SET stop_asked = ? WHERE id = ?").bind(1, why).bind(2, id).run();
+    return CancelResult::kStopWorker;
+  }
   if (job->state == JobState::kPublishing || is_final(job->state)) return CancelResult::kTooLate;
   finish(id, JobState::kCancelled, why, now);
   fail_dependents(id, now);
@@ -340,7 +353,7 @@ void JobQueue::queue_again(std::int64_t id, TimeMs now) {
   statement(
       "UPDATE jobs SET state = ?, needs_left = ?, attempts_counted = 0, not_before = NULL, finished = NULL, deadline = "
       "CASE WHEN deadline <= ? THEN NULL ELSE deadline END, message = '', exit_code = NULL, reused_from = NULL, "
-      "result_identity = '' WHERE id = ?")
+      "result_identity = '', stop_asked = '' WHERE id = ?")
       .bind(1, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued))
       .bind(2, needs_left)
       .bind(3, now)

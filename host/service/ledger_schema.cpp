@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-constexpr std::int64_t kSchemaVersion = 2;
+constexpr std::int64_t kSchemaVersion = 3;
 
 // States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered.
 constexpr const char* kSchema = R"sql(
@@ -38,7 +38,8 @@ CREATE TABLE jobs (
   exit_code INTEGER,
   message TEXT NOT NULL DEFAULT '',
   reused_from INTEGER,
-  result_identity TEXT NOT NULL DEFAULT '');
+  result_identity TEXT NOT NULL DEFAULT '',
+  stop_asked TEXT NOT NULL DEFAULT '');  -- why it is to be cancelled as soon as its attempt ends without a result
 CREATE INDEX jobs_next ON jobs (queue, state, priority DESC, id);
 CREATE INDEX jobs_state ON jobs (state, finished);
 CREATE INDEX jobs_key ON jobs (key, id) WHERE key <> '';
@@ -59,14 +60,18 @@ CREATE TABLE attempts (
   exit_code INTEGER,
   message TEXT NOT NULL DEFAULT '',
   PRIMARY KEY (job, number)) WITHOUT ROWID;
-PRAGMA user_version = 2;
+PRAGMA user_version = 3;
 )sql";
 
-// From version 1, of multum 0.1 before its release.
+// From versions 1 and 2, of multum 0.1 before its release.
 constexpr const char* kAddInputs = R"sql(
 ALTER TABLE jobs ADD COLUMN inputs TEXT NOT NULL DEFAULT '';
 UPDATE jobs SET key = '';  -- whether inputs are still what they were cannot be known
 PRAGMA user_version = 2;
+)sql";
+constexpr const char* kAddStopAsked = R"sql(
+ALTER TABLE jobs ADD COLUMN stop_asked TEXT NOT NULL DEFAULT '';
+PRAGMA user_version = 3;
 )sql";
 
 constexpr const char* kColumns =
@@ -86,7 +91,9 @@ void prepare_ledger(SqliteDatabase& database) {
                             found, kSchemaVersion));
   if (found < kSchemaVersion) {
     SqliteTransaction transaction(database);
-    database.execute(found == 0 ? kSchema : kAddInputs);
+    if (found == 0) database.execute(kSchema);
+    if (found == 1) database.execute(kAddInputs);
+    if (found == 1 || found == 2) database.execute(kAddStopAsked);
     transaction.commit();
   }
 }

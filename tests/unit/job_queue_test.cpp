@@ -229,6 +229,25 @@ TEST_F(JobQueueTest, CancelledInAnyState) {
   EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kTooLate);
 }
 
+// Asked for between an attempt's end and the news of it, or before a daemon's sudden end: the job runs no more.
+TEST_F(JobQueueTest, ACancelOutlivesTheAttemptThatItWasMeantFor) {
+  const std::int64_t id = submit(of(0)), dependent = submit(of(0, {id}));
+  const Job failing = *claim();
+  EXPECT_EQ(queue_->cancel(id, "by a test", now_), CancelResult::kStopWorker);
+  EXPECT_TRUE(fail(failing, AttemptOutcome::kFailed));
+  EXPECT_EQ(state(id), JobState::kCancelled);
+  EXPECT_EQ(state(dependent), JobState::kDead);
+  EXPECT_TRUE(queue_->retry(id, now_));
+  EXPECT_TRUE(fail(*claim(), AttemptOutcome::kFailed));
+  EXPECT_EQ(state(id), JobState::kQueued) << "nobody has cancelled this attempt";
+  now_ += 1000000;
+  claim();
+  EXPECT_EQ(queue_->cancel(id, "by a test", now_), CancelResult::kStopWorker);
+  reopen();
+  queue_->recover(now_);
+  EXPECT_EQ(state(id), JobState::kCancelled);
+}
+
 TEST_F(JobQueueTest, DeadlinesPass) {
   JobSubmission submission = of(0);
   submission.deadline = now_ + 10;
@@ -311,7 +330,8 @@ TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
   JobSubmission submission = of(3);
   submission.key = "k";
   const std::int64_t id = submit(submission);
-  queue_->database().execute("ALTER TABLE jobs DROP COLUMN inputs; PRAGMA user_version = 1;");
+  queue_->database().execute(
+      "ALTER TABLE jobs DROP COLUMN inputs; ALTER TABLE jobs DROP COLUMN stop_asked; PRAGMA user_version = 1;");
   reopen();
   EXPECT_EQ(queue_->find(id)->priority, 3);
   EXPECT_EQ(queue_->find(id)->key, "") << "nobody knows whether its inputs are what they were";
