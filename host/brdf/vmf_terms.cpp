@@ -33,7 +33,10 @@ struct Sample {
 constexpr int kUpperCount = 240, kLowerCount = 24, kCountMax = kBrdfTermCountMax;
 constexpr double kLeast = 1e-8;
 
-double node(int i) { return std::exp(std::log(kLeast) * (1.0 - static_cast<double>(i) / (kUpperCount - 1))); }
+// Up to just above the horizon, where densities of a hemisphere end.
+double node(int i) {
+  return (1.0 - 1e-9) * std::exp(std::log(kLeast) * (1.0 - static_cast<double>(i) / (kUpperCount - 1)));
+}
 
 // `value(i)` of the upper nodes.
 template <typename Value>

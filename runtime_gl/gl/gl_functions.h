@@ -64,6 +64,7 @@ namespace multum::gl {
   X(PFNGLPROGRAMUNIFORM1IVPROC, ProgramUniform1iv)                       \
   X(PFNGLPROGRAMUNIFORM1FVPROC, ProgramUniform1fv)                       \
   X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                         \
+  X(PFNGLPROGRAMUNIFORM2FVPROC, ProgramUniform2fv)                       \
   X(PFNGLPROGRAMUNIFORM3FVPROC, ProgramUniform3fv)                       \
   X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)           \
   X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                     \

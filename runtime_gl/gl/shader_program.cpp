@@ -93,6 +93,10 @@ void ShaderProgram::set_floats(const char* uniform, const float* values, int cou
   gl_->ProgramUniform1fv(id_, location(uniform), count, values);
 }
 
+void ShaderProgram::set_vec2(const char* uniform, const float* values) const {
+  gl_->ProgramUniform2fv(id_, location(uniform), 1, values);
+}
+
 void ShaderProgram::set_vec3(const char* uniform, const float* values, int count) const {
   gl_->ProgramUniform3fv(id_, location(uniform), count, values);
 }

@@ -31,6 +31,7 @@ class ShaderProgram {
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
   void set_floats(const char* uniform, const float* values, int count) const;
+  void set_vec2(const char* uniform, const float* values) const;
   void set_vec3(const char* uniform, const float* values, int count) const;
   void set_mat4(const char* uniform, const float* column_major) const;
   /// Gives an array of samplers the texture units first_unit, first_unit + 1, ...

@@ -33,6 +33,8 @@ class Material {
   virtual int weight_count() const { return 0; }
   /// What is drawn from now on is of the basis BRDF of this number, times its weight; unset: as if there were none.
   void set_basis(std::optional<int> number) { basis_ = number; }
+  /// One normal a sample: an environment is sampled around it, by brute force.
+  virtual bool samples_light() const { return false; }
 
  protected:
   /// For shader_parts(): MULTUM_BASIS says which weight.

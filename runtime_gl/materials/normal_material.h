@@ -48,6 +48,7 @@ class NormalMaterial : public Material {
 
   const char* name() const override { return slopes_.has_value() ? "baseline" : "truth"; }
   ShaderParts shader_parts() const override;
+  bool samples_light() const override { return !slopes_.has_value(); }
   int bind(const ShaderProgram& shader) const override;
   int weight_count() const override { return weight_count_; }
 

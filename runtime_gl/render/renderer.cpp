@@ -38,12 +38,13 @@ void append(const ShaderParts& parts, ShaderSources& sources) {
 }  // namespace
 
 Renderer::Renderer(const GlFunctions& gl, int width, int height)
-    : gl_(gl), framebuffer_(gl, width, height), sum_(gl, width, height), full_screen_(gl) {}
+    : gl_(gl), framebuffer_(gl, width, height), sum_(gl, width, height), full_screen_(gl), environment_(gl) {}
 
 ShaderSources scene_shader_sources(const Material& material, const Scene& scene) {
   ShaderSources sources{
       material.name(), {}, {shader_scene_vert}, {shader_common_movmf_shading_glsl, shader_common_reflection_glsl}};
   append(brdf_shader_parts(scene.brdf), sources);
+  append(environment_shader_parts(scene, material.samples_light()), sources);
   append(material.shader_parts(), sources);
   append(light_shader_parts(scene), sources);
   sources.fragment.push_back(shader_scene_frag);
@@ -59,11 +60,13 @@ const ShaderProgram& Renderer::program(const Material& material, const Scene& sc
   return *entry;
 }
 
-void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) const {
+void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) {
   shader.set_vec3("u_eye", glm::value_ptr(scene.camera.eye), 1);
   shader.set("u_uv_scale", scene.uv_scale);
   set_brdf(shader, scene.brdf, material.zonal_order());
   set_lights(shader, scene);
+  environment_.set(shader, scene, material.samples_light(), {framebuffer_.width(), framebuffer_.height()},
+                   material.bind(shader));
   check_gl(gl_, "setting the scene's uniforms");
 }
 
@@ -77,7 +80,6 @@ void Renderer::draw_once(const ShaderProgram& shader, const Mesh& mesh, const Sc
 Picture Renderer::draw(const Mesh& mesh, const Material& material, const Scene& scene) {
   const ShaderProgram& shader = program(material, scene);
   set_scene(shader, material, scene);
-  material.bind(shader);
   framebuffer_.bind();
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
@@ -124,6 +126,7 @@ Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const S
     framebuffer_.bind();
     framebuffer_.clear_colour();
     material.bind(shader);
+    if (material.samples_light()) environment_.set_sample(shader, scene, i);
     shader.use();
     draw_once(shader, mesh, scene, jitter_offset(i));
     accumulate(*adder_);

@@ -11,6 +11,7 @@
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/gl/shader_program.h"
 #include "runtime_gl/materials/material.h"
+#include "runtime_gl/render/environment_shading.h"
 #include "runtime_gl/render/scene.h"
 
 namespace multum::gl {
@@ -36,13 +37,14 @@ class Renderer {
  private:
   const ShaderProgram& program(const Material& material, const Scene& scene);
   void accumulate(const ShaderProgram& adder) const;
-  void set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) const;
+  void set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene);
   void draw_once(const ShaderProgram& shader, const Mesh& mesh, const Scene& scene, glm::vec2 jitter) const;
 
   const GlFunctions& gl_;
   Framebuffer framebuffer_;
   Framebuffer sum_;
   EmptyMesh full_screen_;
+  EnvironmentShading environment_;
   std::map<std::string, std::unique_ptr<ShaderProgram>> programs_;
   std::unique_ptr<ShaderProgram> adder_;
 };

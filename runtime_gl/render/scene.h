@@ -2,11 +2,13 @@
 // What is drawn and how, as plain settings.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
 #include "host/brdf/brdf.h"
+#include "host/light/environment_light.h"
 #include "runtime_gl/render/camera.h"
 
 namespace multum::gl {
@@ -23,10 +25,19 @@ struct PointLight {
   glm::vec3 intensity{1.0f};  // irradiance at distance 1 of a surface that faces it
 };
 
+/// How lobes take the highlight of an environment.
+enum class EnvironmentMode {
+  kHarmonics,    // Han et al. 2007, section 8, to order 8
+  kPrefiltered,  // mips convolved with vMFs, by the spread of what is reflected
+};
+
 struct Scene {
   Camera camera;
-  std::vector<Light> lights{Light{}};
+  std::vector<Light> lights = std::vector<Light>(1);
   std::vector<PointLight> point_lights;
+  std::shared_ptr<const EnvironmentLight> environment;  // null: none
+  EnvironmentMode environment_mode = EnvironmentMode::kPrefiltered;
+  glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit; what lies up in the map. With +Z, its middle lies along +Y
   Brdf brdf;
   float uv_scale = 1.0f;  // repeats of the map per unit of uv
 };

@@ -7,6 +7,7 @@ namespace multum::gl {
 extern const char* const shader_common_movmf_shading_glsl;
 extern const char* const shader_common_moment_shading_glsl;
 extern const char* const shader_common_reflection_glsl;
+extern const char* const shader_common_vmf_zonal_glsl;
 extern const char* const shader_brdf_blinn_phong_glsl;
 extern const char* const shader_brdf_torrance_sparrow_glsl;
 extern const char* const shader_brdf_cook_torrance_glsl;
@@ -15,6 +16,10 @@ extern const char* const shader_brdf_measured_glsl;
 extern const char* const shader_brdf_terms_glsl;
 extern const char* const shader_surface_movmf_glsl;
 extern const char* const shader_surface_normals_glsl;
+extern const char* const shader_light_environment_glsl;
+extern const char* const shader_light_environment_levels_glsl;
+extern const char* const shader_light_environment_samples_glsl;
+extern const char* const shader_light_environment_sh_glsl;
 extern const char* const shader_light_lights_glsl;
 extern const char* const shader_scene_vert;
 extern const char* const shader_scene_frag;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light that a normal-mapped surface sends to the eye: its normals by one of surface/, its BRDF by
-// one of brdf/, its lights by light/ (common/reflection.glsl says how they meet). All vectors are taken to tangent space, where the map's
-// normals live.
+// The light that a normal-mapped surface sends to the eye: its normals by one of surface/, its BRDF by one of brdf/,
+// its lights by light/ (common/reflection.glsl says how they meet). All vectors are taken to tangent space, where the
+// map's normals live.
 //
-// Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_TRUTH averages it over samples; the others put the average into their model: cosines per lobe, or of the
-// averaged normal.
+// Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_TRUTH averages it over
+// samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "host/reference/shading.h"
+#include "tests/gl/glsl_brdf_cases.h"
 
 namespace multum::gl {
 namespace {
@@ -290,6 +291,7 @@ const std::vector<GlslCase>& glsl_cases() {
   static const std::vector<GlslCase> cases = [] {
     std::vector<GlslCase> all = function_cases();
     for (GlslCase& c : lobe_cases()) all.push_back(std::move(c));
+    for (GlslCase& c : glsl_brdf_cases()) all.push_back(std::move(c));
     return all;
   }();
   return cases;

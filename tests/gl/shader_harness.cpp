@@ -21,12 +21,14 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
   b.upload_level(0, &input.b[0].x);
   const std::string main =
       "uniform sampler2D u_a;\nuniform sampler2D u_b;\nuniform sampler2D map;\nlayout(location = 0) out vec4 o;\n"
+      "float multum_vmf_eighth_zonal(float kappa) {\n  float zonal[9];\n  multum_vmf_zonal(kappa, zonal);\n"
+      "  return zonal[8];\n}\n"
       "void main() {\n  ivec2 p = ivec2(gl_FragCoord.xy);\n  vec4 a = texelFetch(u_a, p, 0);\n"
       "  vec4 b = texelFetch(u_b, p, 0);\n  o = " +
       input.expression + ";\n}\n";
   const std::string formulas = edited_source(
       std::string(shader_common_movmf_shading_glsl) + shader_brdf_blinn_phong_glsl + shader_brdf_torrance_sparrow_glsl +
-          shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl + shader_brdf_terms_glsl,
+          shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl + shader_brdf_terms_glsl + shader_common_vmf_zonal_glsl,
       "movmf_shading", input.edits);
   const ShaderProgram program(
       gl, {"harness", {}, {shader_full_screen_vert}, {formulas, shader_common_moment_shading_glsl, main}});

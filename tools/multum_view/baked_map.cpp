@@ -40,6 +40,10 @@ void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
   if (baked.has_roughness && options.has_brdf)
     throw Error(ErrorCode::kUsage,
                 options.input + ": has its BRDF's width in (multum:roughness), found --brdf, expected none");
+  if (baked.has_roughness && !options.environment.empty() && !options.compare.empty())
+    throw Error(ErrorCode::kUsage, options.input +
+                                       ": has its BRDF's width in, found --environment with --compare, "
+                                       "expected lights: brute force knows one BRDF");
   if (baked.has_roughness && options.formula == gl::LobeFormula::kPaper)
     throw Error(ErrorCode::kUsage,
                 options.input + ": has its BRDF's width in, found --formula paper, expected product");

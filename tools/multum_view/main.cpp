@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "tools/multum_view/animated_view.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/view_drawing.h"
 #include "tools/multum_view/view_inputs.h"
@@ -30,17 +31,24 @@ int run(int argc, char** argv) {
   check_outputs(*options);
   const BakedMap map = read_baked_map(options->input);
   check_options_of(*options, map.header);
-  if (map.header.has_roughness) options->scene.brdf.exponent = kRoughnessExponent;
+  if (map.header.has_roughness) options->scene.brdf.exponent = options->last_scene.brdf.exponent = kRoughnessExponent;
   warn_of_sources(*options, map.header);
   const gl::MeshData mesh_data = make_mesh(*options);
   const gl::NormalImage source = needs_source(*options, map.header) ? read_source(*options, map) : gl::NormalImage{};
+  options->scene.environment = options->last_scene.environment = read_environment(*options);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
   log_info(context->description());
   warn_of_wrong_anisotropy(*options, map.header, context->description());
   const gl::Mesh mesh(context->functions(), mesh_data);
-  const std::vector<NamedPicture> pictures = draw_all(*options, context->functions(), mesh, map, source);
-  const nlohmann::json rows = print_table(pictures);
-  write_pictures(*options, pictures);
+  PictureDrawer drawer(*options, context->functions(), mesh, map, source);
+  nlohmann::json rows;
+  if (options->frames_folder.empty()) {
+    const std::vector<NamedPicture> pictures = drawer.draw(options->scene);
+    rows = print_table(pictures);
+    write_pictures(*options, pictures);
+  } else {
+    rows = draw_animation(*options, drawer);
+  }
   if (!options->report.empty()) write_report(*options, context->description(), rows);
   if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return 0;

@@ -22,8 +22,7 @@ bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
 // Basis BRDFs one after another, each times its weight: what a surface reflects is their sum, whatever they are.
 template <typename Draw>
-gl::Picture draw_blended(const ViewOptions& options, gl::Material& material, const Draw& draw) {
-  gl::Scene scene = options.scene;
+gl::Picture draw_blended(const ViewOptions& options, gl::Scene scene, gl::Material& material, const Draw& draw) {
   if (options.basis.size() <= 1) return draw(scene);
   gl::Picture sum{};
   for (std::size_t k = 0; k < options.basis.size(); ++k) {
@@ -45,28 +44,35 @@ gl::Picture draw_blended(const ViewOptions& options, gl::Material& material, con
 
 }  // namespace
 
-std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
-                                   const BakedMap& map, const gl::NormalImage& source) {
+PictureDrawer::PictureDrawer(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
+                             const BakedMap& map, const gl::NormalImage& source)
+    : options_(options),
+      mesh_(mesh),
+      renderer_(gl, options.width, options.height),
+      baked_(make_material(gl, map, options, source)) {
   using gl::NormalMaterial;
-  gl::Renderer renderer(gl, options.width, options.height);
+  for (const std::string& name : options.compare) {
+    if (name == "truth") finest_.emplace(gl, source, NormalMaterial::Sampling::kNearest, 1.0f);
+    else if (!mipmapped_) mipmapped_.emplace(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
+  }
+}
+
+std::vector<NamedPicture> PictureDrawer::draw(const gl::Scene& scene) {
   std::vector<NamedPicture> pictures;
   const auto drawn = [&](gl::Material& material) {
-    return draw_blended(options, material,
-                        [&](const gl::Scene& scene) { return renderer.draw(mesh, material, scene); });
+    return draw_blended(options_, scene, material,
+                        [&](const gl::Scene& one) { return renderer_.draw(mesh_, material, one); });
   };
-  pictures.push_back({"multum", drawn(*make_material(gl, map, options, source))});
-  if (options.compare.empty()) return pictures;
-  NormalMaterial mipmapped(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
-  for (const std::string& name : options.compare) {
+  pictures.push_back({"multum", drawn(*baked_)});
+  for (const std::string& name : options_.compare) {
     if (name == "truth") {
-      NormalMaterial finest(gl, source, NormalMaterial::Sampling::kNearest, 1.0f);
-      const auto draw = [&](const gl::Scene& scene) {
-        return renderer.draw_truth(mesh, finest, scene, options.samples);
+      const auto draw = [&](const gl::Scene& one) {
+        return renderer_.draw_truth(mesh_, *finest_, one, options_.samples);
       };
-      pictures.insert(pictures.begin(), {name, draw_blended(options, finest, draw)});
+      pictures.insert(pictures.begin(), {name, draw_blended(options_, scene, *finest_, draw)});
     } else {
-      mipmapped.set_baseline(baseline_of(name));
-      pictures.push_back({name, drawn(mipmapped)});
+      mipmapped_->set_baseline(baseline_of(name));
+      pictures.push_back({name, drawn(*mipmapped_)});
     }
   }
   return pictures;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every picture that the options ask for.
+// The pictures of a scene.
 #pragma once
 
 #include <string>
@@ -15,9 +15,22 @@ struct NamedPicture {
   gl::Picture picture;
 };
 
-/// The truth first, where it is asked for, then the baked map, then the baselines.
-std::vector<NamedPicture> draw_all(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
-                                   const BakedMap& map, const gl::NormalImage& source);
+/// Draws every picture that the options ask for, of as many scenes as are handed in; textures are uploaded once.
+class PictureDrawer {
+ public:
+  /// What is handed in must outlive it.
+  PictureDrawer(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh, const BakedMap& map,
+                const gl::NormalImage& source);
+  /// The truth first, where it is asked for, then the baked map, then the baselines.
+  std::vector<NamedPicture> draw(const gl::Scene& scene);
+
+ private:
+  const ViewOptions& options_;
+  const gl::Mesh& mesh_;
+  gl::Renderer renderer_;
+  std::unique_ptr<gl::Material> baked_;
+  std::optional<gl::NormalMaterial> mipmapped_, finest_;
+};
 
 /// `renderer`: how GL describes itself.
 void warn_of_wrong_anisotropy(const ViewOptions& options, const BakedHeader& baked, const std::string& renderer);

@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/image/colour_map.h"
+#include "host/image/environment_file.h"
 #include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/image/reading_settings.h"
@@ -107,8 +108,10 @@ gl::MeshData make_mesh(ViewOptions& options) {
   }
   const gl::Camera frame = gl::frame_box(low, high, options.up);
   if (!options.has_camera) scene.camera = frame;
+  if (!options.has_last_camera) options.last_scene.camera = scene.camera;
   scene.camera.near_distance = frame.near_distance;
-  scene.camera.far_distance = std::max(frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target));
+  scene.camera.far_distance = std::max({frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target),
+                                        4.0f * glm::length(options.last_scene.camera.eye - frame.target)});
   return to_mesh_data(mesh);
 }
 
@@ -136,6 +139,17 @@ gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map) {
     image.normals.emplace_back(normals.x[i], normals.y[i], normals.z[i]);
   add_materials(options, baked, image);
   return image;
+}
+
+std::shared_ptr<const EnvironmentLight> read_environment(const ViewOptions& options) {
+  if (options.environment.empty()) return nullptr;
+  const ColourMap colours = read_environment_map(options.environment);
+  if (colours.clamped_count > 0)
+    log_warning(fmt::format("{}: {} texels are negative or not finite: they count as black", options.environment,
+                            colours.clamped_count));
+  EnvironmentMap map{colours.width, colours.height, {}};
+  for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
+  return make_environment_light(map);
 }
 
 void warn_of_sources(const ViewOptions& options, const BakedHeader& baked) {

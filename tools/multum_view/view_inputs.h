@@ -2,6 +2,7 @@
 // What is read to be drawn: the mesh and the normal map that was baked.
 #pragma once
 
+#include "host/light/environment_light.h"
 #include "runtime_gl/gl/mesh.h"
 #include "tools/multum_view/baked_map.h"
 
@@ -15,6 +16,9 @@ bool needs_source(const ViewOptions& options, const BakedHeader& baked);
 
 /// The map that was baked, as the bake read it; without --source, level 0 of the file.
 gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map);
+
+/// Null without --environment.
+std::shared_ptr<const EnvironmentLight> read_environment(const ViewOptions& options);
 
 void warn_of_sources(const ViewOptions& options, const BakedHeader& baked);
 

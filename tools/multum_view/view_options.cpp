@@ -6,11 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 #include <utility>
 
 #include "host/base/choices.h"
 #include "host/base/error.h"
+#include "host/brdf/measured_file.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
 
@@ -35,6 +37,10 @@ struct RawOptions {
   std::string formula = "product";
   std::string compare;
   std::string moments;
+  std::string environment_mode = "prefiltered";
+  // Of the last frame.
+  std::string to_camera, to_brdf, to_diffuse, to_specular;
+  std::vector<std::string> to_lights, to_point_lights;
 };
 
 [[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
@@ -72,42 +78,41 @@ glm::vec3 parse_colour(const std::string& option, const std::string& text) {
   return colour;
 }
 
-gl::Light parse_light(const std::string& text) {
+gl::Light parse_light(const std::string& option, const std::string& text) {
   const char* const expected = "x,y,z towards the light, not all 0, then perhaps its irradiance: 0.3,0.8,0.5,3.14";
-  const std::vector<float> n = parse_numbers("--light", text, expected);
-  if (n.size() != 3 && n.size() != 4) refuse("--light", text, expected);
+  const std::vector<float> n = parse_numbers(option, text, expected);
+  if (n.size() != 3 && n.size() != 4) refuse(option, text, expected);
   gl::Light light;
   light.direction = {n[0], n[1], n[2]};
-  if (!(glm::length(light.direction) > 1e-12f)) refuse("--light", text, expected);
+  if (!(glm::length(light.direction) > 1e-12f)) refuse(option, text, expected);
   if (n.size() == 4) {
-    if (n[3] < 0.0f) refuse("--light", text, expected);
+    if (n[3] < 0.0f) refuse(option, text, expected);
     light.irradiance = glm::vec3(n[3]);
   }
   return light;
 }
 
-gl::PointLight parse_point_light(const std::string& text) {
+gl::PointLight parse_point_light(const std::string& option, const std::string& text) {
   const char* const expected = "x,y,z of its place, then its intensity >= 0, grey or r,g,b: 0,2,1,3.14";
-  const std::vector<float> n = parse_numbers("--point-light", text, expected);
-  if (n.size() != 4 && n.size() != 6) refuse("--point-light", text, expected);
+  const std::vector<float> n = parse_numbers(option, text, expected);
+  if (n.size() != 4 && n.size() != 6) refuse(option, text, expected);
   gl::PointLight light{{n[0], n[1], n[2]}, n.size() == 4 ? glm::vec3(n[3]) : glm::vec3(n[3], n[4], n[5])};
-  if (light.intensity.x < 0.0f || light.intensity.y < 0.0f || light.intensity.z < 0.0f)
-    refuse("--point-light", text, expected);
+  if (light.intensity.x < 0.0f || light.intensity.y < 0.0f || light.intensity.z < 0.0f) refuse(option, text, expected);
   return light;
 }
 
-void parse_camera(const std::string& text, gl::Camera& camera) {
+void parse_camera(const std::string& option, const std::string& text, gl::Camera& camera) {
   const char* const expected =
       "eye x,y,z, target x,y,z and perhaps the vertical field of view in degrees (1..170): "
       "0,0,0.3,0,1,0,40";
-  const std::vector<float> n = parse_numbers("--camera", text, expected);
-  if (n.size() != 6 && n.size() != 7) refuse("--camera", text, expected);
+  const std::vector<float> n = parse_numbers(option, text, expected);
+  if (n.size() != 6 && n.size() != 7) refuse(option, text, expected);
   camera.eye = {n[0], n[1], n[2]};
   camera.target = {n[3], n[4], n[5]};
   if (n.size() == 7) camera.fov_y_degrees = n[6];
   const glm::vec3 view = camera.target - camera.eye;
   if (!(glm::length(view) > 1e-9f) || camera.fov_y_degrees < 1.0f || camera.fov_y_degrees > 170.0f)
-    refuse("--camera", text, expected);
+    refuse(option, text, expected);
 }
 
 bool looks_along(const gl::Camera& camera, const glm::vec3& direction) {
@@ -182,6 +187,11 @@ Brdf parse_brdf(const std::string& text, int term_count) {
   } else if (has_numbers && name == "ggx") {
     brdf.kind = BrdfKind::kGgx;
     brdf.roughness = numbers(0.05f, 1.0f, true);
+  } else if (std::filesystem::exists(text)) {
+    brdf.kind = BrdfKind::kMeasured;
+    brdf.measured = std::make_shared<const MeasuredBrdf>(read_measured_brdf(text));
+    brdf.diffuse = glm::vec3(brdf.measured->diffuse);
+    brdf.specular = glm::vec3(1.0f);
   } else {
     refuse("--brdf", text, kBrdfExpected);
   }
@@ -210,16 +220,63 @@ std::vector<std::string> parse_compare(const std::string& text) {
   return names;
 }
 
+/// The last frame's scene: the first one's, but for what is said of it.
+void finish_animation(const RawOptions& raw, ViewOptions& options) {
+  const bool has_end = !raw.to_camera.empty() || !raw.to_brdf.empty() || !raw.to_diffuse.empty() ||
+                       !raw.to_specular.empty() || !raw.to_lights.empty() || !raw.to_point_lights.empty();
+  if (options.frames_folder.empty() == has_end)
+    throw Error(ErrorCode::kUsage, has_end ? "--to-camera, --to-light and the like go with --animate FOLDER"
+                                           : "--animate: say what changes: --to-camera, --to-light, --to-brdf, ...");
+  gl::Scene& last = options.last_scene;
+  last = options.scene;
+  if (!has_end) return;
+  if (!options.output.empty() || !options.pictures.empty())
+    throw Error(ErrorCode::kUsage, "--animate writes FOLDER/frame_0000.png and so on: leave out -o and --pictures");
+  if (!raw.to_camera.empty()) parse_camera("--to-camera", raw.to_camera, last.camera);
+  options.has_last_camera = !raw.to_camera.empty();
+  if (options.basis.size() > 1 && !(raw.to_brdf.empty() && raw.to_diffuse.empty() && raw.to_specular.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--to-brdf, --to-diffuse and --to-specular change one BRDF, found several of --brdf");
+  if (!raw.to_brdf.empty()) {
+    const glm::vec3 diffuse = last.brdf.diffuse, specular = last.brdf.specular;
+    last.brdf = parse_brdf(raw.to_brdf, last.brdf.term_count);
+    if (last.brdf.kind != options.scene.brdf.kind || last.brdf.kind == BrdfKind::kMeasured)
+      refuse("--to-brdf", raw.to_brdf, "another parameter of the family that --brdf has");
+    last.brdf.diffuse = diffuse;
+    last.brdf.specular = specular;
+  }
+  if (!raw.to_diffuse.empty()) last.brdf.diffuse = parse_colour("--to-diffuse", raw.to_diffuse);
+  if (!raw.to_specular.empty()) last.brdf.specular = parse_colour("--to-specular", raw.to_specular);
+  const auto expect_count = [](const char* option, std::size_t found, std::size_t expected) {
+    if (found != expected)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: found {} lights, expected the {} of the first frame", option, found, expected));
+  };
+  if (!raw.to_lights.empty()) {
+    expect_count("--to-light", raw.to_lights.size(), last.lights.size());
+    for (std::size_t i = 0; i < raw.to_lights.size(); ++i) last.lights[i] = parse_light("--to-light", raw.to_lights[i]);
+  }
+  if (!raw.to_point_lights.empty()) {
+    expect_count("--to-point-light", raw.to_point_lights.size(), last.point_lights.size());
+    for (std::size_t i = 0; i < raw.to_point_lights.size(); ++i)
+      last.point_lights[i] = parse_point_light("--to-point-light", raw.to_point_lights[i]);
+  }
+}
+
 void finish(const RawOptions& raw, ViewOptions& options) {
   gl::Scene& scene = options.scene;
-  if (!raw.camera.empty()) parse_camera(raw.camera, scene.camera);
+  if (!raw.camera.empty()) parse_camera("--camera", raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
   parse_up(raw.up, options);
-  if (!raw.lights.empty() || !raw.point_lights.empty()) scene.lights.clear();
+  if (!raw.lights.empty() || !raw.point_lights.empty() || !options.environment.empty()) scene.lights.clear();
+  scene.environment_mode =
+      raw.environment_mode == "sh" ? gl::EnvironmentMode::kHarmonics : gl::EnvironmentMode::kPrefiltered;
+  scene.environment_up = options.up;
   if (raw.lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
-  for (const std::string& light : raw.lights) scene.lights.push_back(parse_light(light));
+  for (const std::string& light : raw.lights) scene.lights.push_back(parse_light("--light", light));
   if (raw.point_lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--point-light: at most 8 lights");
-  for (const std::string& light : raw.point_lights) scene.point_lights.push_back(parse_point_light(light));
+  for (const std::string& light : raw.point_lights)
+    scene.point_lights.push_back(parse_point_light("--point-light", light));
   options.has_brdf = !raw.brdfs.empty();
   if (raw.brdfs.size() > kWeightCountMax) throw Error(ErrorCode::kUsage, "--brdf: at most 4, a weight each");
   for (const std::string& text : raw.brdfs.empty() ? std::vector<std::string>{"blinn-phong:100"} : raw.brdfs) {
@@ -242,12 +299,24 @@ void finish(const RawOptions& raw, ViewOptions& options) {
                   fmt::format("{} goes with --source: both describe the map that the file was baked from", option));
   if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind != BrdfKind::kBlinnPhong)
     throw Error(ErrorCode::kUsage, "--formula paper is Blinn-Phong's; use it with --brdf blinn-phong:S");
-  check_picture_path(options.output);
+  finish_animation(raw, options);
+  if (options.frames_folder.empty()) check_picture_path(options.output);
 }
 
 void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("file", o.input, "baked map, *.ndf.exr")->required();
-  app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)")->required();
+  app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)");
+  app.add_option(
+      "--animate", o.frames_folder,
+      "instead of -o: a folder for frame_0000.png and so on, between the scene that is said and what --to-... "
+      "change of it, evenly; exponents and roughnesses by equal factors");
+  app.add_option("--frames", o.frame_count, "of --animate")->check(CLI::Range(2, 9999))->capture_default_str();
+  app.add_option("--to-camera", raw.to_camera, "--camera of the last frame");
+  app.add_option("--to-light", raw.to_lights, "--light of the last frame, as often as --light");
+  app.add_option("--to-point-light", raw.to_point_lights, "--point-light of the last frame");
+  app.add_option("--to-brdf", raw.to_brdf, "--brdf of the last frame, of the same family");
+  app.add_option("--to-diffuse", raw.to_diffuse, "--diffuse of the last frame");
+  app.add_option("--to-specular", raw.to_specular, "--specular of the last frame");
   app.add_option("--pictures", o.pictures,
                  "also write each picture by itself: PREFIX_multum.png, PREFIX_truth.png, "
                  "PREFIX_multum_difference.png, ...");
@@ -271,6 +340,12 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
   app.add_option("--point-light", raw.point_lights,
                  "at x,y,z, with an intensity: x,y,z,i or x,y,z,r,g,b; up to 8 times");
+  app.add_option("--environment", o.environment,
+                 "light from everywhere: an image over latitude and longitude, .exr or .hdr");
+  app.add_option("--environment-mode", raw.environment_mode,
+                 "its highlights: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for broad BRDFs)")
+      ->check(CLI::IsMember({"sh", "prefiltered"}))
+      ->capture_default_str();
   app.add_option(
          "--brdf", raw.brdfs,
          "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or a "
@@ -315,6 +390,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
       "  multum-view bricks.ndf.exr -o frame.png\n"
       "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean-jacobian -o sheet.png\n"
       "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
+      "  multum-view bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 --animate frames/ --frames 60\n"
       "  multum-view out/ --sample 3,5 -o frame.png          textures of `multum infer`; --sample --help says more\n\n"
       "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.",
       "multum-view");
@@ -323,6 +399,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
   add_options(app, options, raw);
   try {
     app.parse(argc, argv);
+    if (options.output.empty() && options.frames_folder.empty()) throw CLI::RequiredError("--output");
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     *exit_code = code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);

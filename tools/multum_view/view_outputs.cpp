@@ -11,6 +11,7 @@
 #include "host/image/material_maps.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
+#include "tools/multum_view/animated_view.h"
 #include "tools/multum_view/write_image.h"
 
 namespace multum {
@@ -81,7 +82,13 @@ nlohmann::json brdf_json(const Brdf& brdf) {
 }  // namespace
 
 void check_outputs(const ViewOptions& options) {
-  std::vector<std::string> outputs = {options.output};
+  std::vector<std::string> outputs;
+  if (options.frames_folder.empty()) {
+    outputs.push_back(options.output);
+  } else {
+    make_folder(options.frames_folder);
+    for (int frame = 0; frame < options.frame_count; ++frame) outputs.push_back(frame_path(options, frame));
+  }
   if (!options.report.empty()) outputs.push_back(options.report);
   if (!options.pictures.empty()) {
     const bool compares_truth =
@@ -94,7 +101,7 @@ void check_outputs(const ViewOptions& options) {
     }
   }
   check_paths_differ({options.input, options.source, options.albedo, parse_channel_file(options.roughness).path,
-                      options.weights, options.mesh},
+                      options.weights, options.mesh, options.environment},
                      outputs);
   for (const std::string& path : outputs) check_writable(path);
 }
@@ -137,6 +144,9 @@ void write_report(const ViewOptions& options, const std::string& context, const 
                            {"anisotropy", options.anisotropy},
                            {"pictures", pictures}};
   report.update(brdf_json(options.scene.brdf));
+  if (!options.environment.empty())
+    report["environment_mode"] =
+        options.scene.environment_mode == gl::EnvironmentMode::kHarmonics ? "sh" : "prefiltered";
   write_text_file(options.report, report.dump(2) + "\n");
 }
 

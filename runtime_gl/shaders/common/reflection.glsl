@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the parts of a scene's fragment shader say to each other. Texts are put together in this order:
 //
-//   common/movmf_shading.glsl, this file, one of brdf/, one of surface/, light/lights.glsl, scene.frag
+//   common/movmf_shading.glsl, this file, one of brdf/, light/environment*.glsl if there is an environment, one of
+//   surface/, light/lights.glsl, scene.frag
 //
 // A BRDF times the cosine is k_d / pi albedo (1 - F) max(n.l, 0) + k_s F f(n.h) V max(n.l, 0). A file of brdf/ has
 //
@@ -23,6 +24,9 @@
 //   MultumSurface multum_fetch_surface(vec2 st)          once a fragment
 //   MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h)   of light from l; in it are albedo,
 //                                                        amplitudes, f, V and cosines; k_d / pi, k_s and F are not
+//   MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v)   of light from everywhere, with
+//                                                        MULTUM_ENVIRONMENT: multum_environment_lobe(lobe, v) has it of
+//                                                        a lobe (a r, a), F included
 
 uniform float u_exponent;
 #ifdef MULTUM_ZONAL_ORDER

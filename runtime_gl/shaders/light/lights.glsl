@@ -11,6 +11,14 @@ uniform vec3 u_point_positions[MULTUM_POINT_LIGHTS];
 uniform vec3 u_point_intensities[MULTUM_POINT_LIGHTS];  // irradiance at distance 1
 #endif
 
+vec3 multum_outgoing(MultumReflection reflection) {
+  vec3 radiance = u_diffuse / MULTUM_PI * reflection.diffuse;
+#ifndef MULTUM_LAMBERT
+  radiance += u_specular * reflection.specular;
+#endif
+  return radiance;
+}
+
 // For irradiance 1 of a surface that faces l.
 vec3 multum_radiance(MultumSurface surface, vec3 l, vec3 v) {
   vec3 h = normalize(l + v);
@@ -22,11 +30,7 @@ vec3 multum_radiance(MultumSurface surface, vec3 l, vec3 v) {
   reflection.diffuse *= vec3(1.0) - fresnel;
 #endif
 #endif
-  vec3 radiance = u_diffuse / MULTUM_PI * reflection.diffuse;
-#ifndef MULTUM_LAMBERT
-  radiance += u_specular * reflection.specular;
-#endif
-  return radiance;
+  return multum_outgoing(reflection);
 }
 
 // `to_world`: tangent, bitangent, normal; l of the tangent space is l_world * to_world.
@@ -40,8 +44,13 @@ vec3 multum_lights(MultumSurface surface, mat3 to_world, vec3 position, vec3 v) 
   for (int i = 0; i < MULTUM_POINT_LIGHTS; ++i) {
     vec3 to_light = u_point_positions[i] - position;
     float square = max(dot(to_light, to_light), 1e-12);
-    radiance += u_point_intensities[i] / square * multum_radiance(surface, (to_light * inversesqrt(square)) * to_world, v);
+    radiance += u_point_intensities[i] / square *
+                multum_radiance(surface, (to_light * inversesqrt(square)) * to_world, v);
   }
+#endif
+#ifdef MULTUM_ENVIRONMENT
+  multum_set_environment_frame(to_world);
+  radiance += multum_outgoing(multum_reflect_environment(surface, v));
 #endif
   return radiance;
 }

@@ -108,3 +108,15 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
   }
   return sum;
 }
+
+#ifdef MULTUM_ENVIRONMENT
+MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
+  MultumReflection sum = MultumReflection(vec3(0.0), vec3(0.0));
+  for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
+    MultumReflection part = multum_environment_lobe(surface.lobes[j], v);
+    sum.diffuse += surface.albedos[j] * part.diffuse;
+    sum.specular += part.specular;
+  }
+  return sum;
+}
+#endif

@@ -128,3 +128,27 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
   sum.specular *= surface.weight;
   return sum;
 }
+
+#ifdef MULTUM_ENVIRONMENT
+// A mean normal is a lobe of its length; MIP takes it for one normal.
+MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
+  vec3 mean = surface.normal.xyz;
+  if (length(mean) <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));
+#if defined(MULTUM_TRUTH)
+  MultumReflection sum = multum_environment_normal(normalize(mean), v);
+#elif defined(MULTUM_MIP)
+  MultumReflection sum = multum_environment_lobe(vec4(normalize(mean), 1.0), v);
+#else
+  MultumReflection sum = multum_environment_lobe(vec4(mean, 1.0), v);
+#endif
+  sum.diffuse *= surface.albedo;
+#ifdef MULTUM_NORMAL_MAP
+  MultumReflection finest = multum_environment_lobe(vec4(surface.finest.xyz, 1.0), v);
+  sum.diffuse = mix(sum.diffuse, surface.finest_albedo * finest.diffuse, surface.finest.w);
+  sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
+#endif
+  sum.diffuse *= surface.weight;
+  sum.specular *= surface.weight;
+  return sum;
+}
+#endif

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// An environment with what shading takes of it, made once.
+#pragma once
+
+#include <memory>
+
+#include "host/light/harmonics.h"
+#include "host/light/light_samples.h"
+#include "host/light/prefiltered_levels.h"
+
+namespace multum {
+
+/// Larger maps are shrunk: a texel of 0.7 degrees.
+constexpr int kEnvironmentWidthMax = 512;
+
+struct EnvironmentLight {
+  PrefilteredLevels levels;  // level 0: the map
+  EnvironmentMap small;      // for half_vector_light()
+  SmoothEnvironment smooth;
+  LightSampler sampler;
+};
+
+inline std::shared_ptr<const EnvironmentLight> make_environment_light(const EnvironmentMap& map) {
+  const EnvironmentMap shown = shrink(map, kEnvironmentWidthMax);
+  return std::make_shared<const EnvironmentLight>(
+      EnvironmentLight{prefilter(shown), shrink(shown, 64), smooth_environment(shown), LightSampler(shown)});
+}
+
+}  // namespace multum

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene's environment in a shader: its maps, and the tables that go with the BRDF and the camera.
+#pragma once
+
+#include <optional>
+
+#include "runtime_gl/gl/texture.h"
+#include "runtime_gl/materials/material.h"
+#include "runtime_gl/render/scene.h"
+
+namespace multum::gl {
+
+/// Directions that a pixel's environment is sampled in, of each kind, where there is one normal a sample.
+constexpr int kEnvironmentSampleCount = 32;
+
+/// `samples_light`: that of the material. Nothing without an environment.
+ShaderParts environment_shader_parts(const Scene& scene, bool samples_light);
+
+class EnvironmentShading {
+ public:
+  explicit EnvironmentShading(const GlFunctions& gl) : gl_(&gl) {}
+
+  /// Gives textures units from `unit` on. Keeps what is still right from the call before.
+  void set(const ShaderProgram& shader, const Scene& scene, bool samples_light, glm::ivec2 viewport, int unit);
+
+  /// Of what samples light: the directions of the picture's sample number `sample`.
+  void set_sample(const ShaderProgram& shader, const Scene& scene, int sample) const;
+
+ private:
+  void set_map(const Scene& scene);
+  void set_tables(const Brdf& brdf);
+  void set_half_vector_light(const Scene& scene, glm::ivec2 viewport);
+
+  const GlFunctions* gl_;
+  std::shared_ptr<const EnvironmentLight> light_;  // what map_ holds
+  std::optional<Texture> map_;
+  std::optional<Brdf> brdf_;  // what tables_ are of
+  std::optional<Texture> tables_;
+  std::optional<Texture> half_vector_light_;
+};
+
+}  // namespace multum::gl

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light from everywhere on a lobe of normals (a r, a): diffuse by the environment's harmonics up to l = 2 (Ramamoorthi
+// and Hanrahan 2001; Han et al. 2007, eq. 25), the highlight by environment_sh.glsl or environment_levels.glsl.
+// Reflection tables (host/light/reflection_table.h): a plane of (weight, plain) a term, then one of the Fresnel part;
+// all in one texture.
+#define MULTUM_TABLE_COSINES 32.0
+#define MULTUM_TABLE_SPREADS 24.0
+uniform vec3 u_environment_axes[3];       // world to environment: its x, y and z in the world
+uniform vec3 u_smooth_mean;               // L(n) = mean + linear . n + n . quadratic n
+uniform vec3 u_smooth_linear[3];          // a channel each
+uniform vec3 u_smooth_quadratic[9];       // three rows a channel
+uniform sampler2D u_reflection_table;
+
+mat3 multum_environment_frame;  // tangent space to the environment's; main() sets it
+
+void multum_set_environment_frame(mat3 to_world) {
+  multum_environment_frame =
+      transpose(mat3(u_environment_axes[0], u_environment_axes[1], u_environment_axes[2])) * to_world;
+}
+
+// Where a direction of the environment's frame lies in its map.
+vec2 multum_environment_st(vec3 d) {
+  return vec2(0.5 + atan(d.x, -d.z) / (2.0 * MULTUM_PI), acos(clamp(d.y, -1.0, 1.0)) / MULTUM_PI);
+}
+
+// The integral of L(l) E[max(n.l, 0)] over normals whose harmonics of order 1 and 2 are those of mu times a1 and a2.
+vec3 multum_irradiance(vec3 mu, float a1, float a2) {
+  vec3 m = multum_environment_frame * mu;
+  vec3 linear = vec3(dot(u_smooth_linear[0], m), dot(u_smooth_linear[1], m), dot(u_smooth_linear[2], m));
+  vec3 quadratic;
+  for (int c = 0; c < 3; ++c)
+    quadratic[c] = dot(m, vec3(dot(u_smooth_quadratic[3 * c], m), dot(u_smooth_quadratic[3 * c + 1], m),
+                               dot(u_smooth_quadratic[3 * c + 2], m)));
+  return max(MULTUM_PI * (u_smooth_mean + 2.0 / 3.0 * a1 * linear + 0.25 * a2 * quadratic), vec3(0.0));
+}
+
+// Between texel centres, within its plane.
+vec4 multum_reflection_entry(int plane, float cosine, float spread) {
+  float x = 0.5 + (0.5 + 0.5 * cosine) * (MULTUM_TABLE_COSINES - 1.0);
+  float y = 0.5 + pow(spread, 1.0 / 3.0) * (MULTUM_TABLE_SPREADS - 1.0) + float(plane) * MULTUM_TABLE_SPREADS;
+  return textureLod(u_reflection_table, vec2(x, y) / vec2(textureSize(u_reflection_table, 0)), 0.0);
+}
+
+vec3 multum_environment_specular(vec3 mu, float d, vec3 v);
+
+MultumReflection multum_environment_lobe(vec4 lobe, vec3 v) {
+  MultumReflection reflection = MultumReflection(vec3(0.0), vec3(0.0));
+  if (lobe.w <= MULTUM_AMPLITUDE_MIN) return reflection;
+  float d = multum_movmf_spread(lobe);
+  vec3 mu = multum_movmf_mean_direction(lobe);
+  reflection.diffuse = lobe.w * multum_irradiance(mu, 1.0 - d, multum_vmf_second_zonal(1.0 - d, multum_vmf_kappa(d)));
+#ifdef MULTUM_FRESNEL_DIFFUSE
+  float fresnel = multum_reflection_entry(MULTUM_ENVIRONMENT_TERMS, dot(mu, v), d).x;
+  reflection.diffuse *= (vec3(1.0) - u_f0) * (1.0 - fresnel);
+#endif
+#ifndef MULTUM_LAMBERT
+  reflection.specular = lobe.w * multum_environment_specular(mu, d, v);
+#endif
+  return reflection;
+}

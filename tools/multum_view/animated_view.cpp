@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/animated_view.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <glm/common.hpp>
+
+#include "host/base/error.h"
+#include "tools/multum_view/view_outputs.h"
+
+namespace multum {
+namespace {
+
+// By equal factors: a highlight that narrows steadily.
+float between(float from, float to, double t) {
+  return static_cast<float>(
+      std::exp((1.0 - t) * std::log(static_cast<double>(from)) + t * std::log(static_cast<double>(to))));
+}
+
+Brdf brdf_between(const Brdf& from, const Brdf& to, double t) {
+  const auto share = static_cast<float>(t);
+  Brdf brdf = from;
+  brdf.exponent = between(from.exponent, to.exponent, t);
+  brdf.sigma = between(from.sigma, to.sigma, t);
+  brdf.roughness = between(from.roughness, to.roughness, t);
+  brdf.f0 = glm::mix(from.f0, to.f0, share);
+  brdf.diffuse = glm::mix(from.diffuse, to.diffuse, share);
+  brdf.specular = glm::mix(from.specular, to.specular, share);
+  return brdf;
+}
+
+}  // namespace
+
+gl::Scene scene_between(const gl::Scene& from, const gl::Scene& to, double t) {
+  const auto share = static_cast<float>(t);
+  gl::Scene scene = from;
+  scene.camera.eye = glm::mix(from.camera.eye, to.camera.eye, share);
+  scene.camera.target = glm::mix(from.camera.target, to.camera.target, share);
+  scene.camera.fov_y_degrees = glm::mix(from.camera.fov_y_degrees, to.camera.fov_y_degrees, share);
+  scene.brdf = brdf_between(from.brdf, to.brdf, t);
+  MULTUM_CHECK(from.lights.size() == to.lights.size() && from.point_lights.size() == to.point_lights.size());
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    // Directions of any length: along the arc between them, roughly evenly.
+    scene.lights[i].direction =
+        glm::mix(glm::normalize(from.lights[i].direction), glm::normalize(to.lights[i].direction), share);
+    scene.lights[i].irradiance = glm::mix(from.lights[i].irradiance, to.lights[i].irradiance, share);
+  }
+  for (std::size_t i = 0; i < scene.point_lights.size(); ++i) {
+    scene.point_lights[i].position = glm::mix(from.point_lights[i].position, to.point_lights[i].position, share);
+    scene.point_lights[i].intensity = glm::mix(from.point_lights[i].intensity, to.point_lights[i].intensity, share);
+  }
+  return scene;
+}
+
+std::string frame_path(const ViewOptions& options, int frame) {
+  return (std::filesystem::path(options.frames_folder) / fmt::format("frame_{:04}.png", frame)).string();
+}
+
+nlohmann::json draw_animation(const ViewOptions& options, PictureDrawer& drawer) {
+  nlohmann::json frames = nlohmann::json::array();
+  for (int frame = 0; frame < options.frame_count; ++frame) {
+    const double t = options.frame_count > 1 ? static_cast<double>(frame) / (options.frame_count - 1) : 0.0;
+    ViewOptions one = options;
+    one.output = frame_path(options, frame);
+    fmt::print("frame {}\n", frame);
+    const std::vector<NamedPicture> pictures = drawer.draw(scene_between(options.scene, options.last_scene, t));
+    frames.push_back(print_table(pictures));
+    write_pictures(one, pictures);
+  }
+  return frames;
+}
+
+}  // namespace multum

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// `multum-view --animate FOLDER`: frames between two scenes.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/multum_view/view_drawing.h"
+
+namespace multum {
+
+/// What of `from` and `to` changes at `t`, 0..1: linearly, but roughnesses and exponents by equal factors. Both scenes
+/// have the same kind of BRDF and as many lights.
+gl::Scene scene_between(const gl::Scene& from, const gl::Scene& to, double t);
+
+/// FOLDER/frame_0000.png, ...: the options' picture or sheet of every frame. Returns a row for each, for the report.
+nlohmann::json draw_animation(const ViewOptions& options, PictureDrawer& drawer);
+
+std::string frame_path(const ViewOptions& options, int frame);
+
+}  // namespace multum
