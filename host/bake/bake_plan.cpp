@@ -35,8 +35,10 @@ int choose_rows(int rows_max, std::uint64_t memory_bytes, std::uint64_t useful_b
 }  // namespace
 
 BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
-                        std::uint64_t memory_bytes, const StorePlace& place) {
+                        const PlanMemory& memory, const StorePlace& place) {
   BakePlan plan;
+  MULTUM_CHECK(memory.writer_bytes <= memory.bytes);
+  const std::uint64_t memory_bytes = memory.bytes - memory.writer_bytes;
   plan.memory_bytes = memory_bytes;
   const int map_width = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_width;
   const std::uint64_t useful =
@@ -63,7 +65,7 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
   }
   const int map_height = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_height;
   plan.condense_rows = choose_rows(
-      map_height, memory_bytes, useful, [&](int rows) { return condense_bytes(schedule, rows, triple_count); },
+      map_height, memory.bytes, useful, [&](int rows) { return condense_bytes(schedule, rows, triple_count); },
       "condensing a row of normals");
   return plan;
 }

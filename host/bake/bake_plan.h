@@ -27,8 +27,13 @@ struct BakePlan {
 constexpr std::uint64_t kUsefulWindowBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // of a map that is wider
 
+struct PlanMemory {
+  std::uint64_t bytes;             // for windows and buffers
+  std::uint64_t writer_bytes = 0;  // of these, what others hold while levels are fitted; condensing comes before
+};
+
 /// Throws Error(kUsage) naming --memory when not even a row of some level fits.
 BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
-                        std::uint64_t memory_bytes, const StorePlace& place);
+                        const PlanMemory& memory, const StorePlace& place);
 
 }  // namespace multum

@@ -62,7 +62,7 @@ class Rehearsal {
         settings_(settings),
         has_roughness_(!of_map.levels.empty() && of_map.levels[0].fit.shortened != 0),
         schedule_(make_schedule(likeness, settings, of_map.weighted, has_roughness_)),
-        plan_(make_bake_plan(schedule_, settings, 0, std::uint64_t{1} << 30, {})) {}
+        plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {})) {}
 
   // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
   // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
@@ -156,7 +156,8 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
   if (inputs.has_roughness) make_shortened(schedule);
-  const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(), inputs.memory_bytes, inputs.place);
+  const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(),
+                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.place);
   report.plan = plan.to_text(schedule, settings, features.triple_count());
   report.device = device.info().name;
   MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};

@@ -88,7 +88,8 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   inputs.albedo = run.source.colours();
   inputs.weights = run.source.weight_map();
   inputs.has_roughness = run.source.has_roughness;
-  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes(run));
+  inputs.memory_bytes = run.memory_bytes;
+  inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
   inputs.place.folder = scratch_folder(job);
   inputs.threads = job.threads;
   if (job.region) {
