@@ -26,6 +26,10 @@
 #define MULTUM_WEIGHTED 0
 #endif
 
+#ifndef MULTUM_PLANAR
+#define MULTUM_PLANAR 0
+#endif
+
 #define FIXED_POINT 1073741824.0f  // 2^30
 #define FIXED_POINT_INVERSE (1.0f / FIXED_POINT)
 #define CELL_BLOCK 64
@@ -141,12 +145,13 @@ static int cell_along(float p, __global const float* axis, int cell_side) {
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
 //   value_x, value_y, value_z                                   what is summed: the normals again, or colours
 //   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
+// `are_normals`: of Gaussians over (x, y) the third value is x^2 + y^2 then, which x and y alone do not tell of a cell.
 // Bound by the latency of scattered adds.
 __kernel void movmf_condense_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
                                    __global const float* restrict normal_z, __global const float* restrict value_x,
                                    __global const float* restrict value_y, __global const float* restrict value_z,
                                    __global const float* restrict axes, __global long* restrict cells,
-                                   MultumMovmfFit fit, int texel_row, int chunk_count) {
+                                   MultumMovmfFit fit, int texel_row, int chunk_count, int are_normals) {
   const int item = (int)get_global_id(0);
   const int x = item / chunk_count, chunk = item % chunk_count;
   if (x >= fit.width) return;
@@ -183,8 +188,9 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
         weight *= row_weight * coverage(block + i, x, fit.map_width, fit.width);
 #endif
         // Rounded towards zero: that is one instruction, where convert_long4_rte is a function.
-        const long4 value = (long4)((long)(value_x[source] * weight), (long)(value_y[source] * weight),
-                                    (long)(value_z[source] * weight), (long)weight);
+        const float vx = value_x[source], vy = value_y[source];
+        const float vz = MULTUM_PLANAR && are_normals ? fma(vx, vx, vy * vy) : value_z[source];
+        const long4 value = (long4)((long)(vx * weight), (long)(vy * weight), (long)(vz * weight), (long)weight);
         vstore4(vload4(cells_of[i], out) + value, cells_of[i], out);
       }
     }
@@ -195,9 +201,9 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
 //   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written
-// Memory bound.
+// `are_normals`: as above; what is written is what planar_family.clh takes for a sample. Memory bound.
 __kernel void movmf_condense_means(__global const long* cells, __global float* samples, __global int* sample_counts,
-                                   int texel_count, int chunk_count, int cell_count) {
+                                   int texel_count, int chunk_count, int cell_count, int are_normals) {
   const int texel = (int)get_global_id(0);
   if (texel >= texel_count) return;
   __global const long* in = cells + (size_t)texel * chunk_count * cell_count * MULTUM_CELL_SUMS;
@@ -208,8 +214,10 @@ __kernel void movmf_condense_means(__global const long* cells, __global float* s
     for (int chunk = 1; chunk < chunk_count; ++chunk) sum += vload4(chunk * cell_count + cell, in);
     if (sum.w <= 0) continue;
     const float weight = (float)sum.w;
-    vstore4((float4)((float)sum.x / weight, (float)sum.y / weight, (float)sum.z / weight, weight * FIXED_POINT_INVERSE),
-            count++, out);
+    float4 mean =
+        (float4)((float)sum.x / weight, (float)sum.y / weight, (float)sum.z / weight, weight * FIXED_POINT_INVERSE);
+    if (MULTUM_PLANAR && are_normals) mean.z = MAX_V(mean.z - fma(mean.x, mean.x, mean.y * mean.y), 0.0f);
+    vstore4(mean, count++, out);
   }
   sample_counts[texel] = count;
 }

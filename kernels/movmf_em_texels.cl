@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// EM of fine levels: every iteration of a texel inside one work-item. Han et al. 2007, section 7, Algorithm 1.
+// EM of fine levels: every iteration of a texel inside one work-item. Han et al. 2007, section 7, Algorithm 1; of
+// MULTUM_PLANAR Tan et al. 2005, section 4.1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_condensed_pack
 //   sample_counts [group]                                              at most fit.sample_capacity
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return those of the last
 //                                                                      E-step, for movmf_features
-//   directed [lobe][window_rows * width][4]                            written: a mu, for neighbours' priors
+//   directed [lobe][window_rows * width][4]                            written: what neighbours' priors are made of
 //   level   [lobe][window_rows * width]                                written: r and amplitude of each texel's lobes
 // Sums run over the samples in their order, and a texel that has settled keeps its lobes whatever the others of its
 // group still do: the same bytes from both variants. Compute bound: about 26 operations a
@@ -26,20 +27,21 @@
 
 static void store_texels(__global MultumVmfLobe* level, __global float* directed, __global const int* texels,
                          size_t level_size, int lobe, const LobeMoments* m) {
+  const LobeLanes stored = stored_lobe(*m), told = told_to_neighbours(stored);
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
-  float scale[MULTUM_VECTOR_WIDTH];
-  const real_v mean_x = m->x * m->length, mean_y = m->y * m->length, mean_z = m->z * m->length;
-  STORE_V(mean_x, x);
-  STORE_V(mean_y, y);
-  STORE_V(mean_z, z);
-  STORE_V(m->amplitude, a);
-  STORE_V(amplitude_of_direction(mean_x, mean_y, mean_z, m->amplitude), scale);
+  float told_x[MULTUM_VECTOR_WIDTH], told_y[MULTUM_VECTOR_WIDTH], told_z[MULTUM_VECTOR_WIDTH];
+  STORE_V(stored.x, x);
+  STORE_V(stored.y, y);
+  STORE_V(stored.z, z);
+  STORE_V(stored.amplitude, a);
+  STORE_V(told.x, told_x);
+  STORE_V(told.y, told_y);
+  STORE_V(told.z, told_z);
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
     if (texels[lane] < 0) continue;
     const size_t place = lobe * level_size + texels[lane];
-    const float4 stored = (float4)(x[lane], y[lane], z[lane], a[lane]);
-    vstore4(stored, place, (__global float*)level);
-    vstore4(stored * scale[lane], place, directed);
+    vstore4((float4)(x[lane], y[lane], z[lane], a[lane]), place, (__global float*)level);
+    vstore4((float4)(told_x[lane], told_y[lane], told_z[lane], 0.0f), place, directed);
   }
 }
 
@@ -89,15 +91,7 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
         ADD_MOMENTS(x, y, z, responsibility[i], u[i])
       }
     }
-    if (iteration == 0) {
-      real_v x = (real_v)(0.0f), y = (real_v)(0.0f), z = (real_v)(0.0f);
-      _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
-        x += sum_x[j];
-        y += sum_y[j];
-        z += sum_z[j];
-      }
-      cap = kappa_cap_of_texel(x, y, z, (real_v)(fit.total_weight_inverse), fit.kappa_cap, fit.kappa_cap_slope);
-    }
+    if (iteration == 0) KAPPA_CAP_OF_TEXEL(cap, (real_v)(fit.total_weight_inverse), fit.kappa_cap, fit.kappa_cap_slope)
     if (iteration + 1 == fit.iteration_count || !ANY_V(moving)) break;
     real_v change = (real_v)(0.0f);
     _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {

@@ -4,8 +4,8 @@
 // mean exactly (Han et al. 2007, section 7.3). Three channels at a time: colours, or three of the weights.
 
 #include "device/level_window.clh"
+#include "device/movmf_em.clh"
 #include "device/texel_coverage.clh"
-#include "device/vmf.clh"
 #include "shared/movmf_fit.h"
 
 #ifndef MULTUM_LOBES
@@ -17,8 +17,8 @@ static void responsibilities(float nx, float ny, float nz, __global const float*
 #define PARAMETER(j, plane) lobes[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
   float largest = -1e30f, total = 0.0f;
   for (int j = 0; j < MULTUM_LOBES; ++j) {
-    const float u = fma(-PARAMETER(j, MULTUM_START_MU), nx,
-                        fma(-PARAMETER(j, MULTUM_START_MU + 1), ny, fma(-PARAMETER(j, MULTUM_START_MU + 2), nz, 1.0f)));
+    const float u = sample_gap(PARAMETER(j, MULTUM_START_MU), PARAMETER(j, MULTUM_START_MU + 1),
+                               PARAMETER(j, MULTUM_START_MU + 2), nx, ny, nz);
     z[j] = fma(-PARAMETER(j, MULTUM_START_SHARPNESS), u, PARAMETER(j, MULTUM_START_LOG));
     largest = MAX_V(largest, z[j]);
   }
@@ -65,7 +65,7 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
     for (int column = first_column; column < last_column; ++column) {
       const size_t source = map_row_start(row, &fit) + column;
       float z[MULTUM_LOBES];
-      responsibilities(normal_x[source], normal_y[source], normal_z[source], lobes, z);
+      responsibilities(normal_x[source], normal_y[source], SAMPLE_THIRD(normal_z[source]), lobes, z);
       const float weight = row_weight * coverage(column, x, fit.map_width, fit.width);
       for (int j = 0; j < MULTUM_LOBES; ++j) {
         const float responsibility = z[j] * weight;

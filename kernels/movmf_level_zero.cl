@@ -11,6 +11,9 @@
 #ifndef MULTUM_LOBES
 #define MULTUM_LOBES 4
 #endif
+#ifndef MULTUM_PLANAR
+#define MULTUM_PLANAR 0
+#endif
 
 // One work-item = one texel of some rows, first_row the first; global size row_count * map_width.
 //   normal_x, normal_y, normal_z [rows * map_width]  from row normals_row on
@@ -29,14 +32,19 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
     const int x = item % fit.map_width, y = first_row + item / fit.map_width;
     const size_t source = (size_t)normals_row * fit.map_width + item;
     const float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
+    (void)nz;
     const int parent_x = min(x >> 1, fit.width - 1), parent_y = min(y >> 1, fit.height - 1);
     const int parent_row = row_in_window(parent_y, fit.first_row, fit.height);
     __global const MultumVmfLobe* from = parent + (size_t)parent_row * fit.width + parent_x;
-    // |r_p| - n . r_p = |r_p| (1 - cos): the nearest direction, wide lobes and narrow ones alike. A dead lobe takes
-    // none.
+    // |r_p| - n . r_p = |r_p| (1 - cos): the nearest direction, wide lobes and narrow ones alike; of Gaussians the
+    // nearest mean. A dead lobe takes none.
     float least = 1e30f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {
       const MultumVmfLobe lobe = from[j * level_window_size(&fit)];
+#if MULTUM_PLANAR
+      const float dx = nx - lobe.mean_x, dy = ny - lobe.mean_y;
+      const float gap = fma(dx, dx, dy * dy);
+#else
       const float length =
           sqrt(fma(lobe.mean_x, lobe.mean_x, fma(lobe.mean_y, lobe.mean_y, lobe.mean_z * lobe.mean_z)));
       float gap = length - fma(lobe.mean_x, nx, fma(lobe.mean_y, ny, lobe.mean_z * nz));
@@ -44,6 +52,7 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
         const float dx = lobe.mean_x - nx, dy = lobe.mean_y - ny, dz = lobe.mean_z - nz;
         gap = fma(dx, dx, fma(dy, dy, dz * dz));
       }
+#endif
       if (lobe.amplitude > 1e-6f && gap < least) {
         least = gap;
         lobe_of_least = j;

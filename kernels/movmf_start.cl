@@ -36,11 +36,6 @@ static int neighbour(int i, int size, int periodic) {
   return periodic && size > 2 ? (i < 0 ? size - 1 : 0) : -1;
 }
 
-// Lobes of MULTUM_VECTOR_WIDTH texels side by side.
-typedef struct LobeLanes {
-  real_v x, y, z, amplitude;
-} LobeLanes;
-
 // Lobes at `texels`.
 static LobeLanes gather(__global const float* lobes, const int* texels) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
@@ -58,8 +53,6 @@ static LobeLanes gather(__global const float* lobes, const int* texels) {
   gathered.amplitude = LOAD_V(a);
   return gathered;
 }
-
-static real_v squared_length(LobeLanes lobe) { return fma(lobe.x, lobe.x, fma(lobe.y, lobe.y, lobe.z * lobe.z)); }
 
 // Where texels, their parents and their done neighbours lie in their windows.
 typedef struct Places {
@@ -93,13 +86,13 @@ static void find_places(__global const int* texels, const MultumMovmfFit* fit, P
   }
 }
 
-// What done neighbours and the parent say: the sum over them of a_k mu_k.
+// What done neighbours and the parent say, summed: a_k mu_k.
 static LobeLanes directed_sum(__global const float* directed, const Places* places, LobeLanes parent) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH];
-  const real_v scale = amplitude_of_direction(parent.x, parent.y, parent.z, parent.amplitude);
-  STORE_V(parent.x * scale, x);
-  STORE_V(parent.y * scale, y);
-  STORE_V(parent.z * scale, z);
+  const LobeLanes told = told_to_neighbours(parent);
+  STORE_V(told.x, x);
+  STORE_V(told.y, y);
+  STORE_V(told.z, z);
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
     float4 sum = (float4)(x[lane], y[lane], z[lane], 0.0f);
     for (int n = 0; n < places->beside_count[lane]; ++n) sum += vload4(places->beside[lane][n], directed);
@@ -118,7 +111,7 @@ static LobeLanes directed_sum(__global const float* directed, const Places* plac
 // movmf_start: one work-item = MULTUM_VECTOR_WIDTH slots, every lobe; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   parent  [lobe][parent_window_rows * parent_width]   not read when parent_width == 0
 //   level   [lobe][window_rows * width]                 done neighbours; the texel's own lobes when there is no parent
-//   directed [lobe][window_rows * width][4]              done neighbours' a mu
+//   directed [lobe][window_rows * width][4]              what done neighbours say
 //   texel_list [slot]                                   window row * width + x, or -1
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 // Bound by ten scattered reads a lobe.
@@ -143,21 +136,17 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
     }
     if (!from_parent) from = gather((__global const float*)(level + j * level_size), places.own);
 
-    const real_v squared = squared_length(from);
-    const int_v directed = squared > 1e-24f;
-    const real_v full_length = sqrt(MAX_V(squared, (real_v)(1e-24f)));
-    const real_v length = directed ? MIN_V(full_length, (real_v)(1.0f)) : (real_v)(0.0f);
-    const real_v inverse = directed ? 1.0f / full_length : (real_v)(0.0f);
-    real_v kappa = kappa_of_mean_length(length, MAX_V(1.0f - length, (real_v)(1e-6f)));
+    const LobeStart lobe = start_of_lobe(from);
+    real_v kappa = lobe.kappa;
     real_v amplitude = from.amplitude;
     if (from_parent) {
       kappa *= fit.start_kappa_factor;
       amplitude = MAX_V(amplitude, (real_v)(fit.start_amplitude_min));
     }
     kappa = MIN_V(MAX_V(kappa, (real_v)(0.05f)), (real_v)(1e6f));
-    STORE_V(from.x * inverse, out + (MULTUM_START_MU + 0) * MULTUM_GROUP);
-    STORE_V(from.y * inverse, out + (MULTUM_START_MU + 1) * MULTUM_GROUP);
-    STORE_V(directed ? from.z * inverse : (real_v)(1.0f), out + (MULTUM_START_MU + 2) * MULTUM_GROUP);
+    STORE_V(lobe.x, out + (MULTUM_START_MU + 0) * MULTUM_GROUP);
+    STORE_V(lobe.y, out + (MULTUM_START_MU + 1) * MULTUM_GROUP);
+    STORE_V(lobe.z, out + (MULTUM_START_MU + 2) * MULTUM_GROUP);
     STORE_V(kappa * MULTUM_LOG2E * (1.0f + fit.extra_copies), out + MULTUM_START_SHARPNESS * MULTUM_GROUP);
     STORE_V(log_weight_of(MAX_V(amplitude, (real_v)(1e-6f)), kappa, fit.extra_copies),
             out + MULTUM_START_LOG * MULTUM_GROUP);
@@ -198,7 +187,7 @@ __kernel void movmf_pack(__global const float* normal_x, __global const float* n
       __global float* sample = out + (size_t)i * planes * MULTUM_GROUP + lane;
       sample[0 * MULTUM_GROUP] = normal_x[source];
       sample[1 * MULTUM_GROUP] = normal_y[source];
-      sample[2 * MULTUM_GROUP] = normal_z[source];
+      sample[2 * MULTUM_GROUP] = SAMPLE_THIRD(normal_z[source]);
 #if MULTUM_WEIGHTED
       sample[3 * MULTUM_GROUP] = row_weight * coverage(first_column + i, x, fit.map_width, fit.width);
 #endif

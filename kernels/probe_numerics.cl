@@ -2,6 +2,8 @@
 // What this device and driver make of the building blocks: for the tests, and for anyone who doubts a driver.
 
 #include "device/vmf_shading.clh"
+#include "shared/filtered_sh.h"
+#include "shared/mip_box.h"
 #include "shared/mip_pyramid.h"
 #include "shared/moments.h"
 #include "shared/movmf_fit.h"
@@ -47,8 +49,9 @@ __kernel void probe_layout(__global int* sizes, int count) {
   MultumVmfLobe lobe;
   MultumMipLevel level;
   MultumTap tap;
-  MultumMomentBand band;
+  MultumBoxBand band;
   MultumFilteredMoments moments;
+  MultumFilteredSh harmonics;
   const int layout[] = {(int)sizeof(MultumVmfLobe),
                         (int)((char*)&lobe.amplitude - (char*)&lobe),
                         (int)sizeof(MultumMovmfFit),
@@ -61,12 +64,14 @@ __kernel void probe_layout(__global int* sizes, int count) {
                         (int)sizeof(MultumGather),
                         (int)sizeof(MultumGatherEntry),
                         (int)sizeof(MultumStrip),
-                        (int)sizeof(MultumMomentBand),
-                        (int)((char*)&band.slope_z_min - (char*)&band),
-                        (int)sizeof(MultumMomentLevel),
-                        (int)sizeof(MultumMomentTap),
+                        (int)sizeof(MultumBoxBand),
+                        (int)((char*)&band.column_count - (char*)&band),
+                        (int)sizeof(MultumBoxLevel),
+                        (int)sizeof(MultumBoxTap),
                         (int)sizeof(MultumFilteredMoments),
-                        (int)((char*)&moments.map_share - (char*)&moments)};
+                        (int)((char*)&moments.map_share - (char*)&moments),
+                        (int)sizeof(MultumFilteredSh),
+                        (int)((char*)&harmonics.share - (char*)&harmonics)};
   const int known = (int)(sizeof(layout) / sizeof(layout[0]));
   for (int i = 0; i < count; ++i) sizes[i] = i < known ? layout[i] : -1;
 }

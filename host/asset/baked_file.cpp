@@ -9,6 +9,8 @@
 #include "host/asset/baked_reader.h"
 #include "host/asset/moment_verify.h"
 #include "host/asset/movmf_verify.h"
+#include "host/asset/pyramid_file.h"
+#include "host/asset/sh_verify.h"
 
 namespace multum {
 namespace {
@@ -23,8 +25,12 @@ struct FileKind {
 constexpr FileKind kFileKinds[] = {
     {Representation::kMovmf, [](const std::string& path) { return header_of(read_movmf_header(path)); },
      [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
+    {Representation::kGmm, [](const std::string& path) { return header_of(read_movmf_header(path)); },
+     [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
     {Representation::kMoments, read_moment_header,
      [](const std::string& path, int threads) { return verify_moments(path, threads); }},
+    {Representation::kSh, [](const std::string& path) { return read_sh_header(path).header; },
+     [](const std::string& path, int threads) { return verify_sh(path, threads); }},
 };
 
 const FileKind& kind_of(const std::string& path) {
@@ -72,7 +78,7 @@ std::string materials_text(const BakedHeader& header) {
 BakedHeader read_baked_header(const std::string& path) { return kind_of(path).read_header(path); }
 
 std::vector<VerifyFinding> verify_baked(const std::string& path, int threads) {
-  return kind_of(path).verify(path, threads);
+  return is_pyramid_file(path) ? verify_pyramid(path, threads) : kind_of(path).verify(path, threads);
 }
 
 }  // namespace multum

@@ -69,20 +69,6 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   return header;
 }
 
-float float_attribute(const Imf::Header& header, const char* name, const std::string& path) {
-  const auto* attribute = header.findTypedAttribute<Imf::FloatAttribute>(name);
-  if (attribute == nullptr)
-    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
-  return attribute->value();
-}
-
-std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path) {
-  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
-  if (attribute == nullptr)
-    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
-  return attribute->value();
-}
-
 // Without the spaces that stand for room that was not needed.
 std::string trimmed(const std::string& text) { return text.substr(0, text.find_last_not_of(' ') + 1); }
 
@@ -103,9 +89,10 @@ const RepresentationInfo& parse_representation(const std::string& name, const st
   refuse_file(path, "representation '" + name + "'", in_words(names));
 }
 
-StorageEncoding parse_encoding(const std::string& name, const RepresentationInfo& info, const std::string& path) {
+StorageEncoding parse_encoding(const std::string& name, const std::vector<StorageEncoding>& encodings,
+                               const std::string& path) {
   std::vector<std::string> names;
-  for (const StorageEncoding encoding : info.encodings) {
+  for (const StorageEncoding encoding : encodings) {
     if (name == storage_encoding_name(encoding)) return encoding;
     names.emplace_back(storage_encoding_name(encoding));
   }
@@ -175,10 +162,39 @@ void check_part(const Imf::Header& header, int index, const BakedPart& part, con
   check_channels(header, part, baked.encoding, path);
 }
 
+float float_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::FloatAttribute>(name);
+  if (attribute == nullptr)
+    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
+}
+
+// What a version more says.
+void read_materials(const Imf::Header& header, const RepresentationInfo& info, const std::string& path,
+                    BakedHeader& baked) {
+  baked.weight_count = int_attribute(header, "multum:weightCount", path);
+  baked.has_roughness = int_attribute(header, "multum:roughness", path) != 0;
+  baked.mean_cosine = float_attribute(header, "multum:meanCosine", path);
+  if (!(baked.mean_cosine >= 0.5f && baked.mean_cosine <= 1.0f))
+    refuse_file(path, fmt::format("a mean cosine of {}", baked.mean_cosine), "0.5 to 1");
+  if (baked.weight_count < 0 || baked.weight_count > kWeightCountMax)
+    refuse_file(path, fmt::format("{} weights", baked.weight_count), fmt::format("0 to {}", kWeightCountMax));
+  if (baked.weight_count == 0 && !baked.has_roughness)
+    refuse_file(path, fmt::format("format version {} without weights and roughness", info.version + 1),
+                fmt::format("version {}", info.version));
+}
+
 }  // namespace
 
 void refuse_file(const std::string& path, const std::string& found, const std::string& expected) {
   throw Error(ErrorCode::kInput, path + ": found " + found + ", expected " + expected);
+}
+
+std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+  if (attribute == nullptr)
+    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
 }
 
 int int_attribute(const Imf::Header& header, const char* name, const std::string& path) {
@@ -197,32 +213,14 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
   return headers;
 }
 
-BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
-  const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
-  const int version = int_attribute(header, "multum:formatVersion", path);
-  if (version != info.version && version != info.version + 1)
-    refuse_file(path, fmt::format("format version {}", version),
-                fmt::format("version {} or {}", info.version, info.version + 1));
+BakedHeader parse_map_header(const Imf::Header& header, const std::vector<StorageEncoding>& encodings,
+                             const std::string& path) {
   const StoredLevels stored = parse_stored_levels(header, path);
   BakedHeader baked;
-  baked.representation = info.representation;
   baked.width = stored.map_width;
   baked.height = stored.map_height;
   baked.first_level = stored.first_level;
-  baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;
-  if (version > info.version) {
-    baked.weight_count = int_attribute(header, "multum:weightCount", path);
-    baked.has_roughness = int_attribute(header, "multum:roughness", path) != 0;
-    baked.mean_cosine = float_attribute(header, "multum:meanCosine", path);
-    if (!(baked.mean_cosine >= 0.5f && baked.mean_cosine <= 1.0f))
-      refuse_file(path, fmt::format("a mean cosine of {}", baked.mean_cosine), "0.5 to 1");
-    if (baked.weight_count < 0 || baked.weight_count > kWeightCountMax)
-      refuse_file(path, fmt::format("{} weights", baked.weight_count), fmt::format("0 to {}", kWeightCountMax));
-    if (baked.format_version() != version)
-      refuse_file(path, fmt::format("format version {} without weights and roughness", version),
-                  fmt::format("version {}", info.version));
-  }
-  baked.encoding = parse_encoding(text_attribute(header, "multum:encoding", path), info, path);
+  baked.encoding = parse_encoding(text_attribute(header, "multum:encoding", path), encodings, path);
   const std::string wraps = Imf::hasWrapmodes(header) ? Imf::wrapmodes(header) : "periodic";
   const std::size_t comma = wraps.find(',');
   baked.wrap_s = parse_wrap(wraps.substr(0, comma), path);
@@ -234,6 +232,21 @@ BakedHeader parse_baked_header(const Imf::Header& header, const std::string& pat
                       text_attribute(header, "multum:settingsHash", path),
                       trimmed(text_attribute(header, kMeasuredErrorAttribute, path)),
                       trimmed(text_attribute(header, kContentHashAttribute, path))};
+  return baked;
+}
+
+BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
+  const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
+  const int version = int_attribute(header, "multum:formatVersion", path);
+  const int newest = info.version + (takes_materials(info.representation) ? 1 : 0);
+  if (version != info.version && version != newest)
+    refuse_file(path, fmt::format("format version {}", version),
+                newest == info.version ? fmt::format("version {}", newest)
+                                       : fmt::format("version {} or {}", info.version, newest));
+  BakedHeader baked = parse_map_header(header, info.encodings, path);
+  baked.representation = info.representation;
+  baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;
+  if (version > info.version) read_materials(header, info, path, baked);
   return baked;
 }
 

@@ -50,7 +50,13 @@ BakedHeader parse_baked_header(const Imf::Header& header, Representation expecte
 void check_baked_parts(const Imf::MultiPartInputFile& file, const BakedHeader& header,
                        const std::vector<BakedPart>& parts, const std::string& path);
 
+/// What files of every kind say, whatever their texels are: sizes, wrap modes, encoding (one of `encodings`) and where
+/// it comes from.
+BakedHeader parse_map_header(const Imf::Header& header, const std::vector<StorageEncoding>& encodings,
+                             const std::string& path);
+
 /// For attributes of one representation.
+std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path);
 int int_attribute(const Imf::Header& header, const char* name, const std::string& path);
 [[noreturn]] void refuse_file(const std::string& path, const std::string& found, const std::string& expected);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows of a baked file of any representation, and hashes what it read. For host/asset alone: MovmfReader and
-// MomentReader are what others use.
+// Reads rows of a baked file of any representation, and hashes what it read. For host/asset alone: MovmfReader,
+// MomentReader and ShReader are what others use.
 #pragma once
 
 #include <ImfMultiPartInputFile.h>

@@ -13,7 +13,8 @@ struct VerifyFinding {
   std::string detail;  // what was found, where, and what was expected
 };
 
-/// verify_movmf() or verify_moments(), by what the file says it is. Throws Error(kInput) when it cannot be read at all.
+/// verify_movmf(), verify_moments(), verify_sh() or verify_pyramid(), by what the file says it is. Throws Error(kInput)
+/// when it cannot be read at all.
 std::vector<VerifyFinding> verify_baked(const std::string& path, int threads);
 
 }  // namespace multum

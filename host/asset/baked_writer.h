@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes a baked file of any representation from rows as they become ready, while the bake goes on. A thread of its own
 // gathers rows to rows of tiles, hashes them and has OpenEXR compress them; nothing but rows of tiles that are not yet
-// full is held. For host/asset alone: MovmfWriter and MomentWriter are what bakes use.
+// full is held. For host/asset alone: MovmfWriter, MomentWriter and ShWriter are what bakes
+// use.
 #pragma once
 
 #include <ImfHeader.h>

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "host/asset/movmf_mipmap.h"
+#include "host/asset/sh_mipmap.h"
 
 namespace multum {
 
@@ -14,6 +15,10 @@ std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap);
 
 /// Stored levels of a file of moments: two textures of 4 channels (docs/FORMAT.md, "Moments"), and one for colours.
 std::uint64_t moment_gpu_bytes(const BakedHeader& header);
+
+/// Stored levels of a file of spherical harmonics: a layer of 4 channels every four coefficients, and one texture for
+/// colours. Needs sizes alone, no texels.
+std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap);
 
 /// All levels of a width x height map as a BC5 normal, 16 bytes a block of 4 x 4 texels, and a BC4 roughness, 8 bytes.
 /// Blocks are whole: a level of 1 x 1 takes one as well.

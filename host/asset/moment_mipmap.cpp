@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/gmm_quantize.h"
 #include "host/asset/movmf_finest.h"
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/error.h"
@@ -21,19 +22,11 @@ constexpr double kVarianceZero = 1e-6;
 
 float as_half(float value) { return static_cast<float>(half(value)); }
 
-// The largest half that is not above.
-float half_below(double value) {
-  half h(static_cast<float>(value));
-  if (static_cast<double>(static_cast<float>(h)) > value && h.bits() != 0)
-    h.setBits(static_cast<unsigned short>(h.bits() - 1));
-  return static_cast<float>(h);
-}
-
 // E[b^2] about the rounded mean. Nearest where there is a variance; else down, so that readers clamp it to none.
 float rounded_square(float square, float mean, float rounded_mean) {
   const double exact_mean = static_cast<double>(mean), about = static_cast<double>(rounded_mean);
   const double variance = static_cast<double>(square) - exact_mean * exact_mean;
-  if (variance <= kVarianceZero * exact_mean * exact_mean) return half_below(about * about);
+  if (variance <= kVarianceZero * exact_mean * exact_mean) return grid_below(about * about, StorageEncoding::kHalf);
   return as_half(static_cast<float>(variance + about * about));
 }
 

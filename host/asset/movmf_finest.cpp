@@ -13,13 +13,13 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/gmm_quantize.h"
+#include "host/asset/lobe_rounding.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
 
 namespace multum {
 namespace {
-
-constexpr int kSnormSteps = 32767;
 
 // x is at most 1 in magnitude: the sum stays in range.
 int nearest_step(float x) {
@@ -55,13 +55,13 @@ float z_float(double root) {
 
 float as_half(float value) { return static_cast<float>(half(value)); }
 
-void quantize_direction(glm::vec3& n, StorageEncoding encoding) {
+void quantize_direction(glm::vec3& n, Representation representation, StorageEncoding encoding) {
   for (int c = 0; c < 2; ++c) {
     const float value = std::clamp(n[c], -1.0f, 1.0f);
     if (encoding == StorageEncoding::kSnorm16) n[c] = step_value(nearest_step(value));
     else n[c] = encoding == StorageEncoding::kHalf ? as_half(value) : value;
   }
-  n.z = finest_z(n.x, n.y, encoding);
+  n.z = finest_third(n.x, n.y, representation, encoding);
 }
 
 // Lobes of a = 1, as those of other levels.
@@ -75,12 +75,23 @@ void quantize_mean_vectors(glm::vec3* normals, std::size_t count, StorageEncodin
 void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, StorageEncoding encoding) {
   if (rows.has_roughness) quantize_mean_vectors(rows.normals.data() + begin, end - begin, encoding);
   else
-    for (std::size_t i = begin; i < end; ++i) quantize_direction(rows.normals[i], encoding);
+    for (std::size_t i = begin; i < end; ++i) quantize_direction(rows.normals[i], rows.representation, encoding);
   if (encoding == StorageEncoding::kFloat) return;
   for (std::size_t i = begin; i < end && !rows.colours.empty(); ++i)
     for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
   for (std::size_t i = begin * rows.weight_count(); i < end * rows.weight_count(); ++i)
     rows.weights[i] = as_half(rows.weights[i]);
+}
+
+// Is it one single direction, as a whole lobe of one of the two kinds has it? Roughness shortens those of kMovmf.
+bool is_single_direction(const glm::vec3& normal, Representation representation, bool has_roughness) {
+  // Rounding to halfs lengthens by a step of 1/1024 a channel at most.
+  constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
+  if (representation == Representation::kGmm)
+    return std::abs(normal.x * normal.x + normal.y * normal.y - normal.z) <= kLengthSquaredMax - 1.0f;
+  const float length_squared = glm::dot(normal, normal);
+  return normal.z >= 0.0f && (has_roughness || length_squared >= kLengthSquaredMin) &&
+         length_squared <= kLengthSquaredMax;
 }
 
 }  // namespace
@@ -92,6 +103,19 @@ float finest_z(float x, float y, StorageEncoding encoding) {
   return encoding == StorageEncoding::kHalf ? z_half(root) : z_float(root);
 }
 
+float finest_square(float x, float y, StorageEncoding encoding) {
+  if (encoding == StorageEncoding::kSnorm16) {
+    const int i = nearest_step(x), j = nearest_step(y);
+    return step_value(std::min((i * i + j * j) / kSnormSteps, kSnormSteps));  // exactly
+  }
+  const auto wide_x = static_cast<double>(x), wide_y = static_cast<double>(y);
+  return grid_below(wide_x * wide_x + wide_y * wide_y, encoding);
+}
+
+float finest_third(float x, float y, Representation representation, StorageEncoding encoding) {
+  return representation == Representation::kGmm ? finest_square(x, y, encoding) : finest_z(x, y, encoding);
+}
+
 void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads) {
   const auto width = static_cast<std::size_t>(rows.width);
   for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
@@ -100,31 +124,27 @@ void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads) {
   });
 }
 
-MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, bool has_roughness) {
-  // Rounding to halfs lengthens by a step of 1/1024 a channel at most.
-  constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
+MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, Representation representation,
+                      bool has_roughness) {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
   MULTUM_CHECK(!level.lobes.empty() && level.lobes.size() <= kLobeCountMax);
   const auto width = static_cast<std::size_t>(level.width);
   const std::size_t first = static_cast<std::size_t>(first_row) * width;
   const std::size_t texels = static_cast<std::size_t>(row_count) * width;
-  MovmfFinest rows{level.width, row_count, {}, {}, {}};
+  MovmfFinest rows{level.width, row_count, {}, {}, {}, {}, representation, has_roughness};
   rows.normals.resize(texels);
   rows.lobe.assign(texels, kLobeCountMax);
   if (!level.colours.empty()) rows.colours.resize(texels);
   const std::size_t weight_count =
       level.weights.empty() ? 0 : level.weights[0].size() / (width * static_cast<std::size_t>(level.height));
   rows.weights.resize(texels * weight_count);
-  rows.has_roughness = has_roughness;
   for (std::size_t j = 0; j < level.lobes.size(); ++j)
     for (std::size_t i = 0; i < texels; ++i) {
       const glm::vec4& lobe = level.lobes[j][first + i];
       const glm::vec3 colour = level.colours.empty() ? glm::vec3(0.0f) : level.colours[j][first + i];
       if (lobe == glm::vec4(0.0f) && colour == glm::vec3(0.0f)) continue;
       const glm::vec3 normal(lobe);
-      const float length_squared = glm::dot(normal, normal);
-      const bool whole = lobe.w == 1.0f && normal.z >= 0.0f && (has_roughness || length_squared >= kLengthSquaredMin) &&
-                         length_squared <= kLengthSquaredMax;
+      const bool whole = lobe.w == 1.0f && is_single_direction(normal, representation, has_roughness);
       const bool alone = rows.lobe[i] == kLobeCountMax;
       MULTUM_CHECK(whole && alone);
       rows.normals[i] = normal;

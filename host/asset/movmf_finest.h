@@ -18,11 +18,13 @@ namespace multum {
 struct MovmfFinest {
   int width = 0;
   int height = 0;                   // rows that are here
-  std::vector<glm::vec3> normals;   // unit, z >= 0; shorter where `has_roughness`
+  std::vector<glm::vec3> normals;   // unit, z >= 0; of kGmm x, y and x^2 + y^2: what lobes of the other levels hold;
+                                    // shorter where `has_roughness`
   std::vector<std::uint8_t> lobe;   // the lobe that the texel is given to
   std::vector<glm::vec3> colours;   // linear RGB of the texel; empty: the map has no colours
   std::vector<float> weights = {};  // of basis BRDFs, as many a texel as the map has; empty: none
-  bool has_roughness = false;       // lengths of normals are a BRDF's width
+  Representation representation = Representation::kMovmf;
+  bool has_roughness = false;  // lengths of normals are a BRDF's width
 
   std::size_t weight_count() const { return normals.empty() ? 0 : weights.size() / normals.size(); }
 };
@@ -31,15 +33,22 @@ struct MovmfFinest {
 /// for kFloat), so that |(x, y, z)| >= 1: rounding never adds spread. Readers do the same.
 float finest_z(float x, float y, StorageEncoding encoding);
 
+/// x^2 + y^2 of the same, rounded DOWN to the grid: a Gaussian's variance is clamped to none there, and filtering adds
+/// none to texels of one direction.
+float finest_square(float x, float y, StorageEncoding encoding);
+/// One of the two, as the lobes are.
+float finest_third(float x, float y, Representation representation, StorageEncoding encoding);
+
 /// Rounds x and y to the nearest value of the grid and derives z; shortened normals as lobes of a = 1; colours and
 /// weights to halfs, but for kFloat. What is left is what readers of the file get.
 void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads);
 
 /// Rows of level 0 as full lobes hold them. Every texel must be a single direction whole in one lobe, all other lobes
 /// zero (MULTUM_CHECK).
-MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, bool has_roughness = false);
+MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count,
+                      Representation representation = Representation::kMovmf, bool has_roughness = false);
 
-/// The other way round: (x, y, z, 1) and the colour for the lobe that has the texel, zeros for the others.
+/// The other way round: (normal, 1) and the colour for the lobe that has the texel, zeros for the others.
 MovmfLevel expand(const MovmfFinest& rows, int lobe_count);
 /// The same into rows of a level that has room for them.
 void expand_into(const MovmfFinest& rows, MovmfLevel& level, int first_row, int threads);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/asset/movmf_mipmap.h"
 
+#include "host/asset/gmm_quantize.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -19,9 +20,9 @@ MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count) {
 }
 
 BakedHeader header_of(const MovmfMipmap& mipmap) {
-  return {Representation::kMovmf, mipmap.encoding,     mipmap.wrap_s,        mipmap.wrap_t,
-          mipmap.provenance,      mipmap.width(),      mipmap.height(),      mipmap.first_level,
-          mipmap.has_colours(),   mipmap.weight_count, mipmap.has_roughness, mipmap.mean_cosine};
+  return {mipmap.representation, mipmap.encoding,     mipmap.wrap_s,        mipmap.wrap_t,
+          mipmap.provenance,     mipmap.width(),      mipmap.height(),      mipmap.first_level,
+          mipmap.has_colours(),  mipmap.weight_count, mipmap.has_roughness, mipmap.mean_cosine};
 }
 
 void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
@@ -33,6 +34,20 @@ void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
     for (auto& weights : level.weights) weights = std::vector<float>();
   }
   mipmap.first_level = first_level;
+}
+
+float storage_kappa_max(Representation representation, StorageEncoding encoding) {
+  return representation == Representation::kGmm ? gmm_kappa_max(encoding) : storage_kappa_max(encoding);
+}
+
+SharpLobes count_sharp_lobes(const MovmfLevel& level, const MovmfMipmap& header, int threads) {
+  return header.representation == Representation::kGmm ? count_sharp_gaussians(level, header.encoding, threads)
+                                                       : count_sharp_lobes(level, header.encoding, threads);
+}
+
+void quantize_lobes(MovmfLevel& rows, const MovmfMipmap& header, int threads) {
+  if (header.representation == Representation::kGmm) quantize_gmm(rows, header.encoding, threads);
+  else quantize_movmf(rows, header.encoding, threads);
 }
 
 }  // namespace multum

@@ -46,6 +46,7 @@ std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel
 /// Levels are numbered as those of the map, whatever is stored: levels[l] is level l. Those finer than `first_level`
 /// have their size and no texels: renderers take them from the normal map itself.
 struct MovmfMipmap {
+  Representation representation = Representation::kMovmf;  // what a lobe is: kMovmf or kGmm (host/asset/gmm_quantize.h)
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
@@ -87,7 +88,7 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress = nullptr);
 
-/// Reads a baked file. Throws Error(kInput) naming the file, what was found and what was expected. `threads`
+/// Reads a baked file of lobes. Throws Error(kInput) naming the file, what was found and what was expected. `threads`
 /// decompress; 0: as many as the machine has.
 MovmfMipmap read_movmf_mipmap(const std::string& path, int threads = 0);
 
@@ -105,6 +106,11 @@ struct SharpLobes {
   double amplitude = 0.0;  // their sum: texels' worth of normals
 };
 SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads);
+
+/// The same, and what is below, of the lobes that `header` is of.
+float storage_kappa_max(Representation representation, StorageEncoding encoding);
+SharpLobes count_sharp_lobes(const MovmfLevel& level, const MovmfMipmap& header, int threads);
+void quantize_lobes(MovmfLevel& rows, const MovmfMipmap& header, int threads);
 
 /// Rounds every value to what `mipmap.encoding` stores. The rule (docs/FORMAT.md, "Rounding"): amplitudes sum to 1
 /// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1. Level 0

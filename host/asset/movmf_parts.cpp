@@ -18,10 +18,15 @@ constexpr char kLobeText[] =
     "R,G,B,A = a*r.x,a*r.y,a*r.z,a; r = mean normal, +X right, +Y up, +Z out; data, not colour";
 constexpr char kFinestRoughText[] =
     "normalX, normalY, normalZ = c(roughness)*n, unit n +X right, +Y up, +Z out; lobe = number of the lobe that has "
-    "all "
-    "of the texel; albedo = linear RGB; data, not colour";
+    "all of the texel; albedo = linear RGB; data, not colour";
 constexpr char kWeightsText[] =
     "R,G,B,A = a*weights of basis BRDFs 0 to 3; a is in the lobe part of the same number; data, not colour";
+constexpr char kFinestGaussianText[] =
+    "normalX, normalY = x, y of the normal, +X right, +Y up; lobe = number of the lobe that has all of the texel; "
+    "albedo = linear RGB; data, not colour";
+constexpr char kGaussianText[] =
+    "R,G,B,A = a*m.x,a*m.y,a*(2*s2+m.x*m.x+m.y*m.y),a; m = mean (x, y) of normals, +X right, +Y up; s2 = variance of "
+    "one coordinate; data, not colour";
 constexpr char kColourText[] = "R,G,B = a*linear RGB of the lobe; a is in the lobe part of the same number";
 
 void add_weight_channels(const std::string& layer, const MovmfMipmap& header, BakedPart& part) {
@@ -31,8 +36,9 @@ void add_weight_channels(const std::string& layer, const MovmfMipmap& header, Ba
 
 // In the order in which OpenImageIO lists layers and their channels, as with the other parts.
 MovmfPart finest_part(const MovmfMipmap& header) {
-  MovmfPart part{
-      {"finest", {}, 0, 1, true, header.has_roughness ? kFinestRoughText : kFinestText}, MovmfPartKind::kFinest, 0};
+  const bool gaussians = header.representation == Representation::kGmm;
+  const char* const text = gaussians ? kFinestGaussianText : header.has_roughness ? kFinestRoughText : kFinestText;
+  MovmfPart part{{"finest", {}, 0, 1, true, text}, MovmfPartKind::kFinest, 0};
   if (header.has_colours())
     for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
       part.channels.push_back({name, colour_type(header.encoding)});
@@ -62,11 +68,15 @@ std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header) {
   const int first_level = std::max(1, header.first_level);
   const int level_count = static_cast<int>(header.levels.size()) - first_level;
   if (level_count <= 0) return parts;
+  const bool gaussians = header.representation == Representation::kGmm;
   for (int j = 0; j < header.lobe_count(); ++j) {
     MovmfPart part{
-        {fmt::format("lobe.{}", j), {}, first_level, level_count, false, kLobeText}, MovmfPartKind::kLobe, j};
+        {fmt::format("lobe.{}", j), {}, first_level, level_count, false, gaussians ? kGaussianText : kLobeText},
+        MovmfPartKind::kLobe,
+        j};
     for (const char* channel : {"R", "G", "B", "A"})
-      part.channels.push_back({fmt::format("lobe{}.vMF.{}", j, channel), vector_type(header.encoding)});
+      part.channels.push_back(
+          {fmt::format("lobe{}.{}.{}", j, gaussians ? "GMM" : "vMF", channel), vector_type(header.encoding)});
     parts.push_back(std::move(part));
   }
   for (int j = 0; header.has_colours() && j < header.lobe_count(); ++j) {
@@ -116,8 +126,8 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
     if (part->kind == MovmfPartKind::kFinest) {
       std::vector<float> values;
       for (int row = 0; row < level.height; row += kRowsPerBand) {
-        const MovmfFinest rows =
-            finest_of(level, row, std::min(kRowsPerBand, level.height - row), mipmap.has_roughness);
+        const MovmfFinest rows = finest_of(level, row, std::min(kRowsPerBand, level.height - row),
+                                           mipmap.representation, mipmap.has_roughness);
         values.resize(rows.normals.size() * channels);
         interleave(rows, 0, rows.normals.size(), values.data());
         hash.update(values.data(), values.size() * sizeof(float));

@@ -18,6 +18,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/lobe_rounding.h"
 #include "host/asset/movmf_finest.h"
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/error.h"
@@ -26,7 +27,6 @@
 namespace multum {
 namespace {
 
-constexpr float kSnormSteps = 32767.0f;
 // Lobes closer to a single direction than fp32 sums can tell: 8 roundings of 2^-24.
 constexpr double kSpreadZero = 5e-7;
 
@@ -36,14 +36,10 @@ struct Bracket {
   float outer;
 };
 
-// Times this is the same float as a division gives, for every step (QuantizeStepsTest): k/32767 repeats its 15 bits for
-// ever, so that no quotient lies near the middle of two floats.
-constexpr double kStep = 1.0 / static_cast<double>(kSnormSteps);
-
-float step_value(int step) { return static_cast<float>(step * kStep); }
+float step_value(int step) { return static_cast<float>(step * kSnormStep); }
 
 Bracket bracket_snorm(double value) {
-  const double steps = value * static_cast<double>(kSnormSteps);
+  const double steps = value * kSnormSteps;
   // Lobes are at most 1 long. What is not even a number stays it.
   if (!(std::abs(steps) < 1e6)) return {static_cast<float>(value), static_cast<float>(value)};
   const int inner = static_cast<int>(steps);
@@ -136,13 +132,12 @@ glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_
 // Texels side by side, so that the compiler makes vector instructions of the loops; no operation differs from
 // round_lobe()'s. At level 1 of a map with four lobes most lobes are single directions or nothing: each kind is
 // gathered and rounded for itself.
-constexpr std::size_t kBlock = 256;
-using Block = std::array<double, kBlock>;
+using Block = std::array<double, kRoundingBlock>;
 
 // Lobes of one kind: mean vectors r, their lengths, rounded amplitudes, and where in the block they came from.
 struct Gathered {
   Block x, y, z, length, amplitude;
-  std::array<std::size_t, kBlock> index;
+  std::array<std::size_t, kRoundingBlock> index;
   std::size_t count = 0;
 
   void add(const Gathered& from, std::size_t i) {
@@ -157,11 +152,11 @@ struct Gathered {
 
 // The two neighbours of `value` on the snorm16 grid, for magnitudes of at most 1.
 inline void bracket_steps(double value, double& inner, double& outer) {
-  const double steps = value * static_cast<double>(kSnormSteps);
+  const double steps = value * kSnormSteps;
   const double down = static_cast<double>(static_cast<int>(steps));
   const double up = down + (steps > down ? 1.0 : 0.0) - (steps < down ? 1.0 : 0.0);
-  inner = static_cast<double>(static_cast<float>(down * kStep));
-  outer = static_cast<double>(static_cast<float>(up * kStep));
+  inner = static_cast<double>(static_cast<float>(down * kSnormStep));
+  outer = static_cast<double>(static_cast<float>(up * kSnormStep));
 }
 
 // Steps 2 and 3: r becomes what is stored.
@@ -212,7 +207,7 @@ void scatter(const Gathered& rounded, glm::vec4* lobes) {
 }
 
 // Steps 2 and 3 for a block of one lobe.
-void round_block_snorm(glm::vec4* lobes, const Block& amplitudes, std::size_t count) {
+void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t count) {
   Gathered all, single, spread;
   Block divisor;
   for (std::size_t i = 0; i < count; ++i) {
@@ -247,66 +242,16 @@ void round_block_snorm(glm::vec4* lobes, const Block& amplitudes, std::size_t co
   scatter(spread, lobes);
 }
 
-// Step 1, snorm16: whole steps that sum to 32767, the largest remainders rounded up (ties: the lower lobe). Amplitudes
-// that are no shares stay as they are, for verify_movmf() to tell.
-void round_amplitudes_snorm(const MovmfLevel& level, std::size_t first, std::size_t count,
-                            std::array<Block, kLobeCountMax>& amplitudes) {
-  const std::size_t lobe_count = level.lobes.size();
-  std::array<Block, kLobeCountMax> remainders;
-  Block total{}, missing;
-  for (std::size_t j = 0; j < lobe_count; ++j)
-    for (std::size_t i = 0; i < count; ++i) {
-      amplitudes[j][i] = static_cast<double>(level.lobes[j][first + i].w);
-      total[i] += amplitudes[j][i] >= 0.0 ? amplitudes[j][i] : HUGE_VAL;
-    }
-  for (std::size_t i = 0; i < count; ++i) {
-    total[i] = total[i] < HUGE_VAL ? total[i] : 0.0;
-    missing[i] = total[i] > 0.0 ? static_cast<double>(kSnormSteps) : 0.0;
-  }
-  for (std::size_t j = 0; j < lobe_count; ++j)
-    for (std::size_t i = 0; i < count; ++i) {
-      const double divisor = total[i] > 0.0 ? total[i] : HUGE_VAL;
-      const double exact = amplitudes[j][i] / divisor * static_cast<double>(kSnormSteps);
-      const double steps = static_cast<double>(static_cast<int>(exact));
-      remainders[j][i] = exact - steps;
-      amplitudes[j][i] = total[i] > 0.0 ? steps : amplitudes[j][i];
-      missing[i] -= steps;
-    }
+void round_lobes(glm::vec4* lobes, const double* amplitudes, std::size_t count, StorageEncoding encoding) {
+  if (encoding == StorageEncoding::kSnorm16) return round_block_snorm(lobes, amplitudes, count);
   for (std::size_t i = 0; i < count; ++i)
-    for (double left = missing[i]; left > 0.0; left -= 1.0) {
-      std::size_t largest = 0;
-      for (std::size_t j = 1; j < lobe_count; ++j) largest = remainders[j][i] > remainders[largest][i] ? j : largest;
-      amplitudes[largest][i] += 1.0;
-      remainders[largest][i] = -1.0;
-    }
-  for (std::size_t j = 0; j < lobe_count; ++j)
-    for (std::size_t i = 0; i < count; ++i) {
-      const double rounded = static_cast<double>(static_cast<float>(amplitudes[j][i] * kStep));
-      amplitudes[j][i] = total[i] > 0.0 ? rounded : amplitudes[j][i];
-    }
+    lobes[i] = round_lobe(lobes[i], static_cast<float>(amplitudes[i]), bracket_half);
 }
 
-void quantize_snorm(MovmfLevel& level, std::size_t first, std::size_t count) {
-  std::array<Block, kLobeCountMax> amplitudes;
-  round_amplitudes_snorm(level, first, count, amplitudes);
-  for (std::size_t j = 0; j < level.lobes.size(); ++j)
-    round_block_snorm(level.lobes[j].data() + first, amplitudes[j], count);
-}
-
-void quantize_half(MovmfLevel& level, std::size_t first, std::size_t count) {
-  for (std::vector<glm::vec4>& lobes : level.lobes)
-    for (std::size_t i = first; i < first + count; ++i)
-      lobes[i] = round_lobe(lobes[i], static_cast<float>(half(lobes[i].w)), bracket_half);
-}
-
-void quantize_features(MovmfLevel& level, std::size_t first, std::size_t count) {
-  for (std::vector<glm::vec3>& colours : level.colours)
-    for (std::size_t i = first; i < first + count; ++i)
-      for (int c = 0; c < 3; ++c) colours[i][c] = static_cast<float>(half(colours[i][c]));
-  const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
-  for (std::vector<float>& weights : level.weights)
-    for (std::size_t i = first * weights.size() / texels; i < (first + count) * weights.size() / texels; ++i)
-      weights[i] = static_cast<float>(half(weights[i]));
+// Sharper than what is kept, but no single direction.
+bool is_sharp(const glm::vec4& lobe, double spread_min) {
+  const double spread = 1.0 - glm::length(glm::dvec3(lobe)) / static_cast<double>(lobe.w);
+  return spread > kSpreadZero && spread < spread_min;
 }
 
 }  // namespace
@@ -325,56 +270,22 @@ float storage_kappa_max(StorageEncoding encoding) {
 
 SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads) {
   if (encoding == StorageEncoding::kFloat) return {};  // rounds nothing
-  // Of less than the least amplitude that snorm16 stores nobody sees the spread.
-  constexpr float kAmplitudeMin = 1.0f / kSnormSteps;
-  const double spread_min = 1.0 / static_cast<double>(storage_kappa_max(encoding));
-  std::vector<SharpLobes> rows(static_cast<std::size_t>(level.height));
-  const auto width = static_cast<std::size_t>(level.width);
-  for_each_item(level.height, threads, [&](int y) {
-    const std::size_t first = static_cast<std::size_t>(y) * width;
-    for (const std::vector<glm::vec4>& lobes : level.lobes)
-      for (std::size_t i = first; i < first + width; ++i) {
-        const glm::dvec4 lobe(lobes[i]);
-        if (lobes[i].w < kAmplitudeMin) continue;
-        const double spread = 1.0 - glm::length(glm::dvec3(lobe)) / lobe.w;
-        if (spread <= kSpreadZero || spread >= spread_min) continue;
-        SharpLobes& row = rows[static_cast<std::size_t>(y)];
-        ++row.count;
-        row.amplitude += lobe.w;
-      }
-  });
-  SharpLobes all;
-  for (const SharpLobes& row : rows) {
-    all.count += row.count;
-    all.amplitude += row.amplitude;
-  }
-  return all;
+  return count_lobes(level, threads, is_sharp, 1.0 / static_cast<double>(storage_kappa_max(encoding)));
 }
 
 void quantize_movmf(MovmfLevel& rows, StorageEncoding encoding, int threads) {
-  MULTUM_CHECK(rows.lobes.size() <= kLobeCountMax);
-  if (encoding == StorageEncoding::kFloat) return;
-  const auto width = static_cast<std::size_t>(rows.width);
-  for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
-    const std::size_t end = static_cast<std::size_t>(row_end) * width;
-    for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < end; i += kBlock) {
-      const std::size_t count = std::min(kBlock, end - i);
-      if (encoding == StorageEncoding::kSnorm16) quantize_snorm(rows, i, count);
-      else quantize_half(rows, i, count);
-      quantize_features(rows, i, count);
-    }
-  });
+  round_rows(rows, encoding, threads, round_lobes);
 }
 
 void quantize_movmf(MovmfMipmap& mipmap, int threads) {
   for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
     MovmfLevel& level = mipmap.levels[l];
     if (l > 0) {
-      quantize_movmf(level, mipmap.encoding, threads);
+      quantize_lobes(level, mipmap, threads);
       continue;
     }
     for_each_row_band(level.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
-      MovmfFinest rows = finest_of(level, row_begin, row_end - row_begin, mipmap.has_roughness);
+      MovmfFinest rows = finest_of(level, row_begin, row_end - row_begin, mipmap.representation, mipmap.has_roughness);
       quantize_movmf(rows, mipmap.encoding, 1);
       expand_into(rows, level, row_begin, 1);
     });

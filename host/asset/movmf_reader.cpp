@@ -36,7 +36,7 @@ class MovmfReader::File {
   MovmfFinest read_finest(int first_row, int row_count) {
     MULTUM_CHECK(header_.first_level == 0);
     check_rows(0, first_row, row_count);
-    MovmfFinest rows{header_.width(), row_count, {}, {}, {}};
+    MovmfFinest rows{header_.width(), row_count, {}, {}, {}, {}, header_.representation, header_.has_roughness};
     const std::size_t texels = texel_count(rows.width, row_count);
     const std::size_t channels = parts_[0].channels.size();
     values_.resize(texels * channels);
@@ -45,7 +45,6 @@ class MovmfReader::File {
     rows.lobe.resize(texels);
     if (header_.has_colours()) rows.colours.resize(texels);
     rows.weights.resize(texels * weight_count());
-    rows.has_roughness = header_.has_roughness;
     for_each_row_band(row_count, kRowsPerBand, reader_.threads(), [&](int, int row_begin, int row_end) {
       for (int y = row_begin; y < row_end; ++y)
         for (int x = 0; x < rows.width; ++x) decode_texel(x, first_row, y, rows);
@@ -98,7 +97,8 @@ class MovmfReader::File {
     rows.lobe[i] = static_cast<std::uint8_t>(v[0]);
     if (header_.has_roughness && !(v[3] >= 0.0f && v[3] <= kComponentMax))
       refuse_texel(x, first_row + y, fmt::format("a normal of z = {}", v[3]), "0 to 1");
-    rows.normals[i] = {v[1], v[2], header_.has_roughness ? v[3] : finest_z(v[1], v[2], header_.encoding)};
+    rows.normals[i] = {v[1], v[2],
+                       header_.has_roughness ? v[3] : finest_third(v[1], v[2], rows.representation, header_.encoding)};
     v += header_.has_roughness ? 4 : 3;
     std::copy_n(v, weight_count(), rows.weights.begin() + static_cast<std::ptrdiff_t>(i * weight_count()));
   }

@@ -36,7 +36,7 @@ struct Worst {
 
 struct Scan {
   std::size_t nonfinite = 0;
-  Worst sum_error, negative_amplitude, long_mean, weight_range;
+  Worst sum_error, negative_amplitude, long_mean, missing_variance, weight_range;
 };
 
 // Weights are 0 to 1, so that those of a lobe are 0 to a, but for what rounds both: halfs, and snorm16's amplitudes,
@@ -55,8 +55,21 @@ void scan_weights(const MovmfLevel& rows, std::size_t lobe, std::size_t texel, c
   }
 }
 
+// How far the third value of a Gaussian is below what its mean alone makes of it, more than rounding it down allows.
+double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
+  const glm::dvec4 lobe(v);
+  if (!(lobe.w > 0.0)) return std::abs(lobe.z);
+  const double square = (lobe.x * lobe.x + lobe.y * lobe.y) / lobe.w;
+  const double step = encoding == StorageEncoding::kSnorm16 ? 1.01 / 32767.0
+                      : encoding == StorageEncoding::kHalf  ? square * 1.05e-3 + 6e-8
+                                                            : square * 1e-6 + 1e-9;
+  return square - lobe.z - step;
+}
+
 // `first_texel` is the number of the rows' first texel in their level.
-void scan_rows(StorageEncoding encoding, int l, std::size_t first_texel, const MovmfLevel& rows, Scan& scan) {
+void scan_rows(const MovmfMipmap& header, int l, std::size_t first_texel, const MovmfLevel& rows, Scan& scan) {
+  const bool gaussians = header.representation == Representation::kGmm;
+  const StorageEncoding encoding = header.encoding;
   for (std::size_t i = 0; i < texel_count(rows.width, rows.height); ++i) {
     double sum = 0.0;
     for (const auto& lobe : rows.lobes) {
@@ -67,8 +80,9 @@ void scan_rows(StorageEncoding encoding, int l, std::size_t first_texel, const M
       }
       sum += static_cast<double>(v.w);
       scan.negative_amplitude.offer(-static_cast<double>(v.w), l, first_texel + i);
-      scan.long_mean.offer(static_cast<double>(glm::length(glm::vec3(v)) - v.w - length_excess(encoding, v.w)), l,
-                           first_texel + i);
+      const float length = gaussians ? std::hypot(v.x, v.y) : glm::length(glm::vec3(v));
+      scan.long_mean.offer(static_cast<double>(length - v.w - length_excess(encoding, v.w)), l, first_texel + i);
+      if (gaussians) scan.missing_variance.offer(missing_variance(encoding, v), l, first_texel + i);
     }
     scan.sum_error.offer(std::abs(sum - 1.0), l, first_texel + i);
     for (const auto& colour : rows.colours) {
@@ -106,7 +120,7 @@ std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& see
             hash.add(p, l, parts[p].values(rows), texel_count(rows.width, rows.height) * parts[p].channels.size());
         });
       }
-      scan_rows(header.encoding, l, texel_count(level.width, row), rows, scan);
+      scan_rows(header, l, texel_count(level.width, row), rows, scan);
       if (seen) seen(l, row, rows);
     }
   }
@@ -126,8 +140,9 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
   std::vector<VerifyFinding> findings;
   findings.push_back(
       {"structure", true,
-       fmt::format("{} x {}, {}, {} lobes{}, encoding {}", mipmap.width(), mipmap.height(), levels_text(mipmap),
-                   mipmap.lobe_count(), materials_text(header_of(mipmap)), storage_encoding_name(mipmap.encoding))});
+       fmt::format("{} x {}, {}, {} {}{}, encoding {}", mipmap.width(), mipmap.height(), levels_text(mipmap),
+                   mipmap.lobe_count(), mipmap.representation == Representation::kGmm ? "Gaussians" : "lobes",
+                   materials_text(header_of(mipmap)), storage_encoding_name(mipmap.encoding))});
   Scan scan;
   const std::string hash = scan_file(reader, threads, seen, scan);
   findings.push_back({"checksum", hash == mipmap.provenance.content_hash,
@@ -143,11 +158,18 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
                       scan.negative_amplitude.value <= 0.0 ? "no negative amplitude"
                                                            : fmt::format("a = {} at {}", -scan.negative_amplitude.value,
                                                                          at(mipmap, scan.negative_amplitude))});
-  findings.push_back({"|r| <= 1", scan.long_mean.value <= 0.0,
+  const bool gaussians = mipmap.representation == Representation::kGmm;
+  findings.push_back({gaussians ? "|mean| <= 1" : "|r| <= 1", scan.long_mean.value <= 0.0,
                       scan.long_mean.value <= 0.0
                           ? "no mean vector is longer than rounding allows"
-                          : fmt::format("|a r| exceeds a by {:.2e} more than rounding allows at {}",
-                                        scan.long_mean.value, at(mipmap, scan.long_mean))});
+                          : fmt::format("|a {}| exceeds a by {:.2e} more than rounding allows at {}",
+                                        gaussians ? "mean" : "r", scan.long_mean.value, at(mipmap, scan.long_mean))});
+  if (gaussians)
+    findings.push_back({"variance", scan.missing_variance.value <= 0.0,
+                        scan.missing_variance.value <= 0.0
+                            ? "none is below 0 by more than rounding allows"
+                            : fmt::format("a variance is below 0 by {:.2e} more than rounding allows at {}",
+                                          scan.missing_variance.value, at(mipmap, scan.missing_variance))});
   if (mipmap.weight_count > 0)
     findings.push_back({"weights", scan.weight_range.value <= 0.0,
                         scan.weight_range.value <= 0.0

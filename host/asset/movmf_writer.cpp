@@ -137,7 +137,7 @@ void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, cons
     for (int row = 0; row < level.height; row += options.tile_size) {
       progress_advance(progress, 0);  // a chance to cancel
       const int rows = std::min(options.tile_size, level.height - row);
-      if (l == 0) writer.write_finest(row, finest_of(level, row, rows, mipmap.has_roughness));
+      if (l == 0) writer.write_finest(row, finest_of(level, row, rows, mipmap.representation, mipmap.has_roughness));
       else writer.write_level(static_cast<int>(l), row, rows_of(level, row, rows));
     }
   }

@@ -26,12 +26,24 @@ const std::vector<RepresentationInfo>& representations() {
        3,
        {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat},
        "lobes (Han 2007), the most accurate"},
+      {Representation::kGmm,
+       "gmm",
+       "gmm",
+       1,
+       {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat},
+       "planar Gaussians (Tan 2005), for the BRDF of that paper alone and worse near the rim"},
       {Representation::kMoments,
        "moments",
        "moments",
        1,
        {StorageEncoding::kHalf, StorageEncoding::kFloat},  // slopes reach 20, their products 400: no snorm
        "slope moments and the mean normal (LEAN, Toksvig, maketx --bumpslopes), cheap"},
+      {Representation::kSh,
+       "sh",
+       "sh",
+       1,
+       {StorageEncoding::kHalf, StorageEncoding::kFloat},
+       "spherical harmonics (Han 2007), for diffuse and broad highlights, nothing fitted"},
   };
   return all;
 }

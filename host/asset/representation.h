@@ -10,7 +10,9 @@ namespace multum {
 
 enum class Representation {
   kMovmf,    // mixtures of von Mises-Fisher lobes (host/asset/movmf_mipmap.h)
+  kGmm,      // mixtures of planar Gaussians, lobes too (the same file, host/asset/gmm_quantize.h)
   kMoments,  // first and second moments of slopes, and the mean normal (host/asset/moment_mipmap.h)
+  kSh,       // spherical harmonics of the normals, to an order (host/asset/sh_mipmap.h)
 };
 
 /// How channel values are rounded when stored; docs/FORMAT.md states what each loses.
@@ -19,6 +21,16 @@ enum class StorageEncoding {
   kHalf,     // 16-bit floats: RGBA16F on the GPU
   kFloat,    // 32-bit floats: RGBA32F on the GPU
 };
+
+/// Is a texel a mixture of lobes?
+inline bool holds_lobes(Representation representation) {
+  return representation == Representation::kMovmf || representation == Representation::kGmm;
+}
+
+/// May its files hold a BRDF's width and weights of basis BRDFs beside normals?
+inline bool takes_materials(Representation representation) {
+  return representation == Representation::kMovmf || representation == Representation::kMoments;
+}
 
 const char* storage_encoding_name(StorageEncoding encoding);
 

@@ -297,12 +297,30 @@ std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mip
   return run_on_maps(device, meter, map, albedo, progress);
 }
 
+namespace {
+
+// `levels`: of what the meter's add_rows() takes.
+template <typename Meter, typename Level>
+void add_levels(Meter& meter, const BakedHeader& header, const std::vector<Level>& levels) {
+  for (int l = header.first_level; l < header.level_count(); ++l)
+    meter.add_rows(l, 0, levels[static_cast<std::size_t>(l)]);
+}
+
+}  // namespace
+
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MomentMipmap& mipmap, const NormalMap& map,
                                           const ColourMap* albedo, const AccuracySettings& settings,
                                           Progress* progress) {
   MomentMeter meter(mipmap.header, settings);
-  for (int l = mipmap.header.first_level; l < mipmap.header.level_count(); ++l)
-    meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
+  add_levels(meter, mipmap.header, mipmap.levels);
+  return run_on_maps(device, meter, map, albedo, progress);
+}
+
+std::vector<AccuracyRow> measure_accuracy(Device& device, const ShMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress) {
+  ShMeter meter(mipmap, settings);
+  add_levels(meter, mipmap.header, mipmap.levels);
   return run_on_maps(device, meter, map, albedo, progress);
 }
 

@@ -18,6 +18,7 @@
 #include "host/bake/accuracy_points.h"
 #include "host/bake/moment_model.h"
 #include "host/bake/movmf_model.h"
+#include "host/bake/sh_model.h"
 #include "host/base/progress.h"
 #include "host/image/normal_map.h"
 #include "host/image/plane_store.h"
@@ -113,11 +114,29 @@ class MomentMeter : public AccuracyMeter {
   MomentModel model_;
 };
 
+/// Of spherical harmonics.
+class ShMeter : public AccuracyMeter {
+ public:
+  /// Of `header`: sizes, order, first level; no texels.
+  ShMeter(const ShMipmap& header, const AccuracySettings& settings)
+      : AccuracyMeter(header.header.width, header.header.height, settings), model_(header, points().texels()) {}
+
+  void add_rows(int level, int first_row, const ShLevel& rows) { model_.add_rows(level, first_row, rows); }
+  std::size_t kept_bytes() const { return model_.kept_bytes(); }
+
+ private:
+  AccuracyModel& model() override { return model_; }
+  ShModel model_;
+};
+
 /// The same of a whole mipmap and a map in memory, which must be of one size. `albedo`: null, or of that size.
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
                                           const ColourMap* albedo, const AccuracySettings& settings,
                                           Progress* progress);
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MomentMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress);
+std::vector<AccuracyRow> measure_accuracy(Device& device, const ShMipmap& mipmap, const NormalMap& map,
                                           const ColourMap* albedo, const AccuracySettings& settings,
                                           Progress* progress);
 inline std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,

@@ -26,6 +26,7 @@ struct BakeJob {
   std::string report;     // JSON file; empty: none
   NormalMapSettings reading;
   Representation representation = Representation::kMovmf;
+  int sh_order = 4;       // of spherical harmonics, 1..20
   MovmfSettings fitting;  // of lobes; its first level is that of every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;

@@ -24,11 +24,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr char kWhole[] = "the manifest";
 
 const std::vector<std::string> kDefaultKeys = {
-    "error_max",  "ndf",          "lobes",          "reference",    "iterations",  "sweeps",
-    "order",      "align",        "kappa_cap",      "first_level",  "data_format", "wrap",
-    "swrap",      "twrap",        "coarse_normals", "green",        "signed",      "unsigned",
-    "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "fixnan",      "checknan",
-    "repair_max", "albedo",       "compression",    "roughness",    "weights"};
+    "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
+    "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
+    "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
+    "no_rehearsal",   "sh_order",  "fixnan",      "checknan",    "repair_max", "albedo",       "compression",
+    "normal_scale",   "roughness", "weights"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;
@@ -80,6 +80,7 @@ void read_reading(const StrictTable& table, ReadingOptions& reading) {
   read_number(table, "height_scale", {-kFloatMax, kFloatMax, false, false, "a number other than 0"},
               reading.height_scale);
   if (reading.height_scale == 0.0f) table.refuse("height_scale", "is 0, expected a number other than 0");
+  read_number(table, "normal_scale", {-kFloatMax, kFloatMax, false, false, "a number"}, reading.normal_scale);
   read_choice(table, "fixnan", kFixNans, reading.fix_nan);
   read_number(table, "repair_max", {0.0, 1.0, false, false, "a number from 0 to 1"}, reading.repair_share_max);
 }
@@ -102,6 +103,7 @@ void read_options(const StrictTable& table, ManifestOptions& options) {
     if (table.has(key)) *value = table.text(key, "");
   read_choice(table, "ndf", kNdfs, map.ndf);
   read_whole(table, "lobes", kLobeCounts, map.lobes);
+  read_whole(table, "sh_order", {kShOrderMin, kShOrderMax}, map.sh_order);
   read_whole(table, "iterations", kIterationCounts, map.iterations);
   read_whole(table, "sweeps", kSweepCounts, map.sweeps);
   read_whole(table, "first_level", kFirstLevels, map.first_level);
@@ -151,14 +153,27 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
 }
 
 // [defaults] may say how lobes are fitted for all maps that have any; a map that has none may not.
-void check_keys_of_lobes(const StrictTable& table, const MapOptions& map) {
+void check_keys_of_ndf(const StrictTable& table, const MapOptions& map) {
   const Representation representation = map.ndf.value_or(Representation::kMovmf);
-  if (representation == Representation::kMovmf) return;
+  if (table.has("sh_order") && representation != Representation::kSh)
+    table.refuse("sh_order",
+                 fmt::format("is for ndf = \"sh\", found ndf = \"{}\"", representation_info(representation).option));
+  if (holds_lobes(representation)) return;
   for (const char* key :
        {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal", "order", "coarse_normals"})
     if (table.has(key))
-      table.refuse(key, fmt::format("is for ndf = \"vmf\", found ndf = \"{}\", which fits no lobes",
+      table.refuse(key, fmt::format("is for ndf = \"vmf\" and \"gmm\", found ndf = \"{}\", which fits no lobes",
                                     representation_info(representation).option));
+}
+
+// Whoever gives them: what [defaults] have must not be left out in silence.
+void check_materials_of_ndf(const StrictTable& table, const BakeJob& job) {
+  if (takes_materials(job.representation)) return;
+  for (const auto& [key, map] : kMaterialKeys)
+    if (map != &BakeJob::albedo && !(job.*map).empty())
+      table.refuse(table.has(key) ? key : "",
+                   fmt::format("has {} = \"{}\", which is for ndf = \"vmf\" and \"moments\", found ndf = \"{}\"", key,
+                               job.*map, representation_info(job.representation).option));
 }
 
 struct ManifestEntry {
@@ -171,12 +186,13 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWhole), {}};
   ManifestOptions options = defaults;
   read_options(entry.table, options);
-  check_keys_of_lobes(entry.table, options.map);
+  check_keys_of_ndf(entry.table, options.map);
   BakeJob job = pattern;
   apply(options.map, job);
   job.input = resolved(path, entry.table.text("input"));
   job.output = resolved(path, entry.table.text("output"));
   for (std::string BakeJob::*map : kMaterialMaps) job.*map = resolved(path, job.*map);
+  check_materials_of_ndf(entry.table, job);
   check_paths(entry.table, job);
   for (BakeJob& one : jobs_of(job)) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();

@@ -22,18 +22,20 @@ MovmfFinest row_of(const MovmfFinest& rows, int row) {
   const std::size_t texels = rows.normals.size(), width = static_cast<std::size_t>(rows.width);
   const std::size_t begin = static_cast<std::size_t>(row) * width;
   const auto of_row = [&](const auto& values) { return texels_of(values, texels, begin, begin + width); };
-  return {rows.width,        1, of_row(rows.normals), of_row(rows.lobe), of_row(rows.colours), of_row(rows.weights),
-          rows.has_roughness};
+  return {rows.width,           1,
+          of_row(rows.normals), of_row(rows.lobe),
+          of_row(rows.colours), of_row(rows.weights),
+          rows.representation,  rows.has_roughness};
 }
 
 }  // namespace
 
 void BakeOutput::round(MovmfLevel& rows) {
   const StopWatch watch(report_.round_seconds);
-  const SharpLobes sharp = count_sharp_lobes(rows, header_.encoding, threads_);
+  const SharpLobes sharp = count_sharp_lobes(rows, header_, threads_);
   report_.beyond_storage += sharp.count;
   report_.beyond_storage_amplitude += sharp.amplitude;
-  quantize_movmf(rows, header_.encoding, threads_);
+  quantize_lobes(rows, header_, threads_);
 }
 
 void BakeOutput::round(MovmfFinest& rows) {

@@ -43,7 +43,7 @@ void validate(const MovmfSettings& s) {
 
 std::string settings_json(const MovmfSettings& s) {
   nlohmann::json json;  // an object: keys are sorted
-  json["representation"] = "movmf";
+  json["representation"] = representation_info(s.representation).name;
   json["lobes"] = s.lobe_count;
   json["iterations"] = s.iteration_count;
   json["iterations_coarse"] = s.iteration_count_coarse;

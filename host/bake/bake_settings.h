@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "host/asset/representation.h"
+
 namespace multum {
 
 enum class FitOrder { kColour, kScanline };
@@ -25,8 +27,9 @@ constexpr SettingRange<float> kAlignments = {0.0f, 10.0f};
 constexpr SettingRange<float> kKappaCaps = {1.0f, 1.0e5f};
 
 struct MovmfSettings {
-  int lobe_count = 4;        // 1..8
-  int iteration_count = 12;  // EM iterations a texel, at most; 1..1000
+  Representation representation = Representation::kMovmf;  // what a lobe is: kMovmf or kGmm
+  int lobe_count = 4;                                      // 1..8
+  int iteration_count = 12;                                // EM iterations a texel, at most; 1..1000
   // Of texels that cover more than kSamplesUnchunkedMax normals: what they miss every finer level misses.
   int iteration_count_coarse = 30;  // 1..1000
   int iteration_count_top = 60;     // of the coarsest level, 1..1000
@@ -49,8 +52,8 @@ struct MovmfSettings {
   // this without texels.
   int first_level = 0;
   bool aligned_start = true;  // false: every texel starts by itself (for comparison: filtering then mixes lobes up)
-  // Cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals (what a lobe stores is its
-  // normals' own spread, whatever the cap).
+  // Cap of kappa (1/sigma^2 of Gaussians) inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
+  // (what a lobe stores is its normals' own spread, whatever the cap).
   float kappa_cap = 500.0f;           // 1..1e5
   float kappa_cap_slope = 10.0f;      // 0..1000
   float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1

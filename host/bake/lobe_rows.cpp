@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/asset/gmm_quantize.h"
 #include "host/base/parallel.h"
 
 namespace multum {
@@ -12,6 +13,12 @@ namespace {
 // Rare numerical events among some lobes.
 struct LobeEvents {
   std::uint64_t nonfinite = 0, dead = 0, undirected = 0, clamped = 0;
+
+  void count_gaussian(const MultumVmfLobe& lobe, float kappa_cap) {
+    if (!std::isfinite(lobe.mean_x + lobe.mean_y + lobe.mean_z) || !std::isfinite(lobe.amplitude)) ++nonfinite;
+    else if (lobe.amplitude < 1e-6f) ++dead;
+    else if (lobe.mean_z < 1.0f / kappa_cap) ++clamped;
+  }
 
   void count(const MultumVmfLobe& lobe, float kappa_cap) {
     const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
@@ -40,6 +47,13 @@ void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
 
 }  // namespace
 
+MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation) {
+  const float inverse = stored.w > 0.0f ? 1.0f / stored.w : 0.0f;
+  MultumVmfLobe lobe = {stored.x * inverse, stored.y * inverse, stored.z * inverse, stored.w};
+  if (representation == Representation::kGmm) lobe.mean_z = gmm_variance(stored);
+  return lobe;
+}
+
 MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
                        const std::vector<glm::vec3>& features, float kappa_cap, int threads, BakeReport& report) {
   const auto width = static_cast<std::size_t>(size.width), lobe_count = static_cast<std::size_t>(size.lobe_count);
@@ -53,6 +67,7 @@ MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe
   const std::size_t triples = colour_triples + (weight_count + 2) / 3;
   if (size.has_colours) out.colours.assign(lobe_count, std::vector<glm::vec3>(texels));
   if (weight_count > 0) out.weights.assign(lobe_count, std::vector<float>(texels * weight_count));
+  const bool gaussians = size.representation == Representation::kGmm;
   std::vector<LobeEvents> events(static_cast<std::size_t>(size.height));
   for_each_item(size.height, threads, [&](int y) {
     const auto row = static_cast<std::size_t>(y);
@@ -60,9 +75,16 @@ MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe
       const MultumVmfLobe* from = &lobes[(row * lobe_count + j) * width];
       glm::vec4* to = &out.lobes[j][row * width];
       for (std::size_t x = 0; x < width; ++x) {
-        const float a = from[x].amplitude;
-        to[x] = {a * from[x].mean_x, a * from[x].mean_y, a * from[x].mean_z, a};
-        events[row].count(from[x], kappa_cap);
+        const MultumVmfLobe& lobe = from[x];
+        const float a = lobe.amplitude;
+        if (gaussians) {
+          const float square = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y;
+          to[x] = {a * lobe.mean_x, a * lobe.mean_y, a * (2.0f * lobe.mean_z + square), a};
+          events[row].count_gaussian(lobe, kappa_cap);
+        } else {
+          to[x] = {a * lobe.mean_x, a * lobe.mean_y, a * lobe.mean_z, a};
+          events[row].count(lobe, kappa_cap);
+        }
       }
       const auto feature_row = [&](std::size_t triple) {
         return &features[((row * triples + triple) * lobe_count + j) * width];

@@ -36,13 +36,17 @@ void apply(const MapOptions& o, BakeJob& job) {
   if (o.weights) job.weights = *o.weights;
   if (o.ndf) job.representation = *o.ndf;
   apply_to_fit(o, job.fitting);
+  if (o.sh_order) job.sh_order = *o.sh_order;
   job.encoding = o.data_format.value_or(representation_info(job.representation).encodings.front());
   if (o.compression) job.writing.compression = *o.compression;
 }
 
-void check_options_of_lobes(const MapOptions& o) {
+void check_options_of_ndf(const MapOptions& o) {
   const Representation representation = o.ndf.value_or(Representation::kMovmf);
-  if (representation == Representation::kMovmf) return;
+  if (o.sh_order && representation != Representation::kSh)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--sh-order is for --ndf sh, found --ndf {}", representation_info(representation).option));
+  if (holds_lobes(representation)) return;
   const std::pair<const char*, bool> options[] = {
       {"--lobes", o.lobes.has_value()},           {"--reference", o.reference},
       {"--iterations", o.iterations.has_value()}, {"--sweeps", o.sweeps.has_value()},
@@ -51,8 +55,8 @@ void check_options_of_lobes(const MapOptions& o) {
       {"--kappa-cap", o.kappa_cap.has_value()}};
   for (const auto& [option, is_given] : options)
     if (is_given)
-      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf, found --ndf {}, which fits no lobes", option,
-                                                 representation_info(representation).option));
+      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf and gmm, found --ndf {}, which fits no lobes",
+                                                 option, representation_info(representation).option));
 }
 
 }  // namespace multum

@@ -35,7 +35,7 @@ struct MapOptions {
   std::optional<WrapMode> wrap, wrap_s, wrap_t;  // of both directions, of s alone, of t alone
   std::optional<std::string> albedo, roughness, weights;
   std::optional<Representation> ndf;
-  std::optional<int> lobes, iterations, sweeps, first_level;
+  std::optional<int> lobes, iterations, sweeps, first_level, sh_order;
   std::optional<float> alignment, kappa_cap;
   bool reference = false;     // make_reference(), before the other options of the fit
   bool no_rehearsal = false;  // MovmfSettings::rehearse_start
@@ -47,7 +47,8 @@ struct MapOptions {
 
 void apply(const MapOptions& options, BakeJob& job);
 
-/// Throws Error(kUsage) for an option that says how lobes are fitted where something else is baked.
-void check_options_of_lobes(const MapOptions& options);
+/// Throws Error(kUsage) for an option of one representation, as those that say how lobes are fitted, where another is
+/// baked.
+void check_options_of_ndf(const MapOptions& options);
 
 }  // namespace multum

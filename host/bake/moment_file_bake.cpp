@@ -10,6 +10,7 @@
 #include "host/asset/moment_file.h"
 #include "host/asset/moment_verify.h"
 #include "host/bake/accuracy_table.h"
+#include "host/bake/box_pyramid.h"
 #include "host/bake/moment_bake.h"
 #include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
@@ -41,14 +42,6 @@ class FileSink : public MomentSink {
   const int threads_;
 };
 
-// Rows of tiles that the writer holds: of every level one, since all levels are made at once.
-std::uint64_t waiting_bytes(const BakedHeader& header, int tile_size) {
-  const std::uint64_t values = (header.has_colours ? 12u : 9u) + static_cast<std::uint64_t>(header.weight_count);
-  std::uint64_t bytes = 0;
-  for (int l = header.first_level; l < header.level_count(); ++l) bytes += tile_row_bytes(header, l, tile_size, values);
-  return bytes;
-}
-
 void warn_of_limited_slopes(const BakeRun& run, const BakeReport& report) {
   const double share = static_cast<double>(report.slopes_limited) /
                        (static_cast<double>(run.header.width) * static_cast<double>(run.header.height));
@@ -73,13 +66,14 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   std::optional<MomentMeter> meter;
   if (job.measure) meter.emplace(run.header, accuracy);
   FileSink sink(writer, meter ? &*meter : nullptr, job.encoding, job.threads);
-  MomentBakeInputs inputs;
+  AverageInputs inputs;
   inputs.normals = &run.source.map.normals;
   inputs.albedo = run.source.colours();
   inputs.weights = run.source.weight_map();
   inputs.has_roughness = run.source.has_roughness;
   inputs.first_level = run.header.first_level;
-  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes(run.header, writing.tile_size));
+  const auto values = static_cast<std::uint64_t>((run.header.has_colours ? 12 : 9) + run.header.weight_count);
+  inputs.memory_bytes = memory_beside_writer(run, tile_rows_bytes(run.header, writing.tile_size, values));
   inputs.threads = job.threads;
   bake_moments(run.device, inputs, sink, report, progress);
   run.clock.finish("average");
@@ -125,7 +119,7 @@ const NdfBake kMomentBake = {
     Representation::kMoments,
     check_settings,
     settings,
-    [](const BakeJob& job, int width, int height) { validate_moments(job.fitting.first_level, width, height); },
+    [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake,
     verify,
 };

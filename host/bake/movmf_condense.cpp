@@ -29,8 +29,8 @@ int chunk_count_of(const MultumMovmfFit& fit) { return (fit.sample_columns + kCh
 // One level while the map passes: buffers for the rows of texels that the band meets, row y in slot y % slots.
 class LevelCondenser {
  public:
-  LevelCondenser(Device& device, const LevelSchedule& level, bool weighted, int band_rows, std::size_t triple_count,
-                 const StorePlace& place)
+  LevelCondenser(Device& device, const LevelSchedule& level, const KernelVariant& variant, int band_rows,
+                 std::size_t triple_count, const StorePlace& place)
       : device_(device),
         fit_(level.fit),
         width_(static_cast<std::size_t>(level.fit.width)),
@@ -42,7 +42,6 @@ class LevelCondenser {
         slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
         host_(std::max(row_bytes_, width_ * kAxisBytes)),
         numbers_(width_) {
-    const KernelVariant variant{1, 1, weighted};
     const auto kernel = [&](const char* name) { return device.kernel("movmf_condense", name, variant); };
     probe_kernel_ = kernel("movmf_condense_probe");
     axes_kernel_ = kernel("movmf_condense_axes");
@@ -86,11 +85,12 @@ class LevelCondenser {
         device_.fill_zero(slot.cells);
         for (DeviceBuffer& cells : slot.triple_cells) device_.fill_zero(cells);
       }
-      add_to(slot.cells, slot, y, normals, normals);
-      for (std::size_t t = 0; t < features.size(); ++t) add_to(slot.triple_cells[t], slot, y, normals, features[t]);
+      add_to(slot.cells, slot, y, normals, normals, true);
+      for (std::size_t t = 0; t < features.size(); ++t)
+        add_to(slot.triple_cells[t], slot, y, normals, features[t], false);
       if (!ends) return;
-      store_means(slot.cells, y, result_.samples);
-      for (std::size_t t = 0; t < features.size(); ++t) store_means(slot.triple_cells[t], y, result_.triples[t]);
+      store_means(slot.cells, y, result_.samples, true);
+      for (std::size_t t = 0; t < features.size(); ++t) store_means(slot.triple_cells[t], y, result_.triples[t], false);
     });
   }
 
@@ -121,13 +121,15 @@ class LevelCondenser {
     }
   }
 
-  void add_to(DeviceBuffer& cells, const Slot& slot, int y, const MapWindow& normals, const MapWindow& values) {
+  void add_to(DeviceBuffer& cells, const Slot& slot, int y, const MapWindow& normals, const MapWindow& values,
+              bool are_normals) {
     cells_kernel_.launch({width_ * static_cast<std::size_t>(chunk_count_)}, normals[0], normals[1], normals[2],
-                         values[0], values[1], values[2], slot.axes, cells, fit_, y, chunk_count_);
+                         values[0], values[1], values[2], slot.axes, cells, fit_, y, chunk_count_, are_normals ? 1 : 0);
   }
 
-  void store_means(const DeviceBuffer& cells, int y, RowStore& to) {
-    means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_, fit_.sample_capacity);
+  void store_means(const DeviceBuffer& cells, int y, RowStore& to, bool are_normals) {
+    means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_, fit_.sample_capacity,
+                         are_normals ? 1 : 0);
     device_.read(counts_, numbers_.data(), width_ * sizeof(int));
     result_.counts.write(y, 1, numbers_.data());
     std::size_t end = 0;
@@ -185,12 +187,13 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
 
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
                                               const std::vector<const PlaneStore*>& features,
-                                              const MipSchedule& schedule, int band_rows, const StorePlace& place,
-                                              Progress* progress) {
+                                              const MipSchedule& schedule, Representation representation, int band_rows,
+                                              const StorePlace& place, Progress* progress) {
+  const KernelVariant variant{1, 1, schedule.weighted, representation == Representation::kGmm};
   std::map<int, LevelCondenser> levels;
   for (const LevelSchedule& level : schedule.levels)
     if (level.method == FitMethod::kCondensed)
-      levels.try_emplace(level.level, device, level, schedule.weighted, band_rows, features.size(), place);
+      levels.try_emplace(level.level, device, level, variant, band_rows, features.size(), place);
   std::map<int, CondensedLevel> condensed;
   if (levels.empty()) return condensed;
 

@@ -55,9 +55,10 @@ void for_each_chunk_band(MultumMovmfFit& fit, MapWindow& normals, MapWindow* fea
 MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool weighted)
     : device_(device),
       settings_(settings),
-      scalar_{settings.lobe_count, 1, weighted},
-      fast_{settings.lobe_count, settings.force_scalar ? 1 : device.vector_width(), weighted},
-      condensed_(fast_) {
+      scalar_{settings.lobe_count, 1, weighted, settings.representation == Representation::kGmm},
+      fast_(scalar_),
+      condensed_(scalar_) {
+  fast_.vector_width = condensed_.vector_width = settings.force_scalar ? 1 : device.vector_width();
   condensed_.weighted = true;  // by the number of normals in a cell
 }
 
@@ -124,6 +125,8 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const 
       const MapWindow& normals = *windows.normals;
       em_partial_kernel_.launch(partial_size, normals[0], normals[1], normals[2], start_, list_, partial_, fit);
     });
+    if (i == 0 && scalar_.planar)
+      made(cap_kernel_, "movmf_em_mstep", "movmf_em_cap", scalar_).launch({texel_count}, partial_, start_, list_, fit);
     mstep_kernel_.launch({texel_count * lobe_count()}, partial_, start_, list_, windows.lobes->buffer(),
                          windows.directed->buffer(), fit, i);
     // An iteration reads every normal of its texels, seconds on the largest maps: a chance to cancel after each.

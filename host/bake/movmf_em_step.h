@@ -18,7 +18,7 @@ namespace multum {
 struct StepWindows {
   const RowWindow* parent = nullptr;  // lobes of the next coarser level; null where fit.parent_width is 0
   RowWindow* lobes = nullptr;         // of the level
-  RowWindow* directed = nullptr;      // of the level: a mu of its lobes, what neighbours are held to
+  RowWindow* directed = nullptr;      // of the level: what its lobes tell their neighbours
   RowWindow* features = nullptr;      // of the level, [triple][lobe]; null: none are wanted
   MapWindow* normals = nullptr;       // kTexels, kChunks
   std::vector<MapWindow*> triples;    // the same, of features
@@ -51,7 +51,7 @@ class MovmfEmStep {
   KernelVariant scalar_, fast_, condensed_;
   Kernel start_kernel_, pack_kernel_, em_texels_kernel_;
   Kernel condensed_pack_kernel_, em_condensed_kernel_;
-  Kernel em_partial_kernel_, mstep_kernel_;
+  Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
   Kernel feature_partial_kernel_, feature_sum_kernel_, feature_condensed_kernel_;
   DeviceBuffer list_, start_, samples_, sample_counts_, feature_samples_, partial_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of von Mises-Fisher lobes, from file to file.
+// Bakes of lobes, von Mises-Fisher distributions or planar Gaussians, from file to file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,18 +32,21 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, BakeRepo
     texels += static_cast<double>(header.levels[l].width) * header.levels[l].height;
   if (texels > 0.0) report.beyond_storage_share = report.beyond_storage_amplitude / texels;
   if (report.beyond_storage_share <= kBeyondStorageNoted) return;
-  const auto kappa_max = static_cast<double>(storage_kappa_max(header.encoding));
+  const auto kappa_max = static_cast<double>(storage_kappa_max(header.representation, header.encoding));
   log_warning(fmt::format(
       "{}: {} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
       "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp; {}",
       job.input, report.beyond_storage, 100.0 * report.beyond_storage_share, kappa_max,
       storage_encoding_name(header.encoding), kappa_max,
-      header.encoding == StorageEncoding::kHalf ? "--data-format snorm16 keeps kappa up to 20000, float more"
-                                                : "--data-format float keeps them"));
+      header.encoding == StorageEncoding::kHalf
+          ? fmt::format("--data-format snorm16 keeps kappa up to {:.0f}, float more",
+                        storage_kappa_max(header.representation, StorageEncoding::kSnorm16))
+          : "--data-format float keeps them"));
 }
 
 MovmfMipmap make_mipmap(const BakedHeader& header, int lobe_count) {
   MovmfMipmap mipmap;
+  mipmap.representation = header.representation;
   mipmap.encoding = header.encoding;
   mipmap.wrap_s = header.wrap_s;
   mipmap.wrap_t = header.wrap_t;
@@ -161,13 +164,20 @@ VerifiedFile verify(const BakeJob& job, const AccuracySettings& accuracy, Progre
 
 }  // namespace
 
-const NdfBake kMovmfBake = {
-    Representation::kMovmf,
-    check_settings,
-    [](const BakeJob& job) { return settings_json(fitting_settings(job)); },
-    [](const BakeJob& job, int width, int height) { validate(job.fitting, width, height); },
-    bake,
-    verify,
-};
+namespace {
+
+constexpr NdfBake lobe_bake(Representation representation) {
+  return {representation,
+          check_settings,
+          [](const BakeJob& job) { return settings_json(fitting_settings(job)); },
+          [](const BakeJob& job, int width, int height) { validate(job.fitting, width, height); },
+          bake,
+          verify};
+}
+
+}  // namespace
+
+const NdfBake kMovmfBake = lobe_bake(Representation::kMovmf);
+const NdfBake kGmmBake = lobe_bake(Representation::kGmm);
 
 }  // namespace multum

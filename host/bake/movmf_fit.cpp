@@ -34,8 +34,9 @@ class MovmfFitter {
         report_(report),
         progress_(progress),
         em_step_(device, settings, schedule.weighted),
-        level_zero_kernel_(device.kernel("movmf_level_zero", "movmf_level_zero",
-                                         KernelVariant{settings.lobe_count, 1, schedule.weighted})),
+        level_zero_kernel_(device.kernel(
+            "movmf_level_zero", "movmf_level_zero",
+            {settings.lobe_count, 1, schedule.weighted, settings.representation == Representation::kGmm})),
         map_width_(inputs.normals->width()),
         map_height_(inputs.normals->height()) {
     for (int l = settings.first_level; l < mip_level_count(map_width_, map_height_); ++l)
@@ -46,8 +47,8 @@ class MovmfFitter {
     const double start_seconds = now_seconds();
     const std::uint64_t launches_before = device_.launch_total();
     progress_stage(progress_, "condense normals");
-    condensed_ = condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_, plan_.condense_rows,
-                                 plan_.place, progress_);
+    condensed_ = condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_,
+                                 settings_.representation, plan_.condense_rows, plan_.place, progress_);
     report_.condense_seconds = now_seconds() - start_seconds;
     report_.condense_launches = device_.launch_total() - launches_before;
     for (const LevelSchedule& level : schedule_.levels) fit(level);
@@ -178,8 +179,9 @@ class MovmfFitter {
         const std::vector<MultumVmfLobe> lobes =
             fit.parent_width == 0
                 ? inputs_.top_start
-                : farthest_first_lobes(covered, {edge(x), 0, std::max(edge(x) + 1, edge(x + 1)), rows},
-                                       settings_.lobe_count);
+                : start_lobes(farthest_first_lobes(covered, {edge(x), 0, std::max(edge(x) + 1, edge(x + 1)), rows},
+                                                   settings_.lobe_count),
+                              settings_.representation);
         for (std::size_t j = 0; j < lobe_count(); ++j) row[j * width + static_cast<std::size_t>(x)] = lobes[j];
       }
       store.write(y, 1, row.data());
@@ -209,8 +211,8 @@ class MovmfFitter {
     handing_over_.run(
         inputs_.threads,
         [this, number = level.level, keeps = store.kept != nullptr && !is_kept, first_row = rows.first_row,
-         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, inputs_.features.has_colours,
-                             inputs_.features.weight_count},
+         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, settings_.representation,
+                             inputs_.features.has_colours, inputs_.features.weight_count},
          lobes = std::move(lobes), features = std::move(features), finest = std::move(finest)]() mutable {
           if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.data(), features.data());
           sink_.add_level(number, first_row,
@@ -266,6 +268,9 @@ class MovmfFitter {
     out.height = rows.row_count;
     out.lobe = std::move(rows.lobe);
     out.normals = interleaved(*inputs_.normals, rows.first_row, rows.row_count);
+    out.representation = settings_.representation;
+    if (out.representation == Representation::kGmm)
+      for (glm::vec3& n : out.normals) n.z = n.x * n.x + n.y * n.y;
     out.has_roughness = inputs_.has_roughness;
     std::vector<std::vector<glm::vec3>> triples;
     for (const PlaneStore* triple : inputs_.features.triples)

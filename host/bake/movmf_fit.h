@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits every level of a pyramid on the device, from the coarsest to the finest (Han et al. 2007, section 7), once the
-// coarsest level's start is known, and hands rows over as they are done. movmf_bake.h is what bakes call.
+// Fits every level of a pyramid of lobes on the device, from the coarsest to the finest (Han et al. 2007, section 7),
+// once the coarsest level's start is known, and hands rows over as they are done. movmf_bake.h is what bakes call.
 #pragma once
 
 #include <vector>

@@ -61,6 +61,7 @@ class LevelFit {
         fit_(level.fit),
         inputs_(inputs),
         lobe_count_(settings.lobe_count),
+        gaussians_(settings.representation == Representation::kGmm),
         whole_(is_whole(level, settings, plan)),
         band_rows_(whole_ ? level.fit.height : plan.band_rows),
         steps_(total_steps(level, settings)),
@@ -173,7 +174,7 @@ class LevelFit {
     return repeats() ? end : std::min(end, fit_.map_height);
   }
 
-  // Lobes that are there before the fit: what they say to their neighbours, as movmf_em_texels.cl writes it.
+  // Lobes that are there before the fit: what they tell their neighbours, as movmf_em_texels.cl writes it.
   RowWindow::Fill fill_directed(const RowWindow::Fill& fill_lobes) {
     return [this, fill_lobes](int row, int count, const std::vector<unsigned char*>& planes) {
       fill_lobes(row, count, planes);
@@ -181,6 +182,10 @@ class LevelFit {
         auto* lobes = reinterpret_cast<MultumVmfLobe*>(plane);
         for (int i = 0; i < count * fit_.width; ++i) {
           MultumVmfLobe& lobe = lobes[i];
+          if (gaussians_) {
+            lobe = {lobe.mean_x * lobe.amplitude, lobe.mean_y * lobe.amplitude, lobe.amplitude, 0.0f};
+            continue;
+          }
           const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
           const float scale = squared > 1e-24f ? lobe.amplitude / std::sqrt(squared) : 0.0f;
           lobe = {lobe.mean_x * scale, lobe.mean_y * scale, lobe.mean_z * scale, lobe.amplitude * scale};
@@ -212,6 +217,7 @@ class LevelFit {
   MultumMovmfFit fit_;
   const LevelInputs inputs_;
   const int lobe_count_;
+  const bool gaussians_;
   const bool whole_;
   const int band_rows_;
   const int steps_;

@@ -8,9 +8,19 @@
 #include "host/base/parallel.h"
 
 namespace multum {
+namespace {
+
+// The Gaussian of a mean normal, as a renderer with nothing else makes it: E[x^2 + y^2] = 1 - E[z^2], for which 1 less
+// the square of the mean stands.
+glm::dvec4 as_gaussian(const glm::dvec4& mean) {
+  return {mean.x, mean.y, mean.w > 0.0 ? mean.w - mean.z * mean.z / mean.w : 0.0, mean.w};
+}
+
+}  // namespace
 
 MovmfModel::MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels)
     : texels_(texels),
+      has_gaussians_(mipmap.representation == Representation::kGmm),
       lobe_count_(static_cast<std::size_t>(mipmap.lobe_count())),
       first_level_(mipmap.first_level),
       first_slot_(texels.level_begin(mipmap.first_level)),
@@ -66,6 +76,7 @@ std::vector<glm::vec4> MovmfModel::filtered_lobes(const std::vector<SamplePoint>
       std::array<double, kLobeCountMax + 1> colours{};
       for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
         add_tap(points[i].slots[t], points[i].weights[t], channel, lobes.data(), colours.data());
+      if (has_gaussians_ && count > lobe_count_) lobes[lobe_count_] = as_gaussian(lobes[lobe_count_]);
       for (std::size_t j = 0; j < count; ++j) {
         if (channel >= 0 && lobes[j].w > 0.0) lobes[j] *= colours[j] / lobes[j].w;
         filtered[i * count + j] = glm::vec4(lobes[j]);
@@ -83,7 +94,8 @@ class MovmfShading : public PointShading {
       : device_(device),
         model_(model),
         directions_(device, directions),
-        kernel_(device.kernel("movmf_shade", "movmf_shade", {static_cast<int>(model.lobe_count()), 1, false})) {}
+        kernel_(device.kernel("movmf_shade", "movmf_shade",
+                              {static_cast<int>(model.lobe_count()), 1, false, model.has_gaussians()})) {}
 
   void shade(const std::vector<SamplePoint>& points, int, int channel, int threads,
              std::vector<float>& values) override {

@@ -32,6 +32,7 @@ class MovmfModel : public AccuracyModel {
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
   /// Of filtered points: behind the lobes, one of the averages where there are any.
   std::size_t lobe_count() const { return lobe_count_ + (first_level_ > 0 ? 1 : 0); }
+  bool has_gaussians() const { return has_gaussians_; }
 
   /// lobes[point][lobe] as hardware filtering gives them; multiplied by their colours in `channel` unless it is -1.
   std::vector<glm::vec4> filtered_lobes(const std::vector<SamplePoint>& points, int channel, int threads) const;
@@ -40,6 +41,7 @@ class MovmfModel : public AccuracyModel {
   void add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const;
 
   const TexelSelection& texels_;
+  bool has_gaussians_;
   std::size_t lobe_count_;
   int first_level_;
   std::size_t first_slot_;  // the first texel that is stored

@@ -214,6 +214,13 @@ std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const Tex
   return lobes;
 }
 
+std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation) {
+  if (representation != Representation::kGmm) return lobes;
+  for (MultumVmfLobe& lobe : lobes)
+    lobe.mean_z = std::clamp(1.0f - glm::length(glm::vec3(lobe.mean_x, lobe.mean_y, lobe.mean_z)), 1e-6f, 0.5f);
+  return lobes;
+}
+
 std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search) {
   // Many short trials, the best of them longer: 0.2 s on one core, whatever the map's size. About one random trial in
   // 30 finds the basin of the best optimum of the four-quarter map.

@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/asset/representation.h"
 #include "host/image/normal_map.h"
 #include "host/image/plane_store.h"
 #include "kernels/shared/vmf_lobe.h"
@@ -22,6 +23,10 @@ struct TexelRectangle {
 /// time the one farthest from those chosen (Hochbaum and Shmoys; Han et al. 2007, section 7.2, choose among lobes so).
 /// At most about 2^14 normals on a regular grid are looked at.
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
+
+/// The same lobes as `representation` has them: of Gaussians the mean's x and y, and sigma^2 = 1 - |r|, which is
+/// 1/kappa of a narrow lobe.
+std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation);
 
 struct StartSearch {
   int lobe_count = 4;

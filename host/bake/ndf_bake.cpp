@@ -17,22 +17,29 @@ std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size
   return texels * (value_count * sizeof(float) + kChannelsOfAPart * sizeof(std::uint16_t));
 }
 
-std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t tile_rows_bytes) {
+std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count) {
+  std::uint64_t bytes = 0;
+  for (int l = header.first_level; l < header.level_count(); ++l)
+    bytes += tile_row_bytes(header, l, tile_size, value_count);
+  return bytes;
+}
+
+std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes) {
   constexpr std::uint64_t kUsual = std::uint64_t{32} << 20, kLeast = std::uint64_t{8} << 20;
-  const std::uint64_t more = tile_rows_bytes > kUsual ? tile_rows_bytes - kUsual : 0;
+  const std::uint64_t more = waiting_bytes > kUsual ? waiting_bytes - kUsual : 0;
   if (run.memory_bytes < more + kLeast) {
     const std::uint64_t memory = run.job.memory_bytes > 0 ? run.job.memory_bytes : machine_memory_bytes() / 4;
     throw Error(ErrorCode::kUsage,
                 fmt::format("--memory is {} MiB, expected at least {} MiB for a map {} texels wide: rows of tiles that "
                             "wait to be written take {} of them",
                             memory >> 20, ((memory + more + kLeast - run.memory_bytes) >> 20) + 1, run.header.width,
-                            tile_rows_bytes >> 20));
+                            waiting_bytes >> 20));
   }
   return run.memory_bytes - more;
 }
 
 const NdfBake& ndf_bake(Representation representation) {
-  for (const NdfBake* one : {&kMovmfBake, &kMomentBake})
+  for (const NdfBake* one : {&kMovmfBake, &kGmmBake, &kMomentBake, &kShBake})
     if (one->representation == representation) return *one;
   MULTUM_CHECK(false);
   return kMovmfBake;

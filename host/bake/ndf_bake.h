@@ -43,10 +43,12 @@ struct BakeRun {
 /// What the writer holds of a level until a row of tiles is full, of so many values a texel; with what turns floats
 /// into halfs on the way.
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count);
+/// The same of all levels, for bakes that make them all at once.
+std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);
 /// Bytes that are left for windows and buffers beside rows of tiles of so many bytes in all. Every bake is taken to
 /// need a usual amount already (bake_job.cpp); wide maps need more. Throws Error(kUsage) naming --memory when that
 /// leaves too little.
-std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t tile_rows_bytes);
+std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes);
 
 /// A file's findings, and a meter that has seen its rows.
 struct VerifiedFile {
@@ -70,8 +72,10 @@ struct NdfBake {
 
 const NdfBake& ndf_bake(Representation representation);
 
-// The rows, each in a file of its own: movmf_file_bake.cpp, moment_file_bake.cpp.
+// The rows, each in a file of its own: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
 extern const NdfBake kMovmfBake;
+extern const NdfBake kGmmBake;  // movmf_file_bake.cpp: lobes of another family
 extern const NdfBake kMomentBake;
+extern const NdfBake kShBake;
 
 }  // namespace multum

@@ -69,6 +69,7 @@ const std::string& bake_software() {
 
 MovmfSettings fitting_settings(const BakeJob& job) {
   MovmfSettings settings = job.fitting;
+  if (holds_lobes(job.representation)) settings.representation = job.representation;
   settings.periodic_x = job.reading.wrap_s == WrapMode::kPeriodic;
   settings.periodic_y = job.reading.wrap_t == WrapMode::kPeriodic;
   return settings;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/bake/lobe_rows.h"
 #include "host/base/error.h"
 #include "kernels/shared/vmf_lobe.h"
 
@@ -21,6 +22,8 @@ void check_same(const std::string& path, const char* what, const std::string& fo
 std::string size_text(const MovmfMipmap& m) { return fmt::format("{} x {}", m.width(), m.height()); }
 
 void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipmap& header) {
+  check_same(path, "representation", representation_info(old.representation).name,
+             representation_info(header.representation).name);
   check_same(path, "a map of", size_text(old), size_text(header));
   check_same(path, "lobes:", std::to_string(old.lobe_count()), std::to_string(header.lobe_count()));
   check_same(path, "encoding", storage_encoding_name(old.encoding), storage_encoding_name(header.encoding));
@@ -86,9 +89,7 @@ RowStore RegionBake::kept(int level) const {
     for (std::size_t y = 0; y < static_cast<std::size_t>(stored.height); ++y)
       for (std::size_t j = 0; j < lobes; ++j)
         for (std::size_t x = 0; x < width; ++x) {
-          const glm::vec4 v = stored.lobes[j][y * width + x];
-          const float inverse = v.w > 0.0f ? 1.0f / v.w : 0.0f;
-          rows[(y * lobes + j) * width + x] = {v.x * inverse, v.y * inverse, v.z * inverse, v.w};
+          rows[(y * lobes + j) * width + x] = fitted_lobe(stored.lobes[j][y * width + x], header_.representation);
         }
     store.write(first, stored.height, rows.data());
   }

@@ -55,12 +55,16 @@ double equivalent_exponent(const Brdf& brdf) {
     case BrdfKind::kMeasured: {
       // Of equal peak: (s + 1) / (2 pi) = f(0) / integral of f.
       const auto mean = [](const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; };
-      const double total = mean(integrate_zonal([&](double e) { return facet_density(brdf, e); }));
-      return std::max(2.0 * kPi * mean(facet_density(brdf, 0.0)) / std::max(total, 1e-30) - 1.0, 1.0);
+      return std::max(2.0 * kPi * mean(facet_density(brdf, 0.0)) / std::max(mean(facet_total(brdf)), 1e-30) - 1.0, 1.0);
     }
     case BrdfKind::kLambert: break;
   }
   return 1.0;
+}
+
+glm::dvec3 facet_total(const Brdf& brdf) {
+  if (brdf.kind != BrdfKind::kGgx && brdf.kind != BrdfKind::kMeasured) return glm::dvec3(1.0);
+  return integrate_zonal([&](double e) { return facet_density(brdf, e); });
 }
 
 // Panels that double in width from e = 1e-12 on find every f of a width above that, wherever its tail goes; e = 1,

@@ -17,6 +17,10 @@ glm::dvec3 facet_density(const Brdf& brdf, double e);
 /// The exponent of the Blinn-Phong that is as wide: 1 / it is the variance of slopes along each axis.
 double equivalent_exponent(const Brdf& brdf);
 
+/// The integral of f over the sphere, 1 where it is normalised so: not of GGX, whose projection is, nor of
+/// measurements.
+glm::dvec3 facet_total(const Brdf& brdf);
+
 /// a_l = integral over the sphere of f(t) P_l(t), l = 0 .. `order`: 1, then less, for a normalised density. A
 /// convolution by f multiplies the coefficients (l, m) of a function on the sphere by a_l (Han et al. 2007, eq. 7).
 std::vector<glm::dvec3> zonal_coefficients(const Brdf& brdf, int order);

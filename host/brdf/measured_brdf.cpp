@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kHalfPi = 0.5 * std::numbers::pi;
 
-glm::dvec3 interpolate(const std::vector<glm::dvec3>& table, double position) {
+template <typename Value>
+Value interpolate(const std::vector<Value>& table, double position) {
   const double last = static_cast<double>(table.size() - 1);
   const double x = std::clamp(position * last, 0.0, last);
   const auto i = std::min(static_cast<std::size_t>(x), table.size() - 2);
@@ -26,7 +27,7 @@ glm::dvec3 measured_facets(const MeasuredBrdf& brdf, double e) {
   return interpolate(brdf.facets, std::sqrt(theta / kHalfPi));
 }
 
-glm::dvec3 measured_differences(const MeasuredBrdf& brdf, double v_h) {
+double measured_differences(const MeasuredBrdf& brdf, double v_h) {
   return interpolate(brdf.differences, std::acos(std::clamp(v_h, 0.0, 1.0)) / kHalfPi);
 }
 

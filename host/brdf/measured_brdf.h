@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A measured BRDF in factors (Han et al. 2007, section 4): rho(theta_h, theta_d) = k_d / pi + f(theta_h) g(theta_d), a
-// channel each. theta_h: half vector and normal; theta_d: half vector and light.
+// A measured BRDF in factors (Han et al. 2007, section 4): rho(theta_h, theta_d) = k_d / pi + f(theta_h) g(theta_d),
+// k_d and f a channel each. theta_h: half vector and normal; theta_d: half vector and light.
 #pragma once
 
 #include <string>
@@ -17,14 +17,14 @@ constexpr int kDifferenceTableSize = 19;
 
 struct MeasuredBrdf {
   std::string name;
-  glm::dvec3 diffuse;                   // k_d: albedo
-  std::vector<glm::dvec3> facets;       // f of kFacetTableSize angles
-  std::vector<glm::dvec3> differences;  // g of kDifferenceTableSize angles, 1 on average
-  double relative_error;                // of the factors, relative L1 of rho times its cosine
+  glm::dvec3 diffuse;               // k_d: albedo
+  std::vector<glm::dvec3> facets;   // f of kFacetTableSize angles
+  std::vector<double> differences;  // g of kDifferenceTableSize angles, 1 on average
+  double relative_error;            // of the factors, relative L1 of rho times its cosine
 };
 
 /// f between the entries, linearly in the table's index; e = 1 - n.h.
 glm::dvec3 measured_facets(const MeasuredBrdf& brdf, double e);
-glm::dvec3 measured_differences(const MeasuredBrdf& brdf, double v_h);
+double measured_differences(const MeasuredBrdf& brdf, double v_h);
 
 }  // namespace multum

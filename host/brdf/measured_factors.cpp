@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alternating least squares: f given g, then g given f, each the weighted quotient that minimises the sum over cells of
-// (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weight = solid angles of both angles times their cosines:
-// neither the peak nor the rest is left alone. k_d / pi is the mean of rho where no highlight is: theta_h of 45 to 75
-// degrees, theta_d below 45, and at most the mean of everything.
+// Alternating least squares: f given g, then g given f, each the weighted quotient that minimises the sum over cells
+// and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weight = solid angles of both angles times their
+// cosines: neither the peak nor the rest is left alone. f is held from growing with theta_h (the weighted means of
+// neighbours that would): facets do not, a sum of vMFs around h cannot, and a thousand scattered samples are smoothed
+// by it. g is one for all channels: three of a few samples each drew rainbows. k_d / pi is the mean of rho where no
+// highlight is: theta_h of 45 to 75 degrees, theta_d below 45, and at most the mean of everything.
 #include "host/brdf/measured_factors.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "host/base/error.h"
@@ -45,67 +48,90 @@ void fill(std::vector<double>& values, const std::vector<bool>& known) {
 }
 
 struct Cell {
-  int row, column;
-  double rho, weight;
+  std::size_t row, column;
+  glm::dvec3 rho;
+  double area;        // solid angles times cosines
+  glm::dvec3 weight;  // area / rho, nearly
 };
 
-struct Factors {
-  double diffuse;  // k_d / pi
-  std::vector<double> f, g;
-  double error, total;  // relative L1's parts
-};
-
-// The weighted quotients of one factor, `own` and `other` being a cell's entries in it and in the other.
-template <typename Own, typename Other>
-void improve(const std::vector<Cell>& cells, double diffuse, const std::vector<double>& other_values, const Own& own,
-             const Other& other, std::vector<double>& values) {
-  std::vector<double> above(values.size(), 0.0), below(values.size(), 0.0);
-  for (const Cell& cell : cells) {
-    const double x = other_values[other(cell)];
-    above[own(cell)] += cell.weight * x * (cell.rho - diffuse);
-    below[own(cell)] += cell.weight * x * x;
-  }
-  std::vector<bool> known(values.size());
+// Non-increasing values nearest to these, by pooling neighbours (Barlow et al. 1972).
+void hold_from_growing(std::vector<double>& values, const std::vector<double>& weights) {
+  struct Pool {
+    double value, weight;
+    std::size_t count;
+  };
+  std::vector<Pool> pools;
   for (std::size_t i = 0; i < values.size(); ++i) {
+    pools.push_back({values[i], std::max(weights[i], 1e-12), 1});
+    while (pools.size() > 1 && pools[pools.size() - 2].value < pools.back().value) {
+      const Pool last = pools.back();
+      pools.pop_back();
+      Pool& pool = pools.back();
+      pool.value = (pool.value * pool.weight + last.value * last.weight) / (pool.weight + last.weight);
+      pool.weight += last.weight;
+      pool.count += last.count;
+    }
+  }
+  std::size_t i = 0;
+  for (const Pool& pool : pools)
+    for (std::size_t k = 0; k < pool.count; ++k) values[i++] = pool.value;
+}
+
+// What of the sums is a quotient; the rest from its neighbours. At least 0.
+std::vector<double> quotients(const std::vector<double>& above, const std::vector<double>& below) {
+  std::vector<double> values(above.size(), 0.0);
+  std::vector<bool> known(above.size());
+  for (std::size_t i = 0; i < above.size(); ++i) {
     known[i] = below[i] > 0.0;
     if (known[i]) values[i] = std::max(above[i] / below[i], 0.0);
   }
   if (std::find(known.begin(), known.end(), true) != known.end()) fill(values, known);
+  return values;
 }
 
-Factors factor_channel(std::vector<Cell> cells) {
-  double mean = 0.0, area = 0.0, matt = 0.0, matt_area = 0.0;
+void improve_facets(const std::vector<Cell>& cells, MeasuredBrdf& brdf) {
+  for (int channel = 0; channel < 3; ++channel) {
+    std::vector<double> above(kRows, 0.0), below(kRows, 0.0);
+    for (const Cell& cell : cells) {
+      const double g = brdf.differences[cell.column];
+      above[cell.row] += cell.weight[channel] * g * (cell.rho[channel] - brdf.diffuse[channel] / std::numbers::pi);
+      below[cell.row] += cell.weight[channel] * g * g;
+    }
+    std::vector<double> f = quotients(above, below);
+    hold_from_growing(f, below);
+    for (std::size_t i = 0; i < f.size(); ++i) brdf.facets[i][channel] = f[i];
+  }
+}
+
+void improve_differences(const std::vector<Cell>& cells, MeasuredBrdf& brdf) {
+  std::vector<double> above(kColumns, 0.0), below(kColumns, 0.0);
   for (const Cell& cell : cells) {
-    mean += cell.weight * cell.rho;
-    area += cell.weight;
-    const double h = theta_of_row(cell.row), d = theta_of_column(cell.column);
+    const glm::dvec3 f = brdf.facets[cell.row];
+    above[cell.column] += glm::dot(cell.weight * f, cell.rho - brdf.diffuse / std::numbers::pi);
+    below[cell.column] += glm::dot(cell.weight * f, f);
+  }
+  brdf.differences = quotients(above, below);
+  // g is 1 on average over the difference angles that are measured well.
+  double level = 0.0;
+  for (int i = 0; i < 2 * kColumns / 3; ++i)
+    level += brdf.differences[static_cast<std::size_t>(i)] / (2 * kColumns / 3);
+  if (level <= 0.0) return;
+  for (double& g : brdf.differences) g /= level;
+  for (glm::dvec3& f : brdf.facets) f *= level;
+}
+
+glm::dvec3 diffuse_of(const std::vector<Cell>& cells) {
+  glm::dvec3 all(0.0), matt(0.0);
+  double area = 0.0, matt_area = 0.0;
+  for (const Cell& cell : cells) {
+    all += cell.area * cell.rho;
+    area += cell.area;
+    const double h = theta_of_row(static_cast<int>(cell.row)), d = theta_of_column(static_cast<int>(cell.column));
     if (h < 0.5 * kHalfPi || h > 0.83 * kHalfPi || d > 0.5 * kHalfPi) continue;
-    matt += cell.weight * cell.rho;
-    matt_area += cell.weight;
+    matt += cell.area * cell.rho;
+    matt_area += cell.area;
   }
-  mean /= area;
-  Factors factors{matt_area > 0.0 ? std::min(matt / matt_area, mean) : 0.0, std::vector<double>(kRows, 0.0),
-                  std::vector<double>(kColumns, 1.0), 0.0, 0.0};
-  const std::vector<Cell> plain = cells;
-  for (Cell& cell : cells) cell.weight /= cell.rho + 0.01 * mean + 1e-12;
-  const auto row = [](const Cell& c) { return static_cast<std::size_t>(c.row); };
-  const auto column = [](const Cell& c) { return static_cast<std::size_t>(c.column); };
-  for (int round = 0; round < kRoundCount; ++round) {
-    improve(cells, factors.diffuse, factors.g, row, column, factors.f);
-    improve(cells, factors.diffuse, factors.f, column, row, factors.g);
-    // g is 1 on average over the difference angles that are measured well.
-    double level = 0.0;
-    for (int i = 0; i < 2 * kColumns / 3; ++i) level += factors.g[static_cast<std::size_t>(i)] / (2 * kColumns / 3);
-    if (level <= 0.0) break;
-    for (double& g : factors.g) g /= level;
-    for (double& f : factors.f) f *= level;
-  }
-  for (const Cell& cell : plain) {
-    const double model = factors.diffuse + factors.f[row(cell)] * factors.g[column(cell)];
-    factors.error += cell.weight * std::abs(model - cell.rho);
-    factors.total += cell.weight * cell.rho;
-  }
-  return factors;
+  return matt_area > 0.0 ? std::numbers::pi * glm::min(matt / matt_area, all / area) : glm::dvec3(0.0);
 }
 
 }  // namespace
@@ -128,30 +154,38 @@ void BrdfCells::add(double theta_h, double theta_d, const glm::dvec3& rho) {
 }
 
 MeasuredBrdf BrdfCells::factor(const std::string& name) const {
-  MeasuredBrdf brdf{name, glm::dvec3(0.0), std::vector<glm::dvec3>(kRows), std::vector<glm::dvec3>(kColumns), 0.0};
-  double error = 0.0, total = 0.0;
-  for (int channel = 0; channel < 3; ++channel) {
-    std::vector<Cell> cells;
-    for (int row = 0; row < kRows; ++row)
-      for (int column = 0; column < kColumns; ++column) {
-        const double count = counts_[index(row, column)];
-        if (count == 0.0) continue;
-        const double h = theta_of_row(row), d = theta_of_column(column);
-        // d theta_h of a row grows as its square root; half a cell at 0 and at the horizon would be 0.
-        const double weight =
-            std::max(std::sin(h) * std::cos(h) * std::sqrt(h), 1e-4) * std::max(std::sin(d) * std::cos(d), 1e-2);
-        cells.push_back({row, column, sums_[index(row, column)][channel] / count, weight});
-      }
-    if (cells.empty()) throw Error(ErrorCode::kInput, name + ": holds no measurement above the horizon");
-    const Factors factors = factor_channel(std::move(cells));
-    brdf.diffuse[channel] = std::numbers::pi * factors.diffuse;
-    for (std::size_t i = 0; i < kRows; ++i) brdf.facets[i][channel] = factors.f[i];
-    for (std::size_t i = 0; i < kColumns; ++i) brdf.differences[i][channel] = factors.g[i];
-    error += factors.error;
-    total += factors.total;
+  std::vector<Cell> cells;
+  glm::dvec3 mean(0.0);
+  double area = 0.0;
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const double count = counts_[index(row, column)];
+      if (count == 0.0) continue;
+      const double h = theta_of_row(row), d = theta_of_column(column);
+      // d theta_h of a row grows as its square root; half a cell at 0 and at the horizon would be 0.
+      const double cell_area =
+          std::max(std::sin(h) * std::cos(h) * std::sqrt(h), 1e-4) * std::max(std::sin(d) * std::cos(d), 1e-2);
+      const glm::dvec3 rho = sums_[index(row, column)] / count;
+      cells.push_back({static_cast<std::size_t>(row), static_cast<std::size_t>(column), rho, cell_area, {}});
+      mean += cell_area * rho;
+      area += cell_area;
+    }
+  if (cells.empty()) throw Error(ErrorCode::kInput, name + ": holds no measurement above the horizon");
+  mean /= area;
+  if (!(mean.x + mean.y + mean.z > 0.0)) throw Error(ErrorCode::kInput, name + ": reflects nothing");
+  for (Cell& cell : cells) cell.weight = cell.area / (cell.rho + 0.01 * mean + 1e-12);
+  MeasuredBrdf brdf{name, diffuse_of(cells), std::vector<glm::dvec3>(kRows), std::vector<double>(kColumns, 1.0), 0.0};
+  for (int round = 0; round < kRoundCount; ++round) {
+    improve_facets(cells, brdf);
+    improve_differences(cells, brdf);
   }
-  if (!(total > 0.0)) throw Error(ErrorCode::kInput, name + ": reflects nothing");
-  brdf.relative_error = error / total;
+  double error = 0.0;
+  for (const Cell& cell : cells) {
+    const glm::dvec3 model = brdf.diffuse / std::numbers::pi + brdf.facets[cell.row] * brdf.differences[cell.column];
+    const glm::dvec3 off = glm::abs(model - cell.rho);
+    error += cell.area * (off.x + off.y + off.z);
+  }
+  brdf.relative_error = error / (area * (mean.x + mean.y + mean.z));
   return brdf;
 }
 

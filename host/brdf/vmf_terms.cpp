@@ -195,6 +195,15 @@ double vmf_spread(double kappa) {
   return 1.0 / kappa - 2.0 / std::expm1(2.0 * std::min(kappa, 300.0));
 }
 
+double vmf_kappa(double spread) {
+  double low = 1e-6, high = 1e9;
+  for (int i = 0; i < 80; ++i) {
+    const double middle = std::sqrt(low * high);
+    (vmf_spread(middle) > spread ? low : high) = middle;
+  }
+  return low;
+}
+
 std::vector<VmfTerm> fit_vmf_terms(const std::function<glm::dvec3(double)>& density, int count) {
   MULTUM_CHECK(count >= 1 && count <= kBrdfTermCountMax);
   std::vector<glm::dvec3> values;
@@ -220,14 +229,8 @@ std::vector<VmfTerm> vmf_terms(const Brdf& brdf) {
   switch (brdf.kind) {
     case BrdfKind::kLambert: return {};
     case BrdfKind::kBlinnPhong: {
-      // A = (s + 1) / (s + 2); its inverse by bisection in the logarithm.
-      const double spread = 1.0 / (static_cast<double>(brdf.exponent) + 2.0);
-      double low = kKappaMin, high = kKappaMax;
-      for (int i = 0; i < 60; ++i) {
-        const double middle = std::sqrt(low * high);
-        (vmf_spread(middle) > spread ? low : high) = middle;
-      }
-      return {{glm::dvec3(1.0), low, spread}};
+      const double spread = 1.0 / (static_cast<double>(brdf.exponent) + 2.0);  // A = (s + 1) / (s + 2)
+      return {{glm::dvec3(1.0), vmf_kappa(spread), spread}};
     }
     case BrdfKind::kTorranceSparrow:
     case BrdfKind::kCookTorrance: {

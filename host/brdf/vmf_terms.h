@@ -20,6 +20,8 @@ struct VmfTerm {
 
 /// 1 - A(kappa) without cancellation.
 double vmf_spread(double kappa);
+/// Its inverse, by bisection in the logarithm: 1e-6..1e9.
+double vmf_kappa(double spread);
 
 /// `density`: f of e = 1 - n.h in 0..1, finite and >= 0; beyond, where facets face away, it counts as 0. `count`:
 /// 1..kBrdfTermCountMax. All channels share the kappas. Deterministic; a few milliseconds.

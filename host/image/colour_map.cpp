@@ -27,7 +27,9 @@ struct TransferFunction {
   std::function<double(double)> linear_from_encoded;
 };
 
-TransferFunction transfer_function(const RawImageInfo& image) {
+TransferFunction transfer_function(const RawImageInfo& image, ColourEncoding encoding) {
+  if (encoding == ColourEncoding::kSrgb) return {"sRGB", linear_from_srgb};
+  if (encoding == ColourEncoding::kLinear) return {"linear", [](double v) { return v; }};
   const bool is_linear = image.colour_space == "linear" || image.colour_space == "Linear";  // readers spell both
   if (is_float_type(image.sample_type) || is_linear) return {"linear", [](double v) { return v; }};
   if (image.colour_space.starts_with("Gamma")) {
@@ -39,19 +41,15 @@ TransferFunction transfer_function(const RawImageInfo& image) {
   return {"sRGB", linear_from_srgb};
 }
 
-struct AlbedoRows {
-  PlaneStore colours;
-  std::string format;
-  std::int64_t clamped_count = 0;
-};
+void check_channels(const std::string& path, const RawImageInfo& info) {
+  if (info.channel_count == 2) throw Error(ErrorCode::kInput, path + ": found 2 colour channels, expected 1 or 3");
+}
 
-void check_albedo(const std::string& path, const RawImageInfo& info, int width, int height) {
+void check_albedo_size(const std::string& path, const RawImageInfo& info, int width, int height) {
   if (info.width != width || info.height != height)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: found an albedo of {} x {} texels, expected the normal map's {} x {}", path,
                             info.width, info.height, width, height));
-  if (info.channel_count == 2)
-    throw Error(ErrorCode::kInput, path + ": found 2 colour channels, expected an albedo of 1 or 3");
 }
 
 // From samples to linear colours; NaN where a sample holds no reflectance.
@@ -60,6 +58,12 @@ SampleConverter linear_converter(int base_type, const TransferFunction& transfer
     return std::isfinite(v) && v >= 0.0f ? static_cast<float>(linear(static_cast<double>(v)))
                                          : std::numeric_limits<float>::quiet_NaN();
   });
+}
+
+// The numbers as they are; NaN where one is not finite.
+SampleConverter data_converter(int base_type) {
+  return SampleConverter(base_type,
+                         [](float v) { return std::isfinite(v) ? v : std::numeric_limits<float>::quiet_NaN(); });
 }
 
 // One row of interleaved colours to planes, what holds no reflectance to 0. Returns how many texels held any such.
@@ -78,16 +82,24 @@ std::int64_t separate_row(const std::vector<float>& values, const std::array<flo
   return clamped_count;
 }
 
-AlbedoRows read_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
+ImageReadSettings reading_settings(const ReadingPlace& place, int threads) {
   ImageReadSettings settings;
   settings.threads = threads;
   settings.band_rows = place.band_rows;
-  ImageReader reader(path, settings);
+  return settings;
+}
+
+ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncoding encoding, const ReadingPlace& place,
+                     int threads, Progress* progress) {
   const RawImageInfo info = reader.info();
-  check_albedo(path, info, width, height);
-  const TransferFunction transfer = transfer_function(info);
-  const SampleConverter converter = linear_converter(info.base_type, transfer);
-  AlbedoRows albedo{make_plane_store(width, height, place), info.format + ", " + transfer.name};
+  check_channels(path, info);
+  const int width = info.width, height = info.height;
+  const bool is_data = encoding == ColourEncoding::kData;
+  const TransferFunction transfer = transfer_function(info, encoding);
+  const SampleConverter converter =
+      is_data ? data_converter(info.base_type) : linear_converter(info.base_type, transfer);
+  ColourRows albedo{make_plane_store(width, height, place), info.channel_count,
+                    info.format + ", " + (is_data ? "data" : transfer.name)};
   std::atomic<std::int64_t> clamped_count{0};
   const auto add_rows = [&](const RawBand& band, int row_begin, int row_end) {
     const auto columns = static_cast<std::size_t>(width);
@@ -100,16 +112,25 @@ AlbedoRows read_rows(const std::string& path, int width, int height, const Readi
       clamped_count += separate_row(values, {&planes[0][first], &planes[1][first], &planes[2][first]},
                                     static_cast<std::size_t>(info.channel_count));
     }
-    albedo.colours.write_rows(band.first_row + row_begin, row_end - row_begin,
-                              {planes[0].data(), planes[1].data(), planes[2].data()});
+    albedo.planes.write_rows(band.first_row + row_begin, row_end - row_begin,
+                             {planes[0].data(), planes[1].data(), planes[2].data()});
   };
   const auto add_band = [&](const RawBand& band) {
     for_each_row_band(band.row_count, kRowsPerBand, threads,
                       [&](int, int row_begin, int row_end) { add_rows(band, row_begin, row_end); });
   };
-  reader.read(add_band, nullptr);
+  reader.read(add_band, progress);
   albedo.clamped_count = clamped_count;
+  if (is_data && clamped_count > 0)
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found {} texels that are not finite, expected numbers", path, albedo.clamped_count));
   return albedo;
+}
+
+ColourRows read_albedo(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
+  ImageReader reader(path, reading_settings(place, threads));
+  check_albedo_size(path, reader.info(), width, height);
+  return read_rows(reader, path, ColourEncoding::kAuto, place, threads, nullptr);
 }
 
 }  // namespace
@@ -122,13 +143,19 @@ double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
+ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const ReadingPlace& place, int threads,
+                            Progress* progress) {
+  ImageReader reader(path, reading_settings(place, threads));
+  return read_rows(reader, path, encoding, place, threads, progress);
+}
+
 PlaneStore read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
-  return read_rows(path, width, height, place, threads).colours;
+  return read_albedo(path, width, height, place, threads).planes;
 }
 
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads) {
-  AlbedoRows rows = read_rows(path, width, height, {}, threads);
-  std::array<std::vector<float>, 3> planes = rows.colours.take_planes();
+  ColourRows rows = read_albedo(path, width, height, {}, threads);
+  std::array<std::vector<float>, 3> planes = rows.planes.take_planes();
   ColourMap map;
   map.width = width;
   map.height = height;

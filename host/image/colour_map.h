@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/progress.h"
 #include "host/image/plane_store.h"
 #include "host/image/reading_place.h"
 
@@ -32,6 +33,25 @@ ColourMap read_albedo_map(const std::string& path, int width, int height, int th
 /// The same numbers, kept as `place` says; of the file a few bands of rows are in memory. Throws Error(kEnvironment)
 /// when scratch files cannot be written.
 PlaneStore read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads);
+
+/// How an image's numbers are meant.
+enum class ColourEncoding {
+  kAuto,    // as the albedo's: integers sRGB unless the file says otherwise, floats linear
+  kSrgb,    // sRGB, whatever the file says
+  kLinear,  // linear, whatever the file says
+  kData,    // no colours: numbers that may be negative; integers are 0..1. What is not finite is refused
+};
+
+struct ColourRows {
+  PlaneStore planes;
+  int channel_count = 0;           // of the file, 1 or 3; of one all planes are the same
+  std::string format;              // "png uint8, 3 channels, sRGB"
+  std::int64_t clamped_count = 0;  // as ColourMap's
+};
+
+/// An image of any size. Throws as read_albedo_rows() does.
+ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const ReadingPlace& place, int threads,
+                            Progress* progress);
 
 // The sRGB transfer functions (IEC 61966-2-1), on 0..1.
 double linear_from_srgb(double encoded);

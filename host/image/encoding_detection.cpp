@@ -215,7 +215,8 @@ DetectedEncoding height_field(const std::string& reason, const NormalMapSettings
   warn_of_ignored({{settings.green.has_value(), "--green"},
                    {is_signed, "--signed"},
                    {settings.is_signed.has_value() && !is_signed, "--unsigned"},
-                   {settings.two_channel.has_value(), "--two-channel"}},
+                   {settings.two_channel.has_value(), "--two-channel"},
+                   {settings.normal_scale != 1.0f, "--normal-scale"}},
                   "a height field", result.warnings);
   return result;
 }
@@ -283,6 +284,8 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   const char* green_note = settings.green.has_value() ? ", as asked for" : found_green.has_value() ? "" : ", undecided";
   result.description = describe(result.vectors, green_note);
   result.reason = summary(reading);
+  result.vectors.tilt = settings.normal_scale;
+  if (settings.normal_scale != 1.0f) result.description += fmt::format(", scaled by {:g}", settings.normal_scale);
   const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
   warn_of_ignored({{is_scaled, "--height-scale"}}, "a normal map", result.warnings);
   // Where nothing is tilted, green is 0 either way.

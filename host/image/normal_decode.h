@@ -18,6 +18,7 @@ struct VectorEncoding {
   bool rebuild_z = false;  // z = sqrt(1 - x^2 - y^2), whatever blue holds
   bool flat_pair = false;  // 8 bits: a texel whose red and green are both 127 or 128 has x = y = 0
   GreenAxis green = GreenAxis::kUp;
+  float tilt = 1.0f;  // x and y times this, once the vector is whole: NormalMapSettings::normal_scale
 
   bool operator==(const VectorEncoding&) const = default;
 };
@@ -38,6 +39,8 @@ inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g
   if (encoding.flat_pair && std::abs(v.x) < kHalfCode && std::abs(v.y) < kHalfCode) v.x = v.y = 0.0;
   if (encoding.rebuild_z) v.z = std::sqrt(std::fmax(0.0, 1.0 - v.x * v.x - v.y * v.y));
   if (encoding.green == GreenAxis::kDown) v.y = -v.y;
+  v.x *= static_cast<double>(encoding.tilt);
+  v.y *= static_cast<double>(encoding.tilt);
   return v;
 }
 

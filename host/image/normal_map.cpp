@@ -22,6 +22,9 @@ void check_settings(const NormalMapSettings& settings) {
   if (!std::isfinite(settings.height_scale) || settings.height_scale == 0.0f)
     throw Error(ErrorCode::kUsage,
                 fmt::format("--height-scale is {}, expected a finite number that is not 0", settings.height_scale));
+  if (!std::isfinite(settings.normal_scale))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--normal-scale is {}, expected a finite number", settings.normal_scale));
   if (!(settings.repair_share_max >= 0.0f && settings.repair_share_max <= 1.0f))
     throw Error(ErrorCode::kUsage, fmt::format("--repair-max is {}, expected 0 to 1", settings.repair_share_max));
   if (settings.texel_count_max < 1)

@@ -27,6 +27,7 @@ struct NormalMapSettings {
   std::optional<bool> is_signed;    // unset: from statistics; true: values are the vector, false: 0..1 encoded
   std::optional<bool> two_channel;  // unset: from statistics; true: z = sqrt(1 - x^2 - y^2)
   float height_scale = 1.0f;        // height difference in texels that a value difference of 1 stands for; finite, != 0
+  float normal_scale = 1.0f;        // x and y of a normal map times this, as glTF scales normal textures; finite
   WrapMode wrap_s = WrapMode::kPeriodic;  // used by height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
   bool check_nan = false;  // refuse the first NaN or Inf, with its position

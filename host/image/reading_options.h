@@ -20,6 +20,7 @@ struct ReadingOptions {
   std::optional<GreenAxis> green;
   bool is_signed = false, is_unsigned = false, two_channel = false;
   std::optional<float> height_scale;
+  std::optional<float> normal_scale;
   std::optional<FixNan> fix_nan;
   std::optional<float> repair_share_max;
 };

@@ -31,6 +31,7 @@ void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& jso
   json["signed"] = yes_or_no(settings.is_signed);
   json["two_channel"] = yes_or_no(settings.two_channel);
   json["height_scale"] = settings.height_scale;
+  if (settings.normal_scale != 1.0f) json["normal_scale"] = settings.normal_scale;
   json["wrap"] = std::string(wrap_mode_name(settings.wrap_s)) + "," + wrap_mode_name(settings.wrap_t);
   json["fixnan"] = settings.fix_nan == FixNan::kNone ? "none" : settings.fix_nan == FixNan::kBlack ? "black" : "box3";
 }
@@ -50,6 +51,9 @@ NormalMapSettings parse_reading_settings(const std::string& text) {
   const auto scale = json.find("height_scale");
   if (scale != json.end() && scale->is_number() && std::isfinite(scale->get<float>()) && scale->get<float>() != 0.0f)
     settings.height_scale = scale->get<float>();
+  const auto normal_scale = json.find("normal_scale");
+  if (normal_scale != json.end() && normal_scale->is_number() && std::isfinite(normal_scale->get<float>()))
+    settings.normal_scale = normal_scale->get<float>();
   const std::string wrap = text_of(json, "wrap");
   const std::size_t comma = wrap.find(',');
   const std::string wrap_t = comma == std::string::npos ? wrap : wrap.substr(comma + 1);

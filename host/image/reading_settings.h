@@ -10,7 +10,8 @@
 
 namespace multum {
 
-/// Adds every setting that changes what is read: bump_format, green, signed, two_channel, height_scale, wrap, fixnan.
+/// Adds every setting that changes what is read: bump_format, green, signed, two_channel, height_scale, wrap, fixnan;
+/// normal_scale where it is not 1.
 void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& json);
 
 /// The settings that `text` (the file's multum:settings, docs/FORMAT.md) states; what it does not state, or states in a

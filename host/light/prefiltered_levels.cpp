@@ -14,16 +14,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// kappa of a mean cosine, by bisection in the logarithm.
-double kappa_of_spread(double spread) {
-  double low = 1e-6, high = 1e9;
-  for (int i = 0; i < 80; ++i) {
-    const double middle = std::sqrt(low * high);
-    (vmf_spread(middle) > spread ? low : high) = middle;
-  }
-  return low;
-}
-
 // Every texel of the result is the mean of the source's, weighted by the lobe and by solid angle: normalised by the sum
 // of weights, so that a constant stays constant. What lies beyond four standard deviations is left out.
 EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, int height) {
@@ -78,7 +68,7 @@ PrefilteredLevels prefilter(const EnvironmentMap& map) {
     const double deviation = 2.0 * kPi / height;
     const double spread = vmf_spread(1.0 / (deviation * deviation));
     const double step = 1.0 - (1.0 - spread) / (1.0 - result.spreads.back());
-    result.levels.push_back(convolve(result.levels.back(), kappa_of_spread(step), width, height));
+    result.levels.push_back(convolve(result.levels.back(), vmf_kappa(step), width, height));
     result.spreads.push_back(spread);
   }
   return result;

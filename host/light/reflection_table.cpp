@@ -39,19 +39,10 @@ glm::dvec3 sample_vmf(const glm::dvec3& axis, double kappa, double u, double w) 
   return (1.0 - e) * axis + sine * (std::cos(phi) * side + std::sin(phi) * glm::cross(axis, side));
 }
 
-double kappa_of(double spread) {
-  double low = 1e-6, high = 1e9;
-  for (int i = 0; i < 80; ++i) {
-    const double middle = std::sqrt(low * high);
-    (vmf_spread(middle) > spread ? low : high) = middle;
-  }
-  return low;
-}
-
 double schlick_part(double v_h) { return std::pow(std::clamp(1.0 - v_h, 0.0, 1.0), 5.0); }
 
 glm::dvec3 fresnel(const Brdf& brdf, double v_h) {
-  if (brdf.kind == BrdfKind::kMeasured) return measured_differences(*brdf.measured, v_h);
+  if (brdf.kind == BrdfKind::kMeasured) return glm::dvec3(measured_differences(*brdf.measured, v_h));
   if (brdf.kind != BrdfKind::kCookTorrance && brdf.kind != BrdfKind::kGgx) return glm::dvec3(1.0);
   const glm::dvec3 f0(brdf.f0);
   return f0 + (glm::dvec3(1.0) - f0) * schlick_part(v_h);
@@ -104,7 +95,7 @@ std::vector<std::vector<ReflectionEntry>> reflection_tables(const Brdf& brdf) {
     std::vector<ReflectionEntry> table;
     for (int row = 0; row < kReflectionSpreadCount; ++row) {
       const double x = static_cast<double>(row) / (kReflectionSpreadCount - 1);
-      const double kappa = kappa_of(std::clamp(x * x * x, 1e-8, 1.0 - 1e-6));
+      const double kappa = vmf_kappa(std::clamp(x * x * x, 1e-8, 1.0 - 1e-6));
       for (int column = 0; column < kReflectionCosineCount; ++column)
         table.push_back(integrate(brdf, term, kappa, 2.0 * column / (kReflectionCosineCount - 1) - 1.0));
     }

@@ -1,26 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/mesh/mesh.h"
 
+#include <array>
 #include <cmath>
+#include <map>
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "host/mesh/mesh_import.h"
+#include "host/mesh/tangent_space.h"
 
 namespace multum {
 namespace {
 
+// Neither tangents nor joined vertices from assimp: it averages tangents without weights, mirrored charts with the
+// others, and takes positions closer than 1e-5 for one, whatever the unit.
 constexpr unsigned kSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
-                            aiProcess_CalcTangentSpace | aiProcess_JoinIdenticalVertices |
                             aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 
-/// Any unit vector orthogonal to `n`, for vertices where u and v do not grow.
-glm::vec3 any_orthogonal(const glm::vec3& n) {
-  const glm::vec3 axis = std::abs(n.x) < 0.7f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-  return glm::normalize(axis - n * glm::dot(n, axis));
-}
+// The corners of a part's triangles, with the file's own tangents where it has some.
+struct PartCorners {
+  TriangleCorners corners;
+  std::vector<glm::vec4> tangents;
+};
 
 glm::vec4 tangent_frame(const glm::vec3& n, const glm::vec3& tangent, const glm::vec3& bitangent) {
   const glm::vec3 t = tangent - n * glm::dot(n, tangent);
@@ -30,53 +35,90 @@ glm::vec4 tangent_frame(const glm::vec3& n, const glm::vec3& tangent, const glm:
   return glm::vec4(t / size, handedness);
 }
 
-void append_vertices(TriangleMesh& mesh, const aiMesh& part, const std::string& path) {
-  for (unsigned i = 0; i < part.mNumVertices; ++i) {
-    const glm::vec3 position = to_vec3(part.mVertices[i]);
-    if (!is_finite(position))
-      refuse_mesh(path, "vertex " + std::to_string(i) + " of mesh '" + part.mName.C_Str() + "' is not finite");
-    glm::vec3 normal = part.HasNormals() ? to_vec3(part.mNormals[i]) : glm::vec3(0.0f);
+class PartReader {
+ public:
+  PartReader(const std::string& path, const aiMesh& part, unsigned uv_set)
+      : path_(path), part_(part), uv_set_(uv_set) {}
+
+  PartCorners read() {
+    if (!part_.HasTextureCoords(uv_set_))
+      refuse_mesh(path_, fmt::format("mesh '{}' has no texture coordinates{}, so no map can be put on it",
+                                     part_.mName.C_Str(), uv_set_ == 0 ? "" : fmt::format(" of set {}", uv_set_)));
+    for (unsigned f = 0; f < part_.mNumFaces; ++f)
+      for (unsigned k = 0; k < part_.mFaces[f].mNumIndices; ++k) append(f, part_.mFaces[f].mIndices[k]);
+    if (!part_.HasTangentsAndBitangents()) result_.tangents = mikk_tangents(result_.corners);
+    return std::move(result_);
+  }
+
+ private:
+  void append(unsigned face, unsigned i) {
+    const char* const name = part_.mName.C_Str();
+    if (i >= part_.mNumVertices)
+      refuse_mesh(path_,
+                  fmt::format("triangle {} of mesh '{}' names vertex {} of {}", face, name, i, part_.mNumVertices));
+    const glm::vec3 position = to_vec3(part_.mVertices[i]);
+    if (!is_finite(position)) refuse_mesh(path_, fmt::format("vertex {} of mesh '{}' is not finite", i, name));
+    glm::vec3 normal = part_.HasNormals() ? to_vec3(part_.mNormals[i]) : glm::vec3(0.0f);
     const float size = glm::length(normal);
     normal = size > 1e-12f && std::isfinite(size) ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f);
-    const aiVector3D uv = part.mTextureCoords[0][i];
+    const aiVector3D uv = part_.mTextureCoords[uv_set_][i];
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
-      refuse_mesh(path,
-                  "texture coordinate " + std::to_string(i) + " of mesh '" + part.mName.C_Str() + "' is not finite");
-    const bool has_frame = part.HasTangentsAndBitangents();
-    const glm::vec3 tangent = has_frame ? to_vec3(part.mTangents[i]) : glm::vec3(0.0f);
-    const glm::vec3 bitangent = has_frame ? to_vec3(part.mBitangents[i]) : glm::vec3(0.0f);
-    mesh.positions.push_back(position);
-    mesh.normals.push_back(normal);
-    mesh.tangents.push_back(tangent_frame(normal, tangent, bitangent));
-    mesh.uvs.emplace_back(uv.x, uv.y);
+      refuse_mesh(path_, fmt::format("texture coordinate {} of mesh '{}' is not finite", i, name));
+    result_.corners.positions.push_back(position);
+    result_.corners.normals.push_back(normal);
+    result_.corners.uvs.emplace_back(uv.x, uv.y);
+    if (part_.HasTangentsAndBitangents())
+      result_.tangents.push_back(tangent_frame(normal, to_vec3(part_.mTangents[i]), to_vec3(part_.mBitangents[i])));
   }
-}
 
-void append_mesh(TriangleMesh& mesh, const aiMesh& part, const std::string& path) {
-  if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) return;  // points and lines are not drawn
-  if (!part.HasTextureCoords(0))
-    refuse_mesh(
-        path, std::string("mesh '") + part.mName.C_Str() + "' has no texture coordinates, so no map can be put on it");
-  const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-  append_vertices(mesh, part, path);
-  for (unsigned f = 0; f < part.mNumFaces; ++f) {
-    const aiFace& face = part.mFaces[f];
-    for (unsigned k = 0; k < face.mNumIndices; ++k) {
-      if (face.mIndices[k] >= part.mNumVertices)
-        refuse_mesh(path, "triangle " + std::to_string(f) + " of mesh '" + part.mName.C_Str() + "' names vertex " +
-                              std::to_string(face.mIndices[k]) + " of " + std::to_string(part.mNumVertices));
-      mesh.indices.push_back(base + face.mIndices[k]);
+  const std::string& path_;
+  const aiMesh& part_;
+  const unsigned uv_set_;
+  PartCorners result_;
+};
+
+// Corners that are the same in everything become one vertex.
+void append_part(TriangleMesh& mesh, const PartCorners& part) {
+  using Vertex = std::array<float, 12>;
+  std::map<Vertex, std::uint32_t> numbers;
+  for (std::size_t i = 0; i < part.tangents.size(); ++i) {
+    const glm::vec3 &p = part.corners.positions[i], &n = part.corners.normals[i];
+    const glm::vec4& t = part.tangents[i];
+    const glm::vec2& uv = part.corners.uvs[i];
+    const auto [place, is_new] =
+        numbers.try_emplace(Vertex{p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y},
+                            static_cast<std::uint32_t>(mesh.positions.size()));
+    if (is_new) {
+      mesh.positions.push_back(p);
+      mesh.normals.push_back(n);
+      mesh.tangents.push_back(t);
+      mesh.uvs.push_back(uv);
     }
+    mesh.indices.push_back(place->second);
   }
 }
 
 }  // namespace
 
-TriangleMesh read_mesh(const std::string& path) {
+TriangleMesh read_mesh(const std::string& path, int uv_set) {
+  if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
+    refuse_mesh(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
+                                  AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
   const MeshImport import(path, kSteps);
   const aiScene& scene = import.scene();
   TriangleMesh mesh;
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) append_mesh(mesh, *scene.mMeshes[i], path);
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& part = *scene.mMeshes[i];
+    if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;  // points and lines are not drawn
+    MeshPart made;
+    made.material_index = static_cast<int>(part.mMaterialIndex);
+    if (part.mMaterialIndex < scene.mNumMaterials)
+      made.material = scene.mMaterials[part.mMaterialIndex]->GetName().C_Str();
+    made.first_index = static_cast<std::uint32_t>(mesh.indices.size());
+    append_part(mesh, PartReader(path, part, static_cast<unsigned>(uv_set)).read());
+    made.index_count = static_cast<std::uint32_t>(mesh.indices.size()) - made.first_index;
+    mesh.parts.push_back(made);
+  }
   if (mesh.indices.empty()) refuse_mesh(path, "holds no triangles");
   return mesh;
 }
@@ -89,6 +131,7 @@ TriangleMesh make_plane(float size) {
   plane.normals.assign(4, {0.0f, 0.0f, 1.0f});
   plane.tangents.assign(4, {1.0f, 0.0f, 0.0f, 1.0f});
   plane.indices = {0, 1, 2, 0, 2, 3};
+  plane.parts = {{"", 0, 0, 6}};
   return plane;
 }
 

@@ -6,42 +6,26 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/reference/coverage.h"
+
 namespace multum::reference {
-namespace {
-
-// Length of [index, index + 1) within [texel from/to, (texel + 1) from/to).
-double overlap(int index, int texel, int from, int to) {
-  const double step = static_cast<double>(from) / to;
-  return std::max(0.0, std::min(index + 1.0, (texel + 1) * step) - std::max<double>(index, texel * step));
-}
-
-}  // namespace
-
 TexelMoments moments_of_texel(const NormalMap& map, const ColourMap* albedo, int width, int height, int x, int y) {
   TexelMoments m;
   double total = 0.0;
-  for (int row = 0; row < map.height; ++row) {
-    const double row_weight = overlap(row, y, map.height, height);
-    if (row_weight <= 0.0) continue;
-    for (int column = 0; column < map.width; ++column) {
-      const double weight = row_weight * overlap(column, x, map.width, width);
-      if (weight <= 0.0) continue;
-      const auto i =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(column);
-      const glm::dvec3 n(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
-      const double s = -n.x / std::max(n.z, 0.05), t = -n.y / std::max(n.z, 0.05);
-      m.s += weight * s;
-      m.t += weight * t;
-      m.ss += weight * s * s;
-      m.tt += weight * t * t;
-      m.st += weight * s * t;
-      m.normal += weight * n;
-      if (albedo != nullptr)
-        m.colour += weight * glm::dvec3(static_cast<double>(albedo->r[i]), static_cast<double>(albedo->g[i]),
-                                        static_cast<double>(albedo->b[i]));
-      total += weight;
-    }
-  }
+  for_each_covered(map.width, map.height, width, height, x, y, [&](std::size_t i, double weight) {
+    const glm::dvec3 n(static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i]));
+    const double s = -n.x / std::max(n.z, 0.05), t = -n.y / std::max(n.z, 0.05);
+    m.s += weight * s;
+    m.t += weight * t;
+    m.ss += weight * s * s;
+    m.tt += weight * t * t;
+    m.st += weight * s * t;
+    m.normal += weight * n;
+    if (albedo != nullptr)
+      m.colour += weight * glm::dvec3(static_cast<double>(albedo->r[i]), static_cast<double>(albedo->g[i]),
+                                      static_cast<double>(albedo->b[i]));
+    total += weight;
+  });
   for (double* sum : {&m.s, &m.t, &m.ss, &m.tt, &m.st}) *sum /= total;
   m.normal /= total;
   m.colour /= total;

@@ -10,9 +10,11 @@ namespace multum {
 
 std::vector<NumericalCase> numerics_cases();   // kernels/device: exponentials, logarithms, inverses of A(kappa)
 std::vector<NumericalCase> em_cases();         // movmf_em_texels
+std::vector<NumericalCase> planar_cases();     // the same kernels and their rounding, of planar Gaussians
 std::vector<NumericalCase> level_cases();      // movmf_start, movmf_pack, movmf_level_zero
 std::vector<NumericalCase> sum_cases();        // movmf_em_chunks, movmf_em_mstep, movmf_features, movmf_condense
 std::vector<NumericalCase> shading_cases();    // movmf_shade
+std::vector<NumericalCase> sh_cases();         // sh_project, sh_shade, mip_box
 std::vector<NumericalCase> inference_cases();  // filter_matrix_spmv, pyramidal_regularization, conjugate_gradient
 std::vector<NumericalCase> storage_cases();    // host/asset/movmf_quantize: no kernel, but what kernels' results become
 

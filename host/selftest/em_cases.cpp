@@ -237,7 +237,7 @@ std::vector<NumericalCase> wide_cases() {
         "a lower half taken for the upper (planar coordinates) folds the sphere",
         "directions are vectors; nothing asks for z > 0", 1e-5, "absolute, of a and a r", kFrom},
        whole_sphere,
-       {em_edit("fma(-mu_z[j], z,", "fma(-mu_z[j], fabs(z),")}},
+       {em_edit("fma(-mu_z, z,", "fma(-mu_z, fabs(z),")}},
       {{"lobes-that-die", "movmf_em_texels", "2^-1000 wraps to a large number",
         "a share is at least 2^-100 of the largest; a lobe below 1e-7 keeps direction and spread", 1e-5,
         "absolute, of a and a r", kFrom},

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/base/error.h"
+#include "host/reference/planar_em.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
 
@@ -53,7 +54,7 @@ std::vector<float> packed_samples(const std::vector<EmTexel>& texels) {
   return packed;
 }
 
-std::vector<float> packed_start(const std::vector<EmTexel>& texels) {
+std::vector<float> packed_start(const std::vector<EmTexel>& texels, bool planar) {
   std::vector<float> packed(texels.front().lobes.size() * MULTUM_START_PLANES * kGroup, 0.0f);
   for (std::size_t lane = 0; lane < kGroup; ++lane)
     for (std::size_t j = 0; j < texels.front().lobes.size(); ++j) {
@@ -65,7 +66,8 @@ std::vector<float> packed_start(const std::vector<EmTexel>& texels) {
       put(MULTUM_START_MU + 1, lobe.mu.y);
       put(MULTUM_START_MU + 2, lobe.mu.z);
       put(MULTUM_START_SHARPNESS, lobe.kappa * kLog2e);
-      put(MULTUM_START_LOG, std::log2(std::max(lobe.amplitude, 1e-6) * lobe.kappa / -std::expm1(-2.0 * lobe.kappa)));
+      const double below = planar ? 1.0 : -std::expm1(-2.0 * lobe.kappa);
+      put(MULTUM_START_LOG, std::log2(std::max(lobe.amplitude, 1e-6) * lobe.kappa / below));
     }
   return packed;
 }
@@ -100,7 +102,7 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
   for (const EmTexel& texel : given) texels.push_back(rounded(texel));
   const std::size_t lobe_count = texels.front().lobes.size();
   const std::vector<float> samples = packed_samples(texels);
-  std::vector<float> start = packed_start(texels);
+  std::vector<float> start = packed_start(texels, settings.planar);
   const std::vector<int> sample_counts = {static_cast<int>(texels.front().samples.size())};
   std::vector<int> list(kGroup);
   std::iota(list.begin(), list.end(), 0);
@@ -116,7 +118,7 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
   device.write(start_buffer, start.data(), start_buffer.byte_count());
   device.write(level_buffer, level.data(), level_bytes);
   const int width = scalar ? 1 : device.vector_width();
-  device.kernel("movmf_em_texels", "movmf_em_texels", {static_cast<int>(lobe_count), width, true})
+  device.kernel("movmf_em_texels", "movmf_em_texels", {static_cast<int>(lobe_count), width, true, settings.planar})
       .launch({kGroup / static_cast<std::size_t>(width)}, sample_buffer, count_buffer, start_buffer, list_buffer,
               level_buffer, directed_buffer, one_group_fit(texels.front(), settings));
   device.read(level_buffer, level.data(), level_bytes);
@@ -135,11 +137,10 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
 FittedTexel fit_in_double(const EmTexel& given, const EmSettings& settings) {
   const EmTexel texel = rounded(given);
   std::vector<reference::Lobe> lobes = texel.lobes;
-  const std::vector<reference::Moments> moments = reference::fit(texel.samples, lobes,
-                                                                 {settings.iterations,
-                                                                  static_cast<double>(settings.kappa_cap),
-                                                                  static_cast<double>(settings.kappa_cap_slope),
-                                                                  {}});
+  const reference::EmOptions options = {
+      settings.iterations, static_cast<double>(settings.kappa_cap), static_cast<double>(settings.kappa_cap_slope), {}};
+  const std::vector<reference::Moments> moments = settings.planar ? reference::fit_planar(texel.samples, lobes, options)
+                                                                  : reference::fit(texel.samples, lobes, options);
   FittedTexel fitted;
   for (std::size_t j = 0; j < lobes.size(); ++j) {
     fitted.lobes.emplace_back(moments[j].r, moments[j].amplitude);

@@ -20,6 +20,7 @@ struct EmTexel {
 };
 
 struct EmSettings {
+  bool planar = false;  // Gaussians: samples, lobes and results are as host/reference/planar_em.h has them
   int iterations = 5;
   float kappa_cap = 500.0f;
   float kappa_cap_slope = 10.0f;
@@ -27,7 +28,7 @@ struct EmSettings {
 };
 
 struct FittedTexel {
-  std::vector<glm::dvec4> lobes;  // (r, a)
+  std::vector<glm::dvec4> lobes;  // (r, a); of Gaussians (mean, sigma^2, a)
   std::vector<double> kappa;      // of the last E-step
 };
 
@@ -45,7 +46,7 @@ void add_em_errors(Device& device, const EmTexel& texel, const EmSettings& setti
 /// One group's buffers as the kernels have them: samples [sample][4][MULTUM_GROUP], and start
 /// [lobe][MULTUM_START_PLANES][MULTUM_GROUP] without a prior. Lanes beyond the texels repeat the last.
 std::vector<float> packed_samples(const std::vector<EmTexel>& texels);
-std::vector<float> packed_start(const std::vector<EmTexel>& texels);
+std::vector<float> packed_start(const std::vector<EmTexel>& texels, bool planar = false);
 
 /// A unit vector, tilted by so many degrees from +z towards an azimuth in radians.
 glm::dvec3 tilted(double degrees, double azimuth = 0.3);

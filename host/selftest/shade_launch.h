@@ -13,8 +13,9 @@ namespace multum {
 
 /// The lobe (a r, a) at unit `directions` (w unused): half vectors of Blinn-Phong of exponent s >= 1, or lights of
 /// Lambert where s is 0. Amplitude included.
-std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s,
-                               const std::vector<glm::vec4>& directions);
+/// `planar`: a Gaussian (a mu, a (2 sigma^2 + |mu|^2), a).
+std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
+                               bool planar = false);
 
 /// The angle from mu to the vector that the kernel sees, which is not quite of length 1: |mu - w|^2 / 2 = 1 - cos.
 double angle_seen(const glm::dvec3& mu, const glm::vec4& w);

@@ -17,8 +17,8 @@
 
 namespace multum {
 
-std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s,
-                               const std::vector<glm::vec4>& directions) {
+std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
+                               bool planar) {
   const int count = static_cast<int>(directions.size());
   const DeviceBuffer lobes = device.wrap_buffer(&lobe, sizeof(lobe), "lobe");
   const DeviceBuffer vectors =
@@ -28,7 +28,7 @@ std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s,
   DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
   device.write(out, values.data(), out.byte_count());
   const bool lambert = s == 0.0f;
-  device.kernel("movmf_shade", "movmf_shade", {1, 1, false})
+  device.kernel("movmf_shade", "movmf_shade", {1, 1, false, planar})
       .launch({1}, lobes, vectors, vectors, exponent, out, 1, lambert ? 0 : count, lambert ? count : 0,
               lambert ? 0 : 1);
   device.read(out, values.data(), out.byte_count());

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 
+#include "kernels/shared/filtered_sh.h"
+#include "kernels/shared/mip_box.h"
 #include "kernels/shared/mip_pyramid.h"
 #include "kernels/shared/moments.h"
 #include "kernels/shared/movmf_fit.h"
@@ -24,12 +26,14 @@ StructLayout struct_layout(Device& device) {
                  sizeof(MultumGather),
                  sizeof(MultumGatherEntry),
                  sizeof(MultumStrip),
-                 sizeof(MultumMomentBand),
-                 offsetof(MultumMomentBand, slope_z_min),
-                 sizeof(MultumMomentLevel),
-                 sizeof(MultumMomentTap),
+                 sizeof(MultumBoxBand),
+                 offsetof(MultumBoxBand, column_count),
+                 sizeof(MultumBoxLevel),
+                 sizeof(MultumBoxTap),
                  sizeof(MultumFilteredMoments),
-                 offsetof(MultumFilteredMoments, map_share)};
+                 offsetof(MultumFilteredMoments, map_share),
+                 sizeof(MultumFilteredSh),
+                 offsetof(MultumFilteredSh, share)};
   layout.device.assign(layout.host.size(), -1);
   const DeviceBuffer sizes = device.make_buffer(layout.host.size() * sizeof(int), "sizes");
   device.kernel("probe_numerics", "probe_layout", {4, 1, false})

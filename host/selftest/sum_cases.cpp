@@ -247,7 +247,7 @@ void texels_2_28_into_cells(Device& device, WorstError& worst) {
   device.fill_zero(out);
   Kernel add = device.kernel("movmf_condense", "movmf_condense_cells", {1, 1, false});
   for (fit.map_first_row = 0; fit.map_first_row < kHeight; fit.map_first_row += kBandRows)
-    add.launch({static_cast<std::size_t>(chunk_count)}, x, y, z, x, y, z, axes, out, fit, 0, chunk_count);
+    add.launch({static_cast<std::size_t>(chunk_count)}, x, y, z, x, y, z, axes, out, fit, 0, chunk_count, 1);
   device.read(out, cells.data(), out.byte_count());
   double sum[4] = {0.0, 0.0, 0.0, 0.0};
   for (std::size_t i = 0; i < cells.size(); ++i) sum[i % 4] += static_cast<double>(cells[i]) * 0x1p-30;
@@ -283,7 +283,7 @@ void means_of_2_58(Device& device, WorstError& worst) {
                counts = device.make_buffer(sizeof(int), "counts");
   device.write(out, samples.data(), out.byte_count());
   device.kernel("movmf_condense", "movmf_condense_means", {1, 1, false})
-      .launch({1}, in, out, counts, 1, chunk_count, 3);
+      .launch({1}, in, out, counts, 1, chunk_count, 3, 1);
   device.read(out, samples.data(), out.byte_count());
   int count = 0;
   device.read(counts, &count, sizeof(count));

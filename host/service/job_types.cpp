@@ -47,6 +47,7 @@ JobType bake_type() {
             "channel"},
            {"weights", Kind::kInputFile, "map of the same size, a channel a basis BRDF: bakes their weights"},
            {"ndf", Kind::kChoice, "what texels hold", 0, 0, ndf_names()},
+           {"sh_order", Kind::kWhole, "of sh: spherical harmonics up to this l", 1, 20},
            {"lobes", Kind::kWhole, "lobes a texel", 1, 8},
            {"reference", Kind::kFlag, "every normal at every level, none cut short"},
            {"iterations", Kind::kWhole, "EM iterations a texel, at most", 1, 1000},
@@ -60,6 +61,7 @@ JobType bake_type() {
            {"wrap", Kind::kChoice, "beyond the border", 0, 0, {"black", "clamp", "periodic", "mirror"}},
            {"green", Kind::kChoice, "which way the green channel points", 0, 0, {"up", "down"}},
            {"height_scale", Kind::kNumber, "of a height field, texels", 1e-6, 1e6},
+           {"normal_scale", Kind::kNumber, "of a normal map: x and y times this", -1e6, 1e6},
            {"memory", Kind::kWhole, "bytes of resident memory to stay within", 1 << 26, 1e15},
            {"device", Kind::kText, "OpenCL device: a number of `multum devices` or part of a name"},
            {"no_measure", Kind::kFlag, "skip measuring the error of what is written"}}};

@@ -28,6 +28,8 @@ namespace multum::gl {
   X(PFNGLCREATETEXTURESPROC, CreateTextures)                             \
   X(PFNGLDELETETEXTURESPROC, DeleteTextures)                             \
   X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                         \
+  X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                         \
+  X(PFNGLTEXTURESUBIMAGE3DPROC, TextureSubImage3D)                       \
   X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                       \
   X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                       \
   X(PFNGLTEXTUREPARAMETERFPROC, TextureParameterf)                       \

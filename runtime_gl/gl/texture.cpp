@@ -61,6 +61,11 @@ void check_size(const GlFunctions& gl, const std::string& name, const TextureSha
     throw Error(ErrorCode::kEnvironment, name + " is " + std::to_string(shape.width) + " x " +
                                              std::to_string(shape.height) + " texels; this GL takes up to " +
                                              std::to_string(size_max) + " in each direction");
+  GLint layers_max = 0;
+  gl.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers_max);
+  if (shape.layer_count > layers_max)
+    throw Error(ErrorCode::kEnvironment, name + " has " + std::to_string(shape.layer_count) +
+                                             " layers; this GL takes up to " + std::to_string(layers_max));
 }
 
 }  // namespace
@@ -76,13 +81,16 @@ const char* texel_format_name(TexelFormat format) {
 
 Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& shape)
     : gl_(&gl), name_(std::move(name)), shape_(shape) {
-  gl.CreateTextures(GL_TEXTURE_2D, 1, &id_);
+  gl.CreateTextures(shape.layer_count > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &id_);
 }
 
 Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& shape, const SamplerSettings& sampler)
     : Texture(gl, std::move(name), shape) {
   check_size(gl, name_, shape);
-  gl.TextureStorage2D(id_, shape.level_count, internal_format(shape.format), shape.width, shape.height);
+  if (shape.layer_count > 0)
+    gl.TextureStorage3D(id_, shape.level_count, internal_format(shape.format), shape.width, shape.height,
+                        shape.layer_count);
+  else gl.TextureStorage2D(id_, shape.level_count, internal_format(shape.format), shape.width, shape.height);
   gl.TextureParameteri(id_, GL_TEXTURE_WRAP_S, wrap_value(sampler.wrap_s));
   gl.TextureParameteri(id_, GL_TEXTURE_WRAP_T, wrap_value(sampler.wrap_t));
   gl.TextureParameteri(id_, GL_TEXTURE_MIN_FILTER, sampler.filtered ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST);
@@ -102,12 +110,23 @@ Texture::Texture(Texture&& other) noexcept
     : gl_(other.gl_), name_(std::move(other.name_)), shape_(other.shape_), id_(std::exchange(other.id_, 0)) {}
 
 void Texture::upload_level(int level, const float* rgba) {
+  MULTUM_CHECK(shape_.layer_count == 0);
+  upload(level, 0, rgba);
+}
+
+void Texture::upload_layer(int level, int layer, const float* rgba) {
+  MULTUM_CHECK(layer >= 0 && layer < shape_.layer_count);
+  upload(level, layer, rgba);
+}
+
+void Texture::upload(int level, int layer, const float* rgba) {
   MULTUM_CHECK(level >= 0 && level < shape_.level_count);
   const int width = level_size(shape_.width, level);
   const int height = level_size(shape_.height, level);
   const std::size_t count = 4u * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const auto send = [&](GLenum type, const void* data) {
-    gl_->TextureSubImage2D(id_, level, 0, 0, width, height, GL_RGBA, type, data);
+    if (shape_.layer_count > 0) gl_->TextureSubImage3D(id_, level, 0, 0, layer, width, height, 1, GL_RGBA, type, data);
+    else gl_->TextureSubImage2D(id_, level, 0, 0, width, height, GL_RGBA, type, data);
   };
   gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   if (shape_.format == TexelFormat::kRgba32f) {
@@ -125,6 +144,7 @@ void Texture::upload_level(int level, const float* rgba) {
 }
 
 std::vector<float> Texture::read_level(int level) const {
+  MULTUM_CHECK(shape_.layer_count == 0);
   const std::size_t width = static_cast<std::size_t>(level_size(shape_.width, level));
   const std::size_t height = static_cast<std::size_t>(level_size(shape_.height, level));
   std::vector<float> values(4 * width * height);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A two-dimensional texture with explicitly uploaded levels: mips are data here, never made by the driver.
+// A two-dimensional texture, or an array of them, with explicitly uploaded levels: mips are data here, never made by
+// the driver.
 #pragma once
 
 #include <string>
@@ -20,6 +21,7 @@ struct TextureShape {
   int height = 1;
   int level_count = 1;
   TexelFormat format = TexelFormat::kRgba32f;
+  int layer_count = 0;  // of an array (sampler2DArray); 0: no array
 };
 
 struct SamplerSettings {
@@ -43,7 +45,9 @@ class Texture {
   /// `rgba`: 4 floats a texel, row 0 first; row 0 lies at texture coordinate t = 0. Rounded to the format here, to
   /// nearest: multiples of 1/32767 clamped to [-1, 1]; half with ties to even; as it is.
   void upload_level(int level, const float* rgba);
-  /// What the texture holds, as floats.
+  /// The same of one layer of an array.
+  void upload_layer(int level, int layer, const float* rgba);
+  /// What the texture, which is no array, holds, as floats.
   std::vector<float> read_level(int level) const;
 
   void bind(int unit) const { gl_->BindTextureUnit(static_cast<GLuint>(unit), id_); }
@@ -51,6 +55,7 @@ class Texture {
   const TextureShape& shape() const { return shape_; }
 
  private:
+  void upload(int level, int layer, const float* rgba);
   // Owns the name before anything can throw.
   Texture(const GlFunctions& gl, std::string name, const TextureShape& shape);
 

@@ -98,14 +98,20 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
   }
 }
 
-ShaderParts MovmfMaterial::shader_parts() const {
-  ShaderParts parts{{"MULTUM_LOBE_COUNT " + std::to_string(lobe_count())}, {shader_surface_movmf_glsl}};
-  if (formula_ == LobeFormula::kPaper) parts.flags.push_back("MULTUM_PAPER");
+ShaderParts MovmfMaterial::fetch_parts() const {
+  ShaderParts parts{{"MULTUM_LOBE_COUNT " + std::to_string(lobe_count())}, {shader_surface_lobes_glsl}};
   if (!colours_.empty()) parts.flags.push_back("MULTUM_COLOURS");
   if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
   if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
   if (mean_cosine_) parts.flags.push_back("MULTUM_ROUGHNESS");
   add_basis_flag(parts);
+  return parts;
+}
+
+ShaderParts MovmfMaterial::shader_parts() const {
+  ShaderParts parts = fetch_parts();
+  if (formula_ == LobeFormula::kPaper) parts.flags.push_back("MULTUM_PAPER");
+  parts.texts.push_back(shader_surface_movmf_glsl);
   return parts;
 }
 

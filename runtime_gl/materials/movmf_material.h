@@ -39,6 +39,10 @@ class MovmfMaterial : public Material {
   int lobe_count() const { return static_cast<int>(lobes_.size()); }
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
 
+ protected:
+  /// The flags and texts that fetch lobes, whatever they are.
+  ShaderParts fetch_parts() const;
+
  private:
   std::vector<Texture> lobes_;
   std::vector<Texture> colours_;

@@ -2,6 +2,7 @@
 #include "runtime_gl/materials/normal_material.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include <glm/geometric.hpp>
@@ -60,6 +61,8 @@ NormalImage finest_normals(const MovmfMipmap& mipmap) {
     glm::vec3 normal(0.0f);
     glm::vec3 colour(0.0f);
     for (const auto& lobe : level.lobes) normal += glm::vec3(lobe[i]);
+    // Of Gaussians the third is x^2 + y^2.
+    if (mipmap.representation == Representation::kGmm) normal.z = std::sqrt(std::max(0.0f, 1.0f - normal.z));
     for (const auto& lobe_colour : level.colours) colour += lobe_colour[i];
     image.normals.push_back(finest_normal(normal, mipmap.has_roughness));
     if (mipmap.has_colours()) image.albedo.push_back(colour);
@@ -81,6 +84,18 @@ NormalImage finest_normals(const MomentMipmap& mipmap) {
   image.has_roughness = mipmap.header.has_roughness;
   image.weight_count = mipmap.header.weight_count;
   image.weights = level.weights;
+  return image;
+}
+
+NormalImage finest_normals(const ShMipmap& mipmap) {
+  MULTUM_CHECK(!mipmap.levels.empty() && mipmap.header.first_level == 0);
+  const ShLevel& level = mipmap.levels.front();
+  NormalImage image{level.width, level.height, {}, level.colours, mipmap.header.wrap_s, mipmap.header.wrap_t};
+  for (const glm::vec4& band : level.parts[0]) {  // of l = 1: y, z, x
+    const glm::vec3 n(band.z, band.x, band.y);
+    const float size = glm::length(n);
+    image.normals.push_back(size > 0.0f ? n / size : glm::vec3(0.0f, 0.0f, 1.0f));
+  }
   return image;
 }
 

@@ -10,6 +10,7 @@
 
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
+#include "host/asset/sh_mipmap.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/material.h"
 
@@ -31,8 +32,9 @@ struct NormalImage {
 /// Level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised unless there is
 /// roughness in, and the sums of its colours and weights.
 NormalImage finest_normals(const MovmfMipmap& mipmap);
-/// The same of a file of moments.
+/// The same of a file of moments, and of one of spherical harmonics.
 NormalImage finest_normals(const MomentMipmap& mipmap);
+NormalImage finest_normals(const ShMipmap& mipmap);
 
 /// What users have today, from averages.
 enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };

@@ -52,15 +52,17 @@ void set_brdf(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
   shader.set_vec3("u_diffuse", glm::value_ptr(brdf.diffuse), 1);
   shader.set_vec3("u_specular", glm::value_ptr(brdf.specular), 1);
   shader.set("u_exponent", static_cast<float>(equivalent_exponent(brdf)));
+  const glm::vec3 total(facet_total(brdf));
+  shader.set_vec3("u_facet_total", glm::value_ptr(total), 1);
   shader.set("u_sigma", brdf.sigma);
   shader.set("u_alpha", ggx_alpha(brdf));
   shader.set_vec3("u_f0", glm::value_ptr(brdf.f0), 1);
   if (brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured) set_terms(shader, brdf);
   if (brdf.kind == BrdfKind::kMeasured) {
     const std::vector<glm::vec3> facets = to_floats(brdf.measured->facets);
-    const std::vector<glm::vec3> differences = to_floats(brdf.measured->differences);
+    const std::vector<float> differences(brdf.measured->differences.begin(), brdf.measured->differences.end());
     shader.set_vec3("u_facets", glm::value_ptr(facets[0]), kFacetTableSize);
-    shader.set_vec3("u_differences", glm::value_ptr(differences[0]), kDifferenceTableSize);
+    shader.set_floats("u_differences", differences.data(), kDifferenceTableSize);
   }
   if (zonal_order < 0) return;
   const std::vector<glm::vec3> zonal = to_floats(zonal_coefficients(brdf, zonal_order));

@@ -56,10 +56,10 @@ ShaderParts environment_shader_parts(const Scene& scene, bool samples_light) {
   ShaderParts parts{{"MULTUM_ENVIRONMENT"}, {}};
   if (samples_light) {
     parts.flags.push_back("MULTUM_ENVIRONMENT_SAMPLES " + std::to_string(kEnvironmentSampleCount));
-    parts.texts = {shader_light_environment_samples_glsl};
+    parts.texts = {shader_light_environment_frame_glsl, shader_light_environment_samples_glsl};
     return parts;
   }
-  parts.texts = {shader_common_vmf_zonal_glsl, shader_light_environment_glsl};
+  parts.texts = {shader_common_vmf_zonal_glsl, shader_light_environment_frame_glsl, shader_light_environment_glsl};
   if (scene.brdf.kind == BrdfKind::kLambert) return parts;
   const bool has_sum = scene.brdf.kind == BrdfKind::kGgx || scene.brdf.kind == BrdfKind::kMeasured;
   parts.flags.push_back("MULTUM_ENVIRONMENT_TERMS " + std::to_string(has_sum ? scene.brdf.term_count : 1));

@@ -78,18 +78,35 @@ void Renderer::draw_once(const ShaderProgram& shader, const Mesh& mesh, const Sc
 }
 
 Picture Renderer::draw(const Mesh& mesh, const Material& material, const Scene& scene) {
-  const ShaderProgram& shader = program(material, scene);
-  set_scene(shader, material, scene);
+  return draw({{&mesh, &material, scene.brdf}}, scene);
+}
+
+Picture Renderer::draw(const std::vector<SceneObject>& objects, const Scene& scene) {
+  std::vector<Scene> scenes(objects.size(), scene);
+  std::vector<const ShaderProgram*> shaders;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    scenes[i].brdf = objects[i].brdf;
+    shaders.push_back(&program(*objects[i].material, scenes[i]));
+  }
+  const glm::mat4 matrix = view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), glm::vec2(0.0f));
+  // Of one object, what does not change from frame to frame is set once.
+  if (objects.size() == 1) set_scene(*shaders[0], *objects[0].material, scenes[0]);
   framebuffer_.bind();
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
-  shader.use();
   std::array<double, 4> times{};
   for (double& time : times) {
     gl_.Finish();
     const double begin = now_ms();
     framebuffer_.clear_colour();
-    draw_once(shader, mesh, scene, glm::vec2(0.0f));
+    framebuffer_.clear_depth();
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const ShaderProgram& shader = *shaders[i];
+      if (objects.size() > 1) set_scene(shader, *objects[i].material, scenes[i]);
+      shader.set_mat4("u_view_projection", glm::value_ptr(matrix));
+      shader.use();
+      objects[i].mesh->draw();
+    }
     gl_.Finish();
     time = now_ms() - begin;
   }

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
@@ -21,6 +22,13 @@ struct Picture {
   double frame_time_ms;  // glFinish to glFinish of one frame, the median of 3 after a first one; truth: all passes
 };
 
+/// One of several things in a picture.
+struct SceneObject {
+  const Mesh* mesh;
+  const Material* material;
+  Brdf brdf;  // in the place of the scene's
+};
+
 /// The fragment shader of a material, a BRDF and lights: each text once, and the flags of all.
 ShaderSources scene_shader_sources(const Material& material, const Scene& scene);
 
@@ -30,6 +38,7 @@ class Renderer {
 
   /// Compiles what the material, the BRDF and the lights need, the first time that they meet.
   Picture draw(const Mesh& mesh, const Material& material, const Scene& scene);
+  Picture draw(const std::vector<SceneObject>& objects, const Scene& scene);
   /// The mean of `sample_count` pictures, each shifted by a fraction of a pixel (low-discrepancy
   /// sequence, box filter of one pixel). Of the finest map's normals: the BRDF at every sample's own normal.
   Picture draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count);

@@ -5,8 +5,11 @@
 namespace multum::gl {
 
 extern const char* const shader_common_movmf_shading_glsl;
+extern const char* const shader_common_gmm_shading_glsl;
 extern const char* const shader_common_moment_shading_glsl;
 extern const char* const shader_common_reflection_glsl;
+extern const char* const shader_common_sh_shading_glsl;
+extern const char* const shader_common_pyramid_glsl;
 extern const char* const shader_common_vmf_zonal_glsl;
 extern const char* const shader_brdf_blinn_phong_glsl;
 extern const char* const shader_brdf_torrance_sparrow_glsl;
@@ -14,15 +17,20 @@ extern const char* const shader_brdf_cook_torrance_glsl;
 extern const char* const shader_brdf_ggx_glsl;
 extern const char* const shader_brdf_measured_glsl;
 extern const char* const shader_brdf_terms_glsl;
+extern const char* const shader_surface_lobes_glsl;
+extern const char* const shader_surface_gmm_glsl;
 extern const char* const shader_surface_movmf_glsl;
 extern const char* const shader_surface_normals_glsl;
+extern const char* const shader_surface_sh_glsl;
 extern const char* const shader_light_environment_glsl;
+extern const char* const shader_light_environment_frame_glsl;
 extern const char* const shader_light_environment_levels_glsl;
 extern const char* const shader_light_environment_samples_glsl;
 extern const char* const shader_light_environment_sh_glsl;
 extern const char* const shader_light_lights_glsl;
 extern const char* const shader_scene_vert;
 extern const char* const shader_scene_frag;
+extern const char* const shader_pyramid_frag;
 extern const char* const shader_full_screen_vert;
 extern const char* const shader_accumulate_frag;
 extern const char* const shader_textured_vert;

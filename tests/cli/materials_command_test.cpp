@@ -42,8 +42,10 @@ class MaterialsCommandTest : public CliTest {
 TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   for (const char* ndf : {"vmf", "moments"}) {
     SCOPED_TRACE(ndf);
-    const ProgramResult result = bake("a.ndf.exr", {"--ndf", ndf, "--roughness", path("orm.png"), "--weights",
-                                                    path("weights.png"), "--report", path("a.json")});
+    std::vector<std::string> options = {
+        "--ndf", ndf, "--roughness", path("orm.png"), "--weights", path("weights.png"), "--report", path("a.json")};
+    if (ndf == std::string("vmf")) options.insert(options.end(), {"--no-rehearsal", "--lobes", "2"});
+    const ProgramResult result = bake("a.ndf.exr", options);
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(contains(result.out, "roughness")) << result.out;
     EXPECT_FALSE(contains(result.out, "blinn-phong")) << result.out;
@@ -68,7 +70,7 @@ TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
 
 TEST_F(MaterialsCommandTest, TheirContentsAreWhatAFileIsRecognisedBy) {
   const std::vector<std::string> with = {
-      "--roughness", path("orm.png") + ":G", "--weights", path("weights.png"), "--no-measure", "--lobes", "2"};
+      "--roughness", path("orm.png") + ":G", "--weights", path("weights.png"), "--no-measure", "--ndf", "moments"};
   ASSERT_EQ(bake("a.ndf.exr", with).exit_code, 0);
   EXPECT_TRUE(contains(bake("a.ndf.exr", with).out, "unchanged"));
   std::vector<std::string> other = with;
@@ -83,6 +85,7 @@ TEST_F(MaterialsCommandTest, ThreadsAndMemoryChangeNoByte) {
     std::vector<std::string> options = {
         "--ndf",        ndf,         "--roughness", path("orm.png"), "--weights", path("weights.png"),
         "--no-measure", "--threads", "1",           "--memory",      "1G"};
+    if (ndf == std::string("vmf")) options.insert(options.end(), {"--no-rehearsal", "--lobes", "2"});
     ASSERT_EQ(bake("a.ndf.exr", options).exit_code, 0);
     options[8] = "2";
     options[10] = "289M";
@@ -107,12 +110,26 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   // What is read must not be written over, whatever its channel.
   result = multum({"bake", path("map_normal.png"), "-o", path("b.exr"), "--roughness", path("b.exr") + ":R"});
   EXPECT_EQ(result.exit_code, 2) << result.err;
+  for (const char* ndf : {"gmm", "sh"}) {
+    result = bake("a.ndf.exr", {"--ndf", ndf, "--roughness", path("orm.png")});
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, std::string("--roughness is for --ndf vmf and moments, found --ndf ") + ndf));
+    result = bake("a.ndf.exr", {"--ndf", ndf, "--weights", path("weights.png")});
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, std::string("--weights is for --ndf vmf and moments, found --ndf ") + ndf));
+    std::ofstream(path("maps.toml")) << "[defaults]\nweights = \"weights.png\"\n[[map]]\ninput = \"map_normal.png\"\n"
+                                     << "output = \"a.ndf.exr\"\nndf = \"" << ndf << "\"\n";
+    result = multum({"bake", "--manifest", path("maps.toml")});
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    EXPECT_TRUE(contains(result.err, "is for ndf = \"vmf\" and \"moments\"")) << result.err;
+  }
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
 }
 
 TEST_F(MaterialsCommandTest, ManifestsHaveTheSameKeys) {
   std::ofstream(path("maps.toml")) << R"([defaults]
 lobes = 2
+no_rehearsal = true
 weights = "weights.png"
 [[map]]
 input = "map_normal.png"
@@ -127,9 +144,10 @@ weights = ""
   EXPECT_EQ(read_baked_header(path("a.ndf.exr")).format_version(), 4);
   EXPECT_EQ(read_baked_header(path("b.ndf.exr")).format_version(), 3);
   // As the command line makes it.
-  EXPECT_TRUE(contains(
-      bake("a.ndf.exr", {"--lobes", "2", "--weights", path("weights.png"), "--roughness", path("orm.png") + ":G"}).out,
-      "unchanged"));
+  EXPECT_TRUE(contains(bake("a.ndf.exr", {"--lobes", "2", "--no-rehearsal", "--weights", path("weights.png"),
+                                          "--roughness", path("orm.png") + ":G"})
+                           .out,
+                       "unchanged"));
 }
 
 }  // namespace

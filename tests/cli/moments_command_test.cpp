@@ -52,7 +52,7 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
 
   const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
-  EXPECT_GT(report["launches"]["moment_levels"], 0);
+  EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_FALSE(report["launches"].contains("movmf_em_texels")) << "nothing is fitted";
   // 7 levels: 3 ways to shade 4 BRDFs, plain and coloured, at 4 points but for the last level, which has one.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 24u);

@@ -49,6 +49,14 @@ class OclgrindTest : public CliTest {
     for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
   }
 
+  // The same of a command that makes a pyramid.
+  void make_pyramid(std::vector<std::string> command) {
+    command.insert(command.end(), {"--report", path("report.json"), "-o", path("pyramid.exr")});
+    simulate(multum_command(command));
+    const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
+    for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
+  }
+
   void write_maps(const std::string& name, int width, int height) {
     write_test_image(path(name + ".png"), normal_image(width, height));
     TestImage albedo = normal_image(width, height);  // any colours will do
@@ -88,6 +96,10 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
         path("tiny_albedo.png"), "--scalar", "--no-rehearsal"});
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--ndf", "moments", "--no-measure"});
   bake({path("tiny.png"), "--ndf", "moments", "--first-level", "1"});
+  bake({path("tiny.png"), "--albedo", path("tiny_albedo.png"), "--ndf", "sh", "--sh-order", "3", "--first-level", "1"});
+
+  make_pyramid({"mip", path("odd_albedo.png")});
+  make_pyramid({"reflectance", "--light", "0,0.6,0.8", "--light", "1,0,-0.2", "--size", "9"});
 
   // The kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
   const std::regex counted("kernel '(\\w+)'");

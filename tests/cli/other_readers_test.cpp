@@ -10,6 +10,7 @@
 #include "host/asset/inferred_texture.h"
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
+#include "host/asset/sh_mipmap.h"
 #include "host/base/content_hash.h"
 #include "tests/cli/program.h"
 
@@ -226,6 +227,36 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsMoments) {
     }
     EXPECT_EQ(values.left(), 0u);
   }
+}
+
+// Of a file of spherical harmonics, coefficients and colours of every level.
+constexpr char kHarmonicsDriver[] = R"(
+import sys
+path, output, levels = sys.argv[1], sys.argv[2], int(sys.argv[3])
+with open(output, "wb") as out:
+    for level in range(levels):
+        for values in read_harmonics(path, level):
+            out.write(np.ascontiguousarray(values, dtype="<f4").tobytes())
+print(content_hash(path))
+)";
+
+TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsHarmonics) {
+  const std::string python = MULTUM_OIIO_PYTHON;
+  if (python.empty()) GTEST_SKIP() << "no Python that imports OpenImageIO and numpy when this was configured";
+  write_bytes(path("read.py"), python_of_format_page() + kHarmonicsDriver);
+  bake({"--ndf", "sh", "--sh-order", "3", "--no-measure"});
+  const ShMipmap mipmap = read_sh_mipmap(path("map.ndf.exr"));
+  const ProgramResult read = run_program({python, path("read.py"), path("map.ndf.exr"), path("values"), "7"});
+  ASSERT_EQ(read.exit_code, 0) << read.err;
+  EXPECT_EQ(read.out, mipmap.header.provenance.content_hash + "\n");
+  FloatStream values(read_bytes(path("values")));
+  for (const ShLevel& level : mipmap.levels) {
+    for (std::size_t i = 0; i < level.parts[0].size(); ++i)
+      for (int k = 0; k < sh_coefficient_count(3); ++k) ASSERT_EQ(values.next(), level.value(k, i));
+    for (const glm::vec3& texel : level.colours)
+      for (int c = 0; c < 3; ++c) ASSERT_EQ(values.next(), texel[c]);
+  }
+  EXPECT_EQ(values.left(), 0u);
 }
 
 TEST_F(OtherReadersTest, OiiotoolFindsThePartsAndAttributesOfMoments) {

@@ -124,7 +124,8 @@ std::vector<GlslCase> glsl_brdf_cases() {
        {edit("r > 0.1 ?", "r > -1.0 ?")},
        second_zonal},
       {{"glsl-eighth-zonal-of-every-kappa", "vmf_zonal.glsl", "the recurrence started from 0 fails for large kappa",
-        "started twelve orders above from the asymptotic quotient", 1e-5, "absolute", "products of eight quotients"},
+        "started twelve orders above from the asymptotic quotient", 1e-4, "absolute",
+        "twelve orders leave 2.6e-5 at kappa 100"},
        {edit("float quotient = kappa / (middle + sqrt(middle * middle + kappa * kappa));", "float quotient = 0.0;")},
        eighth_zonal},
   };

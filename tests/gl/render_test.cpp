@@ -23,26 +23,6 @@ namespace {
 constexpr int kWidth = 80;
 constexpr int kHeight = 60;
 
-MeshData make_quad(float size) {
-  const float half = 0.5f * size;
-  MeshData mesh;
-  const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
-  for (const glm::vec2& corner : corners)
-    mesh.vertices.push_back(
-        {{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f, 1.0f}, corner});
-  mesh.indices = {0, 1, 2, 0, 2, 3};
-  return mesh;
-}
-
-/// From far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.
-Scene distant_scene() {
-  Scene scene;
-  scene.camera.eye = {0.0f, -8.0f, 12.0f};
-  scene.camera.target = {0.0f, 8.0f, 0.0f};
-  scene.uv_scale = 60.0f;
-  return scene;
-}
-
 class RenderTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {

@@ -19,8 +19,9 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
   Texture b(gl, "input b", {count, 1, 1, TexelFormat::kRgba32f}, nearest);
   a.upload_level(0, &input.a[0].x);
   b.upload_level(0, &input.b[0].x);
+  const std::string inputs =
+      "uniform sampler2D u_a;\nuniform sampler2D u_b;\nuniform sampler2D map;\nlayout(location = 0) out vec4 o;\n";
   const std::string main =
-      "uniform sampler2D u_a;\nuniform sampler2D u_b;\nuniform sampler2D map;\nlayout(location = 0) out vec4 o;\n"
       "float multum_vmf_eighth_zonal(float kappa) {\n  float zonal[9];\n  multum_vmf_zonal(kappa, zonal);\n"
       "  return zonal[8];\n}\n"
       "void main() {\n  ivec2 p = ivec2(gl_FragCoord.xy);\n  vec4 a = texelFetch(u_a, p, 0);\n"
@@ -30,8 +31,11 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
       std::string(shader_common_movmf_shading_glsl) + shader_brdf_blinn_phong_glsl + shader_brdf_torrance_sparrow_glsl +
           shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl + shader_brdf_terms_glsl + shader_common_vmf_zonal_glsl,
       "movmf_shading", input.edits);
-  const ShaderProgram program(
-      gl, {"harness", {}, {shader_full_screen_vert}, {formulas, shader_common_moment_shading_glsl, main}});
+  const ShaderProgram program(gl, {"harness",
+                                   input.flags,
+                                   {shader_full_screen_vert},
+                                   {inputs, formulas, shader_common_gmm_shading_glsl, shader_common_moment_shading_glsl,
+                                    input.formulas, main}});
   program.set("u_a", 0);
   program.set("u_b", 1);
   program.set("map", 2);

@@ -25,6 +25,17 @@ MovmfLevel make_level(int size, std::size_t lobe_count, bool coloured) {
 
 }  // namespace
 
+MeshData make_quad(float size) {
+  const float half = 0.5f * size;
+  MeshData mesh;
+  const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
+  for (const glm::vec2& corner : corners)
+    mesh.vertices.push_back(
+        {{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f, 1.0f}, corner});
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
 TestMap make_flat_map(int size) {
   TestMap map;
   map.image = {size, size, std::vector<glm::vec3>(texel_count(size), {0.0f, 0.0f, 1.0f}), {}};
@@ -143,6 +154,34 @@ MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding) {
     quantize_moments(level, encoding, 1);
   }
   return mipmap;
+}
+
+MovmfMipmap as_gaussians(MovmfMipmap mipmap) {
+  mipmap.representation = Representation::kGmm;
+  for (MovmfLevel& level : mipmap.levels)
+    for (auto& lobes : level.lobes)
+      for (glm::vec4& lobe : lobes) lobe.z = lobe.w > 0.0f ? (lobe.x * lobe.x + lobe.y * lobe.y) / lobe.w : 0.0f;
+  quantize_movmf(mipmap, 1);
+  return mipmap;
+}
+
+MeshData make_quad(float size) {
+  const float half = 0.5f * size;
+  MeshData mesh;
+  const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
+  for (const glm::vec2& corner : corners)
+    mesh.vertices.push_back(
+        {{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f, 1.0f}, corner});
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+Scene distant_scene() {
+  Scene scene;
+  scene.camera.eye = {0.0f, -8.0f, 12.0f};
+  scene.camera.target = {0.0f, 8.0f, 0.0f};
+  scene.uv_scale = 60.0f;
+  return scene;
 }
 
 }  // namespace multum::gl

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small maps whose exact mixtures are known, so that no bake is needed.
+// The plane that tests draw, and small maps whose exact mixtures are known, so that no bake is needed.
 #pragma once
 
+#include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/render/scene.h"
 
 namespace multum::gl {
+
+/// `size` a side, its near edge along X through the origin, facing +Z. uv 0 to 1.
+MeshData make_quad(float size);
 
 struct TestMap {
   NormalImage image;
@@ -30,5 +35,14 @@ TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encodi
 
 /// A baked file of moments of the same normals, every level the mean of the finest. The sides are powers of two.
 MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
+
+/// The same map's lobes, each a single direction, as planar Gaussians of no variance.
+MovmfMipmap as_gaussians(MovmfMipmap mipmap);
+
+/// A square from (-size/2, 0) to (size/2, size), facing +Z.
+MeshData make_quad(float size);
+
+/// From far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.
+Scene distant_scene();
 
 }  // namespace multum::gl

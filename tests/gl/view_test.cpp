@@ -12,12 +12,14 @@
 #include <set>
 
 #include "host/asset/moment_mipmap.h"
+#include "host/asset/sh_mipmap.h"
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
 #include "host/base/content_hash.h"
 #include "host/image/colour_map.h"
 #include "host/image/png_writer.h"
 #include "host/image/reading_settings.h"
+#include "tests/gl/sh_test_map.h"
 #include "tests/gl/test_maps.h"
 
 namespace multum {
@@ -90,11 +92,32 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   EXPECT_GT(std::abs(usual.at("toksvig") - usual.at("lean-jacobian")), 0.01);
 }
 
+// Of a broad highlight, which order 8 has: near the truth, whatever the BRDF.
+TEST_F(ViewTest, DrawsSphericalHarmonics) {
+  const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
+  write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(map.image, 8, StorageEncoding::kHalf), {});
+  for (const std::string brdf : {"lambert", "blinn-phong:10", "torrance-sparrow:0.35", "ggx:0.8"}) {
+    const ChildResult result = view({"-o", path("out.png"), "--compare", "truth,mip", "--size", "64x48", "--samples",
+                                     "64", "--context", "osmesa", "--report", path("r.json"), "--brdf", brdf});
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    std::map<std::string, double> errors;
+    const nlohmann::json report = nlohmann::json::parse(file);
+    for (const nlohmann::json& picture : report["pictures"])
+      if (picture["name"] != "truth") errors[picture["name"]] = picture["relative_l1"];
+    EXPECT_LT(errors.at("multum"), 0.15) << brdf;
+    EXPECT_LT(errors.at("multum"), errors.at("mip")) << brdf;
+  }
+}
+
 TEST_F(ViewTest, RefusesWhatIsForAnotherRepresentation) {
   expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "holds lobes, found --moments");
   expect_refusal({"-o", path("out.png"), "--moments", "leen"}, 2, "--moments");
   write_moment_mipmap(path("map.ndf.exr"), gl::make_moments(gl::make_flat_map(8).image, StorageEncoding::kHalf), {});
   expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds moments, found --formula paper");
+  write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(gl::make_flat_map(8).image, 2, StorageEncoding::kHalf), {});
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds spherical harmonics, found --formula paper");
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "holds spherical harmonics, found --moments");
   expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, "truth, mip, toksvig, lean, lean-jacobian");
 }
 
@@ -166,6 +189,25 @@ TEST_F(ViewTest, BlendsBasisBrdfsByWeights) {
                  "holds 2 weights, found 3 of --brdf");
 }
 
+TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {
+  const auto error_of = [&](const std::string& brdf) {
+    const ChildResult result = view({"-o", path("out.png"), "--brdf", brdf, "--compare", "truth", "--size", "64x48",
+                                     "--samples", "64", "--report", path("r.json"), "--context", "osmesa"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    fs::remove(path("out.png"));
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file)["pictures"][1]["relative_l1"].get<double>();
+  };
+  const double lobes = error_of("blinn-phong:100"), grooves = error_of("cook-torrance:0.1");
+  const gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
+  write_movmf_mipmap(path("map.ndf.exr"), gl::as_gaussians(map.mipmap), {});
+  EXPECT_LT(error_of("blinn-phong:100"), 1.05 * lobes + 0.02);
+  EXPECT_LT(error_of("cook-torrance:0.1"), 1.05 * grooves + 0.02);
+  expect_refusal({"-o", path("out.png"), "--brdf", "ggx:0.3"}, 2, "holds planar Gaussians, found --brdf ggx");
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds planar Gaussians, found --formula paper");
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "found --moments");
+}
+
 TEST_F(ViewTest, WarnsWhereTheRendererFiltersAnisotropicallyWrong) {
   const std::vector<std::string> arguments = {"-o", path("out.png"), "--size", "32x24", "--anisotropy",
                                               "4",  "--context",     "osmesa"};
@@ -192,6 +234,61 @@ TEST_F(ViewTest, WritesFloatsToExr) {
   EXPECT_TRUE(fs::exists(path("out.exr")));
 }
 
+// Every family of BRDFs and every kind of light draws, and says so in the report; lobes are nearer than averages.
+TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
+  std::ofstream(path("fit.json")) << R"({"layers": [{"kernel": [[0], [0], [1], [0], [0], [0]], "bias": [0]},
+                                         {"kernel": [[9, 9, 6]], "bias": [-8.5, -8.5, -5.8]}]})";
+  std::string sky = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
+  for (int i = 0; i < 128; ++i) sky += i < 64 ? "\x60\x80\xC0\x81" : "\x40\x30\x20\x7F";
+  std::ofstream(path("sky.hdr"), std::ios::binary) << sky;
+  const auto row = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth,mip",     "--size",
+                                          "32x24",     "--samples",     "64",        "--report",      path("r.json"),
+                                          "--context", "osmesa",        "--camera",  "0,10,12,0,20,0"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    const nlohmann::json report = nlohmann::json::parse(file);
+    const double error = report["pictures"][1]["relative_l1"];
+    EXPECT_LT(error, 0.2) << result.output;
+    EXPECT_LT(error, report["pictures"][2]["relative_l1"].get<double>() + 0.01) << result.output;
+    return report["brdf"].get<std::string>();
+  };
+  EXPECT_EQ(row({"--brdf", "lambert"}), "lambert");
+  EXPECT_EQ(row({"--brdf", "cook-torrance:0.3,0.5", "--light", "0.2,0.4,1"}), "cook-torrance");
+  EXPECT_EQ(row({"--brdf", "ggx:0.6,0.9,0.6,0.2", "--point-light", "0,20,9,80"}), "ggx");
+  EXPECT_EQ(row({"--brdf", path("fit.json"), "--light", "0.2,0.4,1"}), "measured");
+  EXPECT_EQ(row({"--brdf", "blinn-phong:12", "--environment", path("sky.hdr")}), "blinn-phong");
+  EXPECT_EQ(row({"--brdf", "ggx:0.6", "--environment", path("sky.hdr"), "--environment-mode", "sh"}), "ggx");
+}
+
+TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
+  const ChildResult result = view({"--animate",  path("frames"), "--frames",     "3",           "--brdf",
+                                   "ggx:0.5",    "--to-brdf",    "ggx:0.1",      "--light",     "0,0.5,1",
+                                   "--to-light", "0.5,0.5,1",    "--to-camera",  "0,1,2,0,4,0", "--size",
+                                   "16x12",      "--report",     path("r.json"), "--context",   "osmesa"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const char* name : {"frame_0000.png", "frame_0001.png", "frame_0002.png"})
+    EXPECT_TRUE(fs::exists(folder_ / "frames" / name)) << name;
+  EXPECT_FALSE(fs::exists(folder_ / "frames" / "frame_0003.png"));
+  EXPECT_NE(hash_file((folder_ / "frames" / "frame_0000.png").string()),
+            hash_file((folder_ / "frames" / "frame_0002.png").string()));
+  std::ifstream file(path("r.json"));
+  EXPECT_EQ(nlohmann::json::parse(file)["pictures"].size(), 3u);
+  // The first frame is what the same options show without it.
+  const ChildResult still = view(
+      {"-o", path("still.png"), "--brdf", "ggx:0.5", "--light", "0,0.5,1", "--size", "16x12", "--context", "osmesa"});
+  ASSERT_EQ(still.exit_code, 0) << still.output;
+  EXPECT_EQ(hash_file(path("still.png")), hash_file((folder_ / "frames" / "frame_0000.png").string()));
+  const std::string frames = path("more");
+  expect_refusal({"--animate", frames}, 2, "say what changes");
+  expect_refusal({"-o", path("out.png"), "--to-brdf", "ggx:0.1"}, 2, "go with --animate");
+  expect_refusal({"-o", path("out.png"), "--animate", frames, "--to-diffuse", "1"}, 2, "leave out -o");
+  expect_refusal({"--animate", frames, "--to-brdf", "ggx:0.1"}, 2, "of the family that --brdf has");
+  expect_refusal({"--animate", frames, "--to-light", "0,0,1", "--to-light", "0,1,1"}, 2, "expected the 1 of");
+}
+
 TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   const std::string out = path("out.png");
   expect_refusal({"-o", path("out.jpg")}, 2, "written as .png or .exr");
@@ -199,6 +296,13 @@ TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--brdf", "ggx:0.01"}, 2, "ggx:ROUGHNESS");
   expect_refusal({"-o", out, "--brdf", "blinn-phong:nan"}, 2, "blinn-phong:S");
   expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, "1..100000");
+  expect_refusal({"-o", out, "--brdf", "ggx:0.3,1.5"}, 2, "F0 0..1");
+  expect_refusal({"-o", out, "--brdf", "cook-torrance:0.3,0.1,0.2"}, 2, "cook-torrance:SIGMA");
+  expect_refusal({"-o", out, "--brdf", path("map.ndf.exr")}, 3, "expected a number");
+  expect_refusal({"-o", out, "--brdf-terms", "5"}, 2, "--brdf-terms");
+  expect_refusal({"-o", out, "--point-light", "0,0,1"}, 2, "then its intensity");
+  expect_refusal({"-o", out, "--point-light", "0,0,1,-1"}, 2, "then its intensity");
+  expect_refusal({"-o", out, "--environment", path("map.ndf.exr")}, 3, "twice as wide as high");
   expect_refusal({"-o", out, "--light", "0,0,0"}, 2, "towards the light");
   expect_refusal({"-o", out, "--light", "1,2"}, 2, "towards the light");
   expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, "eye x,y,z");

@@ -11,6 +11,7 @@
 #include "host/asset/movmf_mipmap.h"
 #include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_em_step.h"
+#include "host/reference/planar_em.h"
 
 namespace multum::testing {
 namespace {
@@ -35,6 +36,7 @@ RowWindow window_of(Device& device, const RowStore& store, const RowWindow::Fill
 
 MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
   MovmfSettings settings;
+  settings.representation = how.representation;
   settings.lobe_count = lobe_count;
   settings.iteration_count = settings.iteration_count_coarse = settings.iteration_count_top = how.iterations;
   settings.settled_change = how.settled_change;
@@ -62,6 +64,22 @@ MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settin
   }
   if (how.shortened) make_shortened(schedule);
   return schedule;
+}
+
+// What a texel starts from where `from` is its parent's lobe, and what that says.
+void append_start(const MultumVmfLobe& from, double alignment, std::vector<reference::Lobe>& lobes,
+                  reference::EmOptions& options) {
+  const double a = static_cast<double>(from.amplitude);
+  const glm::dvec3 mu(from.mean_x, from.mean_y, 0.0);
+  lobes.push_back(
+      {mu, std::clamp(0.5 / std::max(static_cast<double>(from.mean_z), 1e-6), 0.05, 1e6), std::max(a, 0.02)});
+  options.prior.push_back(alignment * a * (mu + glm::dvec3(0.0, 0.0, 1.0)));
+}
+
+// Normals as points of the plane, none of which scatters.
+std::vector<reference::Sample> as_points(std::vector<reference::Sample> samples) {
+  for (reference::Sample& s : samples) s.normal.z = 0.0;
+  return samples;
 }
 
 glm::dvec3 direction_of(const MultumVmfLobe& lobe) {
@@ -100,7 +118,8 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   windows.lobes = &lobes;
   windows.directed = &directed;
   windows.normals = &normals;
-  const auto condensed = condense_levels(device, planes, {}, schedule, how.condense_rows, {}, nullptr);
+  const auto condensed =
+      condense_levels(device, planes, {}, schedule, settings.representation, how.condense_rows, {}, nullptr);
   RowWindow samples, counts;
   if (how.method == FitMethod::kCondensed) {
     const CondensedLevel& from = condensed.at(how.level);
@@ -145,6 +164,7 @@ std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const s
   const int parent_width = mip_level_size(map.width, how.level + 1),
             parent_height = mip_level_size(map.height, how.level + 1);
   const auto texels = static_cast<std::size_t>(width * height);
+  const bool gaussians = how.representation == Representation::kGmm;
   std::vector<reference::Moments> result(static_cast<std::size_t>(lobe_count) * texels);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -157,14 +177,20 @@ std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const s
       for (int j = 0; j < lobe_count; ++j) {
         const int parent_texel = std::min(y / 2, parent_height - 1) * parent_width + std::min(x / 2, parent_width - 1);
         const MultumVmfLobe& from = parent[static_cast<std::size_t>(j * parent_width * parent_height + parent_texel)];
+        if (gaussians) {
+          append_start(from, static_cast<double>(how.alignment), lobes, options);
+          continue;
+        }
         const glm::dvec3 mu = direction_of(from);
         const double r = std::min(glm::length(glm::dvec3(from.mean_x, from.mean_y, from.mean_z)), 1.0 - 1e-6);
         lobes.push_back({mu, std::clamp(reference::kappa_of_mean_length(r) * 0.5, 0.05, 1e6),
                          std::max(static_cast<double>(from.amplitude), 0.02)});
         options.prior.push_back(static_cast<double>(how.alignment) * static_cast<double>(from.amplitude) * mu);
       }
-      const std::vector<reference::Moments> moments =
-          reference::fit(covered_samples(map, how.level, x, y), lobes, options);
+      const std::vector<reference::Sample> samples = covered_samples(map, how.level, x, y);
+      const std::vector<reference::Moments> moments = gaussians
+                                                          ? reference::fit_planar(as_points(samples), lobes, options)
+                                                          : reference::fit(samples, lobes, options);
       for (int j = 0; j < lobe_count; ++j)
         result[static_cast<std::size_t>(j) * texels + static_cast<std::size_t>(y * width + x)] =
             moments[static_cast<std::size_t>(j)];

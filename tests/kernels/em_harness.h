@@ -24,6 +24,8 @@ struct LevelFit {
   FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals a texel
   int condense_rows = 1 << 15;            // of the map, a band while texels are condensed
   float settled_change = 0.0f;
+  // kGmm: lobes are (mean x, mean y, sigma^2, amplitude), and so are the reference's r.
+  Representation representation = Representation::kMovmf;
 };
 
 /// Deterministic test device: the CPU.

@@ -202,7 +202,7 @@ TEST(Weights, MomentsAverageThem) {
   for (float& value : values) value = static_cast<float>(uniform(random));
   const WeightMap weights =
       weights_of(50, 37, 4, [&](int i, int k) { return values[static_cast<std::size_t>(4 * i + k)]; });
-  MomentBakeInputs inputs;
+  AverageInputs inputs;
   inputs.weights = &weights;
   BakeReport report;
   const MomentMipmap mipmap = bake_moments(test_device(), map, nullptr, inputs, report, nullptr);
@@ -277,7 +277,7 @@ TEST(Roughness, NoneAndFullOfIt) {
 
 TEST(Roughness, MomentsHoldTheFacetsSlopes) {
   const NormalMap unit = bumpy_map(40, 24, 42), map = shortened(unit, 43);
-  MomentBakeInputs inputs;
+  AverageInputs inputs;
   BakeReport report;
   const MomentMipmap plain = bake_moments(test_device(), unit, nullptr, inputs, report, nullptr);
   inputs.has_roughness = true;

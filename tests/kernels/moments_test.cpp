@@ -42,7 +42,7 @@ ColourMap random_colours(int width, int height, unsigned seed) {
   return map;
 }
 
-MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const MomentBakeInputs& inputs = {}) {
+MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const AverageInputs& inputs = {}) {
   BakeReport report;
   return bake_moments(test_device(), map, albedo, inputs, report, nullptr);
 }
@@ -110,7 +110,7 @@ TEST_P(MomentKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   const MomentMipmap whole = bake(map, &colours);
   const auto level_count = static_cast<int>(whole.levels.size());
   for (const int first_level : {0, std::min(2, level_count - 1)}) {
-    MomentBakeInputs inputs;
+    AverageInputs inputs;
     inputs.first_level = first_level;
     inputs.threads = 2;
     int bakes = 0;
@@ -239,7 +239,7 @@ TEST(MomentHardCaseTest, NormalsAtTheRimAreBoundedAndCounted) {
 
 TEST(MomentHardCaseTest, CancellingIsHeard) {
   const NormalMap map = random_map(64, 64, 0.3, 31);
-  MomentBakeInputs inputs;
+  AverageInputs inputs;
   inputs.memory_bytes = 40 * 1024;  // a few rows a band
   int calls = 0;
   std::uint64_t done = 0, total = 0;
@@ -259,7 +259,7 @@ TEST(MomentHardCaseTest, CancellingIsHeard) {
 }
 
 TEST(MomentHardCaseTest, FirstLevelsThatTheMapHasNot) {
-  MomentBakeInputs inputs;
+  AverageInputs inputs;
   inputs.first_level = 4;
   EXPECT_NO_THROW(bake(random_map(16, 8, 0.3, 1), nullptr, inputs));
   inputs.first_level = 5;

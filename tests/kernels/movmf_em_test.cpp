@@ -15,6 +15,8 @@
 namespace multum::testing {
 namespace {
 
+constexpr Representation kGmm = Representation::kGmm;
+
 // Three facets with some roughness: what EM should find.
 NormalMap random_map(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
@@ -27,7 +29,8 @@ NormalMap random_map(int width, int height, unsigned seed) {
   });
 }
 
-std::vector<MultumVmfLobe> random_parent(const NormalMap& map, int level, int lobe_count, unsigned seed) {
+std::vector<MultumVmfLobe> random_parent(const NormalMap& map, int level, int lobe_count, unsigned seed,
+                                         Representation representation = Representation::kMovmf) {
   std::mt19937 random(seed);
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
   const int texels = mip_level_size(map.width, level + 1) * mip_level_size(map.height, level + 1);
@@ -36,6 +39,7 @@ std::vector<MultumVmfLobe> random_parent(const NormalMap& map, int level, int lo
     const glm::vec3 r =
         glm::normalize(glm::vec3(2 * uniform() - 1, 2 * uniform() - 1, 0.3f + uniform())) * (0.5f + 0.49f * uniform());
     lobe = {r.x, r.y, r.z, 1.0f / static_cast<float>(lobe_count)};
+    if (representation == Representation::kGmm) lobe.mean_z = 0.002f + 0.2f * std::abs(r.z);  // sigma^2
   }
   return parent;
 }
@@ -43,13 +47,15 @@ std::vector<MultumVmfLobe> random_parent(const NormalMap& map, int level, int lo
 struct Case {
   int width, height, level, lobes;
   FitMethod method = FitMethod::kTexels;
+  Representation representation = Representation::kMovmf;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.width << "x" << c.height << " level " << c.level << ", " << c.lobes << " lobes"
        << (c.method == FitMethod::kChunks      ? ", chunked"
            : c.method == FitMethod::kCondensed ? ", condensed"
-                                               : "");
+                                               : "")
+       << (c.representation == Representation::kGmm ? ", Gaussians" : "");
 }
 
 class MovmfEmTest : public ::testing::TestWithParam<Case> {};
@@ -62,8 +68,9 @@ TEST_P(MovmfEmTest, EqualsReference) {
   const unsigned seed = 20061u + static_cast<unsigned>(c.width * 7 + c.level);
   SCOPED_TRACE(seed);
   const NormalMap map = random_map(c.width, c.height, seed);
-  const auto parent = random_parent(map, c.level, c.lobes, seed + 1);
+  const auto parent = random_parent(map, c.level, c.lobes, seed + 1, c.representation);
   LevelFit how;
+  how.representation = c.representation;
   how.level = c.level;
   how.iterations = 4;
   how.method = c.method;
@@ -88,8 +95,9 @@ TEST_P(MovmfEmTest, EqualsReference) {
 TEST_P(MovmfEmTest, ScalarEqualsVectorBitForBit) {
   const Case c = GetParam();
   const NormalMap map = random_map(c.width, c.height, 77);
-  const auto parent = random_parent(map, c.level, c.lobes, 78);
+  const auto parent = random_parent(map, c.level, c.lobes, 78, c.representation);
   LevelFit how;
+  how.representation = c.representation;
   how.level = c.level;
   how.method = c.method;
   const auto vector = fit_with_kernels(map, parent, c.lobes, how);
@@ -106,6 +114,13 @@ INSTANTIATE_TEST_SUITE_P(Maps, MovmfEmTest,
                                            Case{37, 21, 2, 3}, Case{21, 37, 3, 4, FitMethod::kChunks},
                                            Case{1, 37, 1, 4}, Case{64, 1, 3, 2},
                                            Case{50, 70, 2, 2, FitMethod::kChunks}));
+
+// The same of planar Gaussians, whose lobes and references are (mean x, mean y, sigma^2).
+INSTANTIATE_TEST_SUITE_P(
+    Gaussians, MovmfEmTest,
+    ::testing::Values(Case{32, 32, 1, 4, FitMethod::kTexels, kGmm}, Case{32, 32, 3, 8, FitMethod::kTexels, kGmm},
+                      Case{37, 21, 2, 3, FitMethod::kTexels, kGmm}, Case{1, 37, 1, 4, FitMethod::kTexels, kGmm},
+                      Case{64, 64, 5, 4, FitMethod::kChunks, kGmm}, Case{21, 37, 3, 4, FitMethod::kChunks, kGmm}));
 
 // Both ways to sum must agree: which one runs is a matter of a texel's size alone.
 TEST(MovmfEmPathTest, ChunkedAgreesWithUnchunked) {
@@ -128,8 +143,14 @@ double difference(const MultumVmfLobe& lobe, const reference::Moments& expected)
   return std::max(std::abs(a - expected.amplitude), glm::length(a * r - expected.amplitude * expected.r));
 }
 
-LevelFit condensed_fit(int level) {
+// What no share of normals changes, in the sum over a texel's lobes: of Gaussians E[x^2 + y^2] is one.
+glm::dvec3 kept_by_shares(const glm::dvec3& r, Representation representation) {
+  return representation == kGmm ? glm::dvec3(r.x, r.y, 2.0 * r.z + r.x * r.x + r.y * r.y) : r;
+}
+
+LevelFit condensed_fit(int level, Representation representation = Representation::kMovmf) {
   LevelFit how;
+  how.representation = representation;
   how.level = level;
   how.method = FitMethod::kCondensed;
   return how;
@@ -137,6 +158,7 @@ LevelFit condensed_fit(int level) {
 
 struct CondensedCase {
   int width, height, level, lobes;
+  Representation representation = Representation::kMovmf;
 };
 
 // Facets with steep outliers: axes must not be stretched by them.
@@ -154,8 +176,9 @@ class CondensedTest : public ::testing::TestWithParam<CondensedCase> {
  protected:
   const int lobes_ = GetParam().lobes;
   const NormalMap map_ = facets_with_outliers(GetParam().width, GetParam().height);
-  const std::vector<MultumVmfLobe> parent_ = random_parent(map_, GetParam().level, lobes_, 92);
-  LevelFit how_ = condensed_fit(GetParam().level);
+  const std::vector<MultumVmfLobe> parent_ =
+      random_parent(map_, GetParam().level, lobes_, 92, GetParam().representation);
+  LevelFit how_ = condensed_fit(GetParam().level, GetParam().representation);
 };
 
 // Condensed texels lose where a normal lies in its cell, and nothing else: 4 iterations end close to the reference on
@@ -176,8 +199,9 @@ TEST_P(CondensedTest, EqualsReferenceClosely) {
     glm::dvec4 mean(0.0), mean_expected(0.0);
     for (std::size_t i = t; i < found.size(); i += texels) {
       const MultumVmfLobe& lobe = found[i];
-      mean += static_cast<double>(lobe.amplitude) * glm::dvec4(lobe.mean_x, lobe.mean_y, lobe.mean_z, 1.0);
-      mean_expected += expected[i].amplitude * glm::dvec4(expected[i].r, 1.0);
+      const glm::dvec3 r(lobe.mean_x, lobe.mean_y, lobe.mean_z);
+      mean += static_cast<double>(lobe.amplitude) * glm::dvec4(kept_by_shares(r, how_.representation), 1.0);
+      mean_expected += expected[i].amplitude * glm::dvec4(kept_by_shares(expected[i].r, how_.representation), 1.0);
     }
     EXPECT_LT(glm::length(mean - mean_expected), 1e-5) << "texel " << t;
   }
@@ -203,10 +227,12 @@ TEST_P(CondensedTest, BandsOfAnyHeightGiveTheSameBytes) {
 INSTANTIATE_TEST_SUITE_P(Maps, CondensedTest,
                          ::testing::Values(CondensedCase{128, 64, 6, 4}, CondensedCase{128, 128, 6, 6},
                                            CondensedCase{129, 150, 6, 3}, CondensedCase{64, 64, 4, 2},
-                                           CondensedCase{3000, 1, 11, 2}),
+                                           CondensedCase{3000, 1, 11, 2}, CondensedCase{128, 64, 6, 4, kGmm},
+                                           CondensedCase{129, 150, 6, 3, kGmm}),
                          [](const auto& c) {
                            return std::to_string(c.param.width) + "x" + std::to_string(c.param.height) + "_level" +
-                                  std::to_string(c.param.level) + "_lobes" + std::to_string(c.param.lobes);
+                                  std::to_string(c.param.level) + "_lobes" + std::to_string(c.param.lobes) +
+                                  (c.param.representation == kGmm ? "_gaussians" : "");
                          });
 
 // One normal over and over has no extent at all.

@@ -27,12 +27,13 @@ struct Case {
   CoarseNormals coarse;
   int first_level;
   bool materials = false;  // four weights, and shortened normals
+  Representation representation = Representation::kMovmf;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
   *out << (c.materials ? "materials, " : "") << c.width << " x " << c.height << (c.periodic ? " periodic" : "")
        << (c.colours ? " colours" : "") << (c.coarse == CoarseNormals::kAll ? " all" : " condensed") << " from level "
-       << c.first_level;
+       << c.first_level << (c.representation == Representation::kGmm ? ", Gaussians" : "");
 }
 
 std::array<std::vector<float>, 3> random_planes(const Case& c, unsigned seed, bool unit) {
@@ -92,6 +93,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
       inputs_.weights = &weights_;
       inputs_.has_roughness = true;
     }
+    settings_.representation = c.representation;
     settings_.lobe_count = 2;
     settings_.iteration_count = settings_.iteration_count_coarse = settings_.iteration_count_top = 3;
     settings_.iteration_count_again = 2;
@@ -114,16 +116,17 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
   BakeReport report_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Maps, BakeBandsTest,
-                         ::testing::Values(Case{64, 256, true, false, CoarseNormals::kCondensed, 0},
-                                           Case{64, 256, false, true, CoarseNormals::kAll, 0},
-                                           Case{50, 237, true, true, CoarseNormals::kCondensed, 0},
-                                           Case{37, 190, true, false, CoarseNormals::kAll, 0},
-                                           Case{101, 99, false, false, CoarseNormals::kCondensed, 1},
-                                           Case{96, 2000, true, true, CoarseNormals::kCondensed, 4},
-                                           Case{70, 1900, false, false, CoarseNormals::kCondensed, 4},
-                                           Case{70, 1000, false, true, CoarseNormals::kAll, 5},
-                                           Case{61, 240, true, true, CoarseNormals::kCondensed, 0, true}));
+INSTANTIATE_TEST_SUITE_P(
+    Maps, BakeBandsTest,
+    ::testing::Values(
+        Case{64, 256, true, false, CoarseNormals::kCondensed, 0}, Case{64, 256, false, true, CoarseNormals::kAll, 0},
+        Case{50, 237, true, true, CoarseNormals::kCondensed, 0}, Case{37, 190, true, false, CoarseNormals::kAll, 0},
+        Case{101, 99, false, false, CoarseNormals::kCondensed, 1},
+        Case{96, 2000, true, true, CoarseNormals::kCondensed, 4},
+        Case{70, 1900, false, false, CoarseNormals::kCondensed, 4}, Case{70, 1000, false, true, CoarseNormals::kAll, 5},
+        Case{61, 240, true, true, CoarseNormals::kCondensed, 0, true},
+        Case{50, 237, true, true, CoarseNormals::kCondensed, 0, false, Representation::kGmm},
+        Case{37, 190, true, true, CoarseNormals::kAll, 0, false, Representation::kGmm}));
 
 TEST_P(BakeBandsTest, AnyMemoryGivesTheSameBytes) {
   const MovmfMipmap whole = bake();

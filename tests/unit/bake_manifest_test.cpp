@@ -245,11 +245,11 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
 // The page has a row for every key that is read, in backquotes.
 TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/CI.md");
-  for (const char* key :
-       {"input",       "output",         "error_max", "lobes",       "reference",   "iterations", "sweeps",
-        "order",       "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",
-        "twrap",       "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale",
-        "two_channel", "no_rehearsal",   "fixnan",    "checknan",    "repair_max",  "albedo",     "compression"})
+  for (const char* key : {"input",    "output",     "error_max",    "lobes",          "reference",    "iterations",
+                          "sweeps",   "order",      "align",        "kappa_cap",      "first_level",  "data_format",
+                          "wrap",     "swrap",      "twrap",        "coarse_normals", "green",        "signed",
+                          "unsigned", "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "fixnan",
+                          "checknan", "repair_max", "albedo",       "compression",    "normal_scale"})
     EXPECT_NE(page.find("`" + std::string(key) + "`"), std::string::npos) << key;
 }
 

@@ -8,6 +8,8 @@
 #include <limits>
 #include <random>
 
+#include <glm/geometric.hpp>
+
 #include "host/image/encoding_detection.h"
 #include "host/image/normal_decode.h"
 #include "tests/unit/image_test_files.h"
@@ -339,6 +341,34 @@ TEST(NormalMapReading, XInAlphaIsNamed) {
     expect_error(ErrorCode::kInput, {"dxt5nm.png", "a constant red and an alpha", "x in alpha", "expected x in red"},
                  [&] { read_map(folder / "dxt5nm.png"); });
   }
+}
+
+// As glTF's normalTexture.scale: x and y times it, then unit length; what the file is taken for stays the same.
+TEST(NormalMapReading, NormalsAreScaled) {
+  const TemporaryFolder folder;
+  write_test_image(folder / "a.exr", normal_image(32, 16, true));
+  NormalMapSettings settings;
+  const NormalMap plain = read_map(folder / "a.exr");
+  for (const float scale : {0.0f, 0.5f, 2.0f, -1.0f}) {
+    settings.normal_scale = scale;
+    const NormalMap scaled = read_map(folder / "a.exr", settings);
+    EXPECT_TRUE(contains(scaled.report.encoding, "scaled by")) << scaled.report.encoding;
+    for (std::size_t i = 0; i < plain.x.size(); ++i) {
+      const glm::vec3 expected = glm::normalize(glm::vec3(scale * plain.x[i], scale * plain.y[i], plain.z[i]));
+      ASSERT_NEAR(scaled.x[i], expected.x, 1e-6f) << i;
+      ASSERT_NEAR(scaled.y[i], expected.y, 1e-6f) << i;
+      ASSERT_NEAR(scaled.z[i], expected.z, 1e-6f) << i;
+    }
+  }
+  settings.normal_scale = kNan;
+  expect_error(ErrorCode::kUsage, {"--normal-scale is"}, [&] { read_map("x", settings); });
+  write_test_image(folder / "heights.png", TestImage{.width = 2, .height = 1, .channels = 1, .values = {0, 1}});
+  settings = {};
+  settings.bump_format = BumpFormat::kHeight;
+  settings.normal_scale = 2.0f;
+  const std::vector<std::string> warnings = read_map(folder / "heights.png", settings).report.warnings;
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_EQ(warnings[0], "--normal-scale: without effect on a height field");
 }
 
 TEST(NormalMapReading, OptionsWithoutEffectAreNamed) {

@@ -23,12 +23,14 @@ TEST(ReadingSettingsTest, WhatIsWrittenIsReadBack) {
               .is_signed = true,
               .two_channel = false,
               .height_scale = 0.1f,
+              .normal_scale = 0.3f,
               .wrap_s = WrapMode::kMirror,
               .wrap_t = WrapMode::kBlack,
               .fix_nan = FixNan::kNone};
   const std::string text = to_text(settings);
   EXPECT_EQ(to_text(parse_reading_settings(text)), text);
   EXPECT_EQ(parse_reading_settings(text).height_scale, 0.1f);
+  EXPECT_EQ(parse_reading_settings(text).normal_scale, 0.3f);
   EXPECT_EQ(parse_reading_settings(text).wrap_t, WrapMode::kBlack);
 }
 

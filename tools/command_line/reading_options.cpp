@@ -20,6 +20,9 @@ void add_reading_options(CLI::App& app, ReadingOptions& o) {
   show_default(
       app.add_option("--height-scale", o.height_scale, "height field: height in texels of a value difference of 1"),
       o.height_scale);
+  show_default(
+      app.add_option("--normal-scale", o.normal_scale, "normal map: x and y times this, as glTF's normalTexture.scale"),
+      o.normal_scale);
   add_choice(app, "--fixnan", o.fix_nan, kFixNans,
              "repair NaN and Inf: none (refuse), black (flat), box3 (mean of the neighbours)");
   show_default(app.add_option("--repair-max", o.repair_share_max,

@@ -95,7 +95,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   job.threads = job.writing.threads = apply(o.common);
   keep_freed_memory();
   if (has_manifest) return run_manifest(o.manifest, job, o.device, printing(o));
-  check_options_of_lobes(o.map);
+  check_options_of_ndf(o.map);
   apply(o.map, job);
   job.measure = !o.no_measure;
   job.region = parse_region(o.region);

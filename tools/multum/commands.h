@@ -38,6 +38,9 @@ void add_info_command(CLI::App& app, int* exit_code);
 void add_selftest_command(CLI::App& app, int* exit_code);
 void add_verify_command(CLI::App& app, int* exit_code);
 void add_testmap_command(CLI::App& app, int* exit_code);
+/// mip, reflectance, lod.
+void add_pyramid_commands(CLI::App& app, int* exit_code);
+void add_materials_command(CLI::App& app, int* exit_code);
 /// serve, and the worker that it starts.
 void add_serve_commands(CLI::App& app, int* exit_code);
 /// submit, list, show, tail, wait, cancel, retry, purge: a service's clients.

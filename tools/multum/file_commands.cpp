@@ -12,6 +12,8 @@
 #include "host/asset/gpu_bytes.h"
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
+#include "host/asset/pyramid_file.h"
+#include "host/asset/sh_mipmap.h"
 #include "host/bake/accuracy_table.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
@@ -69,6 +71,16 @@ constexpr InfoKind kInfoKinds[] = {
        return fmt::format("kappa up to {:.0f} survives it", static_cast<double>(storage_kappa_max(file.encoding)));
      },
      [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
+    {Representation::kGmm,
+     [](const std::string& path, const BakedHeader& file) {
+       return fmt::format("{} planar Gaussians a texel{}", read_movmf_header(path).lobe_count(),
+                          file.has_colours ? ", with a colour each" : "");
+     },
+     [](const BakedHeader& file) {
+       return fmt::format("variances down to {:.1e} survive it",
+                          1.0 / static_cast<double>(storage_kappa_max(file.representation, file.encoding)));
+     },
+     [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
     {Representation::kMoments,
      [](const std::string&, const BakedHeader& file) {
        return fmt::format("mean normal, first and second moments of slopes{}{}",
@@ -79,6 +91,17 @@ constexpr InfoKind kInfoKinds[] = {
                           static_cast<double>(least_slope_deviation(file.encoding)));
      },
      [](const std::string&, const BakedHeader& file) { return moment_gpu_bytes(file); }},
+    {Representation::kSh,
+     [](const std::string& path, const BakedHeader& file) {
+       const int order = read_sh_header(path).order;
+       return fmt::format("spherical harmonics to order {}: {} coefficients in {} textures{}", order,
+                          sh_coefficient_count(order), sh_part_count(order), file.has_colours ? ", mean colour" : "");
+     },
+     [](const BakedHeader& file) {
+       return std::string(file.encoding == StorageEncoding::kHalf ? "2^-11 of each coefficient is lost at most"
+                                                                  : "nothing is lost");
+     },
+     [](const std::string& path, const BakedHeader&) { return sh_gpu_bytes(read_sh_header(path)); }},
 };
 
 const InfoKind& info_kind(Representation representation) {
@@ -96,7 +119,25 @@ std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
                      static_cast<double>(bytes) / static_cast<double>(usual), size_text(usual));
 }
 
+int print_pyramid(const std::string& path) {
+  const PyramidHeader file = read_pyramid_header(path);
+  const BakedProvenance& from = file.map.provenance;
+  std::string text = fmt::format("file            {}\n", path);
+  text += fmt::format("representation  pyramid of {}\n", pyramid_kind_name(file.kind));
+  text += fmt::format("size            {} x {}, {} levels, wrap {}, {}\n", file.map.width, file.map.height,
+                      file.level_count(), wrap_mode_name(file.map.wrap_s), wrap_mode_name(file.map.wrap_t));
+  text += fmt::format("encoding        {}\n", storage_encoding_name(file.map.encoding));
+  text += fmt::format("on disk         {}\n", size_text(std::filesystem::file_size(path)));
+  if (!from.source_hash.empty())
+    text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
+  text += fmt::format("settings        {}\n", rounded_settings(from.settings));
+  text += fmt::format("checksum        {}\nwritten by      {}\n", from.content_hash, from.software);
+  std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
 int run_info(const std::string& path) {
+  if (is_pyramid_file(path)) return print_pyramid(path);
   const BakedHeader file = read_baked_header(path);
   const BakedProvenance& from = file.provenance;
   const InfoKind& kind = info_kind(file.representation);

@@ -44,6 +44,8 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
       "  multum bake --manifest maps.toml --check            bake what changed of a project, and say what it was\n"
       "  multum-view bricks.ndf.exr -o frame.png             render it\n"
       "  multum info bricks.ndf.exr                          look inside\n"
+      "  multum mip bricks.png -o bricks.exr                 colours: averaged in linear light\n"
+      "  multum materials helmet.glb -o helmet               the normal maps of a model, as a manifest to bake\n"
       "  multum selftest                                     does this machine's OpenCL driver compute what it "
       "should?\n"
       "  multum animation renders -o animation.toml          what a folder of ray-traced pictures holds, as a job\n"
@@ -59,6 +61,8 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   add_devices_command(app, &exit_code);
   add_selftest_command(app, &exit_code);
   add_testmap_command(app, &exit_code);
+  add_pyramid_commands(app, &exit_code);
+  add_materials_command(app, &exit_code);
   add_animation_command(app, &exit_code);
   add_infer_command(app, &exit_code);
   add_serve_commands(app, &exit_code);

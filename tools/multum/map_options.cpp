@@ -29,7 +29,7 @@ void add_fit_options(CLI::App& bake, MapOptions& o) {
     bake.add_option(option, value, help)->default_str(fmt::format("{}", usual_value));
   };
   add("--lobes", o.lobes, usual.lobe_count,
-      "of vmf, as are the options of the fit below: lobes a texel, 1..8; more are more accurate, larger and "
+      "of vmf and gmm, as are the options of the fit below: lobes a texel, 1..8; more are more accurate, larger and "
       "slower");
   bake.add_flag("--reference", o.reference,
                 "every normal at every level, 30 iterations, none cut short: what the defaults are measured against, "
@@ -58,12 +58,17 @@ std::string ndf_help() {
 void add_storage_options(CLI::App& bake, MapOptions& o) {
   const BakeJob usual;
   add_choice_with_default(bake, "--ndf", o.ndf, kNdfs, usual.representation, ndf_help());
+  bake.add_option("--sh-order", o.sh_order,
+                  fmt::format("of sh: spherical harmonics up to this l, {}..{}; order 4 is for diffuse, 8 for broad "
+                              "highlights (docs/ALGORITHMS.md)",
+                              kShOrderMin, kShOrderMax))
+      ->default_str(fmt::format("{}", usual.sh_order));
   bake.add_option("--first-level", o.first_level,
                   "finest level to store; renderers take finer ones from the normal map (docs/FORMAT.md)")
       ->default_str(fmt::format("{}", usual.fitting.first_level));
   add_choice_with_default(bake, "-d,--data-format", o.data_format, kStorageEncodings, usual.encoding,
                           "what is stored is rounded to; half loses kappa above 1000 of lobes, and is the default of "
-                          "moments (docs/FORMAT.md)");
+                          "moments and sh (docs/FORMAT.md)");
   bake.add_option("--compression", o.compression, "none, rle, zips, zip or piz, zip:1..9")
       ->default_str(usual.writing.compression);
 }
@@ -72,6 +77,7 @@ void add_input_options(CLI::App& bake, MapOptions& o) {
   const NormalMapSettings usual;
   o.reading.bump_format = usual.bump_format;  // --help shows these as the defaults
   o.reading.height_scale = usual.height_scale;
+  o.reading.normal_scale = usual.normal_scale;
   o.reading.fix_nan = usual.fix_nan;
   o.reading.repair_share_max = usual.repair_share_max;
   add_reading_options(bake, o.reading);

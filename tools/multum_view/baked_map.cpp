@@ -4,33 +4,58 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "runtime_gl/materials/gmm_material.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
+#include "runtime_gl/materials/sh_material.h"
 
 namespace multum {
 
 BakedMap read_baked_map(const std::string& path) {
-  BakedMap map{read_baked_header(path), std::nullopt, std::nullopt};
-  if (map.header.representation == Representation::kMovmf) map.lobes = read_movmf_mipmap(path);
-  else map.moments = read_moment_mipmap(path);
+  BakedMap map{read_baked_header(path), std::nullopt, std::nullopt, std::nullopt};
+  switch (map.header.representation) {
+    case Representation::kMovmf:
+    case Representation::kGmm: map.lobes = read_movmf_mipmap(path); break;
+    case Representation::kMoments: map.moments = read_moment_mipmap(path); break;
+    case Representation::kSh: map.harmonics = read_sh_mipmap(path); break;
+  }
   return map;
 }
 
 gl::NormalImage finest_normals(const BakedMap& map) {
-  return map.lobes ? gl::finest_normals(*map.lobes) : gl::finest_normals(*map.moments);
+  if (map.lobes) return gl::finest_normals(*map.lobes);
+  return map.moments ? gl::finest_normals(*map.moments) : gl::finest_normals(*map.harmonics);
 }
 
 std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map, const ViewOptions& options,
                                             const gl::NormalImage& source) {
   if (map.lobes) {
-    auto material = std::make_unique<gl::MovmfMaterial>(gl, *map.lobes, options.anisotropy, &source);
+    std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, *map.lobes, options.anisotropy, &source);
     material->set_formula(options.formula);
     return material;
   }
+  if (map.harmonics) return std::make_unique<gl::ShMaterial>(gl, *map.harmonics, options.anisotropy, &source);
   auto material = std::make_unique<gl::MomentMaterial>(gl, *map.moments, options.anisotropy, &source);
   material->set_shading(options.moments.value_or(kUsualMomentShading));
   return material;
 }
+
+namespace {
+
+// Tan's model is of one BRDF, and of lights that come from somewhere.
+void check_options_of_gaussians(const ViewOptions& options) {
+  const auto refuse = [&](const char* found) {
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected it for files of lobes "
+                                               "(--ndf vmf) or harmonics (--ndf sh)",
+                                               options.input, found));
+  };
+  if (options.scene.brdf.kind == BrdfKind::kGgx) refuse("--brdf ggx");
+  if (options.scene.brdf.kind == BrdfKind::kMeasured) refuse("a measured --brdf");
+  if (!options.environment.empty()) refuse("--environment");
+  if (options.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
+}
+
+}  // namespace
 
 void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
   if (options.basis.size() > 1 && options.basis.size() != static_cast<std::size_t>(baked.weight_count))
@@ -51,11 +76,17 @@ void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
     throw Error(
         ErrorCode::kUsage,
         options.input + ": has its BRDF's width in, which the baselines know nothing of, expected --compare truth");
-  const bool has_lobes = baked.representation == Representation::kMovmf;
-  if (has_lobes && options.moments)
-    throw Error(ErrorCode::kUsage, options.input + ": holds lobes, found --moments, expected it for files of moments");
-  if (!has_lobes && options.formula == gl::LobeFormula::kPaper)
-    throw Error(ErrorCode::kUsage, options.input + ": holds moments, found --formula paper, expected it for lobes");
+  const auto refuse = [&](const char* option, const char* expected) {
+    const char* const held = holds_lobes(baked.representation)                  ? "lobes"
+                             : baked.representation == Representation::kMoments ? "moments"
+                                                                                : "spherical harmonics";
+    throw Error(ErrorCode::kUsage,
+                options.input + ": holds " + held + ", found " + option + ", expected it for " + expected);
+  };
+  if (baked.representation == Representation::kGmm) check_options_of_gaussians(options);
+  if (baked.representation != Representation::kMoments && options.moments) refuse("--moments", "files of moments");
+  if (baked.representation != Representation::kMovmf && options.formula == gl::LobeFormula::kPaper)
+    refuse("--formula paper", "lobes");
 }
 
 }  // namespace multum

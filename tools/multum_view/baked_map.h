@@ -9,6 +9,7 @@
 
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
+#include "host/asset/sh_mipmap.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "tools/multum_view/view_options.h"
 
@@ -18,6 +19,7 @@ struct BakedMap {
   BakedHeader header;
   std::optional<MovmfMipmap> lobes;  // one of these
   std::optional<MomentMipmap> moments;
+  std::optional<ShMipmap> harmonics;
 };
 
 BakedMap read_baked_map(const std::string& path);

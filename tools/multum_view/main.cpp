@@ -29,6 +29,9 @@ int run(int argc, char** argv) {
   std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
   if (!options.has_value()) return exit_code;
   check_outputs(*options);
+  if (!options->mip.empty() || !options->reflectance.empty()) return run_pyramid(*options);
+  if (!options->lod.empty()) return run_lod(*options);
+  if (!options->materials.empty()) return run_model(*options);
   const BakedMap map = read_baked_map(options->input);
   check_options_of(*options, map.header);
   if (map.header.has_roughness) options->scene.brdf.exponent = options->last_scene.brdf.exponent = kRoughnessExponent;

@@ -16,7 +16,7 @@
 #include "host/image/small_picture.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/context/headless_context.h"
-#include "runtime_gl/materials/movmf_material.h"
+#include "runtime_gl/materials/gmm_material.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
@@ -107,8 +107,8 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   scene.uv_scale = kPlaneSize;
   if (mipmap.has_roughness) scene.brdf.exponent = kRoughnessExponent;
   gl::Renderer renderer(context->functions(), kWidth, kHeight);
-  const gl::MovmfMaterial baked(context->functions(), mipmap, 1.0f);
-  const gl::FloatImage render = renderer.draw(mesh, baked, scene).image;
+  const auto baked = gl::make_lobe_material(context->functions(), mipmap, 1.0f);
+  const gl::FloatImage render = renderer.draw(mesh, *baked, scene).image;
   write_picture(options.file("render.png"), render, 1.0f);
   if (options.source.empty()) return;
 

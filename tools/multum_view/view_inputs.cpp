@@ -23,15 +23,6 @@ namespace {
 
 constexpr float kPlaneSize = 60.0f;
 
-gl::MeshData to_mesh_data(const TriangleMesh& mesh) {
-  gl::MeshData data;
-  data.indices = mesh.indices;
-  data.vertices.reserve(mesh.positions.size());
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    data.vertices.push_back({mesh.positions[i], mesh.normals[i], mesh.tangents[i], mesh.uvs[i]});
-  return data;
-}
-
 /// As the bake read it, unless the command line says otherwise.
 NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
@@ -92,14 +83,17 @@ void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::Nor
 
 }  // namespace
 
-gl::MeshData make_mesh(ViewOptions& options) {
+gl::MeshData to_mesh_data(const TriangleMesh& mesh) {
+  gl::MeshData data;
+  data.indices = mesh.indices;
+  data.vertices.reserve(mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    data.vertices.push_back({mesh.positions[i], mesh.normals[i], mesh.tangents[i], mesh.uvs[i]});
+  return data;
+}
+
+void frame_mesh(const TriangleMesh& mesh, ViewOptions& options) {
   gl::Scene& scene = options.scene;
-  if (options.mesh.empty()) {
-    scene.uv_scale = options.repeat > 0.0f ? options.repeat : kPlaneSize;
-    return to_mesh_data(make_plane(kPlaneSize));
-  }
-  scene.uv_scale = options.repeat > 0.0f ? options.repeat : 1.0f;
-  const TriangleMesh mesh = read_mesh(options.mesh);
   glm::vec3 low = mesh.positions[0];
   glm::vec3 high = low;
   for (const glm::vec3& p : mesh.positions) {
@@ -112,6 +106,17 @@ gl::MeshData make_mesh(ViewOptions& options) {
   scene.camera.near_distance = frame.near_distance;
   scene.camera.far_distance = std::max({frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target),
                                         4.0f * glm::length(options.last_scene.camera.eye - frame.target)});
+}
+
+gl::MeshData make_mesh(ViewOptions& options) {
+  gl::Scene& scene = options.scene;
+  if (options.mesh.empty()) {
+    scene.uv_scale = options.repeat > 0.0f ? options.repeat : kPlaneSize;
+    return to_mesh_data(make_plane(kPlaneSize));
+  }
+  scene.uv_scale = options.repeat > 0.0f ? options.repeat : 1.0f;
+  const TriangleMesh mesh = read_mesh(options.mesh);
+  frame_mesh(mesh, options);
   return to_mesh_data(mesh);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "host/light/environment_light.h"
+#include "host/mesh/mesh.h"
 #include "runtime_gl/gl/mesh.h"
 #include "tools/multum_view/baked_map.h"
 
@@ -10,6 +11,9 @@ namespace multum {
 
 /// The plane, or the mesh that the options name; sets what the scene takes of it: repeats and the camera.
 gl::MeshData make_mesh(ViewOptions& options);
+gl::MeshData to_mesh_data(const TriangleMesh& mesh);
+/// The camera sees all of it, unless the options have one of their own; near and far planes are set in any case.
+void frame_mesh(const TriangleMesh& mesh, ViewOptions& options);
 
 /// A file that holds every level draws itself; others take the finest from the source.
 bool needs_source(const ViewOptions& options, const BakedHeader& baked);

@@ -37,6 +37,7 @@ struct RawOptions {
   std::string formula = "product";
   std::string compare;
   std::string moments;
+  std::string lookups = "level";
   std::string environment_mode = "prefiltered";
   // Of the last frame.
   std::string to_camera, to_brdf, to_diffuse, to_specular;
@@ -220,6 +221,34 @@ std::vector<std::string> parse_compare(const std::string& text) {
   return names;
 }
 
+/// One thing is drawn: a baked map, or what takes its place.
+void check_subject(const RawOptions& raw, const ViewOptions& o) {
+  const int others = (o.mip.empty() ? 0 : 1) + (o.reflectance.empty() ? 0 : 1) + (o.lod.empty() ? 0 : 1) +
+                     (o.materials.empty() ? 0 : 1);
+  if (o.input.empty() && others == 0) throw Error(ErrorCode::kUsage, "file is required: see multum-view --help");
+  if (others > 1 || (!o.input.empty() && others > 0))
+    throw Error(ErrorCode::kUsage, "expected one of: a baked map, --mip, --reflectance, --lod, --material");
+  if ((!o.reflectance.empty() || !o.materials.empty()) && o.mesh.empty())
+    throw Error(ErrorCode::kUsage, "--reflectance and --material are for a surface, expected --mesh");
+  if ((!o.mip.empty() || !o.lod.empty()) && !o.mesh.empty())
+    throw Error(ErrorCode::kUsage, "--mip lies on the plane and --lod is a surface itself, found --mesh");
+  if (others > 0 && (!raw.compare.empty() || !o.source.empty() || !o.frames_folder.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--compare, --source and --animate are for baked maps; --lookup has what pyramids compare");
+}
+
+std::vector<std::string> parse_lookups(const std::string& text) {
+  std::vector<std::string> names;
+  for (const std::string& name : CLI::detail::split(text, ',')) {
+    if (name != "truth" && name != "nearest" && name != "bilinear" && name != "level" && name != "driver")
+      refuse("--lookup", text, "a list of truth, nearest, bilinear, level, driver");
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  // The others are compared with it.
+  std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name == "truth"; });
+  return names;
+}
+
 /// The last frame's scene: the first one's, but for what is said of it.
 void finish_animation(const RawOptions& raw, ViewOptions& options) {
   const bool has_end = !raw.to_camera.empty() || !raw.to_brdf.empty() || !raw.to_diffuse.empty() ||
@@ -264,6 +293,8 @@ void finish_animation(const RawOptions& raw, ViewOptions& options) {
 }
 
 void finish(const RawOptions& raw, ViewOptions& options) {
+  check_subject(raw, options);
+  options.lookups = parse_lookups(raw.lookups);
   gl::Scene& scene = options.scene;
   if (!raw.camera.empty()) parse_camera("--camera", raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
@@ -304,7 +335,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
 }
 
 void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
-  app.add_option("file", o.input, "baked map, *.ndf.exr")->required();
+  app.add_option("file", o.input, "baked map, *.ndf.exr");
   app.add_option("-o,--output", o.output, "picture to write: .png (sRGB) or .exr (linear floats)");
   app.add_option(
       "--animate", o.frames_folder,
@@ -375,6 +406,26 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--context", raw.context, "auto, osmesa (software) or egl")
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
       ->capture_default_str();
+  app.option_defaults()->group("In the place of a baked map (docs/WILLIAMS.md)");
+  app.add_option("--material", o.materials,
+                 "NAME=FILE.ndf.exr: draws the --mesh with its own materials, this one with a map baked for it; once a "
+                 "material (multum materials)");
+  app.add_option("--mip", o.mip, "a pyramid of colours, of multum mip, on the plane");
+  app.add_option("--reflectance", o.reflectance, "a map over normals, of multum reflectance, on the --mesh");
+  app.add_option("--lookup", raw.lookups,
+                 "how these are looked up, a list of nearest, bilinear (finest level), level (the longer side of the "
+                 "pixel), driver, and truth (supersampled)")
+      ->capture_default_str();
+  app.add_option("--level-bias", o.level_bias,
+                 "added to the level (default: 0 for --mip, as the GL; -0.79 for --reflectance, as wide as the pixel)")
+      ->check(number_in(-16.0f, 16.0f));
+  app.add_option("--shifts", o.shifts, "with --reflectance and truth: measure flicker over so many sub-pixel shifts")
+      ->check(CLI::Range(2, 256));
+  app.add_option("--lod", o.lod, "a surface, of multum lod, as a mesh of --level");
+  app.add_option("--level", o.level, "level of detail, any number from 0")
+      ->check(number_in(0.0f, 32.0f))
+      ->capture_default_str();
+  app.option_defaults()->group("Options");
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
   app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
   add_reading_options(app, o.reading);
@@ -405,6 +456,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
     *exit_code = code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
     return std::nullopt;
   }
+  options.has_brdf = app.count("--brdf") > 0;
   finish(raw, options);
   return options;
 }

@@ -45,6 +45,14 @@ struct ViewOptions {
   float repeat = 0.0f;  // 0: 60 across the plane, 1 on a mesh
   float anisotropy = 1.0f;
   float exposure = 1.0f;  // PNG only
+  bool has_brdf = false;  // said, and not the usual one
+  // What is drawn in the place of `input` (docs/WILLIAMS.md): a pyramid of one kind, or a model's own materials.
+  std::string mip, reflectance, lod;
+  std::vector<std::string> lookups;    // of mip and reflectance: truth, nearest, bilinear, level, driver
+  std::optional<float> level_bias;     // unset: 0 for mip, the pixel's own width for reflectance
+  int shifts = 0;                      // of reflectance: pictures that flicker is measured on
+  float level = 0.0f;                  // of lod
+  std::vector<std::string> materials;  // NAME=FILE.ndf.exr
 };
 
 /// Unset when the program is done already (--help); `exit_code` then says how. Throws Error(kUsage) for a bad value.

@@ -5,7 +5,7 @@
 #define MULTUM_FACET_TABLE_SIZE 90
 #define MULTUM_DIFFERENCE_TABLE_SIZE 19
 uniform vec3 u_facets[MULTUM_FACET_TABLE_SIZE];            // theta_h = (pi / 2) (i / (size - 1))^2
-uniform vec3 u_differences[MULTUM_DIFFERENCE_TABLE_SIZE];  // theta_d = (pi / 2) i / (size - 1)
+uniform float u_differences[MULTUM_DIFFERENCE_TABLE_SIZE];  // theta_d = (pi / 2) i / (size - 1)
 
 vec3 multum_facets(vec3 n, vec3 h) {
   float e = multum_one_minus_cosine(n, h);
@@ -19,6 +19,6 @@ vec3 multum_facets(vec3 n, vec3 h) {
 vec3 multum_fresnel(float v_h) {
   float x = acos(clamp(v_h, 0.0, 1.0)) / (0.5 * MULTUM_PI) * float(MULTUM_DIFFERENCE_TABLE_SIZE - 1);
   int i = clamp(int(x), 0, MULTUM_DIFFERENCE_TABLE_SIZE - 2);
-  return mix(u_differences[i], u_differences[i + 1], min(x - float(i), 1.0));
+  return vec3(mix(u_differences[i], u_differences[i + 1], min(x - float(i), 1.0)));
 }
 #endif

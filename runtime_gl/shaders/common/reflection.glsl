@@ -29,6 +29,7 @@
 //                                                        a lobe (a r, a), F included
 
 uniform float u_exponent;
+uniform vec3 u_facet_total;  // the integral of f: 1, but for GGX and what was measured
 #ifdef MULTUM_ZONAL_ORDER
 uniform vec3 u_zonal[MULTUM_ZONAL_ORDER + 1];
 #endif

@@ -5,23 +5,10 @@
 // all in one texture.
 #define MULTUM_TABLE_COSINES 32.0
 #define MULTUM_TABLE_SPREADS 24.0
-uniform vec3 u_environment_axes[3];       // world to environment: its x, y and z in the world
 uniform vec3 u_smooth_mean;               // L(n) = mean + linear . n + n . quadratic n
 uniform vec3 u_smooth_linear[3];          // a channel each
 uniform vec3 u_smooth_quadratic[9];       // three rows a channel
 uniform sampler2D u_reflection_table;
-
-mat3 multum_environment_frame;  // tangent space to the environment's; main() sets it
-
-void multum_set_environment_frame(mat3 to_world) {
-  multum_environment_frame =
-      transpose(mat3(u_environment_axes[0], u_environment_axes[1], u_environment_axes[2])) * to_world;
-}
-
-// Where a direction of the environment's frame lies in its map.
-vec2 multum_environment_st(vec3 d) {
-  return vec2(0.5 + atan(d.x, -d.z) / (2.0 * MULTUM_PI), acos(clamp(d.y, -1.0, 1.0)) / MULTUM_PI);
-}
 
 // The integral of L(l) E[max(n.l, 0)] over normals whose harmonics of order 1 and 2 are those of mu times a1 and a2.
 vec3 multum_irradiance(vec3 mu, float a1, float a2) {

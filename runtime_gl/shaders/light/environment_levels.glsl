@@ -8,7 +8,6 @@
 // blender_city (docs/ALGORITHMS.md, "Environments"); narrow ones stay one, where the levels have no room for parts.
 #define MULTUM_LEVELS_MAX 12
 #define MULTUM_PART_SHARE 0.4  // of the variance, that the parts keep; the rest lies between them
-uniform sampler2D u_environment_map;
 uniform float u_level_spreads[MULTUM_LEVELS_MAX];
 uniform int u_level_count;
 uniform float u_environment_spreads[MULTUM_ENVIRONMENT_TERMS];  // 1 - A(lambda) of each term

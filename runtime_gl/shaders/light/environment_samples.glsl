@@ -4,22 +4,12 @@
 // GGX as wide as the facets, whose tail no density here exceeds, for the highlight; a direction that two of these could
 // have found counts by the sum of both densities (Veach and Guibas 1995, the balance heuristic). A low-discrepancy
 // sequence, shifted by a hash of the pixel; `u_sample` counts pictures. The map is constant over a texel.
-uniform vec3 u_environment_axes[3];
-uniform sampler2D u_environment_map;
 uniform int u_sample;
 uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // in the environment's frame
 uniform float u_light_total;                               // the integral of the luminance
 
-mat3 multum_environment_frame;
-
-void multum_set_environment_frame(mat3 to_world) {
-  multum_environment_frame =
-      transpose(mat3(u_environment_axes[0], u_environment_axes[1], u_environment_axes[2])) * to_world;
-}
-
 vec3 multum_environment_radiance(vec3 l) {
-  vec3 d = multum_environment_frame * l;
-  vec2 st = vec2(0.5 + atan(d.x, -d.z) / (2.0 * MULTUM_PI), acos(clamp(d.y, -1.0, 1.0)) / MULTUM_PI);
+  vec2 st = multum_environment_st(multum_environment_frame * l);
   ivec2 size = textureSize(u_environment_map, 0);
   return texelFetch(u_environment_map, clamp(ivec2(st * vec2(size)), ivec2(0), size - 1), 0).rgb;
 }

@@ -100,11 +100,11 @@ MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec
   vec3 facets = vec3(0.0);
 #if defined(MULTUM_LAMBERT)
 #elif defined(MULTUM_TOKSVIG)
-  facets = vec3(multum_moments_toksvig(mean, h, u_exponent));
+  facets = u_facet_total * multum_moments_toksvig(mean, h, u_exponent);
 #elif defined(MULTUM_JACOBIAN)
-  facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, true));
+  facets = u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, true);
 #elif defined(MULTUM_LEAN)
-  facets = vec3(multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, false));
+  facets = u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, false);
 #elif defined(MULTUM_ROUGHNESS)
   facets = multum_lobe_facets(vec4(mean, 1.0), h);
 #else
@@ -118,9 +118,9 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_NORMAL_MAP
   MultumReflection finest = MultumReflection(vec3(0.0), vec3(0.0));
   vec3 mean = surface.finest.xyz;
+  vec3 facets = u_facet_total * multum_moments_toksvig(mean, h, u_exponent);
   if (length(mean) > MULTUM_MEAN_MIN)
-    finest = multum_reflect_mean(mean, surface.finest_albedo, vec3(multum_moments_toksvig(mean, h, u_exponent)),
-                                 multum_mean_cosine(mean, l), l, v, h);
+    finest = multum_reflect_mean(mean, surface.finest_albedo, facets, multum_mean_cosine(mean, l), l, v, h);
   sum.diffuse = mix(sum.diffuse, finest.diffuse, surface.finest.w);
   sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
 #endif

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/asset/sh_mipmap.h"
+
+#include <half.h>
+
+#include "host/base/error.h"
+#include "host/base/parallel.h"
+
+namespace multum {
+namespace {
+
+float as_half(float value) { return static_cast<float>(half(value)); }
+
+template <typename Value>
+std::vector<Value> part_of(const std::vector<Value>& values, std::ptrdiff_t begin, std::ptrdiff_t end) {
+  return values.empty() ? std::vector<Value>() : std::vector<Value>(values.begin() + begin, values.begin() + end);
+}
+
+}  // namespace
+
+std::vector<ShLevel> empty_sh_levels(int width, int height) {
+  std::vector<ShLevel> levels;
+  for (int l = 0; l < mip_level_count(width, height); ++l)
+    levels.push_back({mip_level_size(width, l), mip_level_size(height, l), {}, {}});
+  return levels;
+}
+
+ShLevel rows_of(const ShLevel& level, int first_row, int row_count) {
+  MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
+  const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(first_row) * level.width;
+  const std::ptrdiff_t end = begin + static_cast<std::ptrdiff_t>(row_count) * level.width;
+  ShLevel rows{level.width, row_count, {}, part_of(level.colours, begin, end)};
+  for (const std::vector<glm::vec4>& part : level.parts) rows.parts.push_back(part_of(part, begin, end));
+  return rows;
+}
+
+void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads) {
+  MULTUM_CHECK(encoding != StorageEncoding::kSnorm16);
+  if (encoding == StorageEncoding::kFloat) return;
+  const auto width = static_cast<std::size_t>(rows.width);
+  for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
+    for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < static_cast<std::size_t>(row_end) * width;
+         ++i) {
+      for (std::vector<glm::vec4>& part : rows.parts)
+        for (int c = 0; c < 4; ++c) part[i][c] = as_half(part[i][c]);
+      if (!rows.colours.empty())
+        for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
+    }
+  });
+}
+
+// Each coefficient by half a unit in the last place at most, 2^-11 of itself, and a square by twice that. Floats: the
+// basis is within 4e-6 of its bound, and averaging takes some 2^-24 a step.
+double sh_power_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1e-3 : 2e-5; }
+
+}  // namespace multum

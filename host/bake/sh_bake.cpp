@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/sh_bake.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <vector>
+
+#include "host/base/error.h"
+#include "host/base/parallel.h"
+
+namespace multum {
+namespace {
+
+std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
+
+ShLevel gather(const BoxRows& from, int order, bool has_colours, int threads) {
+  ShLevel rows{from.width, from.height, {}, {}};
+  const std::size_t texels = size_of(from.width) * size_of(from.height);
+  const int count = sh_coefficient_count(order);
+  rows.parts.assign(size_of(sh_part_count(order)), std::vector<glm::vec4>(texels, glm::vec4(0.0f)));
+  if (has_colours) rows.colours.resize(texels);
+  for_each_row_band(from.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
+    for (int y = row_begin; y < row_end; ++y) {
+      const std::size_t first = size_of(y) * size_of(from.width);
+      for (int i = 0; i < count; ++i) {
+        const float* const in = from.row(i, y);
+        glm::vec4* const out = rows.parts[size_of(i / 4)].data() + first;
+        for (std::size_t x = 0; x < size_of(from.width); ++x) out[x][i % 4] = in[x];
+      }
+      for (int c = 0; has_colours && c < 3; ++c) {
+        const float* const in = from.row(count + c, y);
+        for (std::size_t x = 0; x < size_of(from.width); ++x) rows.colours[first + x][c] = in[x];
+      }
+    }
+  });
+  return rows;
+}
+
+class ShPlanes : public AveragedPlanes {
+ public:
+  ShPlanes(Device& device, int order, const AverageInputs& inputs, ShSink& sink)
+      : order_(order),
+        inputs_(inputs),
+        sink_(sink),
+        steps_(sh_recurrence(order)),
+        step_buffer_(device.wrap_buffer(steps_.data(), steps_.size() * sizeof(ShStep), "recurrence")),
+        project_(device.kernel("sh_project", "sh_project", {1, 1, false, order})) {}
+
+  std::string name() const override { return fmt::format("spherical harmonics to order {}", order_); }
+  int plane_count() const override { return sh_coefficient_count(order_); }
+  void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) override {
+    project_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],
+                    normals[2], step_buffer_, nodes, band);
+  }
+  void add_level(const BoxRows& rows) override {
+    sink_.add_level(rows.level, rows.first_row, gather(rows, order_, inputs_.albedo != nullptr, inputs_.threads));
+  }
+
+ private:
+  const int order_;
+  const AverageInputs& inputs_;
+  ShSink& sink_;
+  const std::vector<ShStep> steps_;
+  const DeviceBuffer step_buffer_;
+  Kernel project_;
+};
+
+// Gathers what a bake hands over into a whole mipmap.
+class MipmapSink : public ShSink {
+ public:
+  MipmapSink(int order, std::vector<ShLevel>& levels) : order_(order), levels_(levels) {}
+  void add_level(int level, int, ShLevel rows) override {
+    ShLevel& to = levels_[size_of(level)];
+    to.parts.resize(size_of(sh_part_count(order_)));
+    for (std::size_t p = 0; p < to.parts.size(); ++p)
+      to.parts[p].insert(to.parts[p].end(), rows.parts[p].begin(), rows.parts[p].end());
+    to.colours.insert(to.colours.end(), rows.colours.begin(), rows.colours.end());
+  }
+
+ private:
+  const int order_;
+  std::vector<ShLevel>& levels_;
+};
+
+}  // namespace
+
+void validate_sh_order(int order) {
+  if (order < kShOrderMin || order > kShOrderMax)
+    throw Error(ErrorCode::kUsage, fmt::format("--sh-order is {}, expected {} to {}", order, kShOrderMin, kShOrderMax));
+}
+
+void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, BakeReport& report,
+             Progress* progress) {
+  validate_sh_order(order);
+  ShPlanes planes(device, order, inputs, sink);
+  average_map(device, inputs, planes, report, progress);
+}
+
+ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
+                 BakeReport& report, Progress* progress) {
+  const PlaneStore normals = planes_of(map);
+  std::optional<PlaneStore> colours;
+  if (albedo != nullptr) colours = planes_of(*albedo);
+  AverageInputs all = inputs;
+  all.normals = &normals;
+  all.albedo = colours ? &*colours : nullptr;
+  ShMipmap mipmap;
+  mipmap.header.representation = Representation::kSh;
+  mipmap.header.encoding = StorageEncoding::kFloat;
+  mipmap.header.width = map.width;
+  mipmap.header.height = map.height;
+  mipmap.header.first_level = inputs.first_level;
+  mipmap.header.has_colours = albedo != nullptr;
+  mipmap.order = order;
+  mipmap.levels = empty_sh_levels(map.width, map.height);
+  MipmapSink sink(order, mipmap.levels);
+  bake_sh(device, order, all, sink, report, progress);
+  return mipmap;
+}
+
+}  // namespace multum

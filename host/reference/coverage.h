@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a texel covers of the finest ones, by definition: fractions at its borders count (docs/ALGORITHMS.md,
+// "Notation").
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+namespace multum::reference {
+
+/// Length of [index, index + 1) within [texel from/to, (texel + 1) from/to).
+inline double overlap(int index, int texel, int from, int to) {
+  const double step = static_cast<double>(from) / to;
+  return std::max(0.0, std::min(index + 1.0, (texel + 1) * step) - std::max<double>(index, texel * step));
+}
+
+/// visit(i, weight) of every finest texel i (y * map_width + x) that texel (x, y) of a level `width` by `height` covers
+/// any of. Weights are areas in finest texels.
+template <typename Visit>
+void for_each_covered(int map_width, int map_height, int width, int height, int x, int y, const Visit& visit) {
+  for (int row = 0; row < map_height; ++row) {
+    const double row_weight = overlap(row, y, map_height, height);
+    if (row_weight <= 0.0) continue;
+    for (int column = 0; column < map_width; ++column) {
+      const double weight = row_weight * overlap(column, x, map_width, width);
+      if (weight > 0.0)
+        visit(static_cast<std::size_t>(row) * static_cast<std::size_t>(map_width) + static_cast<std::size_t>(column),
+              weight);
+    }
+  }
+}
+
+}  // namespace multum::reference

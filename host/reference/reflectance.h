@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// What kernels/reflectance_pyramid.cl and reflectance.frag are held to, in double precision.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace multum::reference {
+
+struct DistantLight {
+  glm::dvec3 direction;   // unit, towards the light
+  glm::dvec3 irradiance;  // on a surface that faces it
+};
+
+struct PhongSurface {
+  double exponent;  // s
+  glm::dvec3 diffuse, specular;
+};
+
+/// sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0); `normal`, `viewer`: unit.
+glm::dvec3 phong_radiance(const glm::dvec3& normal, const glm::dvec3& viewer, const std::vector<DistantLight>& lights,
+                          const PhongSurface& surface);
+
+}  // namespace multum::reference

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of what it wrote:
+// the convolution alone, without n . l (Han et al. 2007, section 5): the sum of a_l g_lm Y_lm, clamped at 0.
+
+#include "device/spherical_harmonics.clh"
+#include "device/vmf_shading.clh"
+#include "shared/filtered_sh.h"
+
+#if MULTUM_VECTOR_WIDTH != 1
+#error "sh_shade has only a scalar variant"
+#endif
+
+// A truncated series rings below 0, where light cannot be.
+static float weighted_bands(const float* bands, __global const float* zonal) {
+  float sum = 0.0f;
+  for (int l = 0; l <= MULTUM_SH_ORDER; ++l) sum = fma(zonal[l], bands[l], sum);
+  return max(sum, 0.0f);
+}
+
+// One work-item = one sample point; global size sample_count.
+//   coefficients [sample][order (order + 2)]   already filtered
+//   points     [sample]
+//   steps      the recurrence's constants
+//   zonal      [exponent_count + 1][order + 1]   of Blinn-Phong at each exponent, then of Lambert
+//   half_vectors [half_count], lights [light_count]   unit vectors, w unused
+//   exponents  [exponent_count]               Blinn-Phong s
+//   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
+// Levels that are left to the normal map are shaded as lobes are. Compute bound.
+__kernel void sh_shade(__global const float* coefficients, __global const MultumFilteredSh* points,
+                       __global const float2* steps, __global const float* zonal, __global const float4* half_vectors,
+                       __global const float4* lights, __global const float* exponents, __global float* values,
+                       int sample_count, int half_count, int light_count, int exponent_count) {
+  const int sample = (int)get_global_id(0);
+  if (sample >= sample_count) return;
+  __global const float* g = coefficients + (size_t)sample * MULTUM_SH_COEFFICIENTS;
+  const MultumFilteredSh point = points[sample];
+  const float4 map_lobe = (float4)(point.map_x, point.map_y, point.map_z, point.map_share);
+  __global float* out = values + (size_t)sample * (exponent_count * half_count + light_count);
+  float bands[MULTUM_SH_ORDER + 1];
+  for (int d = 0; d < half_count; ++d) {
+    const float3 h = half_vectors[d].xyz;
+    sh_bands(g, point.share, h, steps, bands);
+    for (int e = 0; e < exponent_count; ++e)
+      out[e * half_count + d] =
+          weighted_bands(bands, zonal + e * (MULTUM_SH_ORDER + 1)) +
+          shade_blinn_phong(blinn_phong_lobe(map_lobe, exponents[e]), one_minus_cosine(map_lobe, h));
+  }
+  out += exponent_count * half_count;
+  for (int d = 0; d < light_count; ++d) {
+    sh_bands(g, point.share, lights[d].xyz, steps, bands);
+    out[d] =
+        weighted_bands(bands, zonal + exponent_count * (MULTUM_SH_ORDER + 1)) + shade_lambert(map_lobe, lights[d].xyz);
+  }
+}

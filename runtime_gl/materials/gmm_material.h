@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A baked file of planar Gaussians on the GPU (Tan et al. 2005): the textures of lobes, shaded by Tan's BRDF
+// (shaders/surface/gmm.glsl).
+#pragma once
+
+#include <memory>
+
+#include "runtime_gl/materials/movmf_material.h"
+
+namespace multum::gl {
+
+class GmmMaterial : public MovmfMaterial {
+ public:
+  using MovmfMaterial::MovmfMaterial;
+  const char* name() const override { return "gmm"; }
+  ShaderParts shader_parts() const override;
+};
+
+/// Of what the mipmap's lobes are.
+std::unique_ptr<MovmfMaterial> make_lobe_material(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
+                                                  const NormalImage* source = nullptr);
+
+}  // namespace multum::gl

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime_gl/materials/sh_material.h"
+
+#include <cstdio>
+#include <vector>
+
+#include <glm/vec4.hpp>
+
+#include "host/base/error.h"
+#include "runtime_gl/materials/finest_levels.h"
+#include "runtime_gl/materials/texture_binder.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
+
+namespace multum::gl {
+namespace {
+
+void check_levels(const ShMipmap& mipmap) {
+  const BakedHeader& header = mipmap.header;
+  for (int l = header.first_level; l < header.level_count(); ++l) {
+    const int width = mip_level_size(header.width, l), height = mip_level_size(header.height, l);
+    const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const auto index = static_cast<std::size_t>(l);
+    bool good = index < mipmap.levels.size() &&
+                mipmap.levels[index].parts.size() == static_cast<std::size_t>(sh_part_count(mipmap.order)) &&
+                mipmap.levels[index].colours.size() == (header.has_colours ? texels : 0);
+    for (std::size_t part = 0; good && part < mipmap.levels[index].parts.size(); ++part)
+      good = mipmap.levels[index].parts[part].size() == texels;
+    if (!good)
+      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map has not " +
+                                         std::to_string(width) + " x " + std::to_string(height) +
+                                         " texels of spherical harmonics");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> sh_shading_flags(int order) {
+  const std::vector<ShStep> steps = sh_recurrence(order);
+  std::string text = "MULTUM_SH_STEPS vec2[" + std::to_string(steps.size()) + "](";
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    char step[64];
+    std::snprintf(step, sizeof(step), "%svec2(%.9e, %.9e)", i == 0 ? "" : ", ", static_cast<double>(steps[i].a),
+                  static_cast<double>(steps[i].b));
+    text += step;
+  }
+  return {"MULTUM_SH_ORDER " + std::to_string(order), text + ")"};
+}
+
+ShMaterial::ShMaterial(const GlFunctions& gl, const ShMipmap& mipmap, float anisotropy, const NormalImage* source)
+    : order_(mipmap.order), wrap_s_(mipmap.header.wrap_s), wrap_t_(mipmap.header.wrap_t) {
+  check_levels(mipmap);
+  const BakedHeader& header = mipmap.header;
+  const SamplerSettings sampler{header.wrap_s, header.wrap_t, true, anisotropy};
+  TextureShape shape{mip_level_size(header.width, header.first_level),
+                     mip_level_size(header.height, header.first_level), header.level_count() - header.first_level,
+                     header.encoding == StorageEncoding::kFloat ? TexelFormat::kRgba32f : TexelFormat::kRgba16f};
+  TextureShape layers = shape;
+  layers.layer_count = sh_part_count(order_);
+  harmonics_.emplace(gl, "spherical harmonics", layers, sampler);
+  if (header.has_colours) colours_.emplace(gl, "colours", shape, sampler);
+  for (int l = 0; l < shape.level_count; ++l) {
+    const ShLevel& level = mipmap.levels[static_cast<std::size_t>(header.first_level + l)];
+    for (int part = 0; part < layers.layer_count; ++part)
+      harmonics_->upload_layer(l, part, &level.parts[static_cast<std::size_t>(part)][0].x);
+    std::vector<glm::vec4> rgba;
+    for (const glm::vec3& colour : level.colours) rgba.emplace_back(colour, 1.0f);
+    if (colours_) colours_->upload_level(l, &rgba[0].x);
+  }
+  if (header.first_level == 0) return;
+  const LeftOutLevels left_out{header.width, header.height, header.first_level, header.has_colours};
+  normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
+  if (has_finest_albedo(left_out, *source)) albedo_map_.emplace(upload_finest_albedo(gl, left_out, *source, sampler));
+}
+
+ShaderParts ShMaterial::shader_parts() const {
+  ShaderParts parts{sh_shading_flags(order_), {shader_common_sh_shading_glsl, shader_surface_sh_glsl}};
+  parts.flags.push_back("MULTUM_ZONAL_ORDER " + std::to_string(order_));
+  if (cosine_ == ShCosine::kIrradiance) parts.flags.push_back("MULTUM_SH_IRRADIANCE");
+  if (cosine_ == ShCosine::kMeanDirection) parts.flags.push_back("MULTUM_SH_DIRECTION");
+  if (wrap_s_ == WrapMode::kBlack) parts.flags.push_back("MULTUM_BLACK_S");
+  if (wrap_t_ == WrapMode::kBlack) parts.flags.push_back("MULTUM_BLACK_T");
+  if (colours_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
+  if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
+  if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  return parts;
+}
+
+int ShMaterial::bind(const ShaderProgram& shader) const {
+  TextureBinder binder(shader);
+  binder.bind("u_harmonics", harmonics_);
+  binder.bind("u_colours", colours_);
+  binder.bind("u_normal_map", normal_map_);
+  binder.bind("u_albedo_map", albedo_map_);
+  return binder.next_unit();
+}
+
+}  // namespace multum::gl

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws surfaces straight from pyramids (Williams 1983): colour maps (section 3) and reflectance maps (section 4), with
+// the level chosen here, by the driver, or not at all; and what such pictures are held to.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "host/asset/pyramid_file.h"
+#include "runtime_gl/gl/framebuffer.h"
+#include "runtime_gl/gl/mesh.h"
+#include "runtime_gl/gl/shader_program.h"
+#include "runtime_gl/gl/texture.h"
+#include "runtime_gl/render/scene.h"
+
+namespace multum::gl {
+
+/// Williams has d proportional to a pixel's width w, and leaves the factor open. A trilinear lookup at a level of
+/// texels as wide as w blurs with a variance of w^2 / 4: w^2 / 12 of the texel's box and w^2 / 6 of the tent between
+/// texels; a pixel's own box has w^2 / 12. At texels of w / sqrt(3) both are the same.
+constexpr float kEqualVarianceBias = -0.79248125f;  // -log2(sqrt(3))
+
+/// How a map is looked up.
+enum class PyramidLookup {
+  kNearest,   // the nearest texel of the finest level: what Williams calls point sampling
+  kBilinear,  // four texels of the finest level
+  kLevel,     // trilinear, d as common/pyramid.glsl chooses it
+  kDriver,    // trilinear as the driver does it, with anisotropy if it is asked for
+};
+
+/// Every level of a pyramid as a texture: nearest for kNearest, else trilinear.
+Texture make_pyramid_texture(const GlFunctions& gl, const Pyramid& pyramid, PyramidLookup lookup, float anisotropy);
+
+/// What fragments see of the world: row by row right, up, towards the distant viewer.
+using ViewFrame = std::array<glm::vec3, 3>;
+
+struct PyramidScene {
+  Camera camera;
+  float uv_scale = 1.0f;
+  ViewFrame frame{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)};
+  glm::vec2 shift{0.0f};    // of the picture, pixels
+  float level_bias = 0.0f;  // added to the level of kLevel and kDriver
+};
+
+/// Distant lights on one Blinn-Phong surface; up to kLightCountMax.
+struct PhongLights {
+  std::vector<Light> lights;
+  float exponent = 100.0f;
+  glm::vec3 diffuse{0.5f}, specular{0.1f};
+};
+
+class PyramidRenderer {
+ public:
+  PyramidRenderer(const GlFunctions& gl, int width, int height) : gl_(gl), framebuffer_(gl, width, height) {}
+
+  /// `by_normal`: the map is one of reflectance.
+  FloatImage draw(const Mesh& mesh, const Texture& map, PyramidLookup lookup, bool by_normal,
+                  const PyramidScene& scene);
+  /// Red: the level as common/pyramid.glsl chooses it; green: as the driver does (textureQueryLod), not yet clamped.
+  FloatImage draw_levels(const Mesh& mesh, const Texture& map, bool by_normal, const PyramidScene& scene);
+  /// Shaded in the fragment, without a map.
+  FloatImage draw_phong(const Mesh& mesh, const PhongLights& lights, const PyramidScene& scene);
+
+ private:
+  const ShaderProgram& program(const std::vector<std::string>& flags);
+  FloatImage draw_with(const ShaderProgram& shader, const Mesh& mesh, const PyramidScene& scene);
+
+  const GlFunctions& gl_;
+  Framebuffer framebuffer_;
+  std::map<std::string, std::unique_ptr<ShaderProgram>> programs_;
+};
+
+/// The mean of side x side pictures, each shifted by a fraction of a pixel: `draw(shift)` draws one.
+template <typename Draw>
+FloatImage supersampled(int side, const Draw& draw) {
+  FloatImage mean;
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) {
+      const auto offset = [&](int k) { return (static_cast<float>(k) + 0.5f) / static_cast<float>(side) - 0.5f; };
+      FloatImage one = draw(glm::vec2(offset(i), offset(j)));
+      if (mean.rgba.empty()) mean = {one.width, one.height, std::vector<float>(one.rgba.size())};
+      for (std::size_t k = 0; k < one.rgba.size(); ++k) mean.rgba[k] += one.rgba[k] / static_cast<float>(side * side);
+    }
+  return mean;
+}
+
+/// How much pictures flicker beside what they should be, over several shifts: the root of the mean, over pixels, of the
+/// variance over shifts of picture - truth, in parts of the truth's mean value. Black truths give 0.
+double flicker(const std::vector<FloatImage>& pictures, const std::vector<FloatImage>& truths);
+
+}  // namespace multum::gl

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spherical harmonics of the normals, in an array of textures, trilinear (common/sh_shading.glsl). MULTUM_COLOURS: the
+// map has colours; MULTUM_NORMAL_MAP: levels finer than those that are stored come from the normal map, as a lobe;
+// MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BLACK_S, MULTUM_BLACK_T: beyond that border there is no material.
+//
+// The highlight's cosine max(n . l, 0) depends on n too. Taken is one of
+//   MULTUM_SH_IRRADIANCE  its mean over all normals
+//   MULTUM_SH_DIRECTION   that of the mean normal's direction
+//   (neither)             that of the mean normal, shorter than 1
+uniform sampler2DArray u_harmonics;
+#ifdef MULTUM_COLOURS
+uniform sampler2D u_colours;
+#endif
+#ifdef MULTUM_NORMAL_MAP
+uniform sampler2D u_normal_map;  // mean normals of the levels finer than those that are stored; w = 1
+#endif
+#ifdef MULTUM_ALBEDO_MAP
+uniform sampler2D u_albedo_map;
+#endif
+
+struct MultumSurface {
+  vec4 parts[MULTUM_SH_PARTS];
+  float share;  // of the stored levels; their coefficients are not multiplied by it
+  float material;  // 0 beyond a black border
+  vec3 albedo;
+#ifdef MULTUM_NORMAL_MAP
+  vec4 finest;  // a lobe, its share in
+  vec3 finest_albedo;
+#endif
+};
+
+MultumSurface multum_fetch_surface(vec2 st) {
+  MultumSurface surface;
+  for (int i = 0; i < MULTUM_SH_PARTS; ++i) surface.parts[i] = texture(u_harmonics, vec3(st, float(i)));
+  surface.share = surface.material = 1.0;
+#ifdef MULTUM_BLACK_S
+  surface.material *= step(abs(st.x - 0.5), 0.5);
+#endif
+#ifdef MULTUM_BLACK_T
+  surface.material *= step(abs(st.y - 0.5), 0.5);
+#endif
+  surface.albedo = vec3(1.0);
+#ifdef MULTUM_COLOURS
+  surface.albedo = texture(u_colours, st).rgb;
+#endif
+#ifdef MULTUM_NORMAL_MAP
+  surface.finest = multum_movmf_normal_map(texture(u_normal_map, st).xyz, textureQueryLod(u_harmonics, st).y);
+  surface.share -= surface.finest.w;
+  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
+#ifdef MULTUM_ALBEDO_MAP
+  surface.finest_albedo = texture(u_albedo_map, st).rgb;
+#endif
+#endif
+  surface.share *= surface.material;
+  return surface;
+}
+
+MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
+  float diffuse = multum_sh_lambert(surface.parts, 1.0, l);
+  MultumReflection sum = MultumReflection(surface.share * surface.albedo * diffuse, vec3(0.0));
+#ifndef MULTUM_LAMBERT
+  vec3 mean = multum_sh_mean_normal(surface.parts);
+  vec3 n = mean / max(length(mean), 1e-6);
+#if defined(MULTUM_SH_IRRADIANCE)
+  float cosine = diffuse;
+#elif defined(MULTUM_SH_DIRECTION)
+  float cosine = max(dot(n, l), 0.0);
+#else
+  float cosine = max(dot(mean, l), 0.0);
+#endif
+  sum.specular = surface.share * cosine * multum_sh_facets(surface.parts, 1.0, h, u_zonal);
+#ifdef MULTUM_VISIBILITY
+  sum.specular *= multum_visibility(max(dot(n, l), 0.0), max(dot(n, v), 0.0), max(dot(n, h), 0.0), dot(v, h));
+#endif
+#endif
+#ifdef MULTUM_NORMAL_MAP
+  vec4 lobe = surface.material * surface.finest;
+  float finest_diffuse = multum_movmf_lambert(lobe, l);
+  sum.diffuse += surface.finest_albedo * finest_diffuse;
+#ifndef MULTUM_LAMBERT
+  float finest_cosine = finest_diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+  vec3 finest_specular = multum_lobe_facets(lobe, h) * finest_cosine;
+#ifdef MULTUM_VISIBILITY
+  vec3 finest_n = multum_movmf_mean_direction(lobe);
+  finest_specular *= multum_visibility(max(dot(finest_n, l), 0.0), max(dot(finest_n, v), 0.0),
+                                       max(dot(finest_n, h), 0.0), dot(v, h));
+#endif
+  sum.specular += finest_specular;
+#endif
+#endif
+  return sum;
+}
+
+#ifdef MULTUM_ENVIRONMENT
+// The light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all
+// normals: E[n] and E[n n^T] are what is needed, and there. Exact up to l = 2, where Lambert's light ends but for 1 %.
+vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
+  vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);
+  mat3 second = multum_environment_frame * multum_sh_second_moments(parts) * transpose(multum_environment_frame);
+  vec3 sum = u_smooth_mean;
+  for (int c = 0; c < 3; ++c) {
+    sum[c] += 2.0 / 3.0 * dot(u_smooth_linear[c], mean);
+    for (int row = 0; row < 3; ++row) sum[c] += 0.25 * dot(u_smooth_quadratic[3 * c + row], second[row]);
+  }
+  return max(MULTUM_PI * sum, vec3(0.0));
+}
+
+// The highlight as that of a lobe of the mean normal.
+MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
+  MultumReflection sum = multum_environment_lobe(vec4(multum_sh_mean_normal(surface.parts), 1.0), v);
+#ifndef MULTUM_FRESNEL_DIFFUSE
+  sum.diffuse = multum_sh_irradiance(surface.parts);
+#endif
+  sum.diffuse *= surface.share * surface.albedo;
+  sum.specular *= surface.share;
+#ifdef MULTUM_NORMAL_MAP
+  MultumReflection finest = multum_environment_lobe(surface.material * surface.finest, v);
+  sum.diffuse += surface.finest_albedo * finest.diffuse;
+  sum.specular += finest.specular;
+#endif
+  return sum;
+}
+#endif

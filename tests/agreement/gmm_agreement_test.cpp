@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shading of planar Gaussians in OpenCL (kernels/device/gmm_shading.clh, by which a bake measures its own error)
+// and in GLSL (runtime_gl/shaders/common/gmm_shading.glsl, by which it is rendered), and both against double precision:
+// hard cases first, then random lobes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "host/opencl/device.h"
+#include "host/reference/planar_em.h"
+#include "runtime_gl/context/headless_context.h"
+#include "tests/gl/shader_harness.h"
+
+namespace multum {
+namespace {
+
+double uniform(std::mt19937& random) { return static_cast<double>(random() >> 8) * 0x1p-24; }
+
+std::vector<glm::vec4> test_lobes(unsigned seed) {
+  std::vector<glm::vec4> lobes = {glm::vec4(0.0f), {1e-8f, 0.0f, 0.0f, 1e-8f}, {0.0f, 0.0f, 1e-40f, 1.0f}};
+  const auto add = [&](double a, double mean, double azimuth, double variance) {
+    const glm::dvec2 p = mean * glm::dvec2(std::cos(azimuth), std::sin(azimuth));
+    lobes.push_back(glm::vec4(glm::dvec4(p.x, p.y, 2.0 * variance + glm::dot(p, p), 1.0) * a));
+  };
+  for (const double mean : {0.0, 0.3, 0.7, 0.99, 1.0, 1.0001})
+    for (const double variance : {-1e-4, 0.0, 1e-5, 1e-3, 0.05, 0.4}) add(0.7, mean, 1.0, variance);
+  std::mt19937 random(seed);
+  for (int i = 0; i < 100; ++i)
+    add(std::pow(10.0, -3.0 * uniform(random)), uniform(random), 6.28 * uniform(random),
+        0.4 * std::pow(10.0, -4.0 * uniform(random)));
+  return lobes;
+}
+
+std::vector<glm::vec3> test_directions(unsigned seed) {
+  std::vector<glm::vec3> all = {{0.0f, 0.0f, 1.0f}, {0.6f, 0.0f, 0.8f}, {0.0f, -0.6f, 0.8f}, {0.99f, 0.0f, 0.1410674f}};
+  std::mt19937 random(seed);
+  for (int i = 0; i < 16; ++i) {
+    const double z = 0.02 + 0.97 * uniform(random), phi = 2.0 * M_PI * uniform(random), side = std::sqrt(1.0 - z * z);
+    all.emplace_back(side * std::cos(phi), side * std::sin(phi), z);
+  }
+  return all;
+}
+
+// [lobe][direction]; s 0: Lambert.
+std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
+                                float s) {
+  static Device device = Device::open("");
+  std::vector<glm::vec4> vectors;
+  for (const glm::vec3& d : directions) vectors.emplace_back(d, 0.0f);
+  const DeviceBuffer in = device.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "lobes");
+  const DeviceBuffer around = device.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
+  const DeviceBuffer exponent = device.wrap_buffer(&s, sizeof(s), "exponent");
+  std::vector<float> values(lobes.size() * directions.size(), NAN);
+  const DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
+  const int count = static_cast<int>(directions.size());
+  device.kernel("movmf_shade", "movmf_shade", {1, 1, false, true})
+      .launch({lobes.size()}, in, around, around, exponent, out, static_cast<int>(lobes.size()), s > 0.0f ? count : 0,
+              s > 0.0f ? 0 : count, s > 0.0f ? 1 : 0);
+  device.read(out, values.data(), values.size() * sizeof(float));
+  return values;
+}
+
+std::vector<float> shade_glsl(const gl::HeadlessContext& context, const std::vector<glm::vec4>& lobes,
+                              const std::vector<glm::vec3>& directions, float s) {
+  gl::ShaderHarnessInput input{
+      s > 0.0f ? "vec4(multum_gmm_density(a, b.xyz, b.w))" : "vec4(multum_gmm_lambert(a, b.xyz))", {}, {}, nullptr};
+  for (const glm::vec4& lobe : lobes)
+    for (const glm::vec3& d : directions) {
+      input.a.push_back(lobe);
+      input.b.emplace_back(d, s);
+    }
+  std::vector<float> values;
+  for (const glm::vec4& value : gl::evaluate_shader(context.functions(), input)) values.push_back(value.x);
+  return values;
+}
+
+class GmmAgreementTest : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Exponents, GmmAgreementTest, ::testing::Values(0.0, 1.0, 20.0, 100.0, 500.0, 1e4),
+                         [](const ::testing::TestParamInfo<double>& exponent) {
+                           return "S" + std::to_string(static_cast<int>(exponent.param));
+                         });
+
+// A filtered lobe's 2 sigma^2 is a difference of numbers up to 1, each a float: off by 2e-7 at most, against a variance
+// of at least that of the facets, half of 1 / (s + 3). That moves the peak, and the exponent by as much again.
+TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
+  constexpr unsigned kSeed = 2005;
+  const double s = GetParam();
+  const std::vector<glm::vec4> lobes = test_lobes(kSeed);
+  const std::vector<glm::vec3> directions = test_directions(kSeed);
+  const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
+  const std::vector<float> opencl = shade_opencl(lobes, directions, static_cast<float>(s));
+  const std::vector<float> glsl = shade_glsl(*context, lobes, directions, static_cast<float>(s));
+  for (std::size_t i = 0; i < lobes.size(); ++i) {
+    const glm::dvec4 lobe(lobes[i]);
+    // Where the amplitude is next to nothing both show nothing.
+    const bool is_seen = lobes[i].w > 1e-6f;
+    for (std::size_t d = 0; d < directions.size(); ++d) {
+      const glm::dvec3 w(directions[d]);
+      const double exact = s > 0.0 ? reference::gmm_density(lobe, s, w) : reference::gmm_lambert(lobe, w);
+      const double expected = is_seen ? exact : 0.0;
+      const double peak = s > 0.0 ? lobe.w * (s + 3.0) / M_PI : lobe.w;
+      // The mean's z of the Lambert term is a root of such a difference.
+      const double square = glm::dot(glm::dvec2(lobe), glm::dvec2(lobe)) / std::max(lobe.w * lobe.w, 1e-30);
+      const double lifted = s > 0.0 ? 0.0 : lobe.w * 3e-7 / std::max(std::sqrt(std::max(1.0 - square, 0.0)), 5e-4);
+      const double bound = peak * (1e-5 + 2e-6 * (s + 3.0)) + lifted + 1e-30;
+      EXPECT_NEAR(static_cast<double>(opencl[i * directions.size() + d]), expected, bound) << i << ", " << d;
+      EXPECT_NEAR(static_cast<double>(glsl[i * directions.size() + d]), expected, bound) << i << ", " << d;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pyramids in the runtime: our choice of level against the driver's and against double precision, highlights with and
+// without the pyramid, surfaces of a level of detail, a model's own materials; and multum-view's modes for them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "host/asset/pyramid_sample.h"
+#include "host/asset/pyramid_surface.h"
+#include "host/asset/reflectance_mapping.h"
+#include "host/base/child_process.h"
+#include "host/reference/reflectance.h"
+#include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/pyramid/pyramid_renderer.h"
+#include "runtime_gl/render/picture_error.h"
+#include "tests/gl/test_maps.h"
+#include "tests/unit/test_folder.h"
+
+namespace multum {
+namespace {
+
+using testing::TemporaryFolder;
+
+/// Box-filtered, of sizes that are powers of two: `value(x, y, channel)` is level 0.
+template <typename Value>
+Pyramid make_pyramid(PyramidKind kind, int size, WrapMode wrap, const Value& value) {
+  Pyramid pyramid;
+  pyramid.header.kind = kind;
+  BakedHeader& map = pyramid.header.map;
+  map.encoding = StorageEncoding::kFloat;
+  map.wrap_s = map.wrap_t = wrap;
+  map.width = map.height = size;
+  const int channels = pyramid.header.channel_count();
+  for (int l = 0; l < pyramid.header.level_count(); ++l) {
+    PyramidLevel level{size >> l, size >> l, {}};
+    for (int y = 0; y < level.height; ++y)
+      for (int x = 0; x < level.width; ++x)
+        for (int c = 0; c < channels; ++c) {
+          float sum = 0.0f;
+          if (l == 0) {
+            sum = static_cast<float>(value(x, y, c));
+          } else {
+            const std::vector<float>& finer = pyramid.levels.back().values;
+            for (int k = 0; k < 4; ++k)
+              sum +=
+                  0.25f *
+                  finer[static_cast<std::size_t>(((2 * y + k / 2) * 2 * level.width + 2 * x + k % 2) * channels + c)];
+          }
+          level.values.push_back(sum);
+        }
+    pyramid.levels.push_back(std::move(level));
+  }
+  return pyramid;
+}
+
+gl::MeshData plane() {
+  gl::MeshData data;
+  for (int i = 0; i < 4; ++i) {
+    const float x = i % 2 == 0 ? -30.0f : 30.0f, y = i < 2 ? 0.0f : 60.0f;
+    data.vertices.push_back(
+        {{x, y, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f, 1.0f}, {x / 60.0f + 0.5f, y / 60.0f}});
+  }
+  data.indices = {0, 1, 3, 0, 3, 2};
+  return data;
+}
+
+/// A ball of radius 0.9 with its own normals.
+gl::MeshData ball(int steps) {
+  gl::MeshData data;
+  for (int j = 0; j <= steps; ++j)
+    for (int i = 0; i <= 2 * steps; ++i) {
+      const double theta = M_PI * j / steps, phi = M_PI * i / steps;
+      const glm::vec3 n(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+      data.vertices.push_back({0.9f * n, n, {1.0f, 0.0f, 0.0f, 1.0f}, {}});
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (2 * steps + 1) + i); };
+  for (int j = 0; j < steps; ++j)
+    for (int i = 0; i < 2 * steps; ++i)
+      for (const std::uint32_t k : {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)})
+        data.indices.push_back(k);
+  return data;
+}
+
+class PyramidViewTest : public ::testing::Test {
+ protected:
+  const gl::GlFunctions& gl() const { return context_->functions(); }
+  std::unique_ptr<gl::HeadlessContext> context_ = gl::make_headless_context(gl::ContextBackend::kOsmesa);
+};
+
+// The plane's derivatives in closed form: where the ray through a pixel's middle meets it, and through its neighbours'.
+glm::dvec2 texels_at(const gl::PyramidScene& scene, double x, double y, int width, int height, int size) {
+  const glm::dmat4 inverse = glm::inverse(glm::dmat4(gl::view_projection(scene.camera, width, height, {0.0f, 0.0f})));
+  const auto point = [&](double depth) {
+    const glm::dvec4 p = inverse * glm::dvec4(2.0 * x / width - 1.0, 2.0 * y / height - 1.0, depth, 1.0);
+    return glm::dvec3(p) / p.w;
+  };
+  const glm::dvec3 near = point(-1.0), far = point(1.0);
+  const glm::dvec3 hit = near + (far - near) * (near.z / (near.z - far.z));
+  return glm::dvec2(hit.x / 60.0 + 0.5, 1.0 - hit.y / 60.0) * (static_cast<double>(scene.uv_scale) * size);
+}
+
+// Differences between fragments of a quad stand for derivatives: on a plane in perspective they are exact to some
+// percent of a level. Mesa's own choice is the same rule with a log2 of its own; both are within 0.1 of a level.
+TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
+  constexpr int kSize = 64, kWidth = 128, kHeight = 96;
+  const Pyramid pyramid =
+      make_pyramid(PyramidKind::kColour, kSize, WrapMode::kPeriodic, [](int, int, int) { return 1.0; });
+  const gl::Texture texture = gl::make_pyramid_texture(gl(), pyramid, gl::PyramidLookup::kLevel, 1.0f);
+  const gl::Mesh mesh(gl(), plane());
+  gl::PyramidScene scene;
+  scene.uv_scale = 60.0f;
+  gl::PyramidRenderer renderer(gl(), kWidth, kHeight);
+  const gl::FloatImage levels = renderer.draw_levels(mesh, texture, false, scene);
+  double worst_ours = 0.0, worst_driver = 0.0;
+  int counted = 0;
+  for (int row = 0; row < kHeight; ++row)
+    for (int column = 0; column < kWidth; ++column) {
+      const float* const pixel = &levels.rgba[static_cast<std::size_t>(4 * (row * kWidth + column))];
+      if (pixel[3] == 0.0f) continue;
+      // The middle of the quad of fragments that the differences are of.
+      const double x = column / 2 * 2 + 1, y = (kHeight - 1 - row) / 2 * 2 + 1;
+      const auto at = [&](double dx, double dy) { return texels_at(scene, x + dx, y + dy, kWidth, kHeight, kSize); };
+      const glm::dvec2 along_x = at(0.5, 0.0) - at(-0.5, 0.0), along_y = at(0.0, 0.5) - at(0.0, -0.5);
+      const double expected = mip_level_of({along_x.x, along_x.y, along_y.x, along_y.y});
+      worst_ours = std::max(worst_ours, std::abs(static_cast<double>(pixel[0]) - expected));
+      worst_driver = std::max(worst_driver, std::abs(static_cast<double>(pixel[1]) - static_cast<double>(pixel[0])));
+      ++counted;
+    }
+  EXPECT_GT(counted, kWidth * kHeight / 2);
+  EXPECT_LT(worst_ours, 0.05);
+  EXPECT_LT(worst_driver, 0.1);
+  RecordProperty("ours_against_double", std::to_string(worst_ours));
+  RecordProperty("driver_against_ours", std::to_string(worst_driver));
+  std::printf("levels: ours %.4f off double, the driver %.4f off ours, at most\n", worst_ours, worst_driver);
+}
+
+// textureLod at our level is the trilinear filter of the reference, across borders of both kinds.
+TEST_F(PyramidViewTest, SamplesAreTheReferences) {
+  constexpr int kSize = 16, kWidth = 64, kHeight = 48;
+  for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kClamp}) {
+    const Pyramid pyramid = make_pyramid(PyramidKind::kColour, kSize, wrap,
+                                         [](int x, int y, int c) { return ((x * 7 + y * 13 + c * 5) % 16) / 15.0; });
+    const gl::Texture texture = gl::make_pyramid_texture(gl(), pyramid, gl::PyramidLookup::kLevel, 1.0f);
+    const gl::Mesh mesh(gl(), plane());
+    gl::PyramidScene scene;
+    scene.uv_scale = 20.0f;
+    gl::PyramidRenderer renderer(gl(), kWidth, kHeight);
+    const gl::FloatImage levels = renderer.draw_levels(mesh, texture, false, scene);
+    const gl::FloatImage picture = renderer.draw(mesh, texture, gl::PyramidLookup::kLevel, false, scene);
+    double worst = 0.0;
+    for (int row = 0; row < kHeight; ++row)
+      for (int column = 0; column < kWidth; ++column) {
+        const auto first = static_cast<std::size_t>(4 * (row * kWidth + column));
+        if (levels.rgba[first + 3] == 0.0f) continue;
+        const glm::dvec2 texel = texels_at(scene, column + 0.5, kHeight - row - 0.5, kWidth, kHeight, kSize);
+        // st = (u, 1 - v) * repeats: the plane's v grows upwards.
+        const double s = texel.x / kSize, t = texel.y / kSize;
+        const PyramidSample expected = sample_pyramid(pyramid, s, t, static_cast<double>(levels.rgba[first]));
+        for (std::size_t c = 0; c < 3; ++c)
+          worst = std::max(worst, std::abs(static_cast<double>(picture.rgba[first + c]) - expected[c]));
+      }
+    EXPECT_LT(worst, 0.02) << wrap_mode_name(wrap);
+  }
+}
+
+std::vector<gl::Light> nine_lights_less_one() {
+  std::vector<gl::Light> lights;
+  for (int i = 0; i < 8; ++i)
+    lights.push_back({{std::cos(0.8f * static_cast<float>(i)), std::sin(0.8f * static_cast<float>(i)),
+                       0.3f + 0.2f * static_cast<float>(i)},
+                      glm::vec3(0.5f + 0.3f * static_cast<float>(i))});
+  return lights;
+}
+
+// A map of the lights by the reference in double, from 2 x 2 normals a texel.
+Pyramid reflectance_of(const gl::PhongLights& lights, int size) {
+  const ReflectanceFrame frame;
+  std::vector<reference::DistantLight> distant;
+  for (const gl::Light& light : lights.lights)
+    distant.push_back({glm::normalize(glm::dvec3(light.direction)), glm::dvec3(light.irradiance)});
+  const reference::PhongSurface surface = {static_cast<double>(lights.exponent), glm::dvec3(lights.diffuse),
+                                           glm::dvec3(lights.specular)};
+  std::vector<glm::dvec3> texels;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      texels.push_back(reference::phong_radiance(reflectance_normal(frame, {(x + 0.5) / size, (y + 0.5) / size}),
+                                                 frame.viewer, distant, surface));
+  return make_pyramid(PyramidKind::kReflectance, size, WrapMode::kClamp,
+                      [&](int x, int y, int c) { return texels[static_cast<std::size_t>(y * size + x)][c]; });
+}
+
+class HighlightTest : public PyramidViewTest {
+ protected:
+  HighlightTest() {
+    lights.lights = nine_lights_less_one();
+    lights.exponent = 300.0f;
+    scene.camera.eye = {0.0f, 0.0f, 60.0f};
+    scene.camera.target = {0.0f, 0.0f, 0.0f};
+    scene.camera.up = {0.0f, 1.0f, 0.0f};
+    scene.camera.fov_y_degrees = 2.0f;
+    scene.camera.near_distance = 50.0f;
+    scene.level_bias = gl::kEqualVarianceBias;
+  }
+  gl::PhongLights lights;
+  gl::PyramidScene scene;
+};
+
+// Large: every lookup shows what is shaded in the fragment. The map's own resolution is what is left.
+TEST_F(HighlightTest, AMapShowsWhatItsLightsDo) {
+  const Pyramid map = reflectance_of(lights, 256);
+  const gl::Mesh mesh(gl(), ball(48));
+  gl::PyramidRenderer renderer(gl(), 192, 192);
+  const gl::FloatImage shaded = renderer.draw_phong(mesh, lights, scene);
+  for (const gl::PyramidLookup lookup : {gl::PyramidLookup::kBilinear, gl::PyramidLookup::kLevel}) {
+    const gl::Texture texture = gl::make_pyramid_texture(gl(), map, lookup, 1.0f);
+    EXPECT_LT(gl::picture_error(renderer.draw(mesh, texture, lookup, true, scene), shaded).relative_l1, 0.05);
+  }
+}
+
+// Small: a ball of 16 pixels, whose normals turn by some degrees a pixel. Williams's figures 18 and 19 in numbers.
+TEST_F(HighlightTest, ThePyramidAntialiases) {
+  const Pyramid map = reflectance_of(lights, 256);
+  const gl::Mesh mesh(gl(), ball(48));
+  gl::PyramidRenderer renderer(gl(), 16, 16);
+  const gl::Texture nearest = gl::make_pyramid_texture(gl(), map, gl::PyramidLookup::kBilinear, 1.0f);
+  std::vector<gl::FloatImage> truths, before, after;
+  for (int k = 0; k < 6; ++k) {
+    const glm::vec2 shift(static_cast<float>(k) / 6.0f - 0.5f, 0.1f * static_cast<float>(k));
+    truths.push_back(gl::supersampled(8, [&](glm::vec2 offset) {
+      scene.shift = shift + offset;
+      return renderer.draw_phong(mesh, lights, scene);
+    }));
+    scene.shift = shift;
+    before.push_back(renderer.draw(mesh, nearest, gl::PyramidLookup::kBilinear, true, scene));
+    after.push_back(renderer.draw(mesh, nearest, gl::PyramidLookup::kLevel, true, scene));
+  }
+  // Silhouettes are not antialiased by any map: only pixels that the ball covers whole are compared.
+  for (std::size_t k = 0; k < truths.size(); ++k)
+    for (std::size_t i = 0; i < truths[k].rgba.size(); i += 4)
+      if (truths[k].rgba[i + 3] < 1.0f)
+        for (std::size_t c = 0; c < 3; ++c) truths[k].rgba[i + c] = before[k].rgba[i + c] = after[k].rgba[i + c] = 0.0f;
+  const double error_before = gl::picture_error(before[0], truths[0]).relative_l1;
+  const double error_after = gl::picture_error(after[0], truths[0]).relative_l1;
+  const double flicker_before = gl::flicker(before, truths), flicker_after = gl::flicker(after, truths);
+  std::printf("error %.3f -> %.3f, flicker %.3f -> %.3f\n", error_before, error_after, flicker_before, flicker_after);
+  EXPECT_LT(error_after, 0.8 * error_before);
+  EXPECT_LT(flicker_after, 0.7 * flicker_before);
+}
+
+TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
+  const Pyramid heights = make_pyramid(PyramidKind::kHeight, 32, WrapMode::kClamp,
+                                       [](int x, int y, int) { return 0.1 * std::sin(0.7 * x) * std::cos(0.9 * y); });
+  double last = 1e9;
+  for (const double level : {0.0, 0.5, 1.0, 2.5, 4.0}) {
+    const PyramidSurface surface = surface_at_level(heights, level);
+    EXPECT_EQ(surface.columns, std::max(2, static_cast<int>(std::lround(32.0 * std::exp2(-level)))));
+    EXPECT_EQ(surface.indices.size(), static_cast<std::size_t>(6 * (surface.columns - 1) * (surface.rows - 1)));
+    double square = 0.0;
+    for (const glm::vec3& p : surface.positions) square += static_cast<double>(p.z * p.z);
+    square /= static_cast<double>(surface.positions.size());
+    EXPECT_LT(square, last) << level;
+    last = square;
+    for (const glm::vec3& n : surface.normals) EXPECT_GT(n.z, 0.0f);
+    EXPECT_EQ(surface.positions.front().x, -0.5f);
+    EXPECT_EQ(surface.positions.back().y, -0.5f);
+    EXPECT_EQ(surface.uvs.front(), glm::vec2(0.0f, 1.0f));
+  }
+  // A slope of 1 in x: the normal leans by 45 degrees, at every level away from the border.
+  const Pyramid ramp =
+      make_pyramid(PyramidKind::kHeight, 32, WrapMode::kClamp, [](int x, int, int) { return (x + 0.5) / 32.0; });
+  const PyramidSurface surface = surface_at_level(ramp, 1.0);
+  const glm::vec3 n = surface.normals[static_cast<std::size_t>(8 * surface.columns + 8)];
+  EXPECT_NEAR(n.x, -std::sqrt(0.5f), 1e-3f);
+  EXPECT_NEAR(n.z, std::sqrt(0.5f), 1e-3f);
+}
+
+class PyramidModesTest : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return folder_ / name; }
+  ChildResult view(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum-view");
+    arguments.insert(arguments.end(), {"-o", path("out.png"), "--context", "osmesa", "--size", "48x32"});
+    return run_child(arguments);
+  }
+  void expect_refusal(const std::vector<std::string>& arguments, int code, const std::string& words) const {
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, code) << result.output;
+    EXPECT_NE(result.output.find(words), std::string::npos) << result.output;
+    EXPECT_FALSE(std::filesystem::exists(path("out.png")));
+  }
+  void write(const Pyramid& pyramid, const std::string& name) const {
+    PyramidWriter writer(path(name), pyramid.header, {});
+    for (int l = 0; l < pyramid.header.level_count(); ++l)
+      writer.write_level(l, 0, pyramid.levels[static_cast<std::size_t>(l)]);
+    writer.commit(nullptr);
+  }
+  std::string triangle() const {
+    testing::write_bytes(path("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+    return path("t.obj");
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(PyramidModesTest, AColourPyramidOnThePlane) {
+  write(make_pyramid(PyramidKind::kColour, 16, WrapMode::kPeriodic, [](int x, int y, int) { return (x ^ y) & 1; }),
+        "a.exr");
+  const ChildResult result = view({"--mip", path("a.exr"), "--lookup", "nearest,truth,level,driver", "--samples", "16",
+                                   "--report", path("r.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  std::ifstream file(path("r.json"));
+  const nlohmann::json rows = nlohmann::json::parse(file)["pictures"];
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_EQ(rows[0]["name"], "truth");
+  EXPECT_LT(rows[2]["relative_l1"].get<double>(), 0.75 * rows[1]["relative_l1"].get<double>()) << "mip against nearest";
+}
+
+TEST_F(PyramidModesTest, ASurfaceAtALevel) {
+  write(make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return 0.01 * x; }), "h.exr");
+  const ChildResult result = view({"--lod", path("h.exr"), "--level", "1.5"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("level 1.5: 6 x 6 points, 50 triangles"), std::string::npos) << result.output;
+}
+
+TEST_F(PyramidModesTest, WrongSubjectsAreRefused) {
+  write(make_pyramid(PyramidKind::kColour, 4, WrapMode::kPeriodic, [](int, int, int) { return 1; }), "a.exr");
+  const std::string a = path("a.exr");
+  expect_refusal({}, 2, "file is required");
+  expect_refusal({"--mip", a, "--lod", a}, 2, "expected one of");
+  expect_refusal({a, "--mip", a}, 2, "expected one of");
+  expect_refusal({"--reflectance", a}, 2, "expected --mesh");
+  expect_refusal({"--mip", a, "--mesh", triangle()}, 2, "found --mesh");
+  expect_refusal({"--mip", a, "--compare", "truth"}, 2, "--lookup");
+  expect_refusal({"--mip", a, "--lookup", "best"}, 2, "a list of truth");
+  expect_refusal({"--mip", a, "--shifts", "4"}, 2, "expected truth in --lookup");
+  expect_refusal({"--lod", a}, 3, "found a pyramid of colours");
+  expect_refusal({"--reflectance", a, "--mesh", triangle()}, 3, "found a pyramid of colours");
+  expect_refusal({"--mip", path("none.exr")}, 3, "none.exr");
+  expect_refusal({a}, 3, "representation 'pyramid of colours'");
+  expect_refusal({"--material", "a=b", "--mesh", triangle()}, 3, "expected a glTF file");
+}
+
+// Two triangles of two materials; only one has a map.
+TEST_F(PyramidModesTest, AModelWithItsOwnMaterials) {
+  write_movmf_mipmap(path("map.ndf.exr"), gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false).mipmap, {});
+  const std::string positions =
+      "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAA"
+      "AIA/AAAAAAAAAAAAAIA/";
+  const std::string primitive = R"({"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":)";
+  testing::write_bytes(
+      path("m.gltf"),
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0},)"
+      R"({"mesh":1,"translation":[0,0,0.5]}],)"
+      R"("meshes":[{"primitives":[)" +
+          primitive + "0}]},{\"primitives\":[" + primitive +
+          R"(1}]}],"materials":[{"name":"red","doubleSided":true,"pbrMetallicRoughness":)"
+          R"({"baseColorFactor":[1,0,0,1],"metallicFactor":0}},)"
+          R"({"name":"rough"}],"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
+          positions +
+          R"("}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],)"
+          R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+          R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}]})");
+  const std::string map = path("map.ndf.exr");
+  const ChildResult result = view({"--mesh", path("m.gltf"), "--material", "red=" + map});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("red: 1 triangles, " + map), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("rough: 1 triangles, no map"), std::string::npos) << result.output;
+  std::filesystem::remove(path("out.png"));
+  expect_refusal({"--mesh", path("m.gltf"), "--material", "blue=" + map}, 2, "expected one of: red, rough");
+  expect_refusal({"--mesh", path("m.gltf"), "--material", "red"}, 2, "expected NAME=FILE");
+  expect_refusal({"--mesh", path("m.gltf"), "--material", "red=" + map, "--material", "red=" + map}, 2, "twice");
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// A baked file of spherical harmonics without a bake, from the definition in double.
+#pragma once
+
+#include "host/asset/sh_mipmap.h"
+#include "runtime_gl/materials/normal_material.h"
+
+namespace multum::gl {
+
+/// Of the image's normals, every level the mean of the finest. The sides are powers of two.
+ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding encoding);
+
+}  // namespace multum::gl

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Planar Gaussians against lobes, as Han et al. 2007 compare them in figure 7: alike on top, worse the nearer normals
+// lie to the rim of the disc, where a round bump on the sphere is a thin one on the plane that ends at its edge.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <cmath>
+#include <random>
+
+#include <glm/geometric.hpp>
+
+#include "host/asset/gmm_quantize.h"
+#include "host/bake/accuracy.h"
+#include "host/bake/movmf_bake.h"
+#include "tests/reference/test_maps.h"
+
+namespace multum {
+namespace {
+
+Device& device() {
+  static Device device = Device::open("");
+  return device;
+}
+
+// Two bumps of normals, tilted by so much to either side, each some six degrees wide; none below the horizon.
+NormalMap tilted_map(double degrees) {
+  std::mt19937 random(2007);
+  const auto normal = [&] { return std::normal_distribution<double>(0.0, 0.1)(random); };
+  return testing::make_map(64, 64, [&](int, int) {
+    const double tilt = degrees * M_PI / 180.0 + normal(), turn = normal(), side = random() % 2 == 0 ? 1.0 : -1.0;
+    glm::dvec3 n(side * std::sin(tilt), turn, std::cos(tilt));
+    n.z = std::abs(n.z);
+    return glm::normalize(n);
+  });
+}
+
+// Directions spread evenly over the upper hemisphere: a spiral by the golden angle.
+std::vector<glm::dvec3> hemisphere(int count) {
+  std::vector<glm::dvec3> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = (i + 0.5) / count, phi = i * M_PI * (3.0 - std::sqrt(5.0)), side = std::sqrt(1.0 - z * z);
+    directions.emplace_back(side * std::cos(phi), side * std::sin(phi), z);
+  }
+  return directions;
+}
+
+// Mean relative L1 over the levels of 16 x 16 texels and coarser, over half vectors all around, by BRDF.
+std::map<std::string, double> errors_of(const NormalMap& map, Representation representation) {
+  MovmfSettings settings;
+  settings.representation = representation;
+  settings.lobe_count = 2;
+  settings.rehearse_start = false;  // two bumps are found from anywhere
+  BakeReport report;
+  MovmfMipmap mipmap = bake_movmf(device(), map, nullptr, settings, report, nullptr);
+  EXPECT_EQ(report.nonfinite, 0u);
+  quantize_movmf(mipmap, 1);
+  AccuracySettings accuracy;
+  accuracy.samples_per_level = 0;
+  accuracy.first_level = 2;
+  accuracy.directions.half_vectors = hemisphere(400);
+  std::map<std::string, double> sums;
+  std::map<std::string, int> counts;
+  for (const AccuracyRow& row : measure_accuracy(device(), mipmap, map, accuracy, nullptr)) {
+    sums[row.brdf] += row.error;
+    ++counts[row.brdf];
+  }
+  for (auto& [brdf, sum] : sums) sum /= counts[brdf];
+  return sums;
+}
+
+TEST(GmmAgainstVmfTest, IsAlikeOnTopAndWorseNearTheRim) {
+  double before = 0.0;
+  for (const double tilt : {0.0, 30.0, 60.0, 75.0, 85.0}) {
+    const NormalMap map = tilted_map(tilt);
+    std::map<std::string, double> gmm = errors_of(map, Representation::kGmm),
+                                  vmf = errors_of(map, Representation::kMovmf);
+    for (const auto& [brdf, error] : gmm)
+      RecordProperty(fmt::format("{}_{}", brdf, tilt),
+                     fmt::format("gmm {:.1f} vmf {:.1f}", 100 * error, 100 * vmf[brdf]));
+    const double s100 = gmm["blinn-phong:100"], excess = s100 / vmf["blinn-phong:100"];
+    if (tilt == 0.0) {
+      EXPECT_LT(excess, 1.3);
+      EXPECT_LT(s100, 0.1);
+    }
+    EXPECT_GT(s100, before) << tilt << ": worse with every step";
+    before = s100;
+    if (tilt >= 60.0) {
+      EXPECT_GT(excess, 2.0) << tilt;
+    }
+    EXPECT_LT(gmm["lambert"], 0.2) << tilt;
+  }
+}
+
+// Coordinates' first and second moments are the texels' own, whatever the prior does.
+TEST(GmmMomentsTest, FirstAndSecondMomentsAreThoseOfTheNormals) {
+  const NormalMap map = tilted_map(50.0);
+  BakeReport report;
+  MovmfSettings settings;
+  settings.representation = Representation::kGmm;
+  settings.rehearse_start = false;
+  const MovmfMipmap mipmap = bake_movmf(device(), map, nullptr, settings, report, nullptr);
+  glm::dvec3 exact(0.0);
+  for (std::size_t i = 0; i < map.x.size(); ++i) {
+    const double x = static_cast<double>(map.x[i]), y = static_cast<double>(map.y[i]);
+    exact += glm::dvec3(x, y, x * x + y * y) / static_cast<double>(map.x.size());
+  }
+  for (const MovmfLevel& level : mipmap.levels) {
+    glm::dvec4 sum(0.0);
+    for (const auto& lobes : level.lobes)
+      for (const glm::vec4& lobe : lobes) {
+        sum += glm::dvec4(lobe) / static_cast<double>(lobes.size());
+        EXPECT_GE(gmm_variance(lobe), 0.0f);
+      }
+    EXPECT_NEAR(sum.w, 1.0, 1e-6) << level.width;
+    EXPECT_LT(glm::length(glm::dvec3(sum) - exact), 3e-6) << level.width;
+  }
+}
+
+}  // namespace
+}  // namespace multum

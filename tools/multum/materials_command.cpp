@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum materials: what a glTF model's materials are, and a manifest that bakes all its normal maps.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/output_paths.h"
+#include "host/image/image_reader.h"
+#include "host/mesh/gltf_material.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MaterialsOptions {
+  std::string model, folder;
+  bool force = false;
+};
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04x}", static_cast<int>(c));
+    else out += c;
+  }
+  return out + "\"";
+}
+
+std::string image_text(const GltfMaterials& model, const std::optional<GltfTexture>& texture) {
+  if (!texture) return "none";
+  const GltfImage& image = model.images[static_cast<std::size_t>(texture->image)];
+  return image.file.empty() ? fmt::format("{}.{} (inside the file)", image.name, image.extension) : image.file;
+}
+
+void print_materials(const GltfMaterials& model) {
+  for (const GltfMaterial& m : model.materials) {
+    fmt::print("{}\n  normal map    {}", m.name, image_text(model, m.normal));
+    if (m.normal)
+      fmt::print(", TEXCOORD_{}, wrap {},{}, scale {:g}", m.normal->uv_set, m.normal->wrap_s, m.normal->wrap_t,
+                 m.normal_scale);
+    fmt::print("\n  base colour   {:g},{:g},{:g} times {}\n", m.base_colour.r, m.base_colour.g, m.base_colour.b,
+               m.colour ? image_text(model, m.colour) : "1");
+    fmt::print("  metallic      {:g}{}\n  roughness     {:g}{}\n", m.metallic,
+               m.metallic_roughness ? " times its texture's mean" : "", m.roughness,
+               m.metallic_roughness ? " times its texture's mean" : "");
+  }
+}
+
+struct Size {
+  int width, height;
+  bool operator==(const Size&) const = default;
+};
+
+Size size_of(const std::string& image) {
+  const RawImageInfo& info = ImageReader(image, {}).info();
+  return {info.width, info.height};
+}
+
+std::string map_text(const GltfMaterials& model, const GltfMaterial& material, const std::string& folder,
+                     const std::string& output) {
+  const auto path_of = [&](const GltfTexture& texture) {
+    return extract_image(model.images[static_cast<std::size_t>(texture.image)], folder);
+  };
+  const auto relative = [&](const std::string& path) {
+    return quoted(fs::relative(fs::absolute(path), fs::absolute(folder)).generic_string());
+  };
+  const std::string normal = path_of(*material.normal);
+  std::string text = fmt::format("\n[[map]]  # {}\ninput = {}\noutput = {}\n", quoted(material.name), relative(normal),
+                                 quoted(output));
+  text += fmt::format("swrap = \"{}\"\ntwrap = \"{}\"\n", material.normal->wrap_s, material.normal->wrap_t);
+  if (material.normal_scale != 1.0f)
+    text += fmt::format("normal_scale = {:.9g}\n", static_cast<double>(material.normal_scale));
+  if (!material.colour) return text;
+  const std::string colour = path_of(*material.colour);
+  if (material.colour->uv_set != material.normal->uv_set)
+    return text + fmt::format("# no albedo: {} lies on TEXCOORD_{}\n", relative(colour), material.colour->uv_set);
+  if (!(size_of(colour) == size_of(normal)))
+    return text + fmt::format("# no albedo: {} is of another size\n", relative(colour));
+  return text + fmt::format("albedo = {}\n", relative(colour));
+}
+
+void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
+  const auto has_map = [](const GltfMaterial& material) { return material.normal.has_value(); };
+  if (std::none_of(model.materials.begin(), model.materials.end(), has_map))
+    throw Error(ErrorCode::kInput, o.model + ": found no material with a normal map, expected one to bake");
+  make_folder(o.folder);
+  const std::string manifest = o.folder + "/maps.toml";
+  if (fs::exists(manifest) && !o.force)
+    throw Error(ErrorCode::kUsage, manifest + ": is there already; --force writes it anew");
+  std::string text = fmt::format(
+      "# The normal maps of {}, made by multum materials. Bake them: multum bake --manifest maps.toml\n\n[defaults]\n"
+      "bumpformat = \"normal\"\ngreen = \"up\"  # as glTF has it\nunsigned = true\n",
+      fs::path(o.model).filename().string());
+  std::string view = fmt::format("multum-view --mesh {} -o picture.png", o.model);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < model.materials.size(); ++i) {
+    const GltfMaterial& material = model.materials[i];
+    if (!material.normal) continue;
+    const std::string output = fmt::format("{}_{}.ndf.exr", i, safe_file_name(material.name));
+    text += map_text(model, material, o.folder, output);
+    view += fmt::format(" --material {}={}/{}", quoted(material.name), o.folder, output);
+    ++count;
+  }
+  write_text_file(manifest, text);
+  fmt::print("\n{}: {} maps\n  multum bake --manifest {}\n  {}\n", manifest, count, manifest, view);
+}
+
+int run_materials(const MaterialsOptions& o) {
+  const GltfMaterials model = read_gltf_materials(o.model);
+  if (model.materials.empty()) throw Error(ErrorCode::kInput, o.model + ": found no materials, expected some");
+  print_materials(model);
+  if (!o.folder.empty()) write_manifest(o, model);
+  return 0;
+}
+
+}  // namespace
+
+void add_materials_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<MaterialsOptions>();
+  CLI::App* materials =
+      app.add_subcommand("materials", "list a glTF model's materials; write a manifest that bakes its normal maps");
+  materials->add_option("model", options->model, "*.gltf or *.glb")->required();
+  materials->add_option("-o,--output", options->folder,
+                        "folder for maps.toml and for images that lie inside the file; made where it is not there");
+  materials->add_flag("--force", options->force, "write maps.toml even if it is there already");
+  materials->callback([options, exit_code] { *exit_code = run_materials(*options); });
+}
+
+}  // namespace multum

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view --material: a glTF model with its own materials - base colour, metallic and roughness factors, as glTF's
+// BRDF has them - and for each that is named the map that was baked of its normal texture.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/base/output_paths.h"
+#include "host/image/colour_map.h"
+#include "host/mesh/gltf_material.h"
+#include "runtime_gl/materials/normal_material.h"
+#include "tools/multum_view/baked_map.h"
+#include "tools/multum_view/modes.h"
+#include "tools/multum_view/view_inputs.h"
+#include "tools/multum_view/view_outputs.h"
+
+namespace multum {
+namespace {
+
+constexpr float kRoughnessMin = 0.05f;           // of Brdf
+constexpr float kDielectricReflectance = 0.04f;  // glTF 2.0, appendix B
+
+/// NAME=FILE; a name may hold "=", a baked file's rarely does.
+std::map<std::string, std::string> parse_materials(const std::vector<std::string>& words) {
+  std::map<std::string, std::string> files;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.rfind('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == word.size())
+      throw Error(ErrorCode::kUsage, "--material is '" + word + "', expected NAME=FILE.ndf.exr");
+    if (!files.emplace(word.substr(0, equals), word.substr(equals + 1)).second)
+      throw Error(ErrorCode::kUsage, "--material names '" + word.substr(0, equals) + "' twice, expected once");
+  }
+  return files;
+}
+
+/// A folder for images that lie inside a model, for as long as it takes to read them.
+class TemporaryImages {
+ public:
+  TemporaryImages() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "multum_view_XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw Error(ErrorCode::kEnvironment, pattern + ": cannot be made a folder for the model's images");
+    folder_ = pattern;
+  }
+  ~TemporaryImages() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  TemporaryImages(const TemporaryImages&) = delete;
+  TemporaryImages& operator=(const TemporaryImages&) = delete;
+  const std::string& folder() const { return folder_; }
+
+ private:
+  std::string folder_;
+};
+
+/// The mean of each channel, as numbers from 0 to 1.
+glm::vec3 mean_of(const GltfImage& image) {
+  const TemporaryImages temporary;
+  const ColourRows rows =
+      read_colour_rows(extract_image(image, temporary.folder()), ColourEncoding::kData, {}, 1, nullptr);
+  std::vector<float> row(static_cast<std::size_t>(rows.planes.width()));
+  glm::dvec3 sum(0.0);
+  for (int y = 0; y < rows.planes.height(); ++y)
+    for (int c = 0; c < 3; ++c) {
+      rows.planes.read_rows(c, y, 1, row.data());
+      for (const float value : row) sum[c] += static_cast<double>(value);
+    }
+  return sum / (static_cast<double>(rows.planes.width()) * rows.planes.height());
+}
+
+/// glTF's metallic-roughness texture has roughness in green and metallic in blue; its means stand for it.
+Brdf brdf_of(const GltfMaterials& model, GltfMaterial material) {
+  if (material.metallic_roughness) {
+    const glm::vec3 mean = mean_of(model.images[static_cast<std::size_t>(material.metallic_roughness->image)]);
+    material.roughness *= mean.g;
+    material.metallic *= mean.b;
+  }
+  const glm::vec3 colour(material.base_colour);
+  Brdf brdf;
+  brdf.kind = BrdfKind::kGgx;
+  brdf.roughness = std::max(material.roughness, kRoughnessMin);
+  brdf.diffuse = colour * (1.0f - material.metallic);
+  brdf.f0 = glm::mix(glm::vec3(kDielectricReflectance), colour, material.metallic);
+  brdf.specular = glm::vec3(1.0f);
+  return brdf;
+}
+
+/// Triangles of one material.
+gl::MeshData part_data(const TriangleMesh& mesh, int material) {
+  gl::MeshData data = to_mesh_data(mesh);
+  data.indices.clear();
+  for (const MeshPart& part : mesh.parts)
+    if (part.material_index == material)
+      data.indices.insert(data.indices.end(), mesh.indices.begin() + part.first_index,
+                          mesh.indices.begin() + part.first_index + part.index_count);
+  return data;
+}
+
+class Model {
+ public:
+  Model(const ViewOptions& options, const GltfMaterials& materials) : options_(options), materials_(materials) {
+    files_ = parse_materials(options.materials);
+    std::set<std::string> names;
+    for (const GltfMaterial& material : materials.materials) names.insert(material.name);
+    for (const auto& [name, file] : files_)
+      if (names.count(name) == 0)
+        throw Error(ErrorCode::kUsage, fmt::format("--material '{}': {} has no such material, expected one of: {}",
+                                                   name, options.mesh, fmt::join(names, ", ")));
+  }
+
+  const TriangleMesh& mesh(int uv_set) {
+    const auto found = meshes_.find(uv_set);
+    return found != meshes_.end() ? found->second
+                                  : meshes_.emplace(uv_set, read_mesh(options_.mesh, uv_set)).first->second;
+  }
+
+  void upload(const gl::GlFunctions& gl) {
+    const int count = static_cast<int>(materials_.materials.size());
+    for (int i = 0; i <= count; ++i) {  // the last: triangles without a material
+      const GltfMaterial material = i < count ? materials_.materials[static_cast<std::size_t>(i)] : GltfMaterial{};
+      const gl::MeshData data = part_data(mesh(material.normal ? material.normal->uv_set : 0), i);
+      if (data.indices.empty()) continue;
+      parts_.emplace_back(gl, data);
+      objects_.push_back({&parts_.back(), make(gl, material),
+                          options_.has_brdf ? options_.scene.brdf : brdf_of(materials_, material)});
+      fmt::print("{}: {} triangles, {}\n", material.name.empty() ? "no material" : material.name,
+                 data.indices.size() / 3, files_.count(material.name) > 0 ? files_.at(material.name) : "no map");
+    }
+  }
+  const std::vector<gl::SceneObject>& objects() const { return objects_; }
+
+ private:
+  const gl::Material* make(const gl::GlFunctions& gl, const GltfMaterial& material) {
+    const auto file = files_.find(material.name);
+    if (file == files_.end()) {
+      surfaces_.push_back(std::make_unique<gl::NormalMaterial>(gl, gl::NormalImage{1, 1, {{0.0f, 0.0f, 1.0f}}, {}},
+                                                               gl::NormalMaterial::Sampling::kNearest, 1.0f));
+      return surfaces_.back().get();
+    }
+    ViewOptions own = options_;
+    own.input = file->second;
+    const BakedMap map = read_baked_map(own.input);
+    check_options_of(own, map.header);
+    if (map.header.first_level > 0)
+      throw Error(ErrorCode::kInput, own.input + ": holds no level 0, expected files of all levels for --material");
+    surfaces_.push_back(make_material(gl, map, own, {}));
+    return surfaces_.back().get();
+  }
+
+  const ViewOptions& options_;
+  const GltfMaterials& materials_;
+  std::map<std::string, std::string> files_;
+  std::map<int, TriangleMesh> meshes_;  // by texture coordinate set
+  std::list<gl::Mesh> parts_;
+  std::vector<std::unique_ptr<gl::Material>> surfaces_;
+  std::vector<gl::SceneObject> objects_;
+};
+
+}  // namespace
+
+int run_model(ViewOptions& options) {
+  check_paths_differ({options.mesh}, {options.output, options.report});
+  const GltfMaterials materials = read_gltf_materials(options.mesh);
+  Model model(options, materials);
+  frame_mesh(model.mesh(0), options);
+  options.scene.uv_scale = options.repeat > 0.0f ? options.repeat : 1.0f;
+  options.scene.environment = read_environment(options);
+  const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options.context);
+  log_info(context->description());
+  model.upload(context->functions());
+  gl::Renderer renderer(context->functions(), options.width, options.height);
+  const std::vector<NamedPicture> pictures = {{"multum", renderer.draw(model.objects(), options.scene)}};
+  const nlohmann::json rows = print_table(pictures);
+  write_pictures(options, pictures);
+  if (!options.report.empty()) write_report(options, context->description(), rows);
+  return 0;
+}
+
+}  // namespace multum

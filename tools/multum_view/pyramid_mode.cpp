@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view --mip, --reflectance: a surface coloured straight from a pyramid, looked up in several ways, beside the
+// truth; how much highlights flicker (Williams 1983, sections 3 and 4).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "host/asset/reflectance_mapping.h"
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/base/output_paths.h"
+#include "host/mesh/mesh.h"
+#include "runtime_gl/pyramid/pyramid_renderer.h"
+#include "runtime_gl/render/picture_error.h"
+#include "tools/multum_view/modes.h"
+#include "tools/multum_view/view_inputs.h"
+#include "tools/multum_view/view_outputs.h"
+
+namespace multum {
+namespace {
+
+using gl::FloatImage;
+using gl::PyramidLookup;
+
+std::optional<PyramidLookup> lookup_of(const std::string& name) {
+  if (name == "nearest") return PyramidLookup::kNearest;
+  if (name == "bilinear") return PyramidLookup::kBilinear;
+  if (name == "level") return PyramidLookup::kLevel;
+  if (name == "driver") return PyramidLookup::kDriver;
+  return std::nullopt;  // truth
+}
+
+glm::vec3 vector_of(const nlohmann::json& json) {
+  return {json.at(0).get<float>(), json.at(1).get<float>(), json.at(2).get<float>()};
+}
+
+/// The lights that a reflectance map was baked from; unset where an environment is in it, or there are too many of them
+/// for a shader: its own finest level is then the best that is known.
+std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const std::string& path) {
+  const nlohmann::json json = nlohmann::json::parse(header.map.provenance.settings, nullptr, false);
+  if (!header.map.provenance.source_hash.empty()) return std::nullopt;
+  try {
+    gl::PhongLights lights;
+    lights.exponent = json.at("exponent").get<float>();
+    lights.diffuse = vector_of(json.at("diffuse"));
+    lights.specular = vector_of(json.at("specular"));
+    for (const nlohmann::json& light : json.at("lights"))
+      lights.lights.push_back({vector_of(light.at("direction")), vector_of(light.at("irradiance"))});
+    if (lights.lights.size() > gl::kLightCountMax) return std::nullopt;
+    return lights;
+  } catch (const nlohmann::json::exception&) {
+    throw Error(ErrorCode::kInput,
+                path + ": found settings that do not say its lights, expected those of `multum reflectance`");
+  }
+}
+
+/// The camera stands far off where the map's viewer is, unless the options say otherwise.
+void look_from_viewer(const TriangleMesh& mesh, const ReflectanceFrame& frame, ViewOptions& options) {
+  if (options.has_camera) return frame_mesh(mesh, options);
+  glm::vec3 low = mesh.positions[0], high = low;
+  for (const glm::vec3& p : mesh.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  gl::Camera& camera = options.scene.camera;
+  constexpr float kFieldOfView = 8.0f;  // narrow, as from afar: the map knows one direction to the viewer
+  const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
+  const float distance = radius / std::sin(glm::radians(0.5f * kFieldOfView));
+  camera.fov_y_degrees = kFieldOfView;
+  camera.target = 0.5f * (low + high);
+  camera.eye = camera.target + distance * glm::vec3(frame.viewer);
+  camera.up = glm::vec3(frame.up);
+  camera.near_distance = distance - 1.5f * radius;
+  camera.far_distance = distance + 1.5f * radius;
+}
+
+class PyramidPictures {
+ public:
+  PyramidPictures(const ViewOptions& options, const gl::GlFunctions& gl, const Pyramid& pyramid,
+                  const gl::MeshData& mesh, std::optional<gl::PhongLights> lights)
+      : options_(options),
+        gl_(gl),
+        pyramid_(pyramid),
+        mesh_(gl, mesh),
+        by_normal_(pyramid.header.kind == PyramidKind::kReflectance),
+        lights_(std::move(lights)),
+        renderer_(gl, options.width, options.height) {
+    scene_.camera = options.scene.camera;
+    scene_.uv_scale = options.scene.uv_scale;
+    scene_.level_bias = options.level_bias.value_or(by_normal_ ? gl::kEqualVarianceBias : 0.0f);
+    if (!by_normal_) return;
+    const ReflectanceFrame frame = parse_reflectance_frame(pyramid.header.map.provenance.settings, options.reflectance);
+    scene_.frame = {glm::vec3(frame.right), glm::vec3(frame.up), glm::vec3(frame.viewer)};
+  }
+
+  float level_bias() const { return scene_.level_bias; }
+
+  FloatImage draw(const std::string& name, glm::vec2 shift) {
+    const std::optional<PyramidLookup> lookup = lookup_of(name);
+    gl::PyramidScene scene = scene_;
+    if (lookup) {
+      // Along a long ellipse the driver takes several lookups, whose sum is as wide as it should be.
+      const bool is_long = *lookup == PyramidLookup::kDriver && options_.anisotropy > 1.0f;
+      if (is_long && !options_.level_bias) scene.level_bias = 0.0f;
+      scene.shift = shift;
+      return renderer_.draw(mesh_, texture(*lookup), *lookup, by_normal_, scene);
+    }
+    const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(options_.samples))));
+    const PyramidLookup finest = by_normal_ ? PyramidLookup::kBilinear : PyramidLookup::kNearest;
+    return gl::supersampled(side, [&](glm::vec2 offset) {
+      scene.shift = shift + offset;
+      return lights_ ? renderer_.draw_phong(mesh_, *lights_, scene)
+                     : renderer_.draw(mesh_, texture(finest), finest, by_normal_, scene);
+    });
+  }
+
+ private:
+  const gl::Texture& texture(PyramidLookup lookup) {
+    std::optional<gl::Texture>& made = textures_[static_cast<std::size_t>(lookup)];
+    if (!made) made.emplace(gl::make_pyramid_texture(gl_, pyramid_, lookup, options_.anisotropy));
+    return *made;
+  }
+
+  const ViewOptions& options_;
+  const gl::GlFunctions& gl_;
+  const Pyramid& pyramid_;
+  const gl::Mesh mesh_;
+  const bool by_normal_;
+  const std::optional<gl::PhongLights> lights_;
+  gl::PyramidRenderer renderer_;
+  gl::PyramidScene scene_;
+  std::array<std::optional<gl::Texture>, 4> textures_;
+};
+
+/// Of every lookup but the truth, over shifts along a slanted line of one pixel; in the order of the lookups.
+std::vector<double> measure_flicker(const ViewOptions& options, PyramidPictures& pictures) {
+  std::vector<std::vector<FloatImage>> shifted(options.lookups.size());
+  for (int k = 0; k < options.shifts; ++k) {
+    const float t = static_cast<float>(k) / static_cast<float>(options.shifts) - 0.5f;
+    for (std::size_t i = 0; i < options.lookups.size(); ++i)
+      shifted[i].push_back(pictures.draw(options.lookups[i], {t, 0.37f * t}));
+  }
+  std::vector<double> flickers;
+  for (const std::vector<FloatImage>& one : shifted) flickers.push_back(gl::flicker(one, shifted[0]));
+  return flickers;
+}
+
+nlohmann::json print_rows(const std::vector<NamedPicture>& pictures, const std::vector<double>& flickers) {
+  const bool has_truth = pictures[0].name == "truth";
+  nlohmann::json rows = nlohmann::json::array();
+  fmt::print("{:10} {:>12} {:>10} {:>10}\n", "lookup", "relative L1", "RMSE", "flicker");
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    nlohmann::json row = {{"name", pictures[i].name}};
+    std::string l1 = "-", rmse = "-", flicker = "-";
+    if (has_truth && i > 0) {
+      const gl::PictureError error = gl::picture_error(pictures[i].picture.image, pictures[0].picture.image);
+      row["relative_l1"] = error.relative_l1;
+      row["rmse"] = error.rmse;
+      l1 = fmt::format("{:.2f} %", 100.0 * error.relative_l1);
+      rmse = fmt::format("{:.5f}", error.rmse);
+    }
+    if (has_truth && i > 0 && !flickers.empty()) {
+      row["flicker"] = flickers[i];
+      flicker = fmt::format("{:.4f}", flickers[i]);
+    }
+    fmt::print("{:10} {:>12} {:>10} {:>10}\n", pictures[i].name, l1, rmse, flicker);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace
+
+int run_pyramid(ViewOptions& options) {
+  const bool by_normal = !options.reflectance.empty();
+  const std::string& path = by_normal ? options.reflectance : options.mip;
+  check_paths_differ({path}, {options.output, options.report});
+  if (options.shifts > 0 && options.lookups.front() != "truth")
+    throw Error(ErrorCode::kUsage, "--shifts measures flicker against the truth, expected truth in --lookup");
+  const Pyramid pyramid = read_pyramid(path, by_normal ? PyramidKind::kReflectance : PyramidKind::kColour);
+  std::optional<gl::PhongLights> lights;
+  gl::MeshData mesh;
+  if (by_normal) {
+    lights = baked_lights(pyramid.header, path);
+    const TriangleMesh surface = read_mesh(options.mesh);
+    look_from_viewer(surface, parse_reflectance_frame(pyramid.header.map.provenance.settings, path), options);
+    mesh = to_mesh_data(surface);
+  } else {
+    mesh = make_mesh(options);
+  }
+  const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options.context);
+  log_info(context->description());
+  PyramidPictures drawer(options, context->functions(), pyramid, mesh, lights);
+  std::vector<NamedPicture> pictures;
+  for (const std::string& name : options.lookups) pictures.push_back({name, {drawer.draw(name, {0.0f, 0.0f}), 0.0}});
+  const std::vector<double> flickers = options.shifts > 0 ? measure_flicker(options, drawer) : std::vector<double>();
+  const nlohmann::json rows = print_rows(pictures, flickers);
+  write_pictures(options, pictures);
+  if (!options.report.empty())
+    write_text_file(options.report, nlohmann::json{{"software", std::string("multum-view ") + MULTUM_VERSION},
+                                                   {"context", context->description()},
+                                                   {"pyramid", pyramid_kind_name(pyramid.header.kind)},
+                                                   {"truth", lights ? "shaded at every sample" : "the finest level"},
+                                                   {"truth_samples", options.samples},
+                                                   {"shifts", options.shifts},
+                                                   {"level_bias", drawer.level_bias()},
+                                                   {"anisotropy", options.anisotropy},
+                                                   {"pictures", rows}}
+                                            .dump(2) +
+                                        "\n");
+  return 0;
+}
+
+}  // namespace multum
