@@ -29,6 +29,22 @@ __kernel void mip_texels(__global const float* planes, __global float* nodes, Mu
   nodes[(size_t)(item / band.map_width) * band.row_length + item % band.map_width] = planes[item];
 }
 
+// Three planes among others. One work-item = one texel of the band; global size row_count * map_width.
+//   value_x, value_y, value_z [row][map_width]
+//   nodes [plane][row][row_length]   written: the texels of planes first_plane to first_plane + 2
+// Memory bound.
+__kernel void mip_features(__global const float* value_x, __global const float* value_y, __global const float* value_z,
+                           __global float* nodes, MultumBoxBand band, int first_plane) {
+  const int item = (int)get_global_id(0);
+  if (item >= band.row_count * band.map_width) return;
+  const size_t plane_size = (size_t)band.row_count * band.row_length;
+  __global float* out =
+      nodes + first_plane * plane_size + (size_t)(item / band.map_width) * band.row_length + item % band.map_width;
+  out[0] = value_x[item];
+  out[plane_size] = value_y[item];
+  out[2 * plane_size] = value_z[item];
+}
+
 // One work-item = one block; global size plane_count * row_count * block_count. Launched for blocks of 2, of 4, ...
 //   nodes   in place: block i, at first_block + i, is the sum of the two at first_half + 2 i
 // Memory bound.

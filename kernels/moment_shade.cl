@@ -11,7 +11,7 @@
 
 // One work-item = one sample point; global size sample_count.
 //   moments    [sample]                       already filtered
-//   half_vectors [half_count], lights [light_count]   unit vectors, w unused
+//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
 // `shading` is MULTUM_SHADE_...; levels that are left to the normal map are shaded by Toksvig's rule in each.
@@ -37,5 +37,6 @@ __kernel void moment_shade(__global const MultumFilteredMoments* moments, __glob
       *out++ = stored + shade_toksvig(map_mean, h, exponents[e]);
     }
   for (int d = 0; d < light_count; ++d)
-    *out++ = shade_mean_cosine(mean, lights[d].xyz) + shade_mean_cosine(map_mean, lights[d].xyz);
+    *out++ = shade_mean_cosine(without_roughness(mean, lights[d].w), lights[d].xyz) +
+             shade_mean_cosine(without_roughness(map_mean, lights[d].w), lights[d].xyz);
 }

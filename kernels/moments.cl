@@ -11,30 +11,29 @@
 #endif
 
 // One work-item = one texel of the band; global size row_count * map_width.
-//   normal_x, normal_y, normal_z, red, green, blue [row][map_width]  colours: anything where there are none
-//   nodes [plane][row][row_length]                                   written: the texels
-// Memory bound.
+//   normal_x, normal_y, normal_z [row][map_width]
+//   nodes [plane][row][row_length]                 written: the texels of MULTUM_MOMENT_PLANES planes
+// Where a BRDF's width is in the normal's length c (`shortened`), its microfacets' slopes have the variance 1 - c about
+// the normal's (host/image/material_maps.h). Memory bound.
 __kernel void moment_finest(__global const float* normal_x, __global const float* normal_y,
-                            __global const float* normal_z, __global const float* red, __global const float* green,
-                            __global const float* blue, __global float* nodes, MultumBoxBand band, float slope_z_min) {
+                            __global const float* normal_z, __global float* nodes, MultumBoxBand band,
+                            float slope_z_min, int shortened) {
   const int item = (int)get_global_id(0);
   if (item >= band.row_count * band.map_width) return;
   const size_t plane_size = (size_t)band.row_count * band.row_length;
   __global float* out = nodes + (size_t)(item / band.map_width) * band.row_length + item % band.map_width;
   const float x = normal_x[item], y = normal_y[item], z = normal_z[item];
   // Division last: -x/z is what maketx has, to the last bit.
-  const float limited = z > slope_z_min ? z : slope_z_min;
+  const float length = shortened ? sqrt(fma(x, x, fma(y, y, z * z))) : 1.0f;
+  const float z_min = slope_z_min * length, variance = MAX_V(1.0f - length, 0.0f);
+  const float limited = z > z_min ? z : z_min;
   const float s = -x / limited, t = -y / limited;
   out[MULTUM_MOMENT_S * plane_size] = s;
   out[MULTUM_MOMENT_T * plane_size] = t;
-  out[MULTUM_MOMENT_SS * plane_size] = s * s;
-  out[MULTUM_MOMENT_TT * plane_size] = t * t;
+  out[MULTUM_MOMENT_SS * plane_size] = s * s + variance;
+  out[MULTUM_MOMENT_TT * plane_size] = t * t + variance;
   out[MULTUM_MOMENT_ST * plane_size] = s * t;
   out[MULTUM_MOMENT_NORMAL * plane_size] = x;
   out[(MULTUM_MOMENT_NORMAL + 1) * plane_size] = y;
   out[(MULTUM_MOMENT_NORMAL + 2) * plane_size] = z;
-  if (band.plane_count <= MULTUM_MOMENT_COLOUR) return;
-  out[MULTUM_MOMENT_COLOUR * plane_size] = red[item];
-  out[(MULTUM_MOMENT_COLOUR + 1) * plane_size] = green[item];
-  out[(MULTUM_MOMENT_COLOUR + 2) * plane_size] = blue[item];
 }

@@ -8,6 +8,11 @@
 // three quarters from how many normals lie where and by a quarter from their extent: a few steep edges do not coarsen
 // the cells of a flat texel. What lies outside the axes belongs to the outermost cells.
 //
+// Normals that a BRDF's width has shortened (MovmfFit::shortened) lie by their directions, in a grid of their own for
+// each class of lengths: sharp and wide BRDFs under one texel are what lobes are to tell apart. Classes end at kappa
+// 1250, 133 and 22, that is at a perceptual roughness of 0.2, 0.35 and 0.55, so that the kappas of a class differ by 9
+// at most but for the sharpest, whose widths hardly show.
+//
 // The map streams by in bands of rows. Sums are whole numbers of 2^-30, so that no order of bands, chunks or threads
 // can be seen in them, and nothing is rounded away that thousands of nearly equal normals differ by: 2^28 of them add
 // up to 2^58 at most. A launch is for the texels of one row of a level. This file has only a scalar variant.
@@ -32,6 +37,18 @@
 static float2 equal_area(float x, float y, float z) {
   const float inverse = 1.0f / sqrt(MAX_V(1.0f + z, 1e-6f));
   return (float2)(x * inverse, y * inverse);
+}
+
+static float length_of(float x, float y, float z) { return sqrt(fma(x, x, fma(y, y, z * z))); }
+
+static float2 place_of_normal(float x, float y, float z, const MultumMovmfFit* fit) {
+  const float inverse = fit->shortened ? 1.0f / MAX_V(length_of(x, y, z), 1e-6f) : 1.0f;
+  return equal_area(x * inverse, y * inverse, z * inverse);
+}
+
+static int length_class(float x, float y, float z) {
+  const float spread = 1.0f - length_of(x, y, z);
+  return (spread > 1.0f / 1250.0f) + (spread > 1.0f / 133.0f) + (spread > 1.0f / 22.0f);
 }
 
 typedef struct Covered {
@@ -78,7 +95,7 @@ __kernel void movmf_condense_probe(__global const float* normal_x, __global cons
     if (!in_map_window(row, &fit)) continue;
     const int column = covered.first_column + place_in_part(i, across, columns, 2u * block + 1u);
     const size_t source = map_row_start(row, &fit) + column;
-    vstore2(equal_area(normal_x[source], normal_y[source], normal_z[source]),
+    vstore2(place_of_normal(normal_x[source], normal_y[source], normal_z[source], &fit),
             (size_t)texel * MULTUM_PROBE_COUNT + j * across + i, probes);
   }
 }
@@ -158,8 +175,11 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
       int cells_of[CELL_BLOCK];
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;
-        const float2 p = equal_area(normal_x[source], normal_y[source], normal_z[source]);
+        const float2 p = place_of_normal(normal_x[source], normal_y[source], normal_z[source], &fit);
         cells_of[i] = cell_along(p.y, axis_y, fit.cell_side) * fit.cell_side + cell_along(p.x, axis_x, fit.cell_side);
+        if (fit.shortened)
+          cells_of[i] +=
+              fit.cell_side * fit.cell_side * length_class(normal_x[source], normal_y[source], normal_z[source]);
       }
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;

@@ -97,7 +97,7 @@ __kernel void movmf_em_mstep(__global const float* restrict partial, __global fl
   float mu_x, mu_y, mu_z, log_weight;
   float sharpness = PLANE(MULTUM_START_SHARPNESS);
   M_STEP(m, PLANE(MULTUM_START_PRIOR), PLANE(MULTUM_START_PRIOR + 1), PLANE(MULTUM_START_PRIOR + 2),
-         PLANE(MULTUM_START_CAP), mu_x, mu_y, mu_z, sharpness, log_weight)
+         PLANE(MULTUM_START_CAP), fit.extra_copies, mu_x, mu_y, mu_z, sharpness, log_weight)
   PLANE(MULTUM_START_MU) = mu_x;
   PLANE(MULTUM_START_MU + 1) = mu_y;
   PLANE(MULTUM_START_MU + 2) = mu_z;

@@ -101,7 +101,7 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
       const real_v prior_y = LOAD_V(START(j, MULTUM_START_PRIOR + 1));
       const real_v prior_z = LOAD_V(START(j, MULTUM_START_PRIOR + 2));
       real_v next_x, next_y, next_z, next_sharpness = sharpness[j], next_log;
-      M_STEP(m, prior_x, prior_y, prior_z, cap, next_x, next_y, next_z, next_sharpness, next_log)
+      M_STEP(m, prior_x, prior_y, prior_z, cap, fit.extra_copies, next_x, next_y, next_z, next_sharpness, next_log)
       // The turn in units of the lobe's width, and the relative changes of kappa and of the weight, all squared.
       const real_v dx = next_x - mu_x[j], dy = next_y - mu_y[j], dz = next_z - mu_z[j];
       const real_v turn = fma(dx, dx, fma(dy, dy, dz * dz)) * next_sharpness;

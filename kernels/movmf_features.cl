@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per-lobe colours (any linear material feature): a_j y_j = sum_i z_ij y_i / N, with the responsibilities of the very
-// E-step that gave the stored amplitudes, so that the sum over lobes is the texel's mean colour exactly
-// (Han et al. 2007, section 7.3).
+// Per-lobe colours, weights of basis BRDFs and any other linear material features: a_j y_j = sum_i z_ij y_i / N, with
+// the responsibilities of the very E-step that gave the stored amplitudes, so that the sum over lobes is the texel's
+// mean exactly (Han et al. 2007, section 7.3). Three channels at a time: colours, or three of the weights.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -35,13 +35,13 @@ static __global const float* lobes_of_slot(__global const float* start, int slot
 }
 
 // One work-item = one chunk of rows of one slot; global size chunk_count * slot_count.
-//   normal_x, normal_y, normal_z, red, green, blue [rows * map_width]  as movmf_em_partial has them
+//   normal_x, normal_y, normal_z, value_x, value_y, value_z [rows * map_width]  as movmf_em_partial has them
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  as the EM kernels left it
 //   partial [slot][chunk][lobe][3]                            written
 // Compute bound: an exponential a lobe and sample.
 __kernel void movmf_feature_partial(__global const float* normal_x, __global const float* normal_y,
-                                    __global const float* normal_z, __global const float* red,
-                                    __global const float* green, __global const float* blue,
+                                    __global const float* normal_z, __global const float* value_x,
+                                    __global const float* value_y, __global const float* value_z,
                                     __global const float* start, __global const int* texel_list,
                                     __global float* partial, MultumMovmfFit fit) {
   const int item = (int)get_global_id(0);
@@ -69,9 +69,9 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
       const float weight = row_weight * coverage(column, x, fit.map_width, fit.width);
       for (int j = 0; j < MULTUM_LOBES; ++j) {
         const float responsibility = z[j] * weight;
-        sum[j][0] = fma(responsibility, red[source], sum[j][0]);
-        sum[j][1] = fma(responsibility, green[source], sum[j][1]);
-        sum[j][2] = fma(responsibility, blue[source], sum[j][2]);
+        sum[j][0] = fma(responsibility, value_x[source], sum[j][0]);
+        sum[j][1] = fma(responsibility, value_y[source], sum[j][1]);
+        sum[j][2] = fma(responsibility, value_z[source], sum[j][2]);
       }
     }
   }
@@ -81,9 +81,10 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
 }
 
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
-//   partial [slot][chunk][lobe][3];  colours [lobe][window_rows * width][3], written: premultiplied by the amplitude
-__kernel void movmf_feature_sum(__global const float* partial, __global const int* texel_list, __global float* colours,
-                                MultumMovmfFit fit) {
+//   partial [slot][chunk][lobe][3]
+//   features [plane][window_rows * width][3]   planes first_plane + lobe written: premultiplied by the amplitude
+__kernel void movmf_feature_sum(__global const float* partial, __global const int* texel_list, __global float* features,
+                                MultumMovmfFit fit, int first_plane) {
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
   if (slot >= fit.slot_count) return;
@@ -94,16 +95,17 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
     __global const float* in = partial + (((size_t)slot * fit.chunk_count + chunk) * MULTUM_LOBES + lobe) * 3;
     for (int c = 0; c < 3; ++c) add_compensated(&sum[c], &carry[c], in[c]);
   }
-  __global float* out = colours + (lobe * level_window_size(&fit) + texel) * 3;
+  __global float* out = features + ((first_plane + lobe) * level_window_size(&fit) + texel) * 3;
   for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
 }
 
 // The same from condensed texels. One work-item = one slot.
-//   samples, colour_samples [group][sample][4][MULTUM_GROUP]  of normals and of colours: the same cells in one order
-//   sample_counts [group];  start as above;  colours [lobe][window_rows * width][3], written
-__kernel void movmf_feature_condensed(__global const float* samples, __global const float* colour_samples,
+//   samples, value_samples [group][sample][4][MULTUM_GROUP]  of normals and of features: the same cells in one order
+//   sample_counts [group];  start and features as above
+__kernel void movmf_feature_condensed(__global const float* samples, __global const float* value_samples,
                                       __global const int* sample_counts, __global const float* start,
-                                      __global const int* texel_list, __global float* colours, MultumMovmfFit fit) {
+                                      __global const int* texel_list, __global float* features, MultumMovmfFit fit,
+                                      int first_plane) {
   const int slot = (int)get_global_id(0);
   if (slot >= fit.slot_count) return;
   const int texel = texel_list[slot];
@@ -114,15 +116,15 @@ __kernel void movmf_feature_condensed(__global const float* samples, __global co
   for (int j = 0; j < MULTUM_LOBES; ++j) sum[j][0] = sum[j][1] = sum[j][2] = 0.0f;
   for (int i = 0; i < sample_counts[slot / MULTUM_GROUP]; ++i) {
     __global const float* n = samples + first + (size_t)i * 4 * MULTUM_GROUP;
-    __global const float* colour = colour_samples + first + (size_t)i * 4 * MULTUM_GROUP;
+    __global const float* value = value_samples + first + (size_t)i * 4 * MULTUM_GROUP;
     float z[MULTUM_LOBES];
     responsibilities(n[0], n[MULTUM_GROUP], n[2 * MULTUM_GROUP], lobes, z);
     for (int j = 0; j < MULTUM_LOBES; ++j) {
       const float responsibility = z[j] * n[3 * MULTUM_GROUP];
-      for (int c = 0; c < 3; ++c) sum[j][c] = fma(responsibility, colour[c * MULTUM_GROUP], sum[j][c]);
+      for (int c = 0; c < 3; ++c) sum[j][c] = fma(responsibility, value[c * MULTUM_GROUP], sum[j][c]);
     }
   }
   for (int j = 0; j < MULTUM_LOBES; ++j)
     for (int c = 0; c < 3; ++c)
-      colours[(j * level_window_size(&fit) + texel) * 3 + c] = sum[j][c] * fit.total_weight_inverse;
+      features[((first_plane + j) * level_window_size(&fit) + texel) * 3 + c] = sum[j][c] * fit.total_weight_inverse;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The finest level: one normal a texel, given whole to the parent's lobe that lies nearest: exact, and aligned with the
 // parent for trilinear filtering (Han et al. 2007, section 7.2; hard or soft was left to measurement: midway
-// between texels hard is better by a fifth, and the number of a lobe is all that there is to store).
+// between texels hard is better by a fifth, and the number of a lobe is all that there is to store). A normal that a
+// BRDF's width has shortened goes to the lobe whose mean vector is nearest, in direction and width.
 
 #include "device/level_window.clh"
 #include "device/numerics.clh"
@@ -46,7 +47,11 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
 #else
       const float length =
           sqrt(fma(lobe.mean_x, lobe.mean_x, fma(lobe.mean_y, lobe.mean_y, lobe.mean_z * lobe.mean_z)));
-      const float gap = length - fma(lobe.mean_x, nx, fma(lobe.mean_y, ny, lobe.mean_z * nz));
+      float gap = length - fma(lobe.mean_x, nx, fma(lobe.mean_y, ny, lobe.mean_z * nz));
+      if (fit.shortened) {
+        const float dx = lobe.mean_x - nx, dy = lobe.mean_y - ny, dz = lobe.mean_z - nz;
+        gap = fma(dx, dx, fma(dy, dy, dz * dz));
+      }
 #endif
       if (lobe.amplitude > 1e-6f && gap < least) {
         least = gap;

@@ -12,13 +12,13 @@
 #define SHAPE GmmLobe
 #define SHAPE_OF(lobe, exponent) gmm_lobe(lobe, blinn_phong_variance(exponent))
 #define SHADE_HIGHLIGHT(shape, lobe, h) gmm_density(shape, h)
-#define SHADE_LAMBERT(lobe, light) gmm_lambert(lobe, light)
+#define SHADE_LAMBERT(lobe, light) gmm_lambert(lobe, (light).xyz)
 #else
 #include "device/vmf_shading.clh"
 #define SHAPE BlinnPhongLobe
 #define SHAPE_OF(lobe, exponent) blinn_phong_lobe(lobe, exponent)
 #define SHADE_HIGHLIGHT(shape, lobe, h) shade_blinn_phong(shape, one_minus_cosine(lobe, h))
-#define SHADE_LAMBERT(lobe, light) shade_lambert(lobe, light)
+#define SHADE_LAMBERT(lobe, light) shade_lambert(without_roughness(lobe, (light).w), (light).xyz)
 #endif
 
 #if MULTUM_VECTOR_WIDTH != 1
@@ -31,7 +31,8 @@
 // One work-item = one sample point; global size sample_count.
 //   lobes      [sample][lobe]                 (a r_x, a r_y, a r_z, a), already filtered; of MULTUM_PLANAR as
 //                                             gmm_shading.clh has them
-//   half_vectors [half_count], lights [light_count]   unit vectors, w unused
+//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine, of
+//                                             MULTUM_PLANAR unused
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
 // Compute bound.
@@ -53,8 +54,7 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
   }
   for (int d = 0; d < light_count; ++d) {
     float sum = 0.0f;
-    for (int j = 0; j < MULTUM_LOBES; ++j)
-      sum += SHADE_LAMBERT(lobes[(size_t)sample * MULTUM_LOBES + j], lights[d].xyz);
+    for (int j = 0; j < MULTUM_LOBES; ++j) sum += SHADE_LAMBERT(lobes[(size_t)sample * MULTUM_LOBES + j], lights[d]);
     *out++ = sum;
   }
 }

@@ -147,8 +147,9 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
     STORE_V(lobe.x, out + (MULTUM_START_MU + 0) * MULTUM_GROUP);
     STORE_V(lobe.y, out + (MULTUM_START_MU + 1) * MULTUM_GROUP);
     STORE_V(lobe.z, out + (MULTUM_START_MU + 2) * MULTUM_GROUP);
-    STORE_V(kappa * MULTUM_LOG2E, out + MULTUM_START_SHARPNESS * MULTUM_GROUP);
-    STORE_V(log_weight_of(MAX_V(amplitude, (real_v)(1e-6f)), kappa), out + MULTUM_START_LOG * MULTUM_GROUP);
+    STORE_V(kappa * MULTUM_LOG2E * (1.0f + fit.extra_copies), out + MULTUM_START_SHARPNESS * MULTUM_GROUP);
+    STORE_V(log_weight_of(MAX_V(amplitude, (real_v)(1e-6f)), kappa, fit.extra_copies),
+            out + MULTUM_START_LOG * MULTUM_GROUP);
     STORE_V(prior.x * fit.alignment, out + (MULTUM_START_PRIOR + 0) * MULTUM_GROUP);
     STORE_V(prior.y * fit.alignment, out + (MULTUM_START_PRIOR + 1) * MULTUM_GROUP);
     STORE_V(prior.z * fit.alignment, out + (MULTUM_START_PRIOR + 2) * MULTUM_GROUP);

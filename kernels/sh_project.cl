@@ -11,12 +11,11 @@
 #endif
 
 // One work-item = one texel of the band; global size row_count * map_width.
-//   normal_x, normal_y, normal_z, red, green, blue [row][map_width]  colours: anything where there are none
-//   steps [(order + 1) (order + 2) / 2]                              the recurrence's constants
-//   nodes [plane][row][row_length]                                   written: the coefficients from l = 1, the colours
+//   normal_x, normal_y, normal_z [row][map_width]
+//   steps [(order + 1) (order + 2) / 2]            the recurrence's constants
+//   nodes [plane][row][row_length]                 written: the coefficients from l = 1
 // Memory bound.
 __kernel void sh_project(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
-                         __global const float* red, __global const float* green, __global const float* blue,
                          __global const float2* steps, __global float* nodes, MultumBoxBand band) {
   const int item = (int)get_global_id(0);
   if (item >= band.row_count * band.map_width) return;
@@ -42,8 +41,4 @@ __kernel void sh_project(__global const float* normal_x, __global const float* n
     s = fma(c, n.y, s * n.x);
     c = rotated;
   }
-  if (band.plane_count <= MULTUM_SH_COEFFICIENTS) return;
-  out[MULTUM_SH_COEFFICIENTS * plane_size] = red[item];
-  out[(MULTUM_SH_COEFFICIENTS + 1) * plane_size] = green[item];
-  out[(MULTUM_SH_COEFFICIENTS + 2) * plane_size] = blue[item];
 }

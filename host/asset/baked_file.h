@@ -11,6 +11,12 @@
 
 namespace multum {
 
+/// What is drawn of a file with roughness in is shaded with a Blinn-Phong of this exponent, the sharpest that the
+/// formulas are tested with: it adds no width to what is rougher than 0.1, and keeps mirrors finite.
+constexpr float kRoughnessExponent = 1e5f;
+
+constexpr int kWeightCountMax = 4;  // channels of a texture
+
 /// What the file says of itself beside its pixels.
 struct BakedProvenance {
   std::string software;        // "multum 0.1.0"
@@ -32,8 +38,14 @@ struct BakedHeader {
   int width = 0, height = 0;  // of the map, that is, of level 0
   int first_level = 0;        // the finest level that is stored, 0..level_count() - 1
   bool has_colours = false;
+  int weight_count = 0;  // linear blend weights of basis BRDFs, 0..kWeightCountMax
+  // A BRDF's width is in the normals' lengths: each of level 0 is c(roughness) n (host/image/material_maps.h).
+  bool has_roughness = false;
+  float mean_cosine = 1.0f;  // mean of c over the map: diffuse light divides by it what roughness took of the lengths
 
   int level_count() const;
+  /// multum:formatVersion: programs that know neither weights nor roughness refuse the file.
+  int format_version() const;
 };
 
 struct BakedWriteOptions {
@@ -60,6 +72,9 @@ inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? si
 
 /// "7 levels" where all are stored, else "levels 1 to 6 of 0 to 6", "level 6 of 0 to 6".
 std::string levels_text(int first_level, int level_count);
+
+/// " with colours, 2 weights and roughness": what texels hold beside normals; empty for none.
+std::string materials_text(const BakedHeader& header);
 
 /// The header of a file of any representation. Cheap for files of any size. Throws Error(kInput) naming the file, what
 /// was found and what was expected.

@@ -2,6 +2,7 @@
 #include "host/asset/baked_header.h"
 
 #include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
 #include <ImfIntAttribute.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
@@ -48,11 +49,16 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   set_text(header, "software", from.software);
   set_text(header, "colorInteropID", "data");
   set_text(header, "multum:representation", info.name);
-  header.insert("multum:formatVersion", Imf::IntAttribute(info.version));
+  header.insert("multum:formatVersion", Imf::IntAttribute(baked.format_version()));
   header.insert("multum:mapWidth", Imf::IntAttribute(baked.width));
   header.insert("multum:mapHeight", Imf::IntAttribute(baked.height));
   header.insert("multum:firstLevel", Imf::IntAttribute(baked.first_level));
   header.insert("multum:hasColours", Imf::IntAttribute(baked.has_colours ? 1 : 0));
+  if (baked.format_version() > info.version) {  // others have neither: their bytes are those of programs before
+    header.insert("multum:weightCount", Imf::IntAttribute(baked.weight_count));
+    header.insert("multum:roughness", Imf::IntAttribute(baked.has_roughness ? 1 : 0));
+    header.insert("multum:meanCosine", Imf::FloatAttribute(baked.mean_cosine));
+  }
   set_text(header, "multum:encoding", storage_encoding_name(baked.encoding));
   set_text(header, "multum:channels", part.channels_text);
   set_text(header, "multum:sourceName", from.source_name);
@@ -156,6 +162,28 @@ void check_part(const Imf::Header& header, int index, const BakedPart& part, con
   check_channels(header, part, baked.encoding, path);
 }
 
+float float_attribute(const Imf::Header& header, const char* name, const std::string& path) {
+  const auto* attribute = header.findTypedAttribute<Imf::FloatAttribute>(name);
+  if (attribute == nullptr)
+    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+  return attribute->value();
+}
+
+// What a version more says.
+void read_materials(const Imf::Header& header, const RepresentationInfo& info, const std::string& path,
+                    BakedHeader& baked) {
+  baked.weight_count = int_attribute(header, "multum:weightCount", path);
+  baked.has_roughness = int_attribute(header, "multum:roughness", path) != 0;
+  baked.mean_cosine = float_attribute(header, "multum:meanCosine", path);
+  if (!(baked.mean_cosine >= 0.5f && baked.mean_cosine <= 1.0f))
+    refuse_file(path, fmt::format("a mean cosine of {}", baked.mean_cosine), "0.5 to 1");
+  if (baked.weight_count < 0 || baked.weight_count > kWeightCountMax)
+    refuse_file(path, fmt::format("{} weights", baked.weight_count), fmt::format("0 to {}", kWeightCountMax));
+  if (baked.weight_count == 0 && !baked.has_roughness)
+    refuse_file(path, fmt::format("format version {} without weights and roughness", info.version + 1),
+                fmt::format("version {}", info.version));
+}
+
 }  // namespace
 
 void refuse_file(const std::string& path, const std::string& found, const std::string& expected) {
@@ -210,11 +238,15 @@ BakedHeader parse_map_header(const Imf::Header& header, const std::vector<Storag
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
   const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
   const int version = int_attribute(header, "multum:formatVersion", path);
-  if (version != info.version)
-    refuse_file(path, fmt::format("format version {}", version), fmt::format("version {}", info.version));
+  const int newest = info.version + (takes_materials(info.representation) ? 1 : 0);
+  if (version != info.version && version != newest)
+    refuse_file(path, fmt::format("format version {}", version),
+                newest == info.version ? fmt::format("version {}", newest)
+                                       : fmt::format("version {} or {}", info.version, newest));
   BakedHeader baked = parse_map_header(header, info.encodings, path);
   baked.representation = info.representation;
   baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;
+  if (version > info.version) read_materials(header, info, path, baked);
   return baked;
 }
 

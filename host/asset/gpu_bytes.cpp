@@ -4,7 +4,7 @@
 namespace multum {
 namespace {
 
-// Stored levels of so many textures of four channels.
+// Stored levels of so many textures of four channels; weights are one beside each lobe or all moments.
 std::uint64_t texture_bytes(const BakedHeader& header, unsigned texture_count) {
   std::uint64_t texels = 0;
   for (int l = header.first_level; l < header.level_count(); ++l)
@@ -17,10 +17,13 @@ std::uint64_t texture_bytes(const BakedHeader& header, unsigned texture_count) {
 }  // namespace
 
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap) {
-  return texture_bytes(header_of(mipmap), static_cast<unsigned>(mipmap.lobe_count()) * (mipmap.has_colours() ? 2 : 1));
+  const unsigned textures_a_lobe = 1u + (mipmap.has_colours() ? 1u : 0u) + (mipmap.weight_count > 0 ? 1u : 0u);
+  return texture_bytes(header_of(mipmap), static_cast<unsigned>(mipmap.lobe_count()) * textures_a_lobe);
 }
 
-std::uint64_t moment_gpu_bytes(const BakedHeader& header) { return texture_bytes(header, header.has_colours ? 3 : 2); }
+std::uint64_t moment_gpu_bytes(const BakedHeader& header) {
+  return texture_bytes(header, 2u + (header.has_colours ? 1u : 0u) + (header.weight_count > 0 ? 1u : 0u));
+}
 
 std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap) {
   return texture_bytes(mipmap.header,

@@ -64,10 +64,14 @@ void round_amplitudes_half(const MovmfLevel& level, std::size_t first, std::size
       amplitudes[j][i] = static_cast<double>(static_cast<float>(half(level.lobes[j][first + i].w)));
 }
 
-void round_colours(MovmfLevel& level, std::size_t first, std::size_t count) {
+void round_features(MovmfLevel& level, std::size_t first, std::size_t count) {
   for (std::vector<glm::vec3>& colours : level.colours)
     for (std::size_t i = first; i < first + count; ++i)
       for (int c = 0; c < 3; ++c) colours[i][c] = static_cast<float>(half(colours[i][c]));
+  const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
+  for (std::vector<float>& weights : level.weights)
+    for (std::size_t i = first * weights.size() / texels; i < (first + count) * weights.size() / texels; ++i)
+      weights[i] = static_cast<float>(half(weights[i]));
 }
 
 }  // namespace
@@ -85,7 +89,7 @@ void round_rows(MovmfLevel& rows, StorageEncoding encoding, int threads, RoundLo
       else round_amplitudes_half(rows, first, count, amplitudes);
       for (std::size_t j = 0; j < rows.lobes.size(); ++j)
         round(rows.lobes[j].data() + first, amplitudes[j].data(), count, encoding);
-      round_colours(rows, first, count);
+      round_features(rows, first, count);
     }
   });
 }

@@ -19,8 +19,8 @@ constexpr std::size_t kRoundingBlock = 256;
 /// Rounds one lobe of `count` texels, whose amplitudes have been rounded to `amplitudes`.
 using RoundLobes = void (*)(glm::vec4* lobes, const double* amplitudes, std::size_t count, StorageEncoding encoding);
 
-/// Amplitudes first (snorm16: whole steps that sum to 32767), then each lobe by `round`, then colours to halfs. kFloat:
-/// nothing is rounded.
+/// Amplitudes first (snorm16: whole steps that sum to 32767), then each lobe by `round`, then colours and weights to
+/// halfs. kFloat: nothing is rounded.
 void round_rows(MovmfLevel& rows, StorageEncoding encoding, int threads, RoundLobes round);
 
 /// Counts lobes for which `is_sharp(lobe)`, of an amplitude that any encoding stores.

@@ -15,18 +15,29 @@
 namespace multum {
 namespace {
 
-enum MomentPart : std::size_t { kSlopes, kNormal, kColour };
+enum MomentPart { kSlopes, kNormal, kColour, kWeights };
 
 // maketx sorts these names to their order.
 constexpr const char* kSlopeNames[] = {"b0_h", "b1_dhds", "b2_dhdt", "b3_dhds2", "b4_dhdt2", "b5_dh2dsdt"};
 constexpr const char* kNormalNames[] = {"normal.mean.X", "normal.mean.Y", "normal.mean.Z"};
 constexpr const char* kColourNames[] = {"colour.albedo.R", "colour.albedo.G", "colour.albedo.B"};
+constexpr const char* kWeightNames[kWeightCountMax] = {"weights.blend.R", "weights.blend.G", "weights.blend.B",
+                                                       "weights.blend.A"};
 constexpr char kSlopesText[] =
     "as maketx --bumpslopes: b1,b2 = E[dh/ds],E[dh/dt] = E[-x/z],E[-y/z] of normals +X right, +Y up, +Z out; b3,b4,b5 "
     "= "
     "E[b1*b1],E[b2*b2],E[b1*b2] of the finest; b0 = -1, no height; data, not colour";
 constexpr char kNormalText[] = "X,Y,Z = mean unit normal, +X right, +Y up, +Z out; data, not colour";
 constexpr char kColourText[] = "R,G,B = mean linear RGB";
+constexpr char kWeightsText[] = "R,G,B,A = mean weights of basis BRDFs 0 to 3; data, not colour";
+
+// The kind of each part, in the file's order.
+std::vector<MomentPart> kinds_of(const BakedHeader& header) {
+  std::vector<MomentPart> kinds = {kSlopes, kNormal};
+  if (header.has_colours) kinds.push_back(kColour);
+  if (header.weight_count > 0) kinds.push_back(kWeights);
+  return kinds;
+}
 
 std::vector<BakedPart> moment_parts(const BakedHeader& header) {
   const int level_count = header.level_count() - header.first_level;
@@ -35,42 +46,56 @@ std::vector<BakedPart> moment_parts(const BakedHeader& header) {
     for (const char* channel : channel_names) made.channels.push_back({channel, type});
     return made;
   };
-  std::vector<BakedPart> parts = {
-      part("bumpslopes", kSlopeNames, vector_type(header.encoding), kSlopesText),
-      part("normal", kNormalNames, vector_type(header.encoding), kNormalText),
-  };
-  if (header.has_colours) parts.push_back(part("colour", kColourNames, colour_type(header.encoding), kColourText));
+  std::vector<BakedPart> parts;
+  for (const MomentPart kind : kinds_of(header)) switch (kind) {
+      case kSlopes: parts.push_back(part("bumpslopes", kSlopeNames, vector_type(header.encoding), kSlopesText)); break;
+      case kNormal: parts.push_back(part("normal", kNormalNames, vector_type(header.encoding), kNormalText)); break;
+      case kColour: parts.push_back(part("colour", kColourNames, colour_type(header.encoding), kColourText)); break;
+      case kWeights: {
+        const std::vector<const char*> names(std::begin(kWeightNames), std::begin(kWeightNames) + header.weight_count);
+        parts.push_back(part("weights", names, colour_type(header.encoding), kWeightsText));
+      }
+    }
   return parts;
 }
 
-const float* values_of(const MomentLevel& rows, std::size_t part) {
-  if (part == kSlopes) return &rows.slopes[0].height;
-  return part == kNormal ? &rows.normals[0].x : &rows.colours[0].x;
+const float* values_of(const MomentLevel& rows, MomentPart kind) {
+  switch (kind) {
+    case kSlopes: return &rows.slopes[0].height;
+    case kNormal: return &rows.normals[0].x;
+    case kColour: return &rows.colours[0].x;
+    case kWeights: break;
+  }
+  return rows.weights.data();
 }
 
 class MomentPortion : public BakedRows {
  public:
-  MomentPortion(bool has_colours, int level, MomentLevel rows)
-      : has_colours_(has_colours), level_(level), rows_(std::move(rows)) {}
+  MomentPortion(const BakedHeader& header, int level, MomentLevel rows)
+      : header_(header), level_(level), rows_(std::move(rows)) {}
 
   int level() const override { return level_; }
   int height() const override { return rows_.height; }
   std::size_t bytes() const override {
     return rows_.slopes.size() * sizeof(SlopeMoments) +
-           (rows_.normals.size() + rows_.colours.size()) * sizeof(glm::vec3);
+           (rows_.normals.size() + rows_.colours.size()) * sizeof(glm::vec3) + rows_.weights.size() * sizeof(float);
   }
   void check_sizes(int level_width) const override {
     const std::size_t texels = texel_count(level_width, rows_.height);
     MULTUM_CHECK(rows_.width == level_width && rows_.slopes.size() == texels && rows_.normals.size() == texels);
-    MULTUM_CHECK(rows_.colours.size() == (has_colours_ ? texels : 0));
+    MULTUM_CHECK(rows_.colours.size() == (header_.has_colours ? texels : 0));
+    MULTUM_CHECK(rows_.weights.size() == texels * static_cast<std::size_t>(header_.weight_count));
   }
   void copy_values(std::size_t part, std::size_t first, std::size_t count, float* values) const override {
-    const std::size_t channels = part == kSlopes ? std::size(kSlopeNames) : std::size(kNormalNames);
-    std::memcpy(values, values_of(rows_, part) + first * channels, count * channels * sizeof(float));
+    const MomentPart kind = kinds_of(header_)[part];
+    const std::size_t channels = kind == kSlopes    ? std::size(kSlopeNames)
+                                 : kind == kWeights ? static_cast<std::size_t>(header_.weight_count)
+                                                    : std::size(kNormalNames);
+    std::memcpy(values, values_of(rows_, kind) + first * channels, count * channels * sizeof(float));
   }
 
  private:
-  const bool has_colours_;
+  const BakedHeader& header_;
   const int level_;
   const MomentLevel rows_;
 };
@@ -88,13 +113,13 @@ std::vector<Imf::Header> make_moment_headers(const BakedHeader& header, const Ba
 
 class MomentWriter::Work {
  public:
-  Work(const std::string& path, const BakedHeader& header, const BakedWriteOptions& options)
-      : has_colours(header.has_colours),
+  Work(const std::string& path, const BakedHeader& header_of_file, const BakedWriteOptions& options)
+      : header(header_of_file),
         writer(path, header, moment_parts(header), make_moment_headers(header, options), options) {
     MULTUM_CHECK(header.representation == Representation::kMoments);
   }
 
-  const bool has_colours;
+  const BakedHeader header;  // outlives the portions
   BakedWriter writer;
 };
 
@@ -103,7 +128,7 @@ MomentWriter::MomentWriter(const std::string& path, const BakedHeader& header, c
 MomentWriter::~MomentWriter() = default;
 
 void MomentWriter::write_level(int level, int first_row, MomentLevel rows) {
-  work_->writer.write(first_row, std::make_unique<MomentPortion>(work_->has_colours, level, std::move(rows)));
+  work_->writer.write(first_row, std::make_unique<MomentPortion>(work_->header, level, std::move(rows)));
 }
 
 void MomentWriter::commit(const std::string& measured_error, Progress* progress) {
@@ -132,19 +157,19 @@ class MomentReader::File {
     rows.slopes.resize(texels);
     rows.normals.resize(texels);
     if (header_.has_colours) rows.colours.resize(texels);
+    rows.weights.resize(texels * static_cast<std::size_t>(header_.weight_count));
     if (texels == 0) return rows;
-    read_part(kSlopes, level, first_row, row_count, &rows.slopes[0].height, 6 * texels);
-    read_part(kNormal, level, first_row, row_count, &rows.normals[0].x, 3 * texels);
-    if (header_.has_colours) read_part(kColour, level, first_row, row_count, &rows.colours[0].x, 3 * texels);
+    const std::vector<MomentPart> kinds = kinds_of(header_);
+    const std::vector<BakedPart> parts = moment_parts(header_);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      auto* const values = const_cast<float*>(values_of(rows, kinds[p]));
+      reader_.read_values(p, level, first_row, row_count, values);
+      hash_->add(p, level, values, texels * parts[p].channels.size());
+    }
     return rows;
   }
 
  private:
-  void read_part(std::size_t part, int level, int first_row, int row_count, float* values, std::size_t value_count) {
-    reader_.read_values(part, level, first_row, row_count, values);
-    hash_->add(part, level, values, value_count);
-  }
-
   BakedReader reader_;
   BakedHeader header_;
   std::unique_ptr<BakedRowHash> hash_;

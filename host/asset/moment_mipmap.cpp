@@ -66,11 +66,6 @@ void quantize_normals(glm::vec3* normals, std::size_t count) {
   for (std::size_t i = 0; i < places.size(); ++i) normals[places[i]] = glm::vec3(lobe.lobes[0][i]);
 }
 
-template <typename Value>
-std::vector<Value> part_of(const std::vector<Value>& values, std::ptrdiff_t begin, std::ptrdiff_t end) {
-  return values.empty() ? std::vector<Value>() : std::vector<Value>(values.begin() + begin, values.begin() + end);
-}
-
 }  // namespace
 
 std::vector<MomentLevel> empty_moment_levels(int width, int height) {
@@ -82,10 +77,13 @@ std::vector<MomentLevel> empty_moment_levels(int width, int height) {
 
 MomentLevel rows_of(const MomentLevel& level, int first_row, int row_count) {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
-  const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(first_row) * level.width;
-  const std::ptrdiff_t end = begin + static_cast<std::ptrdiff_t>(row_count) * level.width;
-  return {level.width, row_count, part_of(level.slopes, begin, end), part_of(level.normals, begin, end),
-          part_of(level.colours, begin, end)};
+  const auto width = static_cast<std::size_t>(level.width);
+  const std::size_t all = width * static_cast<std::size_t>(level.height);
+  const std::size_t first = width * static_cast<std::size_t>(first_row);
+  const std::size_t end = first + width * static_cast<std::size_t>(row_count);
+  const auto part_of = [&](const auto& values) { return texels_of(values, all, first, end); };
+  return {level.width,           row_count, part_of(level.slopes), part_of(level.normals), part_of(level.colours),
+          part_of(level.weights)};
 }
 
 void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) {
@@ -101,6 +99,8 @@ void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) 
       if (!rows.colours.empty())
         for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
     }
+    const std::size_t weight_count = rows.weights.size() / rows.normals.size();
+    for (std::size_t i = begin * weight_count; i < end * weight_count; ++i) rows.weights[i] = as_half(rows.weights[i]);
   });
 }
 

@@ -3,6 +3,8 @@
 // exactly. Of every texel's normals n, with slopes b = -(n_x, n_y) / n_z:
 //   E[b], E[b b^T]   a Gaussian of slopes (LEAN: Olano and Baker 2010), as maketx --bumpslopes lays them out
 //   E[n]             whose length is the spread of Toksvig's rule (Toksvig 2005)
+// With a BRDF's width in (BakedHeader::has_roughness) both are of the microfacets: E[b b^T] has 1 - c more on its
+// diagonal, and n is c n.
 #pragma once
 
 #include <string>
@@ -39,6 +41,7 @@ struct MomentLevel {
   std::vector<SlopeMoments> slopes;  // [y * width + x]
   std::vector<glm::vec3> normals;    // mean vector, |n| <= 1
   std::vector<glm::vec3> colours;    // mean linear RGB; empty: the map has no colours
+  std::vector<float> weights = {};   // mean weights of basis BRDFs, as many a texel as the map has; empty: none
 };
 
 /// levels[l] is level l of the map. Those finer than header.first_level have their size and no texels.

@@ -29,7 +29,7 @@ struct Worst {
 
 struct Scan {
   std::size_t nonfinite = 0;
-  Worst variance, slope, length;  // how far beyond what is allowed
+  Worst variance, slope, length, weight;  // how far beyond what is allowed
 };
 
 bool is_finite(const float* values, int count) {
@@ -56,6 +56,12 @@ void scan_texel(const BakedHeader& header, const MomentLevel& rows, std::size_t 
   if (!is_finite(&m.height, 6) || !is_finite(&n.x, 3) || (!rows.colours.empty() && !is_finite(&rows.colours[i].x, 3))) {
     ++scan.nonfinite;
     return;
+  }
+  const std::size_t weight_count = static_cast<std::size_t>(header.weight_count);
+  for (std::size_t k = i * weight_count; k < (i + 1) * weight_count; ++k) {
+    const auto weight = static_cast<double>(rows.weights[k]);
+    if (!std::isfinite(weight)) ++scan.nonfinite;
+    else scan.weight.offer(std::max(-weight, weight - 1.0 - length_tolerance(header.encoding)), l, x, y);
   }
   const double slope_max = static_cast<double>(kSlopeMax) * (1.0 + length_tolerance(header.encoding));
   scan.variance.offer(missing_variance(m, variance_tolerance(header.encoding)), l, x, y);
@@ -93,10 +99,10 @@ std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, 
   scan_file(reader, seen, scan);
   const std::string hash = reader.finish_hash();
   const bool is_same = hash == header.provenance.content_hash;
-  return {
+  std::vector<VerifyFinding> findings = {
       {"structure", true,
        fmt::format("{} x {}, {}, moments{}, encoding {}", header.width, header.height,
-                   levels_text(header.first_level, header.level_count()), header.has_colours ? " with colours" : "",
+                   levels_text(header.first_level, header.level_count()), materials_text(header),
                    storage_encoding_name(header.encoding))},
       {"checksum", is_same,
        is_same ? hash : "found " + hash + ", expected " + header.provenance.content_hash + " as the header says"},
@@ -107,6 +113,10 @@ std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, 
       finding("|n| <= 1", scan.length, "no mean normal is longer than rounding allows",
               "a mean normal is longer than rounding allows"),
   };
+  if (header.weight_count > 0)
+    findings.push_back(finding("weights", scan.weight, fmt::format("{} a texel, each from 0 to 1", header.weight_count),
+                               "a weight is outside 0 to 1"));
+  return findings;
 }
 
 }  // namespace multum

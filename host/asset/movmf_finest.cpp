@@ -55,27 +55,43 @@ float z_float(double root) {
 
 float as_half(float value) { return static_cast<float>(half(value)); }
 
-void quantize_texel(MovmfFinest& rows, std::size_t i, StorageEncoding encoding) {
-  glm::vec3& n = rows.normals[i];
+void quantize_direction(glm::vec3& n, Representation representation, StorageEncoding encoding) {
   for (int c = 0; c < 2; ++c) {
     const float value = std::clamp(n[c], -1.0f, 1.0f);
     if (encoding == StorageEncoding::kSnorm16) n[c] = step_value(nearest_step(value));
     else n[c] = encoding == StorageEncoding::kHalf ? as_half(value) : value;
   }
-  n.z = finest_third(n.x, n.y, rows.representation, encoding);
-  if (rows.colours.empty() || encoding == StorageEncoding::kFloat) return;
-  glm::vec3& colour = rows.colours[i];
-  colour = glm::vec3(as_half(colour.x), as_half(colour.y), as_half(colour.z));
+  n.z = finest_third(n.x, n.y, representation, encoding);
 }
 
-// Is it one single direction, as a whole lobe of one of the two kinds has it?
-bool is_single_direction(const glm::vec3& normal, Representation representation) {
+// Lobes of a = 1, as those of other levels.
+void quantize_mean_vectors(glm::vec3* normals, std::size_t count, StorageEncoding encoding) {
+  MovmfLevel lobe{static_cast<int>(count), 1, {{}}, {}};
+  for (std::size_t i = 0; i < count; ++i) lobe.lobes[0].emplace_back(normals[i], 1.0f);
+  quantize_movmf(lobe, encoding, 1);
+  for (std::size_t i = 0; i < count; ++i) normals[i] = glm::vec3(lobe.lobes[0][i]);
+}
+
+void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, StorageEncoding encoding) {
+  if (rows.has_roughness) quantize_mean_vectors(rows.normals.data() + begin, end - begin, encoding);
+  else
+    for (std::size_t i = begin; i < end; ++i) quantize_direction(rows.normals[i], rows.representation, encoding);
+  if (encoding == StorageEncoding::kFloat) return;
+  for (std::size_t i = begin; i < end && !rows.colours.empty(); ++i)
+    for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
+  for (std::size_t i = begin * rows.weight_count(); i < end * rows.weight_count(); ++i)
+    rows.weights[i] = as_half(rows.weights[i]);
+}
+
+// Is it one single direction, as a whole lobe of one of the two kinds has it? Roughness shortens those of kMovmf.
+bool is_single_direction(const glm::vec3& normal, Representation representation, bool has_roughness) {
   // Rounding to halfs lengthens by a step of 1/1024 a channel at most.
   constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
   if (representation == Representation::kGmm)
     return std::abs(normal.x * normal.x + normal.y * normal.y - normal.z) <= kLengthSquaredMax - 1.0f;
   const float length_squared = glm::dot(normal, normal);
-  return normal.z >= 0.0f && length_squared >= kLengthSquaredMin && length_squared <= kLengthSquaredMax;
+  return normal.z >= 0.0f && (has_roughness || length_squared >= kLengthSquaredMin) &&
+         length_squared <= kLengthSquaredMax;
 }
 
 }  // namespace
@@ -103,33 +119,39 @@ float finest_third(float x, float y, Representation representation, StorageEncod
 void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads) {
   const auto width = static_cast<std::size_t>(rows.width);
   for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
-    const std::size_t end = static_cast<std::size_t>(row_end) * width;
-    for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < end; ++i) quantize_texel(rows, i, encoding);
+    quantize_texels(rows, static_cast<std::size_t>(row_begin) * width, static_cast<std::size_t>(row_end) * width,
+                    encoding);
   });
 }
 
-MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, Representation representation) {
+MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, Representation representation,
+                      bool has_roughness) {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
   MULTUM_CHECK(!level.lobes.empty() && level.lobes.size() <= kLobeCountMax);
   const auto width = static_cast<std::size_t>(level.width);
   const std::size_t first = static_cast<std::size_t>(first_row) * width;
   const std::size_t texels = static_cast<std::size_t>(row_count) * width;
-  MovmfFinest rows{level.width, row_count, {}, {}, {}, representation};
+  MovmfFinest rows{level.width, row_count, {}, {}, {}, {}, representation, has_roughness};
   rows.normals.resize(texels);
   rows.lobe.assign(texels, kLobeCountMax);
   if (!level.colours.empty()) rows.colours.resize(texels);
+  const std::size_t weight_count =
+      level.weights.empty() ? 0 : level.weights[0].size() / (width * static_cast<std::size_t>(level.height));
+  rows.weights.resize(texels * weight_count);
   for (std::size_t j = 0; j < level.lobes.size(); ++j)
     for (std::size_t i = 0; i < texels; ++i) {
       const glm::vec4& lobe = level.lobes[j][first + i];
       const glm::vec3 colour = level.colours.empty() ? glm::vec3(0.0f) : level.colours[j][first + i];
       if (lobe == glm::vec4(0.0f) && colour == glm::vec3(0.0f)) continue;
       const glm::vec3 normal(lobe);
-      const bool whole = lobe.w == 1.0f && is_single_direction(normal, representation);
+      const bool whole = lobe.w == 1.0f && is_single_direction(normal, representation, has_roughness);
       const bool alone = rows.lobe[i] == kLobeCountMax;
       MULTUM_CHECK(whole && alone);
       rows.normals[i] = normal;
       rows.lobe[i] = static_cast<std::uint8_t>(j);
       if (!rows.colours.empty()) rows.colours[i] = colour;
+      if (weight_count > 0)
+        std::copy_n(&level.weights[j][(first + i) * weight_count], weight_count, &rows.weights[i * weight_count]);
     }
   const bool all_given = std::find(rows.lobe.begin(), rows.lobe.end(), kLobeCountMax) == rows.lobe.end();
   MULTUM_CHECK(all_given);
@@ -139,6 +161,7 @@ MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, Rep
 void expand_into(const MovmfFinest& rows, MovmfLevel& level, int first_row, int threads) {
   const auto width = static_cast<std::size_t>(rows.width);
   const std::size_t first = static_cast<std::size_t>(first_row) * width;
+  const std::size_t weight_count = rows.weight_count();
   for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
     const std::size_t end = static_cast<std::size_t>(row_end) * width;
     for (std::size_t j = 0; j < level.lobes.size(); ++j)
@@ -146,6 +169,8 @@ void expand_into(const MovmfFinest& rows, MovmfLevel& level, int first_row, int 
         const bool given = rows.lobe[i] == j;
         level.lobes[j][first + i] = given ? glm::vec4(rows.normals[i], 1.0f) : glm::vec4(0.0f);
         if (!level.colours.empty()) level.colours[j][first + i] = given ? rows.colours[i] : glm::vec3(0.0f);
+        for (std::size_t k = 0; k < weight_count; ++k)
+          level.weights[j][(first + i) * weight_count + k] = given ? rows.weights[i * weight_count + k] : 0.0f;
       }
   });
 }
@@ -157,6 +182,7 @@ MovmfLevel expand(const MovmfFinest& rows, int lobe_count) {
   const auto count = static_cast<std::size_t>(lobe_count);
   level.lobes.assign(count, std::vector<glm::vec4>(rows.normals.size()));
   if (!rows.colours.empty()) level.colours.assign(count, std::vector<glm::vec3>(rows.normals.size()));
+  if (!rows.weights.empty()) level.weights.assign(count, std::vector<float>(rows.weights.size()));
   expand_into(rows, level, 0, 1);
   return level;
 }

@@ -30,12 +30,16 @@ MovmfMipmap parse_header(const Imf::Header& header, const std::string& path) {
   mipmap.wrap_t = baked.wrap_t;
   mipmap.provenance = baked.provenance;
   mipmap.first_level = baked.first_level;
+  mipmap.weight_count = baked.weight_count;
+  mipmap.has_roughness = baked.has_roughness;
+  mipmap.mean_cosine = baked.mean_cosine;
   for (int l = 0; l < baked.level_count(); ++l) {
     MovmfLevel level;
     level.width = mip_level_size(baked.width, l);
     level.height = mip_level_size(baked.height, l);
     level.lobes.resize(static_cast<std::size_t>(lobe_count));
     if (baked.has_colours) level.colours.resize(static_cast<std::size_t>(lobe_count));
+    if (baked.weight_count > 0) level.weights.resize(static_cast<std::size_t>(lobe_count));
     mipmap.levels.push_back(std::move(level));
   }
   return mipmap;

@@ -8,17 +8,21 @@ namespace multum {
 
 MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count) {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
-  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(first_row) * level.width;
-  const std::ptrdiff_t end = first + static_cast<std::ptrdiff_t>(row_count) * level.width;
+  const std::size_t width = static_cast<std::size_t>(level.width);
+  const std::size_t first = static_cast<std::size_t>(first_row) * width;
+  const std::size_t end = first + static_cast<std::size_t>(row_count) * width;
+  const std::size_t all = static_cast<std::size_t>(level.height) * width;
   MovmfLevel rows{level.width, row_count, {}, {}};
-  for (const auto& lobe : level.lobes) rows.lobes.emplace_back(lobe.begin() + first, lobe.begin() + end);
-  for (const auto& colour : level.colours) rows.colours.emplace_back(colour.begin() + first, colour.begin() + end);
+  for (const auto& lobe : level.lobes) rows.lobes.push_back(texels_of(lobe, all, first, end));
+  for (const auto& colour : level.colours) rows.colours.push_back(texels_of(colour, all, first, end));
+  for (const auto& weights : level.weights) rows.weights.push_back(texels_of(weights, all, first, end));
   return rows;
 }
 
 BakedHeader header_of(const MovmfMipmap& mipmap) {
-  return {mipmap.representation, mipmap.encoding, mipmap.wrap_s,      mipmap.wrap_t,       mipmap.provenance,
-          mipmap.width(),        mipmap.height(), mipmap.first_level, mipmap.has_colours()};
+  return {mipmap.representation, mipmap.encoding,     mipmap.wrap_s,        mipmap.wrap_t,
+          mipmap.provenance,     mipmap.width(),      mipmap.height(),      mipmap.first_level,
+          mipmap.has_colours(),  mipmap.weight_count, mipmap.has_roughness, mipmap.mean_cosine};
 }
 
 void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
@@ -27,6 +31,7 @@ void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
     MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
     for (auto& lobe : level.lobes) lobe = std::vector<glm::vec4>();  // = {} would keep the memory
     for (auto& colour : level.colours) colour = std::vector<glm::vec3>();
+    for (auto& weights : level.weights) weights = std::vector<float>();
   }
   mipmap.first_level = first_level;
 }

@@ -29,7 +29,19 @@ struct MovmfLevel {
   int height = 0;
   std::vector<std::vector<glm::vec4>> lobes;    // [lobe][y * width + x] = (a r_x, a r_y, a r_z, a)
   std::vector<std::vector<glm::vec3>> colours;  // [lobe][y * width + x] = a * linear RGB; empty: the map has no colours
+  // [lobe][(y * width + x) * weight_count + k] = a * weight k of a basis BRDF; empty: the map has no weights
+  std::vector<std::vector<float>> weights = {};
 };
+
+/// Some texels' worth of `values`, which lie `texel_count` texels in all: as many values a texel as there are.
+template <typename Value>
+std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel_count, std::size_t first,
+                             std::size_t end) {
+  if (values.empty()) return {};
+  const std::size_t stride = values.size() / texel_count;
+  const auto at = [&](std::size_t texel) { return values.begin() + static_cast<std::ptrdiff_t>(texel * stride); };
+  return {at(first), at(end)};
+}
 
 /// Levels are numbered as those of the map, whatever is stored: levels[l] is level l. Those finer than `first_level`
 /// have their size and no texels: renderers take them from the normal map itself.
@@ -39,7 +51,10 @@ struct MovmfMipmap {
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   BakedProvenance provenance;
-  int first_level = 0;             // the finest level that is stored, 0..levels - 1
+  int first_level = 0;   // the finest level that is stored, 0..levels - 1
+  int weight_count = 0;  // as BakedHeader has them
+  bool has_roughness = false;
+  float mean_cosine = 1.0f;
   std::vector<MovmfLevel> levels;  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
 
   // Of the map, that is, of level 0.

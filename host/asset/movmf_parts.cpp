@@ -16,6 +16,11 @@ constexpr char kFinestText[] =
     "lobe that has all of the texel; albedo = linear RGB; data, not colour";
 constexpr char kLobeText[] =
     "R,G,B,A = a*r.x,a*r.y,a*r.z,a; r = mean normal, +X right, +Y up, +Z out; data, not colour";
+constexpr char kFinestRoughText[] =
+    "normalX, normalY, normalZ = c(roughness)*n, unit n +X right, +Y up, +Z out; lobe = number of the lobe that has "
+    "all of the texel; albedo = linear RGB; data, not colour";
+constexpr char kWeightsText[] =
+    "R,G,B,A = a*weights of basis BRDFs 0 to 3; a is in the lobe part of the same number; data, not colour";
 constexpr char kFinestGaussianText[] =
     "normalX, normalY = x, y of the normal, +X right, +Y up; lobe = number of the lobe that has all of the texel; "
     "albedo = linear RGB; data, not colour";
@@ -24,16 +29,24 @@ constexpr char kGaussianText[] =
     "one coordinate; data, not colour";
 constexpr char kColourText[] = "R,G,B = a*linear RGB of the lobe; a is in the lobe part of the same number";
 
+void add_weight_channels(const std::string& layer, const MovmfMipmap& header, BakedPart& part) {
+  for (int k = 0; k < header.weight_count; ++k)
+    part.channels.push_back({fmt::format("{}.{}", layer, "RGBA"[k]), colour_type(header.encoding)});
+}
+
 // In the order in which OpenImageIO lists layers and their channels, as with the other parts.
 MovmfPart finest_part(const MovmfMipmap& header) {
   const bool gaussians = header.representation == Representation::kGmm;
-  MovmfPart part{{"finest", {}, 0, 1, true, gaussians ? kFinestGaussianText : kFinestText}, MovmfPartKind::kFinest, 0};
+  const char* const text = gaussians ? kFinestGaussianText : header.has_roughness ? kFinestRoughText : kFinestText;
+  MovmfPart part{{"finest", {}, 0, 1, true, text}, MovmfPartKind::kFinest, 0};
   if (header.has_colours())
     for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
       part.channels.push_back({name, colour_type(header.encoding)});
   part.channels.push_back({"finest.lobe.X", Imf::HALF});
   for (const char* name : {"finest.normalX.X", "finest.normalY.X"})
     part.channels.push_back({name, vector_type(header.encoding)});
+  if (header.has_roughness) part.channels.push_back({"finest.normalZ.X", vector_type(header.encoding)});
+  add_weight_channels("finest.weights", header, part);
   return part;
 }
 
@@ -41,6 +54,7 @@ MovmfPart finest_part(const MovmfMipmap& header) {
 
 const float* MovmfPart::values(const MovmfLevel& rows) const {
   const auto index = static_cast<std::size_t>(lobe);
+  if (kind == MovmfPartKind::kWeights) return rows.weights[index].data();
   return kind == MovmfPartKind::kColour ? &rows.colours[index][0].x : &rows.lobes[index][0].x;
 }
 
@@ -72,16 +86,25 @@ std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header) {
       part.channels.push_back({fmt::format("colour{}.albedo.{}", j, channel), colour_type(header.encoding)});
     parts.push_back(std::move(part));
   }
+  for (int j = 0; header.weight_count > 0 && j < header.lobe_count(); ++j) {
+    MovmfPart part{
+        {fmt::format("weights.{}", j), {}, first_level, level_count, false, kWeightsText}, MovmfPartKind::kWeights, j};
+    add_weight_channels(fmt::format("weights{}.blend", j), header, part);
+    parts.push_back(std::move(part));
+  }
   return parts;
 }
 
 void interleave(const MovmfFinest& rows, std::size_t first_texel, std::size_t count, float* values) {
+  const std::size_t weight_count = rows.weight_count();
   for (std::size_t i = first_texel; i < first_texel + count; ++i) {
     if (!rows.colours.empty())
       for (int c = 0; c < 3; ++c) *values++ = rows.colours[i][c];
     *values++ = static_cast<float>(rows.lobe[i]);
     *values++ = rows.normals[i].x;
     *values++ = rows.normals[i].y;
+    if (rows.has_roughness) *values++ = rows.normals[i].z;
+    for (std::size_t k = 0; k < weight_count; ++k) *values++ = rows.weights[i * weight_count + k];
   }
 }
 
@@ -103,8 +126,8 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
     if (part->kind == MovmfPartKind::kFinest) {
       std::vector<float> values;
       for (int row = 0; row < level.height; row += kRowsPerBand) {
-        const MovmfFinest rows =
-            finest_of(level, row, std::min(kRowsPerBand, level.height - row), mipmap.representation);
+        const MovmfFinest rows = finest_of(level, row, std::min(kRowsPerBand, level.height - row),
+                                           mipmap.representation, mipmap.has_roughness);
         values.resize(rows.normals.size() * channels);
         interleave(rows, 0, rows.normals.size(), values.data());
         hash.update(values.data(), values.size() * sizeof(float));

@@ -12,13 +12,13 @@
 
 namespace multum {
 
-enum class MovmfPartKind { kFinest, kLobe, kColour };
+enum class MovmfPartKind { kFinest, kLobe, kColour, kWeights };
 
 struct MovmfPart : BakedPart {
   MovmfPartKind kind;
-  int lobe;  // of kLobe and kColour
+  int lobe;  // of the others
 
-  /// The first value of a level's rows, for kLobe and kColour.
+  /// The first value of a level's rows; not of kFinest.
   const float* values(const MovmfLevel& rows) const;
   float* values(MovmfLevel& rows) const;
 };
@@ -26,7 +26,8 @@ struct MovmfPart : BakedPart {
 /// Of a mipmap with or without texels.
 std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header);
 
-/// Texels of the part "finest" as values lie there, interleaved: R, G, B where there are colours, lobe, x, y.
+/// Texels of the part "finest" as values lie there, interleaved: R, G, B where there are colours, lobe, x, y, z with
+/// roughness, weights.
 void interleave(const MovmfFinest& rows, std::size_t first_texel, std::size_t count, float* values);
 
 }  // namespace multum

@@ -285,7 +285,7 @@ void quantize_movmf(MovmfMipmap& mipmap, int threads) {
       continue;
     }
     for_each_row_band(level.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
-      MovmfFinest rows = finest_of(level, row_begin, row_end - row_begin, mipmap.representation);
+      MovmfFinest rows = finest_of(level, row_begin, row_end - row_begin, mipmap.representation, mipmap.has_roughness);
       quantize_movmf(rows, mipmap.encoding, 1);
       expand_into(rows, level, row_begin, 1);
     });

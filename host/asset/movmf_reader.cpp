@@ -36,7 +36,7 @@ class MovmfReader::File {
   MovmfFinest read_finest(int first_row, int row_count) {
     MULTUM_CHECK(header_.first_level == 0);
     check_rows(0, first_row, row_count);
-    MovmfFinest rows{header_.width(), row_count, {}, {}, {}, header_.representation};
+    MovmfFinest rows{header_.width(), row_count, {}, {}, {}, {}, header_.representation, header_.has_roughness};
     const std::size_t texels = texel_count(rows.width, row_count);
     const std::size_t channels = parts_[0].channels.size();
     values_.resize(texels * channels);
@@ -44,6 +44,7 @@ class MovmfReader::File {
     rows.normals.resize(texels);
     rows.lobe.resize(texels);
     if (header_.has_colours()) rows.colours.resize(texels);
+    rows.weights.resize(texels * weight_count());
     for_each_row_band(row_count, kRowsPerBand, reader_.threads(), [&](int, int row_begin, int row_end) {
       for (int y = row_begin; y < row_end; ++y)
         for (int x = 0; x < rows.width; ++x) decode_texel(x, first_row, y, rows);
@@ -58,6 +59,7 @@ class MovmfReader::File {
     const std::size_t texels = texel_count(rows.width, row_count);
     rows.lobes.assign(static_cast<std::size_t>(header_.lobe_count()), std::vector<glm::vec4>(texels));
     if (header_.has_colours()) rows.colours.assign(rows.lobes.size(), std::vector<glm::vec3>(texels));
+    if (weight_count() > 0) rows.weights.assign(rows.lobes.size(), std::vector<float>(texels * weight_count()));
     if (texels == 0) return rows;
     if (level == 0) {
       expand_into(read_finest(first_row, row_count), rows, 0, reader_.threads());
@@ -70,6 +72,8 @@ class MovmfReader::File {
   }
 
  private:
+  std::size_t weight_count() const { return static_cast<std::size_t>(header_.weight_count); }
+
   void check_rows(int level, int first_row, int row_count) const {
     MULTUM_CHECK(level >= 0 && level < static_cast<int>(header_.levels.size()));
     const int height = header_.levels[static_cast<std::size_t>(level)].height;
@@ -91,7 +95,12 @@ class MovmfReader::File {
     if (!(std::abs(v[1]) <= kComponentMax && std::abs(v[2]) <= kComponentMax))
       refuse_texel(x, first_row + y, fmt::format("a normal ({}, {})", v[1], v[2]), "components of -1 to 1");
     rows.lobe[i] = static_cast<std::uint8_t>(v[0]);
-    rows.normals[i] = {v[1], v[2], finest_third(v[1], v[2], rows.representation, header_.encoding)};
+    if (header_.has_roughness && !(v[3] >= 0.0f && v[3] <= kComponentMax))
+      refuse_texel(x, first_row + y, fmt::format("a normal of z = {}", v[3]), "0 to 1");
+    rows.normals[i] = {v[1], v[2],
+                       header_.has_roughness ? v[3] : finest_third(v[1], v[2], rows.representation, header_.encoding)};
+    v += header_.has_roughness ? 4 : 3;
+    std::copy_n(v, weight_count(), rows.weights.begin() + static_cast<std::ptrdiff_t>(i * weight_count()));
   }
 
   [[noreturn]] void refuse_texel(int x, int y, const std::string& found, const std::string& expected) const {
@@ -126,6 +135,7 @@ MovmfMipmap read_movmf_mipmap(const std::string& path, int threads) {
     const std::size_t texels = texel_count(level.width, level.height);
     for (auto& lobe : level.lobes) lobe.resize(texels);
     for (auto& colour : level.colours) colour.resize(texels);
+    for (auto& weights : level.weights) weights.resize(texels * static_cast<std::size_t>(mipmap.weight_count));
     const int step = reader.tile_size() * kTileRowsAtOnce;
     for (int row = 0; row < level.height; row += step)
       expand_into(reader.read_finest(row, std::min(step, level.height - row)), level, row, threads);

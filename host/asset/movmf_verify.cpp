@@ -36,8 +36,24 @@ struct Worst {
 
 struct Scan {
   std::size_t nonfinite = 0;
-  Worst sum_error, negative_amplitude, long_mean, missing_variance;
+  Worst sum_error, negative_amplitude, long_mean, missing_variance, weight_range;
 };
+
+// Weights are 0 to 1, so that those of a lobe are 0 to a, but for what rounds both: halfs, and snorm16's amplitudes,
+// which may be a step of the fit's.
+template <typename Offer>
+void scan_weights(const MovmfLevel& rows, std::size_t lobe, std::size_t texel, const Offer& offer,
+                  std::size_t& nonfinite) {
+  constexpr double kExcessMax = 2e-3;
+  const std::size_t count = rows.weights[lobe].size() / texel_count(rows.width, rows.height);
+  for (std::size_t k = 0; k < count; ++k) {
+    const float weight = rows.weights[lobe][texel * count + k];
+    if (!std::isfinite(weight)) ++nonfinite;
+    else
+      offer(std::max(-static_cast<double>(weight),
+                     static_cast<double>(weight) - static_cast<double>(rows.lobes[lobe][texel].w) - kExcessMax));
+  }
+}
 
 // How far the third value of a Gaussian is below what its mean alone makes of it, more than rounding it down allows.
 double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
@@ -73,6 +89,9 @@ void scan_rows(const MovmfMipmap& header, int l, std::size_t first_texel, const 
       const glm::vec3& c = colour[i];
       if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) ++scan.nonfinite;
     }
+    for (std::size_t j = 0; j < rows.weights.size(); ++j)
+      scan_weights(
+          rows, j, i, [&](double excess) { scan.weight_range.offer(excess, l, first_texel + i); }, scan.nonfinite);
   }
 }
 
@@ -123,7 +142,7 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
       {"structure", true,
        fmt::format("{} x {}, {}, {} {}{}, encoding {}", mipmap.width(), mipmap.height(), levels_text(mipmap),
                    mipmap.lobe_count(), mipmap.representation == Representation::kGmm ? "Gaussians" : "lobes",
-                   mipmap.has_colours() ? " with colours" : "", storage_encoding_name(mipmap.encoding))});
+                   materials_text(header_of(mipmap)), storage_encoding_name(mipmap.encoding))});
   Scan scan;
   const std::string hash = scan_file(reader, threads, seen, scan);
   findings.push_back({"checksum", hash == mipmap.provenance.content_hash,
@@ -151,6 +170,12 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
                             ? "none is below 0 by more than rounding allows"
                             : fmt::format("a variance is below 0 by {:.2e} more than rounding allows at {}",
                                           scan.missing_variance.value, at(mipmap, scan.missing_variance))});
+  if (mipmap.weight_count > 0)
+    findings.push_back({"weights", scan.weight_range.value <= 0.0,
+                        scan.weight_range.value <= 0.0
+                            ? fmt::format("{} a texel, each from 0 to 1", mipmap.weight_count)
+                            : fmt::format("a weight is outside 0 to a by {:.2e} at {}", scan.weight_range.value,
+                                          at(mipmap, scan.weight_range))});
   return findings;
 }
 

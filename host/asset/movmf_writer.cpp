@@ -17,6 +17,8 @@ namespace {
 struct Shape {
   std::size_t lobe_count;
   bool has_colours;
+  std::size_t weight_count;
+  bool has_roughness;
   std::vector<MovmfPart> parts;
 };
 
@@ -27,13 +29,15 @@ class FinestPortion : public BakedRows {
   int level() const override { return 0; }
   int height() const override { return rows_.height; }
   std::size_t bytes() const override {
-    return rows_.normals.size() * (sizeof(glm::vec3) + 1) + rows_.colours.size() * sizeof(glm::vec3);
+    return rows_.normals.size() * (sizeof(glm::vec3) + 1) + rows_.colours.size() * sizeof(glm::vec3) +
+           rows_.weights.size() * sizeof(float);
   }
   void check_sizes(int level_width) const override {
     MULTUM_CHECK(rows_.width == level_width && rows_.height >= 0);
     const std::size_t texels = texel_count(rows_.width, rows_.height);
     MULTUM_CHECK(rows_.normals.size() == texels && rows_.lobe.size() == texels);
     MULTUM_CHECK(rows_.colours.size() == (shape_.has_colours ? texels : 0));
+    MULTUM_CHECK(rows_.weights.size() == shape_.weight_count * texels && rows_.has_roughness == shape_.has_roughness);
     for (const std::uint8_t lobe : rows_.lobe) MULTUM_CHECK(lobe < shape_.lobe_count);
   }
   void copy_values(std::size_t, std::size_t first, std::size_t count, float* values) const override {
@@ -55,6 +59,7 @@ class LevelPortion : public BakedRows {
     std::size_t sum = 0;
     for (const auto& lobe : rows_.lobes) sum += lobe.size() * sizeof(glm::vec4);
     for (const auto& colour : rows_.colours) sum += colour.size() * sizeof(glm::vec3);
+    for (const auto& weights : rows_.weights) sum += weights.size() * sizeof(float);
     return sum;
   }
   void check_sizes(int level_width) const override {
@@ -64,6 +69,8 @@ class LevelPortion : public BakedRows {
     MULTUM_CHECK(rows_.colours.size() == (shape_.has_colours ? shape_.lobe_count : 0));
     for (const auto& lobe : rows_.lobes) MULTUM_CHECK(lobe.size() == texels);
     for (const auto& colour : rows_.colours) MULTUM_CHECK(colour.size() == texels);
+    MULTUM_CHECK(rows_.weights.size() == (shape_.weight_count > 0 ? shape_.lobe_count : 0));
+    for (const auto& weights : rows_.weights) MULTUM_CHECK(weights.size() == texels * shape_.weight_count);
   }
   void copy_values(std::size_t part, std::size_t first, std::size_t count, float* values) const override {
     const std::size_t channels = shape_.parts[part].channels.size();
@@ -81,7 +88,8 @@ class LevelPortion : public BakedRows {
 class MovmfWriter::Work {
  public:
   Work(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options)
-      : shape_{static_cast<std::size_t>(header.lobe_count()), header.has_colours(), checked_parts(header)},
+      : shape_{static_cast<std::size_t>(header.lobe_count()), header.has_colours(),
+               static_cast<std::size_t>(header.weight_count), header.has_roughness, checked_parts(header)},
         writer_(path, header_of(header), {shape_.parts.begin(), shape_.parts.end()},
                 make_headers(header, shape_.parts, options), options) {}
 
@@ -129,7 +137,7 @@ void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, cons
     for (int row = 0; row < level.height; row += options.tile_size) {
       progress_advance(progress, 0);  // a chance to cancel
       const int rows = std::min(options.tile_size, level.height - row);
-      if (l == 0) writer.write_finest(row, finest_of(level, row, rows, mipmap.representation));
+      if (l == 0) writer.write_finest(row, finest_of(level, row, rows, mipmap.representation, mipmap.has_roughness));
       else writer.write_level(static_cast<int>(l), row, rows_of(level, row, rows));
     }
   }

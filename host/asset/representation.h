@@ -27,13 +27,18 @@ inline bool holds_lobes(Representation representation) {
   return representation == Representation::kMovmf || representation == Representation::kGmm;
 }
 
+/// May its files hold a BRDF's width and weights of basis BRDFs beside normals?
+inline bool takes_materials(Representation representation) {
+  return representation == Representation::kMovmf || representation == Representation::kMoments;
+}
+
 const char* storage_encoding_name(StorageEncoding encoding);
 
 struct RepresentationInfo {
   Representation representation;
   const char* option;                      // of --ndf
   const char* name;                        // attribute multum:representation
-  int version;                             // attribute multum:formatVersion
+  int version;                             // attribute multum:formatVersion; of files with materials one higher
   std::vector<StorageEncoding> encodings;  // that suit it, the default first
   const char* help;                        // what it is, in a line
 };

@@ -133,7 +133,7 @@ class Comparison {
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kTruthBytesMax = std::size_t{256} << 20;
     static const std::vector<double> kLambert = {1.0};
-    Pass pass{{{}, {}, settings_.exponents}, {}};
+    Pass pass{{{}, {}, settings_.exponents, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
     std::size_t bytes = 0;
     for (std::size_t d = first; d < half_count() + settings_.directions.lights.size(); ++d) {
       const bool is_light = d >= half_count();
@@ -143,7 +143,9 @@ class Comparison {
       const glm::dvec3& omega =
           is_light ? settings_.directions.lights[d - half_count()] : settings_.directions.half_vectors[d];
       (is_light ? pass.directions.lights : pass.directions.half_vectors).push_back(omega);
-      pass.truths.push_back(std::make_unique<BrdfTruth>(averages_, omega, exponents, channel_count_ > 0));
+      pass.truths.push_back(std::make_unique<BrdfTruth>(
+          averages_, settings_.has_roughness ? shortened_values(omega, is_light) : power_values(omega, exponents),
+          channel_count_ > 0));
     }
     return pass;
   }
@@ -188,8 +190,9 @@ class Comparison {
         const std::size_t first_value = static_cast<std::size_t>(1 + channel) * own_count;
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
           for (std::size_t e = 0; e < own_count; ++e) {
-            const double truth = truth_at(*pass.truths[d], points[i], first_value + e) *
-                                 (is_light ? 1.0 : (settings_.exponents[e] + 1.0) / (2.0 * M_PI));
+            const double truth =
+                truth_at(*pass.truths[d], points[i], first_value + e) *
+                (is_light || settings_.has_roughness ? 1.0 : (settings_.exponents[e] + 1.0) / (2.0 * M_PI));
             const std::size_t value =
                 is_light ? pass_half_count * exponent_count + d - pass_half_count : e * pass_half_count + d;
             const auto shaded = static_cast<double>(values[i * value_count + value]);
@@ -211,8 +214,9 @@ class Comparison {
   std::size_t brdf_count() const { return plain_count_ * groups_per_shading() * shadings_.size(); }
   std::string brdf_name(std::size_t brdf) const {
     const std::size_t plain = brdf % plain_count_, group = brdf / plain_count_;
-    std::string name =
-        plain + 1 == plain_count_ ? "lambert" : fmt::format("blinn-phong:{}", settings_.exponents[plain]);
+    std::string name = plain + 1 == plain_count_ ? "lambert"
+                       : settings_.has_roughness ? "roughness"
+                                                 : fmt::format("blinn-phong:{}", settings_.exponents[plain]);
     const std::string& shading = shadings_[group / groups_per_shading()];
     if (!shading.empty()) name += " " + shading;
     return group % groups_per_shading() == 0 ? name : name + " coloured";
@@ -250,6 +254,13 @@ AccuracyDirections accuracy_directions() {
 AccuracyMeter::AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings)
     : settings_(settings),
       points_(level_sizes(map_width, map_height), {settings.first_level, settings.samples_per_level, settings.seed}) {}
+
+AccuracySettings AccuracyMeter::of_file(AccuracySettings settings, bool has_roughness, float mean_cosine) {
+  settings.has_roughness = has_roughness;
+  settings.mean_cosine = mean_cosine;
+  if (has_roughness) settings.exponents = {static_cast<double>(kRoughnessExponent)};
+  return settings;
+}
 
 bool AccuracyMeter::needs_rows(int level, int first_row, int row_count) const {
   return points_.texels().row_begin(level, first_row) < points_.texels().row_begin(level, first_row + row_count);

@@ -29,8 +29,8 @@ namespace multum {
 struct AccuracyRow {
   int level;
   AccuracyPoint point;
-  // "lambert", "blinn-phong:20"; with " toksvig", " lean", ... where there are several ways to shade it, and then with
-  // " coloured" when multiplied by the colours.
+  // "lambert", "blinn-phong:20", or "roughness" where a BRDF's width is in; with " toksvig", " lean", ... where there
+  // are several ways to shade it, and then with " coloured" when multiplied by the colours.
   std::string brdf;
   double error;       // relative L1, 0.1 = 10 %
   double confidence;  // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
@@ -50,6 +50,10 @@ struct AccuracySettings {
   std::uint64_t seed = 1;
   int first_level = 0;  // finer ones are not measured
   AccuracyDirections directions = accuracy_directions();
+  // Normals are shortened by their BRDF's width (host/image/material_maps.h), by `mean_cosine` in the mean, and every
+  // one has its own highlight: the BRDFs are "roughness" and "lambert".
+  bool has_roughness = false;
+  float mean_cosine = 1.0f;
   int threads = 2;
 };
 
@@ -70,6 +74,8 @@ class AccuracyMeter {
 
  protected:
   AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings);
+  /// The settings for a file with or without a BRDF's width in.
+  static AccuracySettings of_file(AccuracySettings settings, bool has_roughness, float mean_cosine);
   const AccuracyPoints& points() const { return points_; }
   virtual AccuracyModel& model() = 0;
 
@@ -83,7 +89,8 @@ class MovmfMeter : public AccuracyMeter {
  public:
   /// Of `header`: sizes of levels, lobe count, first level; no texels.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
-      : AccuracyMeter(header.width(), header.height(), settings), model_(header, has_colours, points().texels()) {}
+      : AccuracyMeter(header.width(), header.height(), of_file(settings, header.has_roughness, header.mean_cosine)),
+        model_(header, has_colours, points().texels()) {}
 
   /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.
   void add_rows(int level, int first_row, const MovmfLevel& rows) { model_.add_rows(level, first_row, rows); }
@@ -97,7 +104,8 @@ class MovmfMeter : public AccuracyMeter {
 class MomentMeter : public AccuracyMeter {
  public:
   MomentMeter(const BakedHeader& header, const AccuracySettings& settings)
-      : AccuracyMeter(header.width, header.height, settings), model_(header, points().texels()) {}
+      : AccuracyMeter(header.width, header.height, of_file(settings, header.has_roughness, header.mean_cosine)),
+        model_(header, points().texels()) {}
 
   void add_rows(int level, int first_row, const MomentLevel& rows) { model_.add_rows(level, first_row, rows); }
 

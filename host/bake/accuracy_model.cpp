@@ -5,9 +5,9 @@ namespace multum {
 namespace {
 
 // Never empty: a buffer is not.
-std::vector<glm::vec4> padded(const std::vector<glm::dvec3>& directions) {
+std::vector<glm::vec4> padded(const std::vector<glm::dvec3>& directions, float w) {
   std::vector<glm::vec4> result;
-  for (const glm::dvec3& direction : directions) result.emplace_back(glm::vec3(direction), 0.0f);
+  for (const glm::dvec3& direction : directions) result.emplace_back(glm::vec3(direction), w);
   if (result.empty()) result.emplace_back(0.0f);
   return result;
 }
@@ -15,8 +15,8 @@ std::vector<glm::vec4> padded(const std::vector<glm::dvec3>& directions) {
 }  // namespace
 
 DirectionBuffers::DirectionBuffers(Device& device, const ShadingDirections& directions)
-    : half_vectors_(padded(directions.half_vectors)),
-      lights_(padded(directions.lights)),
+    : half_vectors_(padded(directions.half_vectors, 0.0f)),
+      lights_(padded(directions.lights, directions.mean_cosine)),
       exponents_(directions.exponents.begin(), directions.exponents.end()),
       half_count_(static_cast<int>(directions.half_vectors.size())),
       light_count_(static_cast<int>(directions.lights.size())),

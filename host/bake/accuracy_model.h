@@ -22,6 +22,7 @@ struct ShadingDirections {
   std::vector<glm::dvec3> half_vectors;
   std::vector<glm::dvec3> lights;
   std::vector<double> exponents;
+  float mean_cosine = 0.0f;  // of a roughness map that is in the lengths of normals: of lights, divided out; 0: none is
 };
 
 /// Model values at some points.

@@ -2,6 +2,7 @@
 #include "host/bake/accuracy_truth.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/base/parallel.h"
@@ -65,11 +66,22 @@ void TexelSums::finish() {
   }
 }
 
-BrdfTruth::BrdfTruth(const TexelAverages& averages, const glm::dvec3& omega, const std::vector<double>& exponents,
-                     bool has_colours)
-    : TexelSums(averages, exponents.size() * (has_colours ? 4 : 1)),
-      brdf_(omega, exponents),
-      rows_(exponents.size(), AlignedRow(averages.row_length())),
+BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents) {
+  const auto rows = std::make_shared<BrdfRows>(omega, exponents);
+  return {exponents.size(),
+          [rows](const auto& normals, int width, const auto& values) { rows->evaluate(normals, width, values); }};
+}
+
+BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert) {
+  return {1, [omega, is_lambert](const auto& normals, int width, const auto& values) {
+            evaluate_shortened(omega, is_lambert, normals, width, values[0]);
+          }};
+}
+
+BrdfTruth::BrdfTruth(const TexelAverages& averages, BrdfValues values, bool has_colours)
+    : TexelSums(averages, values.count * (has_colours ? 4 : 1)),
+      brdf_(std::move(values)),
+      rows_(brdf_.count, AlignedRow(averages.row_length())),
       coloured_(has_colours ? averages.row_length() : 0) {}
 
 void BrdfTruth::add_row(const FinestRow& row) {

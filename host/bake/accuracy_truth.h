@@ -6,6 +6,7 @@
 // however high the bands are, so that neither can be seen in the result.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -56,15 +57,24 @@ class TexelSums {
   std::vector<double> sums_;  // [slot][value]
 };
 
-/// max(0, omega . n)^s: value e of exponent e; with colours also times channel c, as value (1 + c) * exponents + e.
+/// What one direction's values of a row are, and how many.
+struct BrdfValues {
+  std::size_t count;
+  std::function<void(const std::array<const float*, 3>& normals, int width, const std::vector<double*>& rows)> evaluate;
+};
+/// max(0, omega . n)^s of each exponent.
+BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents);
+/// Of shortened normals, one value (evaluate_shortened()).
+BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
+
+/// Value e of each; with colours also times channel c, as value (1 + c) * count + e.
 class BrdfTruth : public TexelSums {
  public:
-  BrdfTruth(const TexelAverages& averages, const glm::dvec3& omega, const std::vector<double>& exponents,
-            bool has_colours);
+  BrdfTruth(const TexelAverages& averages, BrdfValues values, bool has_colours);
   void add_row(const FinestRow& row) override;
 
  private:
-  BrdfRows brdf_;
+  const BrdfValues brdf_;
   std::vector<AlignedRow> rows_;  // [exponent]
   AlignedRow coloured_;           // a row
 };

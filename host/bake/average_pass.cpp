@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
+#include "host/bake/feature_planes.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -16,18 +18,21 @@ std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
 class AveragePass {
  public:
-  AveragePass(Device& device, const AverageInputs& inputs, AveragedPlanes& planes)
+  AveragePass(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, const FeaturePlanes& features)
       : device_(device),
         inputs_(inputs),
         planes_(planes),
+        features_(features),
         width_(inputs.normals->width()),
         height_(inputs.normals->height()),
-        plane_count_(planes.plane_count() + (has_colours() ? 3 : 0)),
-        pyramid_(device, {width_, height_, plane_count_, inputs.first_level}, {inputs.memory_bytes, row_values()}) {
+        plane_count_(planes.plane_count() + 3 * features.triple_count()),
+        pyramid_(device, {width_, height_, plane_count_, inputs.first_level}, {inputs.memory_bytes, row_values()}),
+        take_features_(device.kernel("mip_box", "mip_features", {1, 1, false})) {
     const std::size_t band = size_of(width_) * sizeof(float) * size_of(pyramid_.band_rows());
     for (DeviceBuffer& plane : normals_) plane = device_.make_buffer(band, "normals");
-    if (has_colours())
-      for (DeviceBuffer& plane : colours_) plane = device_.make_buffer(band, "colours");
+    triples_.resize(features.triples.size());
+    for (AveragedPlanes::MapPlanes& triple : triples_)
+      for (DeviceBuffer& plane : triple) plane = device_.make_buffer(band, "features");
   }
 
   std::string plan_text() const {
@@ -40,7 +45,7 @@ class AveragePass {
     for (int row = 0; row < height_; row += pyramid_.band_rows()) {
       const MultumBoxBand band = pyramid_.band(row, std::min(pyramid_.band_rows(), height_ - row));
       read_band(band);
-      planes_.make_finest(normals_, has_colours() ? colours_ : normals_, pyramid_.nodes(), band);
+      make_finest(band);
       pyramid_.average(band);
       pyramid_.hand_over(band, [&](const BoxRows& rows) { planes_.add_level(rows); });
       progress_advance(progress, static_cast<std::uint64_t>(band.row_count) * static_cast<std::uint64_t>(width_));
@@ -48,33 +53,51 @@ class AveragePass {
   }
 
  private:
-  bool has_colours() const { return inputs_.albedo != nullptr; }
-
   // Of a row: map planes, and what comes of it, as it waits to be written.
   std::size_t row_values() const {
-    const std::size_t map_planes = kMapPlanes * (has_colours() ? 2 : 1);
+    const std::size_t map_planes = kMapPlanes * (1 + features_.triples.size());
     return (map_planes + 3 * size_of(plane_count_ + 1)) * size_of(width_);
   }
 
   void read_band(const MultumBoxBand& band) {
-    const auto read = [&](const PlaneStore& store, AveragedPlanes::MapPlanes& planes) {
-      for (int p = 0; p < static_cast<int>(kMapPlanes); ++p)
-        device_.visit(planes[size_of(p)], [&](void* bytes) {
-          auto* const values = static_cast<float*>(bytes);
-          store.read_rows(p, band.first_row, band.row_count, values);
-          if (&planes == &normals_ && p == 2) planes_.see_z(values, size_of(band.row_count) * size_of(width_));
+    const auto read = [&](const PlaneStore& store, AveragedPlanes::MapPlanes& planes, const auto& see) {
+      device_.visit(planes[0], [&](void* x) {
+        device_.visit(planes[1], [&](void* y) {
+          device_.visit(planes[2], [&](void* z) {
+            const std::array<float*, 3> values = {static_cast<float*>(x), static_cast<float*>(y),
+                                                  static_cast<float*>(z)};
+            store.read_rows(band.first_row, band.row_count, values);
+            see(values);
+          });
         });
+      });
     };
-    read(*inputs_.normals, normals_);
-    if (has_colours()) read(*inputs_.albedo, colours_);
+    read(*inputs_.normals, normals_, [&](const std::array<float*, 3>& values) {
+      planes_.see_normals({values[0], values[1], values[2]}, size_of(band.row_count) * size_of(width_));
+    });
+    for (std::size_t t = 0; t < triples_.size(); ++t)
+      read(*features_.triples[t], triples_[t], [](const std::array<float*, 3>&) {});
+  }
+
+  void make_finest(const MultumBoxBand& band) {
+    planes_.make_finest(normals_, pyramid_.nodes(), band);
+    int first_plane = planes_.plane_count();
+    for (const AveragedPlanes::MapPlanes& triple : triples_) {
+      take_features_.launch({size_of(band.row_count) * size_of(width_), kBoxLocalSize}, triple[0], triple[1], triple[2],
+                            pyramid_.nodes(), band, first_plane);
+      first_plane += static_cast<int>(kMapPlanes);
+    }
   }
 
   Device& device_;
   const AverageInputs& inputs_;
   AveragedPlanes& planes_;
+  const FeaturePlanes& features_;
   const int width_, height_, plane_count_;
   BoxPyramid pyramid_;
-  AveragedPlanes::MapPlanes normals_, colours_;
+  Kernel take_features_;
+  AveragedPlanes::MapPlanes normals_;
+  std::vector<AveragedPlanes::MapPlanes> triples_;
 };
 
 }  // namespace
@@ -83,24 +106,12 @@ void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& pl
                  Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate_box_map(inputs.first_level, normals.width(), normals.height());
-  MULTUM_CHECK(inputs.albedo == nullptr ||
-               (inputs.albedo->width() == normals.width() && inputs.albedo->height() == normals.height()));
-  AveragePass pass(device, inputs, planes);
+  const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
+  MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
+  AveragePass pass(device, inputs, planes, features);
   report.plan = pass.plan_text();
   report.device = device.info().name;
   pass.run(progress);
-}
-
-std::uint64_t waiting_bytes_beyond_usual(const BakedHeader& header, int tile_size, int values, int part_values) {
-  constexpr std::uint64_t kUsual = std::uint64_t{32} << 20;
-  std::uint64_t bytes = 0;
-  for (int l = header.first_level; l < header.level_count(); ++l) {
-    const std::uint64_t texels = static_cast<std::uint64_t>(mip_level_size(header.width, l)) *
-                                 static_cast<std::uint64_t>(std::min(tile_size, mip_level_size(header.height, l)));
-    bytes += texels * static_cast<std::uint64_t>(values) * sizeof(float);
-    if (l == header.first_level) bytes += texels * static_cast<std::uint64_t>(part_values) * sizeof(std::uint16_t);
-  }
-  return bytes > kUsual ? bytes - kUsual : 0;
 }
 
 }  // namespace multum

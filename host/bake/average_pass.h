@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <string>
 
-#include "host/asset/baked_file.h"
 #include "host/bake/bake_report.h"
 #include "host/bake/box_pyramid.h"
 #include "host/base/progress.h"
+#include "host/image/material_maps.h"
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
 #include "kernels/shared/mip_box.h"
@@ -21,6 +21,8 @@ namespace multum {
 struct AverageInputs {
   const PlaneStore* normals = nullptr;
   const PlaneStore* albedo = nullptr;                   // of the same size; null: no colours
+  const WeightMap* weights = nullptr;                   // of the same size; null: none
+  bool has_roughness = false;                           // normals are shortened (host/image/material_maps.h)
   int first_level = 0;                                  // the finest to make
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers; changes no byte of the result
   int threads = 1;                                      // of the host's own loops
@@ -29,19 +31,17 @@ struct AverageInputs {
 /// A representation's part in it.
 class AveragedPlanes {
  public:
-  using MapPlanes = std::array<DeviceBuffer, 3>;  // x, y, z or red, green, blue
+  using MapPlanes = std::array<DeviceBuffer, 3>;  // x, y, z, or a triple of features
 
   virtual ~AveragedPlanes() = default;
   /// "moments", for the plan's text.
   virtual std::string name() const = 0;
-  /// Without those of colours, which come last.
+  /// Without those of features (host/bake/feature_planes.h), which come last, three a triple.
   virtual int plane_count() const = 0;
-  /// Launches what writes all planes of a band into `nodes` [plane][row][row_length], colours too (`colours` is
-  /// anything where there are none).
-  virtual void make_finest(const MapPlanes& normals, const MapPlanes& colours, const DeviceBuffer& nodes,
-                           const MultumBoxBand& band) = 0;
-  /// Told the normals' z as they are read.
-  virtual void see_z(const float*, std::size_t) {}
+  /// Launches what writes all planes but those of a band into `nodes` [plane][row][row_length].
+  virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;
+  /// Told the normals as they are read.
+  virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
   /// Rows as they are done: of each level in order from the top, levels in any order.
   virtual void add_level(const BoxRows& rows) = 0;
 };
@@ -50,11 +50,5 @@ class AveragedPlanes {
 /// device refuse, Cancelled. Progress: a unit a texel of the map.
 void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, BakeReport& report,
                  Progress* progress);
-
-/// What the writer of a file holds beyond what every bake is taken to need (bake_job.cpp): of every level a row of
-/// tiles that is not yet full, since all levels are made at once, and the halfs of a part of the widest. It is taken
-/// from the buffers' share: wide maps need more memory, and say so. `values`: of a texel; `part_values`: of its widest
-/// part.
-std::uint64_t waiting_bytes_beyond_usual(const BakedHeader& header, int tile_size, int values, int part_values);
 
 }  // namespace multum

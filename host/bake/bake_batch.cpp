@@ -76,7 +76,8 @@ std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<st
   const auto add = [&](const std::string& input, const std::string& tile) {
     BakeJob job = pattern;
     job.input = input;
-    job.albedo = tile.empty() ? pattern.albedo : with_tile(pattern.albedo, tile);
+    for (std::string BakeJob::*map : kMaterialMaps)
+      if (!tile.empty()) job.*map = with_tile(pattern.*map, tile);
     job.output = place(pattern.output, input, tile, ".ndf.exr");
     job.report = place(pattern.report, input, tile, ".json");
     const auto [other, is_new] = taken.emplace(job.output, input);

@@ -77,17 +77,17 @@ std::string BakeCheckpoint::block_checksum(const Level& level, int first_row, in
     checksum.update(bytes.data(), bytes.size());
   };
   add(level.lobes);
-  if (level.colours) add(*level.colours);
+  if (level.features) add(*level.features);
   return checksum.text();
 }
 
 BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std::size_t lobe_row_bytes,
-                                                  std::size_t colour_row_bytes) {
+                                                  std::size_t feature_row_bytes) {
   const std::string name = "level-" + std::to_string(level);
   Level& opened =
       levels_.try_emplace(level, Level{RowStore(row_count, lobe_row_bytes, folder_, name + ".lobes"), {}, 0})
           .first->second;
-  if (colour_row_bytes > 0) opened.colours.emplace(row_count, colour_row_bytes, folder_, name + ".colours");
+  if (feature_row_bytes > 0) opened.features.emplace(row_count, feature_row_bytes, folder_, name + ".features");
   for (const Block& block : found_[level]) {
     if (block.first_row != opened.rows_done || block.row_count < 1 || block.row_count > row_count - block.first_row)
       break;
@@ -102,7 +102,7 @@ BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std:
   return opened;
 }
 
-void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const void* colours) {
+void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const void* features) {
   Level& done = levels_.at(level);
   Checksum checksum;
   const auto add = [&](RowStore& store, const void* rows) {
@@ -110,7 +110,7 @@ void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const
     checksum.update(rows, store.row_bytes() * static_cast<std::size_t>(row_count));
   };
   add(done.lobes, lobes);
-  if (done.colours) add(*done.colours, colours);
+  if (done.features) add(*done.features, features);
   append_line(folder_ + "/progress", fmt::format("{} {} {} {}", level, done.rows_done, row_count, checksum.text()));
   done.rows_done += row_count;
 }

@@ -4,7 +4,7 @@
 //
 //   .multum-partial-NAME/
 //     progress          what bake it is, then a line for each block of rows: level, first row, rows, CRC-64
-//     level-5.lobes     rows [lobe][column], level-5.colours with colours
+//     level-5.lobes     rows [lobe][column], level-5.features with features
 //
 // A block counts when its line is whole and its bytes have that checksum: a machine that lost power loses blocks, not
 // trust.
@@ -35,14 +35,14 @@ class BakeCheckpoint {
   /// Where a level's rows are kept; made on the first call, sizes must be those of the bake that was killed.
   struct Level {
     RowStore lobes;
-    std::optional<RowStore> colours;
+    std::optional<RowStore> features;
     int rows_done = 0;  // from row 0
   };
-  /// `colour_row_bytes` 0: no colours.
-  Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t colour_row_bytes);
-  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them. `colours`: null
+  /// `feature_row_bytes` 0: no features.
+  Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t feature_row_bytes);
+  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them. `features`: null
   /// without.
-  void add_rows(int level, int row_count, const void* lobes, const void* colours);
+  void add_rows(int level, int row_count, const void* lobes, const void* features);
 
   /// The folder stays when this is destroyed: the bake was stopped and may go on.
   void leave() { stays_ = true; }

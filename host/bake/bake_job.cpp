@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "host/bake/bake_source.h"
 #include "host/bake/ndf_bake.h"
@@ -73,6 +74,9 @@ BakedHeader make_header(const BakeJob& job, const BakeSource& source) {
   header.height = source.map.normals.height();
   header.first_level = job.fitting.first_level;
   header.has_colours = source.albedo.has_value();
+  header.weight_count = source.weights ? source.weights->count : 0;
+  header.has_roughness = source.has_roughness;
+  header.mean_cosine = static_cast<float>(source.mean_cosine);
   return header;
 }
 
@@ -86,20 +90,37 @@ BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progres
   return source;
 }
 
+void check_materials(const BakeJob& job) {
+  if (takes_materials(job.representation)) return;
+  for (const auto& [option, map] : {std::pair{"--roughness", &job.roughness}, std::pair{"--weights", &job.weights}})
+    if (!map->empty())
+      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf and moments, found --ndf {}", option,
+                                                 representation_info(job.representation).option));
+}
+
 // What can be told before anything is read.
 void check_job(const BakeJob& job) {
   if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder))
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected one for scratch files");
   check_encoding(job.representation, job.encoding);
   ndf_bake(job.representation).check_settings(job);
+  check_materials(job);
   validate(job.writing);
-  check_paths_differ({job.input, job.albedo}, {job.output, job.report});
+  check_paths_differ(input_files(job), {job.output, job.report});
   check_output_name(job.output);
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
 }
 
 }  // namespace
+
+std::vector<std::string> input_files(const BakeJob& job) {
+  std::vector<std::string> files = {job.input};
+  for (std::string BakeJob::*map : kMaterialMaps)
+    if (!(job.*map).empty())
+      files.push_back(map == &BakeJob::roughness ? parse_channel_file(job.roughness).path : job.*map);
+  return files;
+}
 
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   const std::uint64_t memory_bytes = window_bytes(job);

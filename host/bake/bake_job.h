@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/asset/baked_file.h"
 #include "host/bake/bake_report.h"
@@ -17,10 +18,12 @@
 namespace multum {
 
 struct BakeJob {
-  std::string input;   // a normal map or height field
-  std::string albedo;  // empty: no colours
-  std::string output;  // *.ndf.exr
-  std::string report;  // JSON file; empty: none
+  std::string input;      // a normal map or height field
+  std::string albedo;     // empty: no colours
+  std::string roughness;  // FILE or FILE:CHANNEL (parse_channel_file); empty: none
+  std::string weights;    // of basis BRDFs, a channel each; empty: none
+  std::string output;     // *.ndf.exr
+  std::string report;     // JSON file; empty: none
   NormalMapSettings reading;
   Representation representation = Representation::kMovmf;
   int sh_order = 4;       // of spherical harmonics, 1..20
@@ -37,6 +40,12 @@ struct BakeJob {
   std::string onto;
   int threads = 2;  // of the host's own loops
 };
+
+/// The maps that go along with the normals.
+constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::roughness, &BakeJob::weights};
+
+/// The files that a bake reads, the map first.
+std::vector<std::string> input_files(const BakeJob& job);
 
 /// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
 /// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.

@@ -24,11 +24,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr char kWhole[] = "the manifest";
 
 const std::vector<std::string> kDefaultKeys = {
-    "error_max",  "ndf",          "lobes",          "reference",    "iterations",  "sweeps",
-    "order",      "align",        "kappa_cap",      "first_level",  "data_format", "wrap",
-    "swrap",      "twrap",        "coarse_normals", "green",        "signed",      "unsigned",
-    "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "sh_order",    "fixnan",
-    "checknan",   "repair_max",   "albedo",         "compression",  "normal_scale"};
+    "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
+    "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
+    "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
+    "no_rehearsal",   "sh_order",  "fixnan",      "checknan",    "repair_max", "albedo",       "compression",
+    "normal_scale",   "roughness", "weights"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;
@@ -85,6 +85,10 @@ void read_reading(const StrictTable& table, ReadingOptions& reading) {
   read_number(table, "repair_max", {0.0, 1.0, false, false, "a number from 0 to 1"}, reading.repair_share_max);
 }
 
+// The material's maps: keys and where they go.
+constexpr std::pair<const char*, std::string BakeJob::*> kMaterialKeys[] = {
+    {"albedo", &BakeJob::albedo}, {"roughness", &BakeJob::roughness}, {"weights", &BakeJob::weights}};
+
 void read_options(const StrictTable& table, ManifestOptions& options) {
   MapOptions& map = options.map;
   if (table.has("error_max"))
@@ -94,7 +98,9 @@ void read_options(const StrictTable& table, ManifestOptions& options) {
   read_choice(table, "wrap", kWrapModes, map.wrap);
   read_choice(table, "swrap", kWrapModes, map.wrap_s);
   read_choice(table, "twrap", kWrapModes, map.wrap_t);
-  if (table.has("albedo")) map.albedo = table.text("albedo", "");
+  for (const auto& [key, value] :
+       {std::pair{"albedo", &map.albedo}, std::pair{"roughness", &map.roughness}, std::pair{"weights", &map.weights}})
+    if (table.has(key)) *value = table.text(key, "");
   read_choice(table, "ndf", kNdfs, map.ndf);
   read_whole(table, "lobes", kLobeCounts, map.lobes);
   read_whole(table, "sh_order", {kShOrderMin, kShOrderMax}, map.sh_order);
@@ -128,10 +134,11 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
   if (!is_set && has_udim(job.output))
     table.refuse("output",
                  fmt::format("is \"{}\", but the input is no set: expected a name without <UDIM>", job.output));
-  if (!is_set && has_udim(job.albedo))
-    table.refuse(
-        table.has("albedo") ? "albedo" : "",
-        fmt::format("has the albedo \"{}\", but the input is no set: expected a name without <UDIM>", job.albedo));
+  for (const auto& [key, map] : kMaterialKeys)
+    if (!is_set && has_udim(job.*map))
+      table.refuse(
+          table.has(key) ? key : "",
+          fmt::format("has the {} \"{}\", but the input is no set: expected a name without <UDIM>", key, job.*map));
   const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output);
   if (is_set && !has_udim(job.output) && !is_folder)
     table.refuse("output",
@@ -160,6 +167,16 @@ void check_keys_of_ndf(const StrictTable& table, const MapOptions& map) {
                                     representation_info(representation).option));
 }
 
+// Whoever gives them: what [defaults] have must not be left out in silence.
+void check_materials_of_ndf(const StrictTable& table, const BakeJob& job) {
+  if (takes_materials(job.representation)) return;
+  for (const auto& [key, map] : kMaterialKeys)
+    if (map != &BakeJob::albedo && !(job.*map).empty())
+      table.refuse(table.has(key) ? key : "",
+                   fmt::format("has {} = \"{}\", which is for ndf = \"vmf\" and \"moments\", found ndf = \"{}\"", key,
+                               job.*map, representation_info(job.representation).option));
+}
+
 struct ManifestEntry {
   StrictTable table;
   std::vector<ManifestMap> maps;
@@ -175,7 +192,8 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   apply(options.map, job);
   job.input = resolved(path, entry.table.text("input"));
   job.output = resolved(path, entry.table.text("output"));
-  job.albedo = resolved(path, job.albedo);
+  for (std::string BakeJob::*map : kMaterialMaps) job.*map = resolved(path, job.*map);
+  check_materials_of_ndf(entry.table, job);
   check_paths(entry.table, job);
   for (BakeJob& one : jobs_of(job)) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();
@@ -195,7 +213,7 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
   std::map<std::string, std::string> inputs, outputs;  // canonical name -> what it is
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps)
-      for (const std::string& input : {map.job.input, map.job.albedo})
+      for (const std::string& input : input_files(map.job))
         if (!input.empty()) inputs.emplace(canonical(input), input);
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps) {

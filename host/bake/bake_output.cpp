@@ -19,15 +19,13 @@ class StopWatch {
 };
 
 MovmfFinest row_of(const MovmfFinest& rows, int row) {
-  const std::ptrdiff_t begin = std::ptrdiff_t{row} * rows.width, end = begin + rows.width;
-  MovmfFinest one;
-  one.width = rows.width;
-  one.height = 1;
-  one.representation = rows.representation;
-  one.normals.assign(rows.normals.begin() + begin, rows.normals.begin() + end);
-  one.lobe.assign(rows.lobe.begin() + begin, rows.lobe.begin() + end);
-  if (!rows.colours.empty()) one.colours.assign(rows.colours.begin() + begin, rows.colours.begin() + end);
-  return one;
+  const std::size_t texels = rows.normals.size(), width = static_cast<std::size_t>(rows.width);
+  const std::size_t begin = static_cast<std::size_t>(row) * width;
+  const auto of_row = [&](const auto& values) { return texels_of(values, texels, begin, begin + width); };
+  return {rows.width,           1,
+          of_row(rows.normals), of_row(rows.lobe),
+          of_row(rows.colours), of_row(rows.weights),
+          rows.representation,  rows.has_roughness};
 }
 
 }  // namespace

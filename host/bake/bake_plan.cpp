@@ -34,9 +34,11 @@ int choose_rows(int rows_max, std::uint64_t memory_bytes, std::uint64_t useful_b
 
 }  // namespace
 
-BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours,
-                        std::uint64_t memory_bytes, const StorePlace& place) {
+BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
+                        const PlanMemory& memory, const StorePlace& place) {
   BakePlan plan;
+  MULTUM_CHECK(memory.writer_bytes <= memory.bytes);
+  const std::uint64_t memory_bytes = memory.bytes - memory.writer_bytes;
   plan.memory_bytes = memory_bytes;
   const int map_width = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_width;
   const std::uint64_t useful =
@@ -47,26 +49,28 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
     BandPlan& band = plan.levels[level.level];
     if (level.method == FitMethod::kChunks) {
       // The level is there at once, and as much of the map at a time as fits: each band is read once an iteration.
-      const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, has_colours, {height, rows}); };
+      const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, triple_count, {height, rows}); };
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
       if (bytes_of(band.map_band_rows) > memory_bytes)
         refuse(memory_bytes, bytes_of(1),
                fmt::format("level {}, all its texels at once (--coarse-normals all),", level.level));
     } else {
-      const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, has_colours, {rows, map_height}); };
+      const auto bytes_of = [&](int rows) {
+        return fit_level_bytes(level, settings, triple_count, {rows, map_height});
+      };
       band = {choose_rows(height, memory_bytes, useful, bytes_of, fmt::format("a row of level {}", level.level)),
               map_height};
     }
   }
   const int map_height = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_height;
   plan.condense_rows = choose_rows(
-      map_height, memory_bytes, useful, [&](int rows) { return condense_bytes(schedule, rows, has_colours); },
+      map_height, memory.bytes, useful, [&](int rows) { return condense_bytes(schedule, rows, triple_count); },
       "condensing a row of normals");
   return plan;
 }
 
-std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours) const {
+std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count) const {
   std::string text =
       fmt::format("plan: windows and buffers of at most {} MiB; levels larger than {} MiB go to scratch files\n",
                   memory_bytes >> 20, place.bytes_in_memory >> 20);
@@ -78,7 +82,7 @@ std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& 
                                                                  : "all normals, band by band of the map";
     text += fmt::format("  level {}: {} x {}, {}, {}, {:.1f} MiB\n", level.level, level.fit.width, level.fit.height,
                         method, whole ? "at once" : fmt::format("{} rows at a time", band.band_rows),
-                        static_cast<double>(fit_level_bytes(level, settings, has_colours, band)) / (1 << 20));
+                        static_cast<double>(fit_level_bytes(level, settings, triple_count, band)) / (1 << 20));
   }
   return text;
 }

@@ -20,15 +20,20 @@ struct BakePlan {
   StorePlace place;                // of what one level leaves for the next
 
   /// For people: a line each for the whole and for every level.
-  std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours) const;
+  std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count) const;
 };
 
 /// Memory that windows use when they may: larger bands are no faster.
 constexpr std::uint64_t kUsefulWindowBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // of a map that is wider
 
+struct PlanMemory {
+  std::uint64_t bytes;             // for windows and buffers
+  std::uint64_t writer_bytes = 0;  // of these, what others hold while levels are fitted; condensing comes before
+};
+
 /// Throws Error(kUsage) naming --memory when not even a row of some level fits.
-BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, bool has_colours,
-                        std::uint64_t memory_bytes, const StorePlace& place);
+BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
+                        const PlanMemory& memory, const StorePlace& place);
 
 }  // namespace multum

@@ -21,9 +21,16 @@ std::string scratch_folder(const BakeJob& job) {
 
 BakeSource read_bake_source(const BakeJob& job, Progress* progress) {
   const ReadingPlace place = {scratch_folder(job), kMapBytesInMemory};
-  BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt};
+  BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt,
+                    std::nullopt};
   const int width = source.map.normals.width(), height = source.map.normals.height();
   if (!job.albedo.empty()) source.albedo.emplace(read_albedo_rows(job.albedo, width, height, place, job.threads));
+  if (!job.weights.empty()) source.weights = read_weight_map(job.weights, width, height, place, job.threads);
+  if (!job.roughness.empty()) {
+    source.mean_cosine =
+        shorten_by_roughness(source.map.normals, parse_channel_file(job.roughness), place, job.threads);
+    source.has_roughness = true;
+  }
   return source;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake reads: the map and its albedo, in memory where they are small, else in scratch files.
+// What a bake reads: the map and its material's, in memory where they are small, else in scratch files.
 #pragma once
 
 #include <optional>
@@ -7,6 +7,7 @@
 
 #include "host/bake/bake_job.h"
 #include "host/base/progress.h"
+#include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/image/plane_store.h"
 
@@ -15,6 +16,12 @@ namespace multum {
 struct BakeSource {
   NormalMapRows map;
   std::optional<PlaneStore> albedo;  // where the job has one
+  std::optional<WeightMap> weights;  // the same
+  bool has_roughness = false;        // normals are shortened by it
+  double mean_cosine = 1.0;          // of the roughness map
+
+  const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }
+  const WeightMap* weight_map() const { return weights ? &*weights : nullptr; }
 };
 
 /// The folder for what does not fit in memory: the job's, or the output's.

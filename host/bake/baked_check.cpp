@@ -28,6 +28,11 @@ std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   if (header.width != normals.width() || header.height != normals.height())
     return fmt::format("holds {} x {} texels, its source has {} x {}", header.width, header.height, normals.width(),
                        normals.height());
+  const int weight_count = source.weights ? source.weights->count : 0;
+  if (header.weight_count != weight_count)
+    return fmt::format("has {} weights, its source has {}", header.weight_count, weight_count);
+  if (header.has_roughness != source.has_roughness)
+    return header.has_roughness ? "has roughness, its source has none" : "has no roughness, its source has a map of it";
   if (header.has_colours != source.albedo.has_value())
     return header.has_colours ? "has colours, its source has none" : "has no colours, its source has an albedo";
   return "";
@@ -77,8 +82,7 @@ BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progre
   check.damage = find_damage(job, file, progress);
   if (check.damage.empty()) {
     progress_stage(progress, "measure");
-    const PlaneStore* const albedo = source.albedo ? &*source.albedo : nullptr;
-    check.measured = file.meter->run(device, source.map.normals, albedo, progress);
+    check.measured = file.meter->run(device, source.map.normals, source.colours(), progress);
   }
   progress_finish(progress);
   return check;

@@ -4,7 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
+
+#include <glm/geometric.hpp>
+
+#include "host/asset/baked_file.h"
+#include "host/bake/mean_cosine.h"
 
 namespace multum {
 namespace {
@@ -63,6 +69,22 @@ PowerPlan plan_powers(const std::vector<double>& exponents) {
     if (is_whole) plan.whole[e] = reach(static_cast<int>(exponents[e]), at_hand, plan.products);
   }
   return plan;
+}
+
+void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::array<const float*, 3>& normals, int count,
+                        double* values) {
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 n(static_cast<double>(normals[0][i]), static_cast<double>(normals[1][i]),
+                       static_cast<double>(normals[2][i]));
+    const double length = glm::length(n), r = std::min(length, 1.0), t = glm::dot(n, omega) / length;
+    if (is_lambert) {
+      values[i] = std::max(t, 0.0);
+    } else {
+      constexpr double kExponent = static_cast<double>(kRoughnessExponent);
+      const double kappa = kappa_of_mean_cosine(r * (kExponent + 1.0) / (kExponent + 2.0), kExponent);
+      values[i] = kappa / (2.0 * std::numbers::pi * (1.0 - std::exp(-2.0 * kappa))) * std::exp(kappa * (t - 1.0));
+    }
+  }
 }
 
 BrdfRows::BrdfRows(const glm::dvec3& omega, const std::vector<double>& exponents)

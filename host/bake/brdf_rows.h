@@ -36,4 +36,9 @@ class BrdfRows {
   AlignedRow powers_;  // [power][column of a block]
 };
 
+/// Where a BRDF's width is in the normals' lengths (host/image/material_maps.h): the vMF lobe of each shortened normal,
+/// as densities towards `omega`; or max(0, omega . n) of the normal alone, which diffuse light depends on.
+void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::array<const float*, 3>& normals, int count,
+                        double* values);
+
 }  // namespace multum

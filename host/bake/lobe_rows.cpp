@@ -38,6 +38,11 @@ void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
   const auto factor = static_cast<float>(1.0 / sum);
   for (auto& lobe : level.lobes) lobe[texel] *= factor;
   for (auto& colour : level.colours) colour[texel] *= factor;
+  const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
+  for (auto& weights : level.weights) {
+    const std::size_t count = weights.size() / texels;
+    for (std::size_t k = texel * count; k < (texel + 1) * count; ++k) weights[k] *= factor;
+  }
 }
 
 }  // namespace
@@ -50,14 +55,18 @@ MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation
 }
 
 MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
-                       const std::vector<glm::vec3>& colours, float kappa_cap, int threads, BakeReport& report) {
+                       const std::vector<glm::vec3>& features, float kappa_cap, int threads, BakeReport& report) {
   const auto width = static_cast<std::size_t>(size.width), lobe_count = static_cast<std::size_t>(size.lobe_count);
   const std::size_t texels = width * static_cast<std::size_t>(size.height);
   MovmfLevel out;
   out.width = size.width;
   out.height = size.height;
   out.lobes.assign(lobe_count, std::vector<glm::vec4>(texels));
-  if (!colours.empty()) out.colours.assign(lobe_count, std::vector<glm::vec3>(texels));
+  const std::size_t weight_count = static_cast<std::size_t>(size.weight_count);
+  const std::size_t colour_triples = size.has_colours ? 1 : 0;
+  const std::size_t triples = colour_triples + (weight_count + 2) / 3;
+  if (size.has_colours) out.colours.assign(lobe_count, std::vector<glm::vec3>(texels));
+  if (weight_count > 0) out.weights.assign(lobe_count, std::vector<float>(texels * weight_count));
   const bool gaussians = size.representation == Representation::kGmm;
   std::vector<LobeEvents> events(static_cast<std::size_t>(size.height));
   for_each_item(size.height, threads, [&](int y) {
@@ -77,7 +86,15 @@ MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe
           events[row].count(lobe, kappa_cap);
         }
       }
-      if (!colours.empty()) std::copy_n(&colours[(row * lobe_count + j) * width], width, &out.colours[j][row * width]);
+      const auto feature_row = [&](std::size_t triple) {
+        return &features[((row * triples + triple) * lobe_count + j) * width];
+      };
+      if (size.has_colours) std::copy_n(feature_row(0), width, &out.colours[j][row * width]);
+      for (std::size_t k = 0; k < weight_count; ++k) {
+        const glm::vec3* weights = feature_row(colour_triples + k / 3);
+        for (std::size_t x = 0; x < width; ++x)
+          out.weights[j][(row * width + x) * weight_count + k] = weights[x][static_cast<glm::length_t>(k % 3)];
+      }
     }
     for (std::size_t x = row * width; x < (row + 1) * width; ++x) make_shares_sum_to_one(out, x);
   });

@@ -119,6 +119,16 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
   return schedule;
 }
 
+void make_shortened(MipSchedule& schedule) {
+  for (LevelSchedule& level : schedule.levels) {
+    level.fit.shortened = 1;
+    level.fit.extra_copies = kCopiesShortened - 1.0f;
+    if (level.method != FitMethod::kCondensed) continue;
+    level.fit.cell_side = level.fit.cell_side == kCellSideFew ? kCellSideFewShortened : kCellSideShortened;
+    level.fit.sample_capacity = MULTUM_LENGTH_CLASSES * level.fit.cell_side * level.fit.cell_side;
+  }
+}
+
 std::vector<int> step_texels(const LevelSchedule& level, int step, int first_row, int last_row, int window_first_row) {
   const int width = level.fit.width, height = level.fit.height;
   std::vector<int> texels;

@@ -6,6 +6,7 @@
 #include "host/asset/moment_mipmap.h"
 #include "host/bake/average_pass.h"
 #include "host/base/progress.h"
+#include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/opencl/device.h"
 

@@ -68,11 +68,12 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   FileSink sink(writer, meter ? &*meter : nullptr, job.encoding, job.threads);
   AverageInputs inputs;
   inputs.normals = &run.source.map.normals;
-  inputs.albedo = run.source.albedo ? &*run.source.albedo : nullptr;
+  inputs.albedo = run.source.colours();
+  inputs.weights = run.source.weight_map();
+  inputs.has_roughness = run.source.has_roughness;
   inputs.first_level = run.header.first_level;
-  inputs.memory_bytes =
-      run.memory_bytes - std::min(run.memory_bytes, waiting_bytes_beyond_usual(run.header, writing.tile_size,
-                                                                               run.header.has_colours ? 12 : 9, 6));
+  const auto values = static_cast<std::uint64_t>((run.header.has_colours ? 12 : 9) + run.header.weight_count);
+  inputs.memory_bytes = memory_beside_writer(run, tile_rows_bytes(run.header, writing.tile_size, values));
   inputs.threads = job.threads;
   bake_moments(run.device, inputs, sink, report, progress);
   run.clock.finish("average");

@@ -19,15 +19,18 @@ namespace {
 // Gathers what a bake hands over into a whole mipmap.
 class MipmapSink : public MovmfSink {
  public:
-  MipmapSink(int width, int height, const MovmfSettings& settings, bool has_colours) {
+  MipmapSink(int width, int height, const MovmfSettings& settings, const FeaturePlanes& features, bool has_roughness) {
     mipmap_.representation = settings.representation;
     mipmap_.first_level = settings.first_level;
+    mipmap_.weight_count = features.weight_count;
+    mipmap_.has_roughness = has_roughness;
     for (int l = 0; l < mip_level_count(width, height); ++l) {
       MovmfLevel& level = mipmap_.levels.emplace_back();
       level.width = mip_level_size(width, l);
       level.height = mip_level_size(height, l);
       level.lobes.resize(static_cast<std::size_t>(settings.lobe_count));
-      if (has_colours) level.colours.resize(level.lobes.size());
+      if (features.has_colours) level.colours.resize(level.lobes.size());
+      if (features.weight_count > 0) level.weights.resize(level.lobes.size());
     }
   }
 
@@ -37,6 +40,8 @@ class MipmapSink : public MovmfSink {
       to.lobes[j].insert(to.lobes[j].end(), rows.lobes[j].begin(), rows.lobes[j].end());
     for (std::size_t j = 0; j < to.colours.size(); ++j)
       to.colours[j].insert(to.colours[j].end(), rows.colours[j].begin(), rows.colours[j].end());
+    for (std::size_t j = 0; j < to.weights.size(); ++j)
+      to.weights[j].insert(to.weights[j].end(), rows.weights[j].begin(), rows.weights[j].end());
   }
   void add_finest(int first_row, MovmfFinest rows) override {
     add_level(0, first_row, expand(rows, mipmap_.lobe_count()));
@@ -51,13 +56,14 @@ class MipmapSink : public MovmfSink {
 // One bake of a small likeness after another, each from another start: what they share is made once.
 class Rehearsal {
  public:
-  Rehearsal(Device& device, const NormalMap& likeness, const MovmfSettings& settings, bool weighted)
+  Rehearsal(Device& device, const NormalMap& likeness, const MovmfSettings& settings, const MipSchedule& of_map)
       : device_(device),
         likeness_(likeness),
         planes_(planes_of(likeness)),
         settings_(settings),
-        schedule_(make_mip_schedule(likeness.width, likeness.height, settings, weighted)),
-        plan_(make_bake_plan(schedule_, settings, false, std::uint64_t{1} << 30, {})) {}
+        has_roughness_(!of_map.levels.empty() && of_map.levels[0].fit.shortened != 0),
+        schedule_(make_schedule(likeness, settings, of_map.weighted, has_roughness_)),
+        plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {})) {}
 
   // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
   // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
@@ -65,8 +71,8 @@ class Rehearsal {
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     constexpr int kSideMax = 16;  // of the levels that are compared: finer ones of the likeness hold too few normals
     BakeReport ignored;
-    MipmapSink sink(likeness_.width, likeness_.height, settings_, false);
-    fit_movmf(device_, {&planes_, nullptr, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
+    MipmapSink sink(likeness_.width, likeness_.height, settings_, {}, has_roughness_);
+    fit_movmf(device_, {&planes_, {}, has_roughness_, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
     const MovmfMipmap mipmap = sink.take();
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
@@ -84,20 +90,29 @@ class Rehearsal {
   }
 
  private:
+  static MipSchedule make_schedule(const NormalMap& map, const MovmfSettings& settings, bool weighted,
+                                   bool has_roughness) {
+    MipSchedule schedule = make_mip_schedule(map.width, map.height, settings, weighted);
+    if (has_roughness) make_shortened(schedule);
+    return schedule;
+  }
+
   Device& device_;
   const NormalMap& likeness_;
   const PlaneStore planes_;
   const MovmfSettings settings_;
+  const bool has_roughness_;
   const MipSchedule schedule_;
   const BakePlan plan_;
 };
 
 std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
-                                        bool weighted, BakeReport& report) {
+                                        const MipSchedule& schedule, BakeReport& report) {
   constexpr int kLikenessSide = 64;
   const auto started = std::chrono::steady_clock::now();
   const std::uint64_t launches_before = device.launch_total();
-  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
+  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2,
+                           !schedule.levels.empty() && schedule.levels[0].fit.shortened != 0};
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
   for (std::vector<MultumVmfLobe>& lobes : candidates) lobes = start_lobes(std::move(lobes), settings.representation);
   report.starts_rehearsed = 0;
@@ -107,7 +122,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
     MovmfSettings whole = settings;
     whole.first_level = 0;  // of the likeness, which has fewer levels than the map
     const NormalMap likeness = sample_likeness(normals, kLikenessSide, search.seed);
-    const Rehearsal rehearsal(device, likeness, whole, weighted);  // the map's own kernels: no second set of programs
+    const Rehearsal rehearsal(device, likeness, whole, schedule);  // the map's own kernels: no second set of programs
     double least = HUGE_VAL;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       const double error = rehearsal.error_from(candidates[c]);
@@ -139,24 +154,26 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
                 BakeReport& report, Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate(settings, normals.width(), normals.height());
-  MULTUM_CHECK(inputs.albedo == nullptr ||
-               (inputs.albedo->width() == normals.width() && inputs.albedo->height() == normals.height()));
-  const bool has_colours = inputs.albedo != nullptr;
-  const MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
-  const BakePlan plan = make_bake_plan(schedule, settings, has_colours, inputs.memory_bytes, inputs.place);
-  report.plan = plan.to_text(schedule, settings, has_colours);
+  const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
+  MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
+  MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
+  if (inputs.has_roughness) make_shortened(schedule);
+  const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(),
+                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.place);
+  report.plan = plan.to_text(schedule, settings, features.triple_count());
   report.device = device.info().name;
-  MovmfFitInputs fit{&normals, inputs.albedo, {}, inputs.threads, inputs.checkpoint, inputs.region};
+  MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};
   if (inputs.region == nullptr) {  // a region grows from the lobes that are there
     progress_stage(progress, "choose a start");
-    fit.top_start = choose_start(device, normals, settings, schedule.weighted, report);
+    fit.top_start = choose_start(device, normals, settings, schedule, report);
   }
   fit_movmf(device, fit, settings, schedule, plan, sink, report, progress);
 }
 
 MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, BakeReport& report,
                        Progress* progress) {
-  MipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings, inputs.albedo != nullptr);
+  MipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings,
+                  FeaturePlanes::of(inputs.albedo, inputs.weights), inputs.has_roughness);
   bake_movmf(device, inputs, settings, sink, report, progress);
   return sink.take();
 }

@@ -11,6 +11,7 @@
 #include "host/bake/bake_settings.h"
 #include "host/bake/movmf_fit.h"
 #include "host/base/progress.h"
+#include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/opencl/device.h"
 
@@ -23,7 +24,10 @@ void validate(const MovmfSettings& settings, int map_width, int map_height);
 struct MovmfBakeInputs {
   const PlaneStore* normals = nullptr;
   const PlaneStore* albedo = nullptr;                   // of the same size; null: no colours
+  const WeightMap* weights = nullptr;                   // of the same size; null: none
+  bool has_roughness = false;                           // normals are shortened (host/image/material_maps.h)
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for windows and buffers; changes no byte of the result
+  std::uint64_t writer_bytes = 0;                       // of these, what the sink holds while levels are fitted
   StorePlace place;                                     // of what does not fit in memory
   int threads = 1;                                      // of the host's own loops
   BakeCheckpoint* checkpoint = nullptr;                 // null: nothing is kept for another process

@@ -30,15 +30,15 @@ int chunk_count_of(const MultumMovmfFit& fit) { return (fit.sample_columns + kCh
 class LevelCondenser {
  public:
   LevelCondenser(Device& device, const LevelSchedule& level, const KernelVariant& variant, int band_rows,
-                 bool has_colours, const StorePlace& place)
+                 std::size_t triple_count, const StorePlace& place)
       : device_(device),
         fit_(level.fit),
         width_(static_cast<std::size_t>(level.fit.width)),
         chunk_count_(chunk_count_of(level.fit)),
         axes_(level.fit.height, width_ * kAxisBytes, place),
         row_bytes_(width_ * condensed_bytes(level.fit)),
-        result_{RowStore(level.fit.height, row_bytes_, place), RowStore(level.fit.height, width_ * sizeof(int), place),
-                std::nullopt},
+        result_{
+            RowStore(level.fit.height, row_bytes_, place), RowStore(level.fit.height, width_ * sizeof(int), place), {}},
         slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
         host_(std::max(row_bytes_, width_ * kAxisBytes)),
         numbers_(width_) {
@@ -47,7 +47,7 @@ class LevelCondenser {
     axes_kernel_ = kernel("movmf_condense_axes");
     cells_kernel_ = kernel("movmf_condense_cells");
     means_kernel_ = kernel("movmf_condense_means");
-    if (has_colours) result_.colours.emplace(level.fit.height, row_bytes_, place);
+    for (std::size_t t = 0; t < triple_count; ++t) result_.triples.emplace_back(level.fit.height, row_bytes_, place);
     samples_ = device.make_buffer(row_bytes_, "condensed normals");
     counts_ = device.make_buffer(width_ * sizeof(int), "numbers of condensed normals");
     for (Slot& slot : slots_) {
@@ -72,24 +72,25 @@ class LevelCondenser {
     for (Slot& slot : slots_) {
       slot.probes = DeviceBuffer();
       slot.cells = make_cells();
-      if (result_.colours) slot.colour_cells = make_cells();
+      for (std::size_t t = 0; t < result_.triples.size(); ++t) slot.triple_cells.push_back(make_cells());
     }
   }
 
-  // The second pass: cells; `albedo` is null or holds the same rows.
-  void add(const MapWindow& normals, const MapWindow* albedo) {
+  // The second pass: cells; `features` hold the same rows.
+  void add(const MapWindow& normals, const std::vector<MapWindow>& features) {
     for_each_row(normals, [&](int y, Slot& slot, bool begins, bool ends) {
       if (begins) {
         axes_.read(y, 1, host_.data());
         device_.write(slot.axes, host_.data(), width_ * kAxisBytes);
         device_.fill_zero(slot.cells);
-        if (albedo != nullptr) device_.fill_zero(slot.colour_cells);
+        for (DeviceBuffer& cells : slot.triple_cells) device_.fill_zero(cells);
       }
       add_to(slot.cells, slot, y, normals, normals, true);
-      if (albedo != nullptr) add_to(slot.colour_cells, slot, y, normals, *albedo, false);
+      for (std::size_t t = 0; t < features.size(); ++t)
+        add_to(slot.triple_cells[t], slot, y, normals, features[t], false);
       if (!ends) return;
       store_means(slot.cells, y, result_.samples, true);
-      if (albedo != nullptr) store_means(slot.colour_cells, y, *result_.colours, false);
+      for (std::size_t t = 0; t < features.size(); ++t) store_means(slot.triple_cells[t], y, result_.triples[t], false);
     });
   }
 
@@ -97,7 +98,8 @@ class LevelCondenser {
 
  private:
   struct Slot {
-    DeviceBuffer probes, axes, cells, colour_cells;
+    DeviceBuffer probes, axes, cells;
+    std::vector<DeviceBuffer> triple_cells;
   };
 
   DeviceBuffer make_cells() {
@@ -183,21 +185,22 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
   };
 }
 
-std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
+std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
+                                              const std::vector<const PlaneStore*>& features,
                                               const MipSchedule& schedule, Representation representation, int band_rows,
                                               const StorePlace& place, Progress* progress) {
   const KernelVariant variant{1, 1, schedule.weighted, representation == Representation::kGmm};
   std::map<int, LevelCondenser> levels;
   for (const LevelSchedule& level : schedule.levels)
     if (level.method == FitMethod::kCondensed)
-      levels.try_emplace(level.level, device, level, variant, band_rows, albedo != nullptr, place);
+      levels.try_emplace(level.level, device, level, variant, band_rows, features.size(), place);
   std::map<int, CondensedLevel> condensed;
   if (levels.empty()) return condensed;
 
   band_rows = std::min(band_rows, normals.height());
   MapWindow window(device, normals, band_rows, "a band of normals");
-  std::optional<MapWindow> colours;
-  if (albedo != nullptr) colours.emplace(device, *albedo, band_rows, "a band of colours");
+  std::vector<MapWindow> triples;
+  for (const PlaneStore* triple : features) triples.emplace_back(device, *triple, band_rows, "a band of features");
   const auto for_each_band = [&](const auto& body) {
     for (int row = 0; row < normals.height(); row += band_rows) {
       window.move_to(row, std::min(band_rows, normals.height() - row));
@@ -212,26 +215,26 @@ std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& 
   });
   for (auto& entry : levels) entry.second.begin_cells();
   for_each_band([&] {
-    if (colours) colours->move_to(window.first_row(), window.row_count());
-    for (auto& entry : levels) entry.second.add(window, colours ? &*colours : nullptr);
+    for (MapWindow& triple : triples) triple.move_to(window.first_row(), window.row_count());
+    for (auto& entry : levels) entry.second.add(window, triples);
   });
   for (auto& entry : levels) condensed.try_emplace(entry.first, entry.second.take());
   return condensed;
 }
 
-std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, bool has_colours) {
+std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count) {
+  const auto windows = static_cast<std::uint64_t>(1 + triple_count);
   std::uint64_t bytes = 0;
   for (const LevelSchedule& level : schedule.levels) {
     if (level.method != FitMethod::kCondensed) continue;
     const MultumMovmfFit& fit = level.fit;
-    const std::uint64_t cells =
-        static_cast<std::uint64_t>(chunk_count_of(fit)) * cell_bytes(fit) * (has_colours ? 2 : 1);
+    const std::uint64_t cells = static_cast<std::uint64_t>(chunk_count_of(fit)) * cell_bytes(fit) * windows;
     bytes += static_cast<std::uint64_t>(fit.width) *
              (static_cast<std::uint64_t>(rows_met(fit, band_rows)) * (cells + kAxisBytes) + 2 * condensed_bytes(fit));
   }
   const int map_width = schedule.levels.empty() ? 0 : schedule.levels[0].fit.map_width;
-  return bytes + static_cast<std::uint64_t>(band_rows) * static_cast<std::uint64_t>(map_width) * sizeof(float) *
-                     (has_colours ? 6 : 3);
+  return bytes +
+         static_cast<std::uint64_t>(band_rows) * static_cast<std::uint64_t>(map_width) * sizeof(float) * 3 * windows;
 }
 
 }  // namespace multum

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Condenses the normals (and colours) of coarse texels while the map streams by, all levels in two passes: one for the
+// Condenses the normals (and features) of coarse texels while the map streams by, all levels in two passes: one for the
 // axes of their grids, one for their cells (kernels/movmf_condense.cl; docs/ALGORITHMS.md, "Condensed normals").
 #pragma once
 
 #include <map>
-#include <optional>
+#include <vector>
 
 #include "host/bake/mip_schedule.h"
 #include "host/bake/row_store.h"
@@ -19,23 +19,24 @@ namespace multum {
 std::size_t condensed_bytes(const MultumMovmfFit& fit);
 
 /// The samples of one level's texels by rows: those of the row's texels one after another, and how many each has.
-/// Colours go with the same samples.
+/// Features go with the same samples, by triples.
 struct CondensedLevel {
   RowStore samples;
   RowStore counts;  // an int a texel
-  std::optional<RowStore> colours;
+  std::vector<RowStore> triples;
 };
 
-/// Puts a level's samples, or its colours, into a window that has room for all cells of each texel.
+/// Puts a level's samples, or a triple of its features, into a window that has room for all cells of each texel.
 RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samples, std::size_t texel_bytes);
 
-/// By level: those of `schedule` whose method is kCondensed, as samples of such lobes. `albedo` may be null. The map
+/// By level: those of `schedule` whose method is kCondensed, as samples of such lobes. `features` are triples. The map
 /// passes in bands of at most `band_rows` rows, which change nothing in the result. Throws Cancelled.
-std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
+std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
+                                              const std::vector<const PlaneStore*>& features,
                                               const MipSchedule& schedule, Representation representation, int band_rows,
                                               const StorePlace& place, Progress* progress);
 
 /// Bytes of the buffers of condense_levels(), about.
-std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, bool has_colours);
+std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count);
 
 }  // namespace multum

@@ -37,7 +37,7 @@ void restart_at(MapWindow& window, int first_row, int row_count) {
 // Calls body() for each band of the map that chunks begin in, with its rows, and those that the chunks go on in, in the
 // windows.
 template <typename Body>
-void for_each_chunk_band(MultumMovmfFit& fit, MapWindow& normals, MapWindow* albedo, const Body& body) {
+void for_each_chunk_band(MultumMovmfFit& fit, MapWindow& normals, MapWindow* features, const Body& body) {
   const bool whole = normals.capacity_rows() >= fit.map_height;
   const int band_rows = whole ? fit.map_height : std::max(1, normals.capacity_rows() - fit.chunk_rows);
   for (int row = 0; row < fit.map_height; row += band_rows) {
@@ -45,7 +45,7 @@ void for_each_chunk_band(MultumMovmfFit& fit, MapWindow& normals, MapWindow* alb
     fit.map_window_rows = std::min(band_rows, fit.map_height - row);
     const int rows = std::min(fit.map_window_rows + fit.chunk_rows, fit.map_height - row);
     restart_at(normals, row, rows);
-    if (albedo != nullptr) restart_at(*albedo, row, rows);
+    if (features != nullptr) restart_at(*features, row, rows);
     body();
   }
 }
@@ -83,7 +83,7 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
               windows.directed->buffer(), list_, start_, fit);
   if (method == FitMethod::kChunks) run_chunks(fit, texel_count, windows, progress);
   else run_em(method, fit, windows);
-  if (windows.colours != nullptr) fit_colours(method, fit, texel_count, windows);
+  if (windows.features != nullptr) fit_features(method, fit, texel_count, windows);
   device_.finish();
   progress_advance(progress, 0);
 }
@@ -135,40 +135,48 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const 
   }
 }
 
-void MovmfEmStep::fit_colours(FitMethod method, MultumMovmfFit fit, std::size_t texel_count,
-                              const StepWindows& windows) {
-  DeviceBuffer& colours = windows.colours->buffer();
+void MovmfEmStep::fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count,
+                               const StepWindows& windows) {
+  const std::size_t count = method == FitMethod::kCondensed ? windows.condensed_triples.size() : windows.triples.size();
+  for (std::size_t triple = 0; triple < count; ++triple) fit_triple(method, fit, texel_count, windows, triple);
+}
+
+void MovmfEmStep::fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
+                             std::size_t triple) {
+  DeviceBuffer& features = windows.features->buffer();
+  const int first_plane = static_cast<int>(triple) * settings_.lobe_count;
   if (method == FitMethod::kCondensed) {
     const std::size_t groups = group_count(texel_count);
-    ensure(device_, colour_samples_, sample_bytes(fit, groups * MULTUM_GROUP, kWeightedPlanes), "packed colours");
-    condensed_pack_kernel_.launch({groups}, windows.condensed_colours->buffer(), windows.condensed_counts->buffer(),
-                                  list_, colour_samples_, sample_counts_, fit);
+    ensure(device_, feature_samples_, sample_bytes(fit, groups * MULTUM_GROUP, kWeightedPlanes), "packed features");
+    condensed_pack_kernel_.launch({groups}, windows.condensed_triples[triple]->buffer(),
+                                  windows.condensed_counts->buffer(), list_, feature_samples_, sample_counts_, fit);
     made(feature_condensed_kernel_, "movmf_features", "movmf_feature_condensed", scalar_)
-        .launch({groups * MULTUM_GROUP}, samples_, colour_samples_, sample_counts_, start_, list_, colours, fit);
+        .launch({groups * MULTUM_GROUP}, samples_, feature_samples_, sample_counts_, start_, list_, features, fit,
+                first_plane);
     return;
   }
   ensure(device_, partial_, partial_bytes(fit, texel_count, lobe_count()), "partial sums");
   made(feature_partial_kernel_, "movmf_features", "movmf_feature_partial", scalar_);
   const auto add_band = [&] {
-    const MapWindow &n = *windows.normals, &c = *windows.albedo;
+    const MapWindow &n = *windows.normals, &c = *windows.triples[triple];
     feature_partial_kernel_.launch({texel_count * static_cast<std::size_t>(fit.chunk_count)}, n[0], n[1], n[2], c[0],
                                    c[1], c[2], start_, list_, partial_, fit);
   };
-  if (method == FitMethod::kChunks) for_each_chunk_band(fit, *windows.normals, windows.albedo, add_band);
+  if (method == FitMethod::kChunks) for_each_chunk_band(fit, *windows.normals, windows.triples[triple], add_band);
   else add_band();
   made(feature_sum_kernel_, "movmf_features", "movmf_feature_sum", scalar_)
-      .launch({texel_count * lobe_count()}, partial_, list_, colours, fit);
+      .launch({texel_count * lobe_count()}, partial_, list_, features, fit, first_plane);
 }
 
-std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_colours,
+std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_features,
                             std::uint64_t texel_count) {
   const auto lobes = static_cast<std::size_t>(settings.lobe_count);
   const std::size_t slots = group_count(texel_count) * MULTUM_GROUP;
   std::uint64_t bytes = slots * (sizeof(int) + lobes * MULTUM_START_PLANES * sizeof(float));
-  if (level.method == FitMethod::kChunks || has_colours) bytes += partial_bytes(level.fit, texel_count, lobes);
+  if (level.method == FitMethod::kChunks || has_features) bytes += partial_bytes(level.fit, texel_count, lobes);
   if (level.method != FitMethod::kChunks)
     bytes += sample_bytes(level.fit, slots, kWeightedPlanes) *
-             (has_colours && level.method == FitMethod::kCondensed ? 2 : 1);
+             (has_features && level.method == FitMethod::kCondensed ? 2 : 1);
   return bytes;
 }
 

@@ -19,13 +19,13 @@ struct StepWindows {
   const RowWindow* parent = nullptr;  // lobes of the next coarser level; null where fit.parent_width is 0
   RowWindow* lobes = nullptr;         // of the level
   RowWindow* directed = nullptr;      // of the level: what its lobes tell their neighbours
-  RowWindow* colours = nullptr;       // of the level; null: none are wanted
+  RowWindow* features = nullptr;      // of the level, [triple][lobe]; null: none are wanted
   MapWindow* normals = nullptr;       // kTexels, kChunks
-  MapWindow* albedo = nullptr;        // the same, with colours
-  // kCondensed: samples, their numbers, and with colours those.
+  std::vector<MapWindow*> triples;    // the same, of features
+  // kCondensed: samples, their numbers, and those of each triple of features.
   const RowWindow* condensed = nullptr;
   const RowWindow* condensed_counts = nullptr;
-  const RowWindow* condensed_colours = nullptr;
+  std::vector<const RowWindow*> condensed_triples;
 };
 
 class MovmfEmStep {
@@ -42,7 +42,9 @@ class MovmfEmStep {
   Kernel& made(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
   void run_em(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows);
   void run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows, Progress* progress);
-  void fit_colours(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows);
+  void fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, const StepWindows& windows);
+  void fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
+                  std::size_t triple);
 
   Device& device_;
   const MovmfSettings settings_;
@@ -51,11 +53,11 @@ class MovmfEmStep {
   Kernel condensed_pack_kernel_, em_condensed_kernel_;
   Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
   Kernel feature_partial_kernel_, feature_sum_kernel_, feature_condensed_kernel_;
-  DeviceBuffer list_, start_, samples_, sample_counts_, colour_samples_, partial_;
+  DeviceBuffer list_, start_, samples_, sample_counts_, feature_samples_, partial_;
 };
 
 /// Bytes of the buffers that run() needs for so many texels, about.
-std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_colours,
+std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_features,
                             std::uint64_t texel_count);
 
 }  // namespace multum

@@ -52,12 +52,16 @@ MovmfMipmap make_mipmap(const BakedHeader& header, int lobe_count) {
   mipmap.wrap_t = header.wrap_t;
   mipmap.provenance = header.provenance;
   mipmap.first_level = header.first_level;
+  mipmap.weight_count = header.weight_count;
+  mipmap.has_roughness = header.has_roughness;
+  mipmap.mean_cosine = header.mean_cosine;
   for (int l = 0; l < header.level_count(); ++l) {
     MovmfLevel& level = mipmap.levels.emplace_back();
     level.width = mip_level_size(header.width, l);
     level.height = mip_level_size(header.height, l);
     level.lobes.resize(static_cast<std::size_t>(lobe_count));
     if (header.has_colours) level.colours.resize(level.lobes.size());
+    if (header.weight_count > 0) level.weights.resize(level.lobes.size());
   }
   return mipmap;
 }
@@ -68,13 +72,27 @@ std::string checkpoint_key(const MovmfMipmap& header) {
   return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 
+// Rows of tiles that the writer holds: of the level that is fitted, and of level 0 beside level 1.
+std::uint64_t waiting_bytes(const BakeRun& run) {
+  const BakedHeader& header = run.header;
+  const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);
+  const auto lobes = static_cast<std::uint64_t>(run.job.fitting.lobe_count);
+  const int level = std::min(std::max(1, header.first_level), header.level_count() - 1),
+            tile = run.job.writing.tile_size;
+  return tile_row_bytes(header, level, tile, lobes * (4 + features)) +
+         (header.first_level == 0 ? tile_row_bytes(header, 0, tile, 4 + features) : 0);
+}
+
 // A region alone, or all of the map.
 void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
   MovmfBakeInputs inputs;
   inputs.normals = &run.source.map.normals;
-  inputs.albedo = run.source.albedo ? &*run.source.albedo : nullptr;
+  inputs.albedo = run.source.colours();
+  inputs.weights = run.source.weight_map();
+  inputs.has_roughness = run.source.has_roughness;
   inputs.memory_bytes = run.memory_bytes;
+  inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
   inputs.place.folder = scratch_folder(job);
   inputs.threads = job.threads;
   if (job.region) {
@@ -116,8 +134,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   warn_of_sharp_lobes(job, header, report);
   if (meter) {
     progress_stage(progress, "measure");
-    const PlaneStore* const albedo = run.source.albedo ? &*run.source.albedo : nullptr;
-    report.accuracy = meter->run(run.device, run.source.map.normals, albedo, progress);
+    report.accuracy = meter->run(run.device, run.source.map.normals, run.source.colours(), progress);
     run.clock.finish("measure");
   }
   progress_advance(progress, level_units);

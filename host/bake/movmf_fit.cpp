@@ -47,8 +47,8 @@ class MovmfFitter {
     const double start_seconds = now_seconds();
     const std::uint64_t launches_before = device_.launch_total();
     progress_stage(progress_, "condense normals");
-    condensed_ = condense_levels(device_, *inputs_.normals, inputs_.albedo, schedule_, settings_.representation,
-                                 plan_.condense_rows, plan_.place, progress_);
+    condensed_ = condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_,
+                                 settings_.representation, plan_.condense_rows, plan_.place, progress_);
     report_.condense_seconds = now_seconds() - start_seconds;
     report_.condense_launches = device_.launch_total() - launches_before;
     for (const LevelSchedule& level : schedule_.levels) fit(level);
@@ -57,7 +57,9 @@ class MovmfFitter {
 
  private:
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
-  bool has_colours() const { return inputs_.albedo != nullptr; }
+  bool has_features() const { return !inputs_.features.empty(); }
+  // Planes of features, [triple][lobe].
+  std::size_t feature_planes() const { return lobe_count() * inputs_.features.triples.size(); }
   LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
 
   void fit(const LevelSchedule& level) {
@@ -66,7 +68,7 @@ class MovmfFitter {
     const std::uint64_t launches_before = device_.launch_total(), zero_launches = zero_launches_;
     LevelInputs inputs;
     inputs.normals = inputs_.normals;
-    inputs.albedo = inputs_.albedo;
+    inputs.features = inputs_.features.triples;
     const auto condensed = condensed_.find(level.level);
     if (condensed != condensed_.end()) inputs.condensed = &condensed->second;
     const bool has_parent = level.fit.parent_width > 0 && settings_.aligned_start;
@@ -105,10 +107,9 @@ class MovmfFitter {
 
   LevelStore open_store(const LevelSchedule& level) {
     LevelStore store;
-    const std::size_t colour_bytes =
-        has_colours() ? lobe_count() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3) : 0;
+    const std::size_t feature_bytes = feature_planes() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3);
     if (inputs_.checkpoint != nullptr)
-      store.kept = &inputs_.checkpoint->open_level(level.level, level.fit.height, row_bytes(level), colour_bytes);
+      store.kept = &inputs_.checkpoint->open_level(level.level, level.fit.height, row_bytes(level), feature_bytes);
     else if (level.level > std::max(1, settings_.first_level))
       store.own.emplace(level.fit.height, row_bytes(level), plan_.place);
     return store;
@@ -142,17 +143,17 @@ class MovmfFitter {
     const MultumMovmfFit& fit = level.fit;
     const int band = std::max(1, std::min(done, plan_.levels.at(level.level).band_rows));
     RowWindow lobes(device_, settings_.lobe_count, row_bytes(level) / lobe_count(), band, "finished rows");
-    RowWindow colours;
-    if (has_colours())
-      colours = RowWindow(device_, settings_.lobe_count, static_cast<std::size_t>(fit.width) * sizeof(glm::vec3), band,
-                          "colours of finished rows");
+    RowWindow features;
+    if (has_features())
+      features = RowWindow(device_, static_cast<int>(feature_planes()),
+                           static_cast<std::size_t>(fit.width) * sizeof(glm::vec3), band, "features of finished rows");
     std::optional<MapWindow> normals;
     if (with_normals) normals.emplace(device_, *inputs_.normals, 2 * band + 1, "normals");
     for (int row = 0; row < done; row += band) {
       const int count = std::min(band, done - row);
       lobes.move_to(row, count, fill_planes(store.kept->lobes));
-      if (has_colours()) colours.move_to(row, count, fill_planes(*store.kept->colours));
-      FittedRows rows{row, count, &lobes, has_colours() ? &colours : nullptr, normals ? &*normals : nullptr, fit};
+      if (has_features()) features.move_to(row, count, fill_planes(*store.kept->features));
+      FittedRows rows{row, count, &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr, fit};
       rows.fit.first_row = row;
       rows.fit.window_rows = band;
       if (normals) normals->move_to(2 * row, finest_end(fit, row + count) - 2 * row);
@@ -202,22 +203,20 @@ class MovmfFitter {
     std::vector<MultumVmfLobe> lobes(lobe_count() * texels);
     rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
     if (store.own) store.own->write(rows.first_row, rows.row_count, lobes.data());
-    std::vector<glm::vec3> colours;
-    if (rows.colours != nullptr) {
-      colours.resize(lobes.size());
-      rows.colours->copy_rows(rows.first_row, rows.row_count, colours.data());
-    }
+    std::vector<glm::vec3> features(feature_planes() * texels);
+    if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.data());
     std::optional<FinestRows> finest;
     if (level.level == 1 && settings_.first_level == 0) finest = fit_level_zero(rows);
     const int finest_count = finest ? finest->row_count : 0;
     handing_over_.run(
         inputs_.threads,
         [this, number = level.level, keeps = store.kept != nullptr && !is_kept, first_row = rows.first_row,
-         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, settings_.representation},
-         lobes = std::move(lobes), colours = std::move(colours), finest = std::move(finest)]() mutable {
-          if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.data(), colours.data());
+         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, settings_.representation,
+                             inputs_.features.has_colours, inputs_.features.weight_count},
+         lobes = std::move(lobes), features = std::move(features), finest = std::move(finest)]() mutable {
+          if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.data(), features.data());
           sink_.add_level(number, first_row,
-                          stored_rows(size, lobes, colours, settings_.kappa_cap, inputs_.threads, report_));
+                          stored_rows(size, lobes, features, settings_.kappa_cap, inputs_.threads, report_));
           if (finest) hand_over_finest(std::move(*finest));
         });
     advance(rows.first_row, rows.row_count, level.fit.height);
@@ -272,7 +271,11 @@ class MovmfFitter {
     out.representation = settings_.representation;
     if (out.representation == Representation::kGmm)
       for (glm::vec3& n : out.normals) n.z = n.x * n.x + n.y * n.y;
-    if (has_colours()) out.colours = interleaved(*inputs_.albedo, rows.first_row, rows.row_count);
+    out.has_roughness = inputs_.has_roughness;
+    std::vector<std::vector<glm::vec3>> triples;
+    for (const PlaneStore* triple : inputs_.features.triples)
+      triples.push_back(interleaved(*triple, rows.first_row, rows.row_count));
+    split_features(std::move(triples), inputs_.features, out.colours, out.weights);
     report_.lobe_count_total += lobe_count() * out.lobe.size();
     sink_.add_finest(rows.first_row, std::move(out));
   }

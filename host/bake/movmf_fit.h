@@ -11,6 +11,7 @@
 #include "host/bake/bake_plan.h"
 #include "host/bake/bake_report.h"
 #include "host/bake/bake_settings.h"
+#include "host/bake/feature_planes.h"
 #include "host/base/progress.h"
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
@@ -39,14 +40,15 @@ class RegionInputs {
 
 struct MovmfFitInputs {
   const PlaneStore* normals;
-  const PlaneStore* albedo;              // null: no colours
+  FeaturePlanes features;
+  bool has_roughness;                    // normals are shortened
   std::vector<MultumVmfLobe> top_start;  // of the coarsest level's texel, one a lobe
   int threads = 1;
   BakeCheckpoint* checkpoint = nullptr;  // null: nothing is kept for another process
   const RegionInputs* region = nullptr;  // null: the whole map
 };
 
-/// Settings are valid, `albedo` is of the map's size. Progress advances by movmf_bake_units().
+/// Settings are valid, features are of the map's size. Progress advances by movmf_bake_units().
 void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
                const BakePlan& plan, MovmfSink& sink, BakeReport& report, Progress* progress);
 

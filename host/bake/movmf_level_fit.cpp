@@ -73,9 +73,9 @@ class LevelFit {
     const std::size_t lobe_row = row_bytes(fit_.width, sizeof(MultumVmfLobe));
     lobes_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the lobes of a level");
     directed_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
-    if (inputs.albedo != nullptr)
-      colours_ = RowWindow(device, lobe_count_, row_bytes(fit_.width, 3 * sizeof(float)), rows.level,
-                           "the colours of a level");
+    if (has_features())
+      features_ = RowWindow(device, lobe_count_ * static_cast<int>(inputs.features.size()),
+                            row_bytes(fit_.width, 3 * sizeof(float)), rows.level, "the features of a level");
     if (inputs.parent != nullptr)
       parent_ = RowWindow(device, lobe_count_, row_bytes(fit_.parent_width, sizeof(MultumVmfLobe)), rows.parent,
                           "the lobes of the next coarser level");
@@ -84,20 +84,20 @@ class LevelFit {
       const std::size_t samples = condensed_bytes(fit_);
       condensed_ = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed normals");
       condensed_counts_ = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
-      if (inputs.albedo != nullptr)
-        condensed_colours_ = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed colours");
+      for (std::size_t t = 0; t < inputs.features.size(); ++t)
+        condensed_triples_.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed features");
     } else {
       normals_.emplace(device, *inputs.normals, rows.map, "normals");
-      if (inputs.albedo != nullptr) albedo_.emplace(device, *inputs.albedo, rows.map, "colours");
+      for (const PlaneStore* triple : inputs.features) triples_.emplace_back(device, *triple, rows.map, "features");
     }
     windows_.lobes = &lobes_;
     windows_.directed = &directed_;
     if (inputs.parent != nullptr) windows_.parent = &parent_;
     if (normals_) windows_.normals = &*normals_;
-    if (albedo_) windows_.albedo = &*albedo_;
+    for (MapWindow& triple : triples_) windows_.triples.push_back(&triple);
     windows_.condensed = &condensed_;
     windows_.condensed_counts = &condensed_counts_;
-    windows_.condensed_colours = &condensed_colours_;
+    for (const RowWindow& triple : condensed_triples_) windows_.condensed_triples.push_back(&triple);
   }
 
   void run(const std::function<void(const FittedRows&)>& finished) {
@@ -114,7 +114,7 @@ class LevelFit {
       const int lag = whole_ ? 0 : steps_ - 1;
       const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
       if (done.begin < done.end) {
-        finished({done.begin, done.end - done.begin, &lobes_, inputs_.albedo != nullptr ? &colours_ : nullptr,
+        finished({done.begin, done.end - done.begin, &lobes_, has_features() ? &features_ : nullptr,
                   level_.method == FitMethod::kTexels ? &*normals_ : nullptr, fit_});
       }
       if (whole_) break;
@@ -122,6 +122,7 @@ class LevelFit {
   }
 
  private:
+  bool has_features() const { return !inputs_.features.empty(); }
   // Rows beyond a border are there when the map repeats, as many as the steps reach.
   bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
   int lower_bound() const { return repeats() ? -steps_ : 0; }
@@ -142,7 +143,7 @@ class LevelFit {
     lobes_.move_to(rows.begin, count, fill);
     if (inputs_.kept == nullptr) directed_.move_to(rows.begin, count, nullptr);
     else directed_.move_to(rows.begin, count, fill_directed(fill));
-    if (inputs_.albedo != nullptr) colours_.move_to(rows.begin, count, nullptr);
+    if (has_features()) features_.move_to(rows.begin, count, nullptr);
     fit_.first_row = wrapped_row(rows.begin, fit_.height);
     fit_.window_rows = lobes_.capacity_rows();
     if (inputs_.parent != nullptr) {
@@ -156,13 +157,13 @@ class LevelFit {
       const CondensedLevel& from = *inputs_.condensed;
       condensed_.move_to(rows.begin, count, fill_condensed(from, from.samples, condensed_bytes(fit_)));
       condensed_counts_.move_to(rows.begin, count, fill_planes(from.counts));
-      if (inputs_.albedo != nullptr)
-        condensed_colours_.move_to(rows.begin, count, fill_condensed(from, *from.colours, condensed_bytes(fit_)));
+      for (std::size_t t = 0; t < condensed_triples_.size(); ++t)
+        condensed_triples_[t].move_to(rows.begin, count, fill_condensed(from, from.triples[t], condensed_bytes(fit_)));
     } else if (level_.method == FitMethod::kTexels) {
       const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
       const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
       normals_->move_to(begin, end - begin);
-      if (albedo_) albedo_->move_to(begin, end - begin);
+      for (MapWindow& triple : triples_) triple.move_to(begin, end - begin);
       fit_.map_first_row = wrapped_row(begin, fit_.map_height);
       fit_.map_window_rows = end - begin;
     }
@@ -201,7 +202,7 @@ class LevelFit {
       fit.order = MULTUM_ORDER_AGAIN;
       fit.iteration_count = level_.iteration_count_again;
     }
-    windows_.colours = inputs_.albedo != nullptr && step >= steps_ - level_.step_count ? &colours_ : nullptr;
+    windows_.features = has_features() && step >= steps_ - level_.step_count ? &features_ : nullptr;
     std::vector<int> texels = step_texels(level_, step % level_.step_count, rows.begin, rows.end, lobes_.first_row());
     if (inputs_.range != nullptr)
       std::erase_if(texels, [&](int texel) {
@@ -222,8 +223,10 @@ class LevelFit {
   const int steps_;
   const RowRange wanted_;  // rows that are handed over
   Progress* progress_;
-  RowWindow lobes_, directed_, colours_, parent_, condensed_, condensed_counts_, condensed_colours_;
-  std::optional<MapWindow> normals_, albedo_;
+  RowWindow lobes_, directed_, features_, parent_, condensed_, condensed_counts_;
+  std::vector<RowWindow> condensed_triples_;
+  std::optional<MapWindow> normals_;
+  std::vector<MapWindow> triples_;
   StepWindows windows_;
 };
 
@@ -235,27 +238,28 @@ void fit_level(Device& device, MovmfEmStep& em_step, const LevelSchedule& level,
   LevelFit(device, em_step, level, settings, inputs, plan, progress).run(finished);
 }
 
-std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_colours,
+std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int triple_count,
                               const BandPlan& plan) {
   const MultumMovmfFit& fit = level.fit;
   const WindowRows rows = window_rows(level, settings, plan);
   const auto product = [](int a, int b) { return static_cast<std::uint64_t>(a) * static_cast<std::uint64_t>(b); };
   const auto lobes = static_cast<std::uint64_t>(settings.lobe_count);
-  const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe), colour_bytes = lobes * 3 * sizeof(float);
-  std::uint64_t texel_bytes = 2 * lobe_bytes + (has_colours ? colour_bytes : 0);
-  if (level.method == FitMethod::kCondensed) texel_bytes += condensed_bytes(fit) * (has_colours ? 2 : 1) + sizeof(int);
+  const auto triples = static_cast<std::uint64_t>(triple_count);
+  const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe), feature_bytes = triples * lobes * 3 * sizeof(float);
+  std::uint64_t texel_bytes = 2 * lobe_bytes + feature_bytes;
+  if (level.method == FitMethod::kCondensed) texel_bytes += condensed_bytes(fit) * (1 + triples) + sizeof(int);
   std::uint64_t bytes = product(fit.width, rows.level) * texel_bytes;
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
   if (level.method != FitMethod::kCondensed)
-    bytes += product(fit.map_width, rows.map) * sizeof(float) * (has_colours ? 6 : 3);
+    bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + triples);
   // A quarter of a band's texels is the largest step, of a scan line's wavefront one texel each two rows.
   const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
   const std::uint64_t step_texels = level.order == FitOrder::kScanline
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)
                                         : product((fit.width + 1) / 2, (step_rows + 1) / 2);
-  bytes += em_step_bytes(level, settings, has_colours, step_texels);
+  bytes += em_step_bytes(level, settings, triple_count > 0, step_texels);
   // Rows that are handed over: as they are fitted, and as they are stored.
-  return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + (has_colours ? colour_bytes : 0));
+  return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + feature_bytes);
 }
 
 }  // namespace multum

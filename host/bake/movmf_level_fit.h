@@ -31,7 +31,7 @@ struct TexelRange {
 /// What the fit of a level reads.
 struct LevelInputs {
   const PlaneStore* normals = nullptr;
-  const PlaneStore* albedo = nullptr;         // null: no colours
+  std::vector<const PlaneStore*> features;    // triples
   const CondensedLevel* condensed = nullptr;  // kCondensed
   const RowStore* parent = nullptr;           // lobes of the next coarser level, by rows [lobe][column]; null: none
   // Where there is no parent: the lobes that each texel starts from, by rows as above.
@@ -46,10 +46,10 @@ struct LevelInputs {
 /// Some finished rows, while the windows still hold them.
 struct FittedRows {
   int first_row, row_count;
-  const RowWindow* lobes;    // of these rows among others
-  const RowWindow* colours;  // null: none
-  const MapWindow* normals;  // what they cover, of levels that are fitted to all normals; null otherwise
-  MultumMovmfFit fit;        // as the windows are now
+  const RowWindow* lobes;     // of these rows among others
+  const RowWindow* features;  // [triple][lobe]; null: none
+  const MapWindow* normals;   // what they cover, of levels that are fitted to all normals; null otherwise
+  MultumMovmfFit fit;         // as the windows are now
 };
 
 struct BandPlan {
@@ -63,7 +63,7 @@ void fit_level(Device& device, MovmfEmStep& em_step, const LevelSchedule& level,
                Progress* progress);
 
 /// Bytes of the windows and buffers of fit_level(), about.
-std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_colours,
+std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int triple_count,
                               const BandPlan& plan);
 
 }  // namespace multum

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "host/bake/mean_cosine.h"
+#include "host/bake/mip_schedule.h"
 #include "host/base/parallel.h"
 #include "host/base/split_mix.h"
 
@@ -55,40 +57,38 @@ struct Fit {
   double error = HUGE_VAL;
 };
 
-// kappa of a mean length: Banerjee's start and two Newton steps.
-double kappa_of(double r, double kappa_max) {
-  r = std::min(r, 1.0 - 1e-9);
-  if (r > 0.9) return std::min(1.0 / (1.0 - r), kappa_max);
-  double kappa = std::max((3.0 * r - r * r * r) / (1.0 - r * r), 0.05);
-  for (int step = 0; step < 2; ++step) {
-    const double a = 1.0 / std::tanh(kappa) - 1.0 / kappa;
-    kappa = std::max(kappa - (a - r) / (1.0 - a * a - 2.0 * a / kappa), 0.05);
-  }
-  return std::min(kappa, kappa_max);
-}
-
-Fit start_from(const Normals& normals, const std::vector<std::size_t>& chosen) {
+Fit start_from(const Normals& normals, const std::vector<std::size_t>& chosen, bool has_roughness) {
   Fit fit;
-  for (std::size_t i : chosen) fit.lobes.push_back({normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())});
+  for (std::size_t i : chosen) {
+    Lobe lobe{normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())};
+    if (has_roughness) {  // as wide as that normal's own lobe: on a flat surface nothing else tells lobes apart
+      const double length = glm::length(normals[i]);
+      lobe = {normals[i] / length, 0.95 * length, kappa_of_mean_cosine(0.95 * length, 30.0), lobe.amplitude};
+    }
+    fit.lobes.push_back(lobe);
+  }
   return fit;
 }
 
-// EM in double, Han et al. 2007, section 7, Algorithm 1, without alignment.
-void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max) {
+// EM in double, Han et al. 2007, section 7, Algorithm 1, without alignment; of shortened normals, `copies` of each
+// (kernels/device/movmf_em.clh).
+void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max, double copies) {
   const std::size_t count = fit.lobes.size();
   for (int iteration = 0; iteration < iterations; ++iteration) {
     std::array<double, 8> constant{}, weight{};
     std::array<glm::dvec3, 8> sum{};
     for (std::size_t j = 0; j < count; ++j) {
       const Lobe& lobe = fit.lobes[j];
-      constant[j] = std::log(std::max(lobe.amplitude, 1e-6) * lobe.kappa / (1.0 - std::exp(-2.0 * lobe.kappa)));
+      const double peak = lobe.kappa / (1.0 - std::exp(-2.0 * lobe.kappa));
+      constant[j] = std::log(std::max(lobe.amplitude, 1e-6) * lobe.kappa / (1.0 - std::exp(-2.0 * lobe.kappa))) +
+                    (copies - 1.0) * std::log(peak);
     }
     double log_likelihood = 0.0;
     for (const glm::dvec3& n : normals) {
       std::array<double, 8> e{};
       double largest = -HUGE_VAL, total = 0.0;
       for (std::size_t j = 0; j < count; ++j) {
-        e[j] = constant[j] + fit.lobes[j].kappa * (glm::dot(fit.lobes[j].mu, n) - 1.0);
+        e[j] = constant[j] + copies * fit.lobes[j].kappa * (glm::dot(fit.lobes[j].mu, n) - 1.0);
         largest = std::max(largest, e[j]);
       }
       for (std::size_t j = 0; j < count; ++j) total += e[j] = std::exp(e[j] - largest);
@@ -106,7 +106,7 @@ void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max)
       if (weight[j] < 1e-9 || length < 1e-9) continue;
       lobe.mu = sum[j] / length;
       lobe.mean_length = std::min(length / weight[j], 1.0);
-      lobe.kappa = kappa_of(lobe.mean_length, kappa_max);
+      lobe.kappa = kappa_of_mean_cosine(lobe.mean_length, kappa_max);
     }
   }
 }
@@ -135,7 +135,7 @@ class HighlightError {
     for (std::size_t s = 0; s < kSharpness.size(); ++s)
       for (std::size_t d = 0; d < kDirections; ++d) {
         double sum = 0.0;
-        for (const glm::dvec3& n : normals) sum += density(kSharpness[s], glm::dot(n, directions_[d]));
+        for (const glm::dvec3& n : normals) sum += highlight(n, kSharpness[s], directions_[d]);
         truth_[s][d] = sum / static_cast<double>(normals.size());
       }
   }
@@ -149,7 +149,7 @@ class HighlightError {
         for (const Lobe& lobe : fit.lobes) {
           // Mean cosines multiply under convolution: docs/ALGORITHMS.md, "Shading a filtered lobe".
           const double mean_cosine = lobe.mean_length * (1.0 - 1.0 / kSharpness[s]);
-          model += lobe.amplitude * density(kappa_of(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
+          model += lobe.amplitude * density(kappa_of_mean_cosine(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
         }
         difference += std::abs(model - truth_[s][d]);
         total += truth_[s][d];
@@ -160,6 +160,12 @@ class HighlightError {
   }
 
  private:
+  // Of a normal, with the width of a lobe of its own where it is shortened.
+  static double highlight(const glm::dvec3& n, double sharpness, const glm::dvec3& direction) {
+    const double length = glm::length(n);
+    if (length > 1.0 - 1e-6) return density(sharpness, glm::dot(n, direction));
+    return density(kappa_of_mean_cosine(length * (1.0 - 1.0 / sharpness), 1e6), glm::dot(n, direction) / length);
+  }
   static constexpr int kDirections = 256;
   static constexpr std::array<double, 3> kSharpness = {20.0, 100.0, 500.0};
   static double density(double kappa, double t) {
@@ -223,6 +229,7 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
   const Normals normals = sample_normals(map, {0, 0, map.width(), map.height()}, 1024.0);
   const HighlightError error(normals);
   const auto cap = static_cast<double>(search.kappa_max);
+  const double copies = search.has_roughness ? static_cast<double>(kCopiesShortened) : 1.0;
   const auto lobe_count = static_cast<std::size_t>(search.lobe_count);
   std::vector<Fit> fits(kTrials);
   for_each_item(kTrials, search.threads, [&](int row) {
@@ -231,12 +238,12 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
     if (trial == 0) chosen = farthest_first(normals, search.lobe_count);
     for (std::size_t j = chosen.size(); j < lobe_count; ++j)
       chosen.push_back(split_mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
-    fits[trial] = start_from(normals, chosen);
-    iterate(fits[trial], normals, kShortIterations, cap);
+    fits[trial] = start_from(normals, chosen, search.has_roughness);
+    iterate(fits[trial], normals, kShortIterations, cap, copies);
   });
   fits = finalists(std::move(fits), error, search.threads);
   for_each_item(static_cast<int>(fits.size()), search.threads,
-                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap); });
+                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap, copies); });
   rate(fits, error, search.threads);
   std::stable_sort(fits.begin(), fits.end(), less_error);
   fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());

@@ -1,9 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bake/ndf_bake.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "host/base/error.h"
+#include "host/base/machine.h"
 
 namespace multum {
+
+std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count) {
+  const auto texels = static_cast<std::uint64_t>(mip_level_size(header.width, level)) *
+                      static_cast<std::uint64_t>(std::min(tile_size, mip_level_size(header.height, level)));
+  constexpr std::uint64_t kChannelsOfAPart = 6;  // at most
+  return texels * (value_count * sizeof(float) + kChannelsOfAPart * sizeof(std::uint16_t));
+}
+
+std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count) {
+  std::uint64_t bytes = 0;
+  for (int l = header.first_level; l < header.level_count(); ++l)
+    bytes += tile_row_bytes(header, l, tile_size, value_count);
+  return bytes;
+}
+
+std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes) {
+  constexpr std::uint64_t kUsual = std::uint64_t{32} << 20, kLeast = std::uint64_t{8} << 20;
+  const std::uint64_t more = waiting_bytes > kUsual ? waiting_bytes - kUsual : 0;
+  if (run.memory_bytes < more + kLeast) {
+    const std::uint64_t memory = run.job.memory_bytes > 0 ? run.job.memory_bytes : machine_memory_bytes() / 4;
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--memory is {} MiB, expected at least {} MiB for a map {} texels wide: rows of tiles that "
+                            "wait to be written take {} of them",
+                            memory >> 20, ((memory + more + kLeast - run.memory_bytes) >> 20) + 1, run.header.width,
+                            waiting_bytes >> 20));
+  }
+  return run.memory_bytes - more;
+}
 
 const NdfBake& ndf_bake(Representation representation) {
   for (const NdfBake* one : {&kMovmfBake, &kGmmBake, &kMomentBake, &kShBake})

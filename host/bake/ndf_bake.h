@@ -40,6 +40,16 @@ struct BakeRun {
   StageClock& clock;
 };
 
+/// What the writer holds of a level until a row of tiles is full, of so many values a texel; with what turns floats
+/// into halfs on the way.
+std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count);
+/// The same of all levels, for bakes that make them all at once.
+std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);
+/// Bytes that are left for windows and buffers beside rows of tiles of so many bytes in all. Every bake is taken to
+/// need a usual amount already (bake_job.cpp); wide maps need more. Throws Error(kUsage) naming --memory when that
+/// leaves too little.
+std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes);
+
 /// A file's findings, and a meter that has seen its rows.
 struct VerifiedFile {
   std::vector<VerifyFinding> findings;

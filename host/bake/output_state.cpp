@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 #include "host/bake/ndf_bake.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/image/material_maps.h"
 #include "host/image/reading_settings.h"
 #include "kernels/kernel_sources.h"
 
@@ -26,6 +28,10 @@ std::string shown(const nlohmann::json& json, const std::string& key) {
   return found->is_number_float() ? fmt::format("{:g}", found->get<double>()) : found->dump();
 }
 
+// Settings that are hashes of maps, in words.
+const std::map<std::string, std::string> kMaterialMaps = {
+    {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
+
 // Which settings differ, and how. Hashes tell a person nothing.
 std::vector<std::string> changed_settings(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
@@ -37,7 +43,8 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
   std::vector<std::string> changes;
   for (const std::string& key : keys) {
     if (old_json.contains(key) && new_json.contains(key) && old_json[key] == new_json[key]) continue;
-    if (key == "albedo") changes.emplace_back("the albedo has changed");
+    if (const auto map = kMaterialMaps.find(key); map != kMaterialMaps.end())
+      changes.push_back(fmt::format("the {} has changed", map->second));
     else if (key == "kernels") changes.emplace_back("it was baked by other kernels than this program's");
     else changes.push_back(fmt::format("{} was {}, is {}", key, shown(old_json, key), shown(new_json, key)));
   }
@@ -74,6 +81,12 @@ std::string all_settings_json(const BakeJob& job) {
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
   json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
+  // Where there are none, the text is that of programs that knew none.
+  if (!job.weights.empty()) json["weights"] = hash_file(job.weights);
+  if (!job.roughness.empty()) {
+    const ChannelFile file = parse_channel_file(job.roughness);
+    json["roughness"] = hash_file(file.path) + (file.channel.empty() ? "" : ":" + file.channel);
+  }
   if (job.region) {
     json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
     json["onto"] = read_baked_header(job.onto).provenance.content_hash;

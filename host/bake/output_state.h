@@ -19,8 +19,8 @@ const std::string& bake_software();
 /// border, so its lobes must be alike there.
 MovmfSettings fitting_settings(const BakeJob& job);
 
-/// Every setting that changes the file, the reading's too, the albedo's hash, and the kernels. Throws Error(kInput)
-/// when the albedo cannot be read.
+/// Every setting that changes the file, the reading's too, hashes of the material's maps, and the kernels. Throws
+/// Error(kInput) when one of them cannot be read.
 std::string all_settings_json(const BakeJob& job);
 
 enum class OutputFinding {

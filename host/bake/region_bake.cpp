@@ -29,6 +29,9 @@ void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipma
   check_same(path, "encoding", storage_encoding_name(old.encoding), storage_encoding_name(header.encoding));
   check_same(path, "first level", std::to_string(old.first_level), std::to_string(header.first_level));
   check_same(path, "colours:", old.has_colours() ? "yes" : "no", header.has_colours() ? "yes" : "no");
+  check_same(path, "weights:", std::to_string(old.weight_count), std::to_string(header.weight_count));
+  check_same(path, "a mean cosine of", std::to_string(old.mean_cosine), std::to_string(header.mean_cosine));
+  check_same(path, "roughness:", old.has_roughness ? "yes" : "no", header.has_roughness ? "yes" : "no");
   check_same(path, "wrap mode", wrap_mode_name(old.wrap_s), wrap_mode_name(header.wrap_s));
   check_same(path, "wrap mode", wrap_mode_name(old.wrap_t), wrap_mode_name(header.wrap_t));
 }
@@ -49,10 +52,13 @@ std::pair<int, int> touched(int first, int count, int map_size, int level_size) 
   return {std::max(0, begin - kRegionHalo), std::min(level_size, end + kRegionHalo)};
 }
 
+// As many values a texel as there are.
 template <typename Value>
 void copy_columns(const std::vector<Value>& from, std::vector<Value>& to, int width, int rows, int x0, int x1) {
+  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(from.size()) / (std::ptrdiff_t{width} * rows);
   for (std::ptrdiff_t y = 0; y < rows; ++y)
-    std::copy(from.begin() + y * width + x0, from.begin() + y * width + x1, to.begin() + y * width + x0);
+    std::copy(from.begin() + (y * width + x0) * stride, from.begin() + (y * width + x1) * stride,
+              to.begin() + (y * width + x0) * stride);
 }
 
 }  // namespace
@@ -124,6 +130,8 @@ void RegionBake::add_level(int level, int first_row, MovmfLevel rows) {
     copy_columns(rows.lobes[j], merged.lobes[j], rows.width, rows.height, where.x0, where.x1);
   for (std::size_t j = 0; j < rows.colours.size(); ++j)
     copy_columns(rows.colours[j], merged.colours[j], rows.width, rows.height, where.x0, where.x1);
+  for (std::size_t j = 0; j < rows.weights.size(); ++j)
+    copy_columns(rows.weights[j], merged.weights[j], rows.width, rows.height, where.x0, where.x1);
   write_level(level, first_row, std::move(merged));
 }
 
@@ -137,7 +145,8 @@ void RegionBake::add_finest(int first_row, MovmfFinest rows) {
   const int x0 = header_.levels.size() > 1 ? 2 * where.x0 : 0, x1 = to_the_end ? header_.width() : 2 * where.x1;
   copy_columns(rows.normals, merged.normals, rows.width, rows.height, x0, x1);
   copy_columns(rows.lobe, merged.lobe, rows.width, rows.height, x0, x1);
-  if (!rows.colours.empty()) copy_columns(rows.colours, merged.colours, rows.width, rows.height, x0, x1);
+  copy_columns(rows.colours, merged.colours, rows.width, rows.height, x0, x1);
+  copy_columns(rows.weights, merged.weights, rows.width, rows.height, x0, x1);
   write_finest(first_row, std::move(merged));
 }
 

@@ -49,10 +49,9 @@ class ShPlanes : public AveragedPlanes {
 
   std::string name() const override { return fmt::format("spherical harmonics to order {}", order_); }
   int plane_count() const override { return sh_coefficient_count(order_); }
-  void make_finest(const MapPlanes& normals, const MapPlanes& colours, const DeviceBuffer& nodes,
-                   const MultumBoxBand& band) override {
+  void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) override {
     project_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],
-                    normals[2], colours[0], colours[1], colours[2], step_buffer_, nodes, band);
+                    normals[2], step_buffer_, nodes, band);
   }
   void add_level(const BoxRows& rows) override {
     sink_.add_level(rows.level, rows.first_row, gather(rows, order_, inputs_.albedo != nullptr, inputs_.threads));

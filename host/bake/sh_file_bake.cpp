@@ -36,13 +36,13 @@ class FileSink : public ShSink {
   const int threads_;
 };
 
-// Beyond what every bake is taken to need: rows that wait to be written, and texels that are looked at, of many
+// Rows that wait to be written, and texels that are looked at beyond what every bake is taken to need, of many
 // coefficients each.
-std::uint64_t bytes_beyond_usual(const BakeRun& run, int tile_size, const ShMeter* meter) {
+std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* meter) {
   constexpr std::uint64_t kUsualMeter = std::uint64_t{16} << 20;
   const std::uint64_t meter_bytes = meter != nullptr ? meter->kept_bytes() : 0;
-  return waiting_bytes_beyond_usual(run.header, tile_size,
-                                    sh_coefficient_count(run.job.sh_order) + (run.header.has_colours ? 3 : 0), 4) +
+  const int values = sh_coefficient_count(run.job.sh_order) + (run.header.has_colours ? 3 : 0);
+  return tile_rows_bytes(run.header, tile_size, static_cast<std::uint64_t>(values)) +
          (meter_bytes > kUsualMeter ? meter_bytes - kUsualMeter : 0);
 }
 
@@ -62,10 +62,9 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   FileSink sink(writer, meter ? &*meter : nullptr, job.encoding, job.threads);
   AverageInputs inputs;
   inputs.normals = &run.source.map.normals;
-  inputs.albedo = run.source.albedo ? &*run.source.albedo : nullptr;
+  inputs.albedo = run.source.colours();
   inputs.first_level = run.header.first_level;
-  inputs.memory_bytes = run.memory_bytes - std::min(run.memory_bytes, bytes_beyond_usual(run, writing.tile_size,
-                                                                                         meter ? &*meter : nullptr));
+  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes(run, writing.tile_size, meter ? &*meter : nullptr));
   inputs.threads = job.threads;
   bake_sh(run.device, job.sh_order, inputs, sink, report, progress);
   run.clock.finish("average");

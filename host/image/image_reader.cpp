@@ -56,10 +56,13 @@ SampleType sample_type_of(const std::string& path, const OIIO::ImageSpec& spec) 
   }
 }
 
-// How many leading channels are colour: all but alpha, 1 to 3; or the first three of many when their names say so.
-int colour_channel_count(const std::string& path, const OIIO::ImageSpec& spec) {
+void check_flat(const std::string& path, const OIIO::ImageSpec& spec) {
   if (spec.deep) refuse(path, "found a deep image, expected one value a texel");
   if (spec.depth > 1) refuse(path, fmt::format("found a volume of depth {}, expected a flat image", spec.depth));
+}
+
+// How many leading channels are colour: all but alpha, 1 to 3; or the first three of many when their names say so.
+int colour_channel_count(const std::string& path, const OIIO::ImageSpec& spec) {
   const int without_alpha = spec.nchannels - (spec.alpha_channel >= 0 ? 1 : 0);
   const bool alpha_last = spec.alpha_channel < 0 || spec.alpha_channel == spec.nchannels - 1;
   if (without_alpha >= 1 && without_alpha <= 3 && alpha_last) return without_alpha;
@@ -138,18 +141,22 @@ OIIO::TypeDesc stored_type(const OIIO::ImageSpec& spec) {
   return spec.channelformats.empty() ? spec.format : OIIO::TypeDesc(OIIO::TypeDesc::FLOAT);
 }
 
-RawImageInfo image_info(const std::string& path, const OIIO::ImageSpec& spec, const std::string& container_format) {
+RawImageInfo image_info(const std::string& path, const OIIO::ImageSpec& spec, const std::string& container_format,
+                        bool all_channels) {
+  check_flat(path, spec);
   RawImageInfo info;
   info.width = spec.width;
   info.height = spec.height;
   info.sample_type = sample_type_of(path, spec);
-  info.channel_count = colour_channel_count(path, spec);
+  info.channel_count = all_channels ? spec.nchannels : colour_channel_count(path, spec);
+  info.channel_names = spec.channelnames;
+  info.channel_names.resize(static_cast<std::size_t>(info.channel_count));
   info.base_type = stored_type(spec).basetype;
   info.row_bytes = info.row_values() * stored_type(spec).size();
   info.colour_space = spec.get_string_attribute("oiio:ColorSpace");
   info.has_alpha = spec.alpha_channel >= 0;
   info.format = fmt::format("{} {}, {} channel{}{}", container_format, spec.format.c_str(), spec.nchannels,
-                            spec.nchannels == 1 ? "" : "s", info.has_alpha ? " (alpha not read)" : "");
+                            spec.nchannels == 1 ? "" : "s", info.has_alpha && !all_channels ? " (alpha not read)" : "");
   if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
       spec.height != spec.full_height)
     info.format += fmt::format(", data window {} x {} of a {} x {} frame", spec.width, spec.height, spec.full_width,
@@ -207,7 +214,7 @@ ImageReader::State::State(const std::string& image_path, const ImageReadSettings
   open = open_image(path, container);
   spec = open.input->spec();
   check_image_size(path, spec.width, spec.height, settings.texel_count_max);
-  info = image_info(path, spec, container.format);
+  info = image_info(path, spec, container.format, settings.all_channels);
   check_plausible_size(path, spec, container.file_size);
   if (container.format == "tiff" && spec.format == OIIO::TypeDesc::DOUBLE && spec.height == 1)
     refuse(path,

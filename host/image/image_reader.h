@@ -15,8 +15,9 @@ namespace multum {
 
 struct ImageReadSettings {
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  int threads = 1;    // <= 0: as many as the machine has
-  int band_rows = 0;  // rows of a band, up to whole tiles; 0: what suits the file
+  int threads = 1;            // <= 0: as many as the machine has
+  int band_rows = 0;          // rows of a band, up to whole tiles; 0: what suits the file
+  bool all_channels = false;  // alpha and all others too, for what is no picture
 };
 
 class ImageReader {

@@ -23,13 +23,14 @@ inline bool is_float_type(SampleType type) { return type == SampleType::kHalf ||
 struct RawImageInfo {
   int width = 0;
   int height = 0;
-  int channel_count = 0;  // colour channels, 1 to 3; no alpha
+  int channel_count = 0;  // colour channels, 1 to 3, and no alpha; or all of them
   SampleType sample_type = SampleType::kFloat;
-  int base_type = 0;          // of the stored samples, OpenImageIO's TypeDesc::BASETYPE
-  std::size_t row_bytes = 0;  // of the stored samples
-  std::string colour_space;   // as the file says: "sRGB", "Linear", "Gamma2.2", or empty
-  bool has_alpha = false;     // in the file; never read
-  std::string format;         // "png uint8, 4 channels (alpha not read)"
+  int base_type = 0;                       // of the stored samples, OpenImageIO's TypeDesc::BASETYPE
+  std::size_t row_bytes = 0;               // of the stored samples
+  std::string colour_space;                // as the file says: "sRGB", "Linear", "Gamma2.2", or empty
+  bool has_alpha = false;                  // in the file; never read
+  std::vector<std::string> channel_names;  // of those that are read
+  std::string format;                      // "png uint8, 4 channels (alpha not read)"
 
   std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
 };

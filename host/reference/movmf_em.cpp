@@ -57,8 +57,8 @@ std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& 
     for (const Sample& s : samples) {
       std::vector<double> density(lobes.size());
       for (std::size_t j = 0; j < lobes.size(); ++j)
-        density[j] =
-            std::log(std::max(lobes[j].amplitude, 1e-6)) + log_vmf(glm::dot(lobes[j].mu, s.normal), lobes[j].kappa);
+        density[j] = std::log(std::max(lobes[j].amplitude, 1e-6)) +
+                     options.copies * log_vmf(glm::dot(lobes[j].mu, s.normal), lobes[j].kappa);
       const double largest = *std::max_element(density.begin(), density.end());
       double total = 0.0;
       for (double& d : density) total += d = std::exp(d - largest);

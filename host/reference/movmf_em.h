@@ -31,6 +31,7 @@ struct EmOptions {
   double kappa_cap;
   double kappa_cap_slope;
   std::vector<glm::dvec3> prior;  // per lobe: C sum_k a_k mu_k; empty: none
+  double copies = 1.0;            // of a sample, when it is shared out: its log densities count so many times
 };
 
 /// A(kappa) = coth kappa - 1/kappa, and its inverse by bisection, for every kappa > 0.

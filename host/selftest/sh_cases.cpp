@@ -39,8 +39,7 @@ std::vector<std::vector<float>> project_sh(Device& device, int order, const std:
   band.map_height = band.row_count = 1;
   band.plane_count = static_cast<int>(count);
   device.kernel("sh_project", "sh_project", {1, 1, false, false, order})
-      .launch({normals.size()}, planes[0], planes[1], planes[2], planes[0], planes[1], planes[2], step_buffer, out,
-              band);
+      .launch({normals.size()}, planes[0], planes[1], planes[2], step_buffer, out, band);
   device.read(out, nodes.data(), out.byte_count());
   std::vector<std::vector<float>> coefficients(normals.size(), std::vector<float>(count));
   for (std::size_t n = 0; n < normals.size(); ++n)

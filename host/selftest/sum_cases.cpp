@@ -167,7 +167,7 @@ void many_partial_colours(Device& device, WorstError& worst) {
   std::vector<float> colours(3, NAN);
   DeviceBuffer out = device.make_buffer(colours.size() * sizeof(float), "colours");
   device.write(out, colours.data(), out.byte_count());
-  device.kernel("movmf_features", "movmf_feature_sum", {1, 1, false}).launch({1}, in, texels, out, fit);
+  device.kernel("movmf_features", "movmf_feature_sum", {1, 1, false}).launch({1}, in, texels, out, fit, 0);
   device.read(out, colours.data(), out.byte_count());
   for (std::size_t c = 0; c < 3; ++c)
     worst.add(static_cast<double>(colours[c]), sum[c], sum[c], fmt::format("channel {}", c));
@@ -207,7 +207,7 @@ void colours_far_from_every_lobe(Device& device, WorstError& worst) {
                 device.wrap_buffer(values.data(), values.size() * sizeof(float), "colours"),
                 device.wrap_buffer(counts.data(), sizeof(int), "sample counts"),
                 device.wrap_buffer(start.data(), start.size() * sizeof(float), "start"),
-                device.wrap_buffer(list.data(), list.size() * sizeof(int), "texels"), out, fit);
+                device.wrap_buffer(list.data(), list.size() * sizeof(int), "texels"), out, fit, 0);
     device.read(out, colours.data(), out.byte_count());
     for (std::size_t j = 0; j < 2; ++j)
       for (int c = 0; c < 3; ++c)

@@ -42,6 +42,10 @@ JobType bake_type() {
           1024 * kMiB,
           {{"input", Kind::kInputFile, "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"},
            {"albedo", Kind::kInputFile, "colour map of the same size: bakes colours, per lobe or averaged"},
+           {"roughness", Kind::kInputFile,
+            "roughness map of the same size: bakes the BRDF's width in; its G, or only "
+            "channel"},
+           {"weights", Kind::kInputFile, "map of the same size, a channel a basis BRDF: bakes their weights"},
            {"ndf", Kind::kChoice, "what texels hold", 0, 0, ndf_names()},
            {"sh_order", Kind::kWhole, "of sh: spherical harmonics up to this l", 1, 20},
            {"lobes", Kind::kWhole, "lobes a texel", 1, 8},

@@ -3,15 +3,14 @@
 #ifndef MULTUM_KERNELS_SHARED_MOMENTS_H
 #define MULTUM_KERNELS_SHARED_MOMENTS_H
 
-// Planes that are averaged: of slopes b = -(n_x, n_y) / n_z the moments, then the normal, then colours if there are
-// any.
+// Planes that are averaged: of slopes b = -(n_x, n_y) / n_z the moments, then the normal, then features if there are
+// any, three planes at a time.
 #define MULTUM_MOMENT_S 0
 #define MULTUM_MOMENT_T 1
 #define MULTUM_MOMENT_SS 2
 #define MULTUM_MOMENT_TT 3
 #define MULTUM_MOMENT_ST 4
 #define MULTUM_MOMENT_NORMAL 5
-#define MULTUM_MOMENT_COLOUR 8
 #define MULTUM_MOMENT_PLANES 8
 
 // Moments as a filter gives them, all of them multiplied by `share`, the part of the filter's weights that fell on

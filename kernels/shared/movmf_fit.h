@@ -25,6 +25,8 @@
 #define MULTUM_PROBE_COUNT (MULTUM_PROBE_SIDE * MULTUM_PROBE_SIDE)
 #define MULTUM_AXIS_BINS 63
 #define MULTUM_AXIS_FLOATS (MULTUM_AXIS_BINS + 3)
+// Shortened normals have a grid for each class of lengths: those of one cell must be alike in it too.
+#define MULTUM_LENGTH_CLASSES 4
 #define MULTUM_CELL_SUMS 4         // of three values and of weights, whole numbers of 2^-30
 #define MULTUM_CONDENSED_SAMPLE 4  // floats: three mean values and their weight
 
@@ -53,6 +55,8 @@ typedef struct MultumMovmfFit {
   int iteration_count;
   int sample_capacity;           // samples of a texel, at most (movmf_em_texels.cl): of a condensed one its cells
   int cell_side;                 // cells along a side of a condensed texel's grid; 0: not condensed
+  int shortened;                 // not 0: normals are mean vectors of a BRDF's lobes, of lengths up to 1
+  float extra_copies;            // a sample counts as one and so many more facets when EM shares it out
   float settled_change_squared;  // a texel in which nothing moves by more is done; 0: run every iteration
   int chunk_rows;                // rows a chunk sums (movmf_em_chunks.cl)
   int chunk_count;               // chunks a texel

@@ -3,6 +3,7 @@
 // (shaders/common/reflection.glsl says what that must have). The renderer knows no representation by name.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,10 @@ class Material {
   virtual int bind(const ShaderProgram& shader) const = 0;
   /// The order to which the surface takes the BRDF's zonal coefficients (u_zonal), or -1: it takes none.
   virtual int zonal_order() const { return -1; }
+  /// Weights of basis BRDFs that it has, 0 to 4.
+  virtual int weight_count() const { return 0; }
+  /// What is drawn from now on is of the basis BRDF of this number, times its weight; unset: as if there were none.
+  void set_basis(std::optional<int> number) { basis_ = number; }
   /// One normal a sample: an environment is sampled around it, by brute force.
   virtual bool samples_light() const { return false; }
   /// One texel a sample, drawn from those that the texture's filter takes at the pixel's middle: every sample looks
@@ -35,8 +40,16 @@ class Material {
   virtual bool samples_footprint() const { return false; }
 
  protected:
+  /// For shader_parts(): MULTUM_BASIS says which weight.
+  void add_basis_flag(ShaderParts& parts) const {
+    if (basis_) parts.flags.push_back("MULTUM_BASIS " + std::to_string(*basis_));
+  }
+  bool is_of_basis() const { return basis_.has_value(); }
   Material() = default;
   Material(Material&&) = default;
+
+ private:
+  std::optional<int> basis_;
 };
 
 }  // namespace multum::gl

@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/texture_binder.h"
+#include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
@@ -22,7 +23,8 @@ void check_levels(const MomentMipmap& mipmap) {
     const auto index = static_cast<std::size_t>(l);
     const bool good = index < mipmap.levels.size() && mipmap.levels[index].slopes.size() == texels &&
                       mipmap.levels[index].normals.size() == texels &&
-                      mipmap.levels[index].colours.size() == (header.has_colours ? texels : 0);
+                      mipmap.levels[index].colours.size() == (header.has_colours ? texels : 0) &&
+                      mipmap.levels[index].weights.size() == texels * static_cast<std::size_t>(header.weight_count);
     if (!good)
       throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map has not " +
                                          std::to_string(width) + " x " + std::to_string(height) + " texels of moments");
@@ -66,6 +68,14 @@ MomentMaterial::MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap
   if (header.has_colours)
     colours_.emplace(upload(gl, "colours", mipmap, sampler,
                             [](const MomentLevel& level, std::size_t i) { return glm::vec4(level.colours[i], 1.0f); }));
+  weight_count_ = header.weight_count;
+  if (header.has_roughness) mean_cosine_ = header.mean_cosine;
+  if (weight_count_ > 0) {
+    std::vector<const std::vector<float>*> levels;
+    for (int l = header.first_level; l < header.level_count(); ++l)
+      levels.push_back(&mipmap.levels[static_cast<std::size_t>(l)].weights);
+    weights_.emplace(upload_weights(gl, "weights", means_->shape(), sampler, weight_count_, levels));
+  }
   if (header.first_level == 0) return;
   const LeftOutLevels left_out{header.width, header.height, header.first_level, header.has_colours};
   normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
@@ -84,6 +94,8 @@ ShaderParts MomentMaterial::shader_parts() const {
   if (colours_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
   if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
   if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  if (mean_cosine_) parts.flags.push_back("MULTUM_ROUGHNESS");
+  add_basis_flag(parts);
   return parts;
 }
 
@@ -92,6 +104,8 @@ int MomentMaterial::bind(const ShaderProgram& shader) const {
   binder.bind("u_normals", means_);
   binder.bind("u_slopes", slopes_);
   binder.bind("u_albedo", colours_);
+  if (is_of_basis()) binder.bind("u_weights", weights_);
+  if (mean_cosine_) shader.set("u_mean_cosine", *mean_cosine_);
   binder.bind("u_normal_map", normal_map_);
   binder.bind("u_albedo_map", albedo_map_);
   return binder.next_unit();

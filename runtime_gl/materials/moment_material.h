@@ -33,10 +33,14 @@ class MomentMaterial : public Material {
   const char* name() const override { return "moments"; }
   ShaderParts shader_parts() const override;
   int bind(const ShaderProgram& shader) const override;
+  int weight_count() const override { return weight_count_; }
 
  private:
-  std::optional<Texture> means_;   // E[n]; w = E[b_s b_t]
-  std::optional<Texture> slopes_;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
+  std::optional<Texture> weights_;
+  int weight_count_ = 0;
+  std::optional<float> mean_cosine_;  // with roughness in
+  std::optional<Texture> means_;      // E[n]; w = E[b_s b_t]
+  std::optional<Texture> slopes_;     // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
   std::optional<Texture> colours_, normal_map_, albedo_map_;
   MomentShading shading_ = MomentShading::kLeanJacobian;
 };

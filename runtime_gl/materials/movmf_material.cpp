@@ -4,6 +4,7 @@
 #include "host/base/error.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/texture_binder.h"
+#include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
@@ -26,6 +27,9 @@ void check_mipmap(const MovmfMipmap& mipmap) {
                 level.colours.size() == (mipmap.has_colours() ? lobe_count : 0);
     for (const auto& lobe : level.lobes) good = good && lobe.size() == texels;
     for (const auto& colour : level.colours) good = good && colour.size() == texels;
+    good = good && level.weights.size() == (mipmap.weight_count > 0 ? lobe_count : 0);
+    for (const auto& weights : level.weights)
+      good = good && weights.size() == texels * static_cast<std::size_t>(mipmap.weight_count);
     if (!good)
       throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map is not " +
                                          std::to_string(width) + " x " + std::to_string(height) + " texels of " +
@@ -75,6 +79,15 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
     normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
     if (has_finest_albedo(left_out, *source)) albedo_map_.emplace(upload_finest_albedo(gl, left_out, *source, sampler));
   }
+  weight_count_ = mipmap.weight_count;
+  if (mipmap.has_roughness) mean_cosine_ = mipmap.mean_cosine;
+  weights_.reserve(lobe_count);
+  for (std::size_t j = 0; weight_count_ > 0 && j < lobe_count; ++j) {
+    std::vector<const std::vector<float>*> levels;
+    for (int l = mipmap.first_level; l < mipmap.first_level + level_count; ++l)
+      levels.push_back(&mipmap.levels[static_cast<std::size_t>(l)].weights[j]);
+    weights_.push_back(upload_weights(gl, "weights of a lobe", shape, sampler, weight_count_, levels));
+  }
   if (!mipmap.has_colours()) return;
   TextureShape colour_shape = shape;
   colour_shape.format = mipmap.encoding == StorageEncoding::kFloat ? TexelFormat::kRgba32f : TexelFormat::kRgba16f;
@@ -96,6 +109,8 @@ ShaderParts MovmfMaterial::fetch_parts() const {
   if (shade_first_) parts.flags.push_back("MULTUM_SHADE_FIRST");
   if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
   if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  if (mean_cosine_) parts.flags.push_back("MULTUM_ROUGHNESS");
+  add_basis_flag(parts);
   return parts;
 }
 
@@ -110,6 +125,8 @@ int MovmfMaterial::bind(const ShaderProgram& shader) const {
   TextureBinder binder(shader);
   binder.bind("u_lobes", lobes_);
   binder.bind("u_colours", colours_);
+  if (is_of_basis()) binder.bind("u_weights", weights_);
+  if (mean_cosine_) shader.set("u_mean_cosine", *mean_cosine_);
   binder.bind("u_normal_map", normal_map_);
   binder.bind("u_albedo_map", albedo_map_);
   return binder.next_unit();

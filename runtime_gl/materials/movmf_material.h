@@ -38,6 +38,7 @@ class MovmfMaterial : public Material {
   const char* name() const override { return "movmf"; }
   ShaderParts shader_parts() const override;
   int bind(const ShaderProgram& shader) const override;
+  int weight_count() const override { return weight_count_; }
   int lobe_count() const { return static_cast<int>(lobes_.size()); }
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
 
@@ -48,6 +49,9 @@ class MovmfMaterial : public Material {
  private:
   std::vector<Texture> lobes_;
   std::vector<Texture> colours_;
+  std::vector<Texture> weights_;
+  int weight_count_ = 0;
+  std::optional<float> mean_cosine_;   // with roughness in
   std::optional<Texture> normal_map_;  // (mean normal, 1), levels 0 to the first that is stored less one
   std::optional<Texture> albedo_map_;
   LobeFormula formula_ = LobeFormula::kProduct;

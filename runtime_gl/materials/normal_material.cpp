@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -22,6 +23,21 @@ namespace {
 glm::vec2 slope(const glm::vec3& n) {
   const float z = std::max(n.z, kSlopeZMin);
   return {-n.x / z, -n.y / z};
+}
+
+glm::vec3 finest_normal(const glm::vec3& mean, bool has_roughness) {
+  const float size = glm::length(mean);
+  if (!(size > 0.0f)) return {0.0f, 0.0f, 1.0f};
+  return has_roughness ? mean / std::max(size, 1.0f) : mean / size;
+}
+
+TexelPlane weight_plane(const NormalImage& image) {
+  const auto count = static_cast<std::size_t>(image.weight_count);
+  TexelPlane plane{image.width, image.height, std::vector<glm::vec4>(image.normals.size(), glm::vec4(0.0f))};
+  for (std::size_t i = 0; i < plane.texels.size(); ++i)
+    for (std::size_t k = 0; k < count; ++k)
+      plane.texels[i][static_cast<glm::length_t>(k)] = image.weights[i * count + k];
+  return plane;
 }
 
 ShaderParts baseline_shader_parts(Baseline baseline) {
@@ -48,10 +64,14 @@ NormalImage finest_normals(const MovmfMipmap& mipmap) {
     // Of Gaussians the third is x^2 + y^2.
     if (mipmap.representation == Representation::kGmm) normal.z = std::sqrt(std::max(0.0f, 1.0f - normal.z));
     for (const auto& lobe_colour : level.colours) colour += lobe_colour[i];
-    const float size = glm::length(normal);
-    image.normals.push_back(size > 0.0f ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f));
+    image.normals.push_back(finest_normal(normal, mipmap.has_roughness));
     if (mipmap.has_colours()) image.albedo.push_back(colour);
   }
+  image.has_roughness = mipmap.has_roughness;
+  image.weight_count = mipmap.weight_count;
+  image.weights.resize(texels * static_cast<std::size_t>(mipmap.weight_count));
+  for (const auto& weights : level.weights)
+    std::transform(weights.begin(), weights.end(), image.weights.begin(), image.weights.begin(), std::plus<>());
   return image;
 }
 
@@ -59,10 +79,11 @@ NormalImage finest_normals(const MomentMipmap& mipmap) {
   MULTUM_CHECK(!mipmap.levels.empty() && mipmap.header.first_level == 0);
   const MomentLevel& level = mipmap.levels.front();
   NormalImage image{level.width, level.height, {}, level.colours, mipmap.header.wrap_s, mipmap.header.wrap_t};
-  for (const glm::vec3& normal : level.normals) {
-    const float size = glm::length(normal);
-    image.normals.push_back(size > 0.0f ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f));
-  }
+  for (const glm::vec3& normal : level.normals)
+    image.normals.push_back(finest_normal(normal, mipmap.header.has_roughness));
+  image.has_roughness = mipmap.header.has_roughness;
+  image.weight_count = mipmap.header.weight_count;
+  image.weights = level.weights;
   return image;
 }
 
@@ -94,6 +115,9 @@ NormalMaterial::NormalMaterial(const GlFunctions& gl, const NormalImage& image, 
   }
   normals_.emplace(upload_mips(gl, "the normals", std::move(normals), level_count, sampler));
   if (mipmapped) slopes_.emplace(upload_mips(gl, "the slopes", std::move(slopes), level_count, sampler));
+  has_roughness_ = image.has_roughness;
+  weight_count_ = image.weight_count;
+  if (weight_count_ > 0) weights_.emplace(upload_mips(gl, "the weights", weight_plane(image), level_count, sampler));
   if (image.albedo.empty()) return;
   TexelPlane albedo{image.width, image.height, {}};
   for (const glm::vec3& colour : image.albedo) albedo.texels.emplace_back(colour, 1.0f);
@@ -111,6 +135,8 @@ ShaderParts NormalMaterial::shader_parts() const {
                                                          {shader_common_footprint_glsl, shader_surface_normals_glsl}}
                                            : ShaderParts{{"MULTUM_TRUTH"}, {shader_surface_normals_glsl}};
   if (albedo_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
+  if (has_roughness_) parts.flags.push_back("MULTUM_ROUGHNESS");
+  add_basis_flag(parts);
   return parts;
 }
 
@@ -121,6 +147,7 @@ int NormalMaterial::bind(const ShaderProgram& shader) const {
   binder.bind("u_albedo", albedo_);
   shader.set("u_wrap_s", static_cast<int>(wrap_s_));  // in the order of WrapMode
   shader.set("u_wrap_t", static_cast<int>(wrap_t_));
+  if (is_of_basis()) binder.bind("u_weights", weights_);
   return binder.next_unit();
 }
 

@@ -20,14 +20,17 @@ namespace multum::gl {
 struct NormalImage {
   int width = 0;
   int height = 0;
-  std::vector<glm::vec3> normals;  // unit, tangent space
+  std::vector<glm::vec3> normals;  // unit, tangent space; shorter where `has_roughness`
   std::vector<glm::vec3> albedo;   // linear; empty: white
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
+  bool has_roughness = false;       // lengths of normals are a BRDF's width
+  int weight_count = 0;             // of basis BRDFs
+  std::vector<float> weights = {};  // as many a texel
 };
 
-/// Level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised, and the sum of its
-/// colours.
+/// Level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised unless there is
+/// roughness in, and the sums of its colours and weights.
 NormalImage finest_normals(const MovmfMipmap& mipmap);
 /// The same of a file of moments, and of one of spherical harmonics.
 NormalImage finest_normals(const MomentMipmap& mipmap);
@@ -51,11 +54,15 @@ class NormalMaterial : public Material {
   bool samples_light() const override { return !slopes_.has_value(); }
   bool samples_footprint() const override { return samples_footprint_; }
   int bind(const ShaderProgram& shader) const override;
+  int weight_count() const override { return weight_count_; }
 
  private:
   std::optional<Texture> normals_;  // mean n; w = E[b_s b_t]
   std::optional<Texture> slopes_;   // E[b_s], E[b_t], E[b_s^2], E[b_t^2], b = -n_xy / n_z
   std::optional<Texture> albedo_;
+  std::optional<Texture> weights_;
+  int weight_count_ = 0;
+  bool has_roughness_ = false;
   Baseline baseline_ = Baseline::kMip;
   bool samples_footprint_;
   WrapMode wrap_s_, wrap_t_;

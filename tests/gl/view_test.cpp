@@ -16,6 +16,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
 #include "host/base/content_hash.h"
+#include "host/image/colour_map.h"
 #include "host/image/png_writer.h"
 #include "host/image/reading_settings.h"
 #include "tests/gl/sh_test_map.h"
@@ -118,6 +119,74 @@ TEST_F(ViewTest, RefusesWhatIsForAnotherRepresentation) {
   expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds spherical harmonics, found --formula paper");
   expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "holds spherical harmonics, found --moments");
   expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, "truth, mip, toksvig, lean, lean-jacobian");
+}
+
+// The two-tilt map with a BRDF's width in its lobes, of the mean cosine c; or with weights 1/4 and 3/4, of all lobes
+// alike.
+gl::TestMap with_roughness(float c) {
+  gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
+  map.mipmap.has_roughness = true;
+  map.mipmap.mean_cosine = c;
+  for (MovmfLevel& level : map.mipmap.levels)
+    for (auto& lobes : level.lobes)
+      for (glm::vec4& lobe : lobes) lobe = glm::vec4(glm::vec3(lobe) * c, lobe.w);
+  return map;
+}
+
+gl::TestMap with_weights() {
+  gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kHalf, false);
+  map.mipmap.weight_count = 2;
+  for (MovmfLevel& level : map.mipmap.levels)
+    for (const auto& lobes : level.lobes) {
+      std::vector<float>& weights = level.weights.emplace_back();
+      for (const glm::vec4& lobe : lobes) weights.insert(weights.end(), {0.25f * lobe.w, 0.75f * lobe.w});
+    }
+  return map;
+}
+
+TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
+  const auto error_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth",
+                                          "--size",    "64x48",         "--samples", "64",
+                                          "--context", "osmesa",        "--report",  path("r.json")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file)["pictures"][1]["relative_l1"].get<double>();
+  };
+  const double without = error_of({"--brdf", "blinn-phong:30"});
+  write_movmf_mipmap(path("map.ndf.exr"), with_roughness(31.0f / 32.0f).mipmap, {});
+  EXPECT_LT(error_of({}), without + 0.01);
+  fs::remove(path("out.png"));
+  expect_refusal({"-o", path("out.png"), "--brdf", "blinn-phong:30"}, 2, "has its BRDF's width in");
+  expect_refusal({"-o", path("out.png"), "--compare", "truth,mip"}, 2, "the baselines know nothing of");
+  expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, "--roughness goes with --source");
+}
+
+TEST_F(ViewTest, BlendsBasisBrdfsByWeights) {
+  write_movmf_mipmap(path("map.ndf.exr"), with_weights().mipmap, {});
+  const auto draw = [&](const std::vector<std::string>& brdfs) {
+    std::vector<std::string> arguments = {"-o", path("out.exr"), "--size", "48x32", "--context", "osmesa"};
+    for (const std::string& brdf : brdfs) arguments.insert(arguments.end(), {"--brdf", brdf});
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return read_albedo_map(path("out.exr"), 48, 32, 1);
+  };
+  const ColourMap blended = draw({"blinn-phong:20", "ggx:0.3"}), broad = draw({"blinn-phong:20"}),
+                  sharp = draw({"ggx:0.3"});
+  double difference = 0.0;
+  for (std::size_t i = 0; i < blended.g.size(); ++i) {
+    const double expected = 0.25 * static_cast<double>(broad.g[i]) + 0.75 * static_cast<double>(sharp.g[i]);
+    EXPECT_NEAR(static_cast<double>(blended.g[i]), expected, 2e-3 * expected + 1e-5) << i;
+    difference = std::max(difference, std::abs(static_cast<double>(broad.g[i] - sharp.g[i])));
+  }
+  EXPECT_GT(difference, 0.02) << "the basis is of two BRDFs";
+  const ChildResult truth = view({"-o", path("out.exr"), "--size", "32x24", "--samples", "16", "--context", "osmesa",
+                                  "--brdf", "blinn-phong:20", "--brdf", "ggx:0.3", "--compare", "truth,mip"});
+  EXPECT_EQ(truth.exit_code, 0) << truth.output;
+  expect_refusal({"-o", path("out.png"), "--brdf", "lambert", "--brdf", "lambert", "--brdf", "lambert"}, 2,
+                 "holds 2 weights, found 3 of --brdf");
 }
 
 TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {

@@ -62,6 +62,7 @@ MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settin
     fit.cell_side = kCellSideFew;
     fit.sample_capacity = fit.cell_side * fit.cell_side;
   }
+  if (how.shortened) make_shortened(schedule);
   return schedule;
 }
 
@@ -118,7 +119,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   windows.directed = &directed;
   windows.normals = &normals;
   const auto condensed =
-      condense_levels(device, planes, nullptr, schedule, settings.representation, how.condense_rows, {}, nullptr);
+      condense_levels(device, planes, {}, schedule, settings.representation, how.condense_rows, {}, nullptr);
   RowWindow samples, counts;
   if (how.method == FitMethod::kCondensed) {
     const CondensedLevel& from = condensed.at(how.level);
@@ -168,8 +169,11 @@ std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const s
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       std::vector<reference::Lobe> lobes;
-      reference::EmOptions options{
-          how.iterations, static_cast<double>(how.kappa_cap), static_cast<double>(how.kappa_cap_slope), {}};
+      reference::EmOptions options{how.iterations,
+                                   static_cast<double>(how.kappa_cap),
+                                   static_cast<double>(how.kappa_cap_slope),
+                                   {},
+                                   how.shortened ? static_cast<double>(kCopiesShortened) : 1.0};
       for (int j = 0; j < lobe_count; ++j) {
         const int parent_texel = std::min(y / 2, parent_height - 1) * parent_width + std::min(x / 2, parent_width - 1);
         const MultumVmfLobe& from = parent[static_cast<std::size_t>(j * parent_width * parent_height + parent_texel)];

@@ -20,6 +20,7 @@ struct LevelFit {
   float kappa_cap = 500.0f;
   float kappa_cap_slope = 10.0f;
   bool scalar = false;
+  bool shortened = false;                 // of normals whose lengths are a BRDF's width
   FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals a texel
   int condense_rows = 1 << 15;            // of the map, a band while texels are condensed
   float settled_change = 0.0f;

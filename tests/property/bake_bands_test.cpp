@@ -3,6 +3,7 @@
 // map at once (movmf_level_fit.h).
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -25,13 +26,14 @@ struct Case {
   bool periodic, colours;
   CoarseNormals coarse;
   int first_level;
+  bool materials = false;  // four weights, and shortened normals
   Representation representation = Representation::kMovmf;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
-  *out << c.width << " x " << c.height << (c.periodic ? " periodic" : "") << (c.colours ? " colours" : "")
-       << (c.coarse == CoarseNormals::kAll ? " all" : " condensed") << " from level " << c.first_level
-       << (c.representation == Representation::kGmm ? ", Gaussians" : "");
+  *out << (c.materials ? "materials, " : "") << c.width << " x " << c.height << (c.periodic ? " periodic" : "")
+       << (c.colours ? " colours" : "") << (c.coarse == CoarseNormals::kAll ? " all" : " condensed") << " from level "
+       << c.first_level << (c.representation == Representation::kGmm ? ", Gaussians" : "");
 }
 
 std::array<std::vector<float>, 3> random_planes(const Case& c, unsigned seed, bool unit) {
@@ -41,6 +43,7 @@ std::array<std::vector<float>, 3> random_planes(const Case& c, unsigned seed, bo
   for (int i = 0; i < c.width * c.height; ++i) {
     glm::dvec3 v(uniform(), uniform(), uniform());
     if (unit) v = glm::normalize(glm::dvec3(2.0 * v.x - 1.0, 2.0 * v.y - 1.0, 0.2 + v.z));
+    if (unit && c.materials) v *= 1.0 - 0.5 * std::pow(uniform(), 4.0);
     for (int p = 0; p < 3; ++p) planes[static_cast<std::size_t>(p)].push_back(static_cast<float>(v[p]));
   }
   return planes;
@@ -67,6 +70,7 @@ void expect_same(const MovmfMipmap& a, const MovmfMipmap& b, const std::string& 
     const std::string where = what + ", level " + std::to_string(l);
     expect_same(a.levels[l].lobes, b.levels[l].lobes, where);
     expect_same(a.levels[l].colours, b.levels[l].colours, where);
+    expect_same(a.levels[l].weights, b.levels[l].weights, where);
   }
 }
 
@@ -81,6 +85,13 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
       albedo_.emplace(c.width, c.height);
       fill(*albedo_, random_planes(c, 2, false));
       inputs_.albedo = &*albedo_;
+    }
+    if (c.materials) {
+      weights_.count = 4;
+      for (unsigned seed : {3u, 4u})
+        fill(weights_.triples.emplace_back(c.width, c.height), random_planes(c, seed, false));
+      inputs_.weights = &weights_;
+      inputs_.has_roughness = true;
     }
     settings_.representation = c.representation;
     settings_.lobe_count = 2;
@@ -99,23 +110,23 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
   }
 
   std::optional<PlaneStore> normals_, albedo_;
+  WeightMap weights_;
   MovmfBakeInputs inputs_;
   MovmfSettings settings_;
   BakeReport report_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Maps, BakeBandsTest,
-                         ::testing::Values(Case{64, 256, true, false, CoarseNormals::kCondensed, 0},
-                                           Case{64, 256, false, true, CoarseNormals::kAll, 0},
-                                           Case{50, 237, true, true, CoarseNormals::kCondensed, 0},
-                                           Case{37, 190, true, false, CoarseNormals::kAll, 0},
-                                           Case{101, 99, false, false, CoarseNormals::kCondensed, 1},
-                                           Case{96, 2000, true, true, CoarseNormals::kCondensed, 4},
-                                           Case{70, 1900, false, false, CoarseNormals::kCondensed, 4},
-                                           Case{70, 1000, false, true, CoarseNormals::kAll, 5},
-                                           Case{50, 237, true, true, CoarseNormals::kCondensed, 0,
-                                                Representation::kGmm},
-                                           Case{37, 190, true, true, CoarseNormals::kAll, 0, Representation::kGmm}));
+INSTANTIATE_TEST_SUITE_P(
+    Maps, BakeBandsTest,
+    ::testing::Values(
+        Case{64, 256, true, false, CoarseNormals::kCondensed, 0}, Case{64, 256, false, true, CoarseNormals::kAll, 0},
+        Case{50, 237, true, true, CoarseNormals::kCondensed, 0}, Case{37, 190, true, false, CoarseNormals::kAll, 0},
+        Case{101, 99, false, false, CoarseNormals::kCondensed, 1},
+        Case{96, 2000, true, true, CoarseNormals::kCondensed, 4},
+        Case{70, 1900, false, false, CoarseNormals::kCondensed, 4}, Case{70, 1000, false, true, CoarseNormals::kAll, 5},
+        Case{61, 240, true, true, CoarseNormals::kCondensed, 0, true},
+        Case{50, 237, true, true, CoarseNormals::kCondensed, 0, false, Representation::kGmm},
+        Case{37, 190, true, true, CoarseNormals::kAll, 0, false, Representation::kGmm}));
 
 TEST_P(BakeBandsTest, AnyMemoryGivesTheSameBytes) {
   const MovmfMipmap whole = bake();

@@ -99,7 +99,7 @@ TEST(AccuracyTruthTest, IsTheAverageOverAllNormals) {
     const TexelAverages averages(texels, static_cast<int>(levels.size()));
     const PlaneStore normals(map.width, map.height, planes.normal_rows());
     const PlaneStore albedo(map.width, map.height, planes.albedo_rows());
-    BrdfTruth truth(averages, kOmega, kExponents, true);
+    BrdfTruth truth(averages, power_values(kOmega, kExponents), true);
     PlaneAverages means(averages, true);
     stream_rows({normals, &albedo}, {2}, {&truth, &means}, nullptr);
     const auto expect_averages = [&](const TexelSums& found, std::size_t value, const auto& finest_value) {
@@ -139,7 +139,8 @@ TEST(AccuracyTruthTest, DoesNotDependOnThreadsBandsOrWhereThePlanesAre) {
     for (const PlaneStore* normals : {&in_memory, static_cast<const PlaneStore*>(&in_file)})
       for (const StreamSettings& settings :
            {StreamSettings{1, 0}, StreamSettings{2, 1}, StreamSettings{3, 7}, StreamSettings{5, 1000}}) {
-        BrdfTruth first(averages, kOmega, kExponents, false), second(averages, -kOmega, {20.0}, false);
+        BrdfTruth first(averages, power_values(kOmega, kExponents), false),
+            second(averages, power_values(-kOmega, {20.0}), false);
         stream_rows({*normals, nullptr}, settings, {&first, &second}, nullptr);
         std::vector<double> values;
         for (std::size_t slot = 0; slot < texels.slot_count(); ++slot) {
@@ -157,7 +158,7 @@ TEST(AccuracyTruthTest, Cancels) {
   const Planes planes(map);
   const TexelSelection texels({map}, {{3}});
   const TexelAverages averages(texels, 1);
-  BrdfTruth truth(averages, kOmega, kExponents, false);
+  BrdfTruth truth(averages, power_values(kOmega, kExponents), false);
   const PlaneStore normals(map.width, map.height, planes.normal_rows());
   int calls = 0;
   Progress progress([&](const ProgressEvent&) { return ++calls < 3; });

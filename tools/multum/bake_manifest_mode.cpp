@@ -22,8 +22,10 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 // Before any work: a run of an hour must not end in a report that cannot be written, or that takes a map's place.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
   std::vector<std::string> taken = {o.manifest};
-  for (const ManifestMap& map : maps)
-    for (const std::string& file : {map.job.input, map.job.albedo, map.job.output}) taken.push_back(file);
+  for (const ManifestMap& map : maps) {
+    for (const std::string& file : input_files(map.job)) taken.push_back(file);
+    taken.push_back(map.job.output);
+  }
   const std::string summary = o.summary == kStdout ? "" : o.summary;
   check_paths_differ(taken, {o.junit, summary});
   for (const std::string& file : {o.junit, summary})

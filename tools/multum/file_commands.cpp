@@ -54,11 +54,19 @@ struct InfoKind {
   std::uint64_t (*gpu_bytes)(const std::string& path, const BakedHeader& file);
 };
 
+std::string material_texts(const BakedHeader& file) {
+  std::string text;
+  if (file.weight_count > 0) text += fmt::format(", weights of {} basis BRDFs", file.weight_count);
+  if (file.has_roughness)
+    text += fmt::format(", the BRDF's width in (mean cosine {:.3f})", static_cast<double>(file.mean_cosine));
+  return text;
+}
+
 constexpr InfoKind kInfoKinds[] = {
     {Representation::kMovmf,
      [](const std::string& path, const BakedHeader& file) {
-       return fmt::format("{} von Mises-Fisher lobes a texel{}", read_movmf_header(path).lobe_count(),
-                          file.has_colours ? ", with a colour a lobe" : "");
+       return fmt::format("{} von Mises-Fisher lobes a texel{}{}", read_movmf_header(path).lobe_count(),
+                          file.has_colours ? ", with a colour a lobe" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
        return fmt::format("kappa up to {:.0f} survives it", static_cast<double>(storage_kappa_max(file.encoding)));
@@ -76,7 +84,8 @@ constexpr InfoKind kInfoKinds[] = {
      [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
     {Representation::kMoments,
      [](const std::string&, const BakedHeader& file) {
-       return fmt::format("mean normal, first and second moments of slopes{}", file.has_colours ? ", mean colour" : "");
+       return fmt::format("mean normal, first and second moments of slopes{}{}",
+                          file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
        return fmt::format("at a slope b, deviations of slopes down to {:.4f} b survive it",

@@ -59,6 +59,24 @@ void check_options_of_gaussians(const ViewOptions& options) {
 }  // namespace
 
 void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
+  if (options.basis.size() > 1 && options.basis.size() != static_cast<std::size_t>(baked.weight_count))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: holds {} weights, found {} of --brdf, expected one, or one a weight", options.input,
+                            baked.weight_count, options.basis.size()));
+  if (baked.has_roughness && options.has_brdf)
+    throw Error(ErrorCode::kUsage,
+                options.input + ": has its BRDF's width in (multum:roughness), found --brdf, expected none");
+  if (baked.has_roughness && !options.environment.empty() && !options.compare.empty())
+    throw Error(ErrorCode::kUsage, options.input +
+                                       ": has its BRDF's width in, found --environment with --compare, "
+                                       "expected lights: brute force knows one BRDF");
+  if (baked.has_roughness && options.formula == gl::LobeFormula::kPaper)
+    throw Error(ErrorCode::kUsage,
+                options.input + ": has its BRDF's width in, found --formula paper, expected product");
+  if (baked.has_roughness && !(options.compare.empty() || options.compare == std::vector<std::string>{"truth"}))
+    throw Error(
+        ErrorCode::kUsage,
+        options.input + ": has its BRDF's width in, which the baselines know nothing of, expected --compare truth");
   const auto refuse = [&](const char* option, const char* expected) {
     const char* const held = holds_lobes(baked.representation)                  ? "lobes"
                              : baked.representation == Representation::kMoments ? "moments"

@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
   if (!options->materials.empty()) return run_model(*options);
   const BakedMap map = read_baked_map(options->input);
   check_options_of(*options, map.header);
+  if (map.header.has_roughness) options->scene.brdf.exponent = options->last_scene.brdf.exponent = kRoughnessExponent;
   warn_of_sources(*options, map.header);
   const gl::MeshData mesh_data = make_mesh(*options);
   const gl::NormalImage source = needs_source(*options, map.header) ? read_source(*options, map) : gl::NormalImage{};

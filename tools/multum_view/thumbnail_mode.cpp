@@ -105,6 +105,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   const gl::Mesh mesh(context->functions(), plane_data());
   gl::Scene scene;
   scene.uv_scale = kPlaneSize;
+  if (mipmap.has_roughness) scene.brdf.exponent = kRoughnessExponent;
   gl::Renderer renderer(context->functions(), kWidth, kHeight);
   const auto baked = gl::make_lobe_material(context->functions(), mipmap, 1.0f);
   const gl::FloatImage render = renderer.draw(mesh, *baked, scene).image;
@@ -113,7 +114,8 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
 
   const NormalMapSettings settings = source_settings(options, mipmap);
   write_png8(options.file("input.png"), read_small_picture(options.source, kInputSide));
-  if (mipmap.has_colours() && options.albedo.empty()) return;  // nothing to compare with
+  // Nothing to compare with.
+  if (mipmap.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
   const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
                                   gl::NormalMaterial::Sampling::kNearest, 1.0f);
   const gl::FloatImage truth = renderer.draw_truth(mesh, finest, scene, kSamples).image;

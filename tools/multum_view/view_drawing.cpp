@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+#include <utility>
+
 #include "host/base/log.h"
 
 namespace multum {
@@ -16,6 +19,28 @@ gl::Baseline baseline_of(const std::string& name) {
 }
 
 bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
+
+// Basis BRDFs one after another, each times its weight: what a surface reflects is their sum, whatever they are.
+template <typename Draw>
+gl::Picture draw_blended(const ViewOptions& options, gl::Scene scene, gl::Material& material, const Draw& draw) {
+  if (options.basis.size() <= 1) return draw(scene);
+  gl::Picture sum{};
+  for (std::size_t k = 0; k < options.basis.size(); ++k) {
+    scene.brdf = options.basis[k];
+    material.set_basis(static_cast<int>(k));
+    gl::Picture part = draw(scene);
+    if (k == 0) {
+      sum = std::move(part);
+      continue;
+    }
+    // Alpha is coverage, the same in each.
+    for (std::size_t i = 0; i < sum.image.rgba.size(); ++i)
+      if (i % 4 != 3) sum.image.rgba[i] += part.image.rgba[i];
+    sum.frame_time_ms += part.frame_time_ms;
+  }
+  material.set_basis(std::nullopt);
+  return sum;
+}
 
 }  // namespace
 
@@ -36,13 +61,20 @@ PictureDrawer::PictureDrawer(const ViewOptions& options, const gl::GlFunctions& 
 
 std::vector<NamedPicture> PictureDrawer::draw(const gl::Scene& scene) {
   std::vector<NamedPicture> pictures;
-  pictures.push_back({"multum", renderer_.draw(mesh_, *baked_, scene)});
+  const auto drawn = [&](gl::Material& material) {
+    return draw_blended(options_, scene, material,
+                        [&](const gl::Scene& one) { return renderer_.draw(mesh_, material, one); });
+  };
+  pictures.push_back({"multum", drawn(*baked_)});
   for (const std::string& name : options_.compare) {
     if (name == "truth") {
-      pictures.insert(pictures.begin(), {name, renderer_.draw_truth(mesh_, *finest_, scene, options_.samples)});
+      const auto draw = [&](const gl::Scene& one) {
+        return renderer_.draw_truth(mesh_, *finest_, one, options_.samples);
+      };
+      pictures.insert(pictures.begin(), {name, draw_blended(options_, scene, *finest_, draw)});
     } else {
       mipmapped_->set_baseline(baseline_of(name));
-      pictures.push_back({name, renderer_.draw(mesh_, *mipmapped_, scene)});
+      pictures.push_back({name, drawn(*mipmapped_)});
     }
   }
   return pictures;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <glm/geometric.hpp>
 
 #include "host/base/content_hash.h"
@@ -11,6 +12,7 @@
 #include "host/base/log.h"
 #include "host/image/colour_map.h"
 #include "host/image/environment_file.h"
+#include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/image/reading_settings.h"
 #include "host/mesh/mesh.h"
@@ -36,6 +38,47 @@ NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader&
   }
   apply(options.reading, settings);
   return settings;
+}
+
+/// Lengths of normals, colours and weights, as the bake had them.
+void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::NormalImage& image) {
+  if (baked.has_roughness == options.roughness.empty())
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has {}roughness in, found {}, expected {} beside --source",
+                                               options.input, baked.has_roughness ? "" : "no ",
+                                               options.roughness.empty() ? "no --roughness" : "--roughness",
+                                               baked.has_roughness ? "the map that it was baked with" : "none"));
+  if (options.basis.size() > 1 && options.weights.empty())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: found {} of --brdf and no --weights, expected the map that it was baked with beside "
+                            "--source",
+                            options.input, options.basis.size()));
+  if (!options.roughness.empty()) {
+    PlaneStore normals(image.width, image.height);
+    std::array<std::vector<float>, 3> planes;
+    for (std::size_t p = 0; p < 3; ++p)
+      for (const glm::vec3& n : image.normals) planes[p].push_back(n[static_cast<glm::length_t>(p)]);
+    normals.write_rows(0, image.height, {planes[0].data(), planes[1].data(), planes[2].data()});
+    shorten_by_roughness(normals, parse_channel_file(options.roughness), {}, 1);
+    planes = normals.take_planes();
+    for (std::size_t i = 0; i < image.normals.size(); ++i)
+      image.normals[i] = {planes[0][i], planes[1][i], planes[2][i]};
+    image.has_roughness = true;
+  }
+  if (!options.weights.empty()) {
+    WeightMap map = read_weight_map(options.weights, image.width, image.height, {}, 1);
+    const auto count = static_cast<std::size_t>(map.count);
+    image.weight_count = map.count;
+    image.weights.resize(image.normals.size() * count);
+    for (std::size_t t = 0; t < map.triples.size(); ++t) {
+      const std::array<std::vector<float>, 3> planes = map.triples[t].take_planes();
+      for (std::size_t k = 3 * t; k < std::min(count, 3 * t + 3); ++k)
+        for (std::size_t i = 0; i < image.normals.size(); ++i) image.weights[i * count + k] = planes[k - 3 * t][i];
+    }
+  }
+  if (options.albedo.empty()) return;
+  const ColourMap colours = read_albedo_map(options.albedo, image.width, image.height, 1);
+  for (std::size_t i = 0; i < colours.r.size(); ++i)
+    image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
 }
 
 }  // namespace
@@ -99,10 +142,7 @@ gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map) {
   gl::NormalImage image{normals.width, normals.height, {}, {}, baked.wrap_s, baked.wrap_t};
   for (std::size_t i = 0; i < normals.x.size(); ++i)
     image.normals.emplace_back(normals.x[i], normals.y[i], normals.z[i]);
-  if (options.albedo.empty()) return image;
-  const ColourMap colours = read_albedo_map(options.albedo, normals.width, normals.height, 1);
-  for (std::size_t i = 0; i < colours.r.size(); ++i)
-    image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
+  add_materials(options, baked, image);
   return image;
 }
 

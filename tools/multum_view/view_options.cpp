@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "host/base/choices.h"
 #include "host/base/error.h"
@@ -28,7 +29,7 @@ struct RawOptions {
   std::string up;
   std::vector<std::string> lights;
   std::vector<std::string> point_lights;
-  std::string brdf = "blinn-phong:100";
+  std::vector<std::string> brdfs;
   std::string diffuse;
   std::string specular;
   std::string size = "640x480";
@@ -263,6 +264,9 @@ void finish_animation(const RawOptions& raw, ViewOptions& options) {
     throw Error(ErrorCode::kUsage, "--animate writes FOLDER/frame_0000.png and so on: leave out -o and --pictures");
   if (!raw.to_camera.empty()) parse_camera("--to-camera", raw.to_camera, last.camera);
   options.has_last_camera = !raw.to_camera.empty();
+  if (options.basis.size() > 1 && !(raw.to_brdf.empty() && raw.to_diffuse.empty() && raw.to_specular.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--to-brdf, --to-diffuse and --to-specular change one BRDF, found several of --brdf");
   if (!raw.to_brdf.empty()) {
     const glm::vec3 diffuse = last.brdf.diffuse, specular = last.brdf.specular;
     last.brdf = parse_brdf(raw.to_brdf, last.brdf.term_count);
@@ -308,16 +312,26 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   if (raw.point_lights.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--point-light: at most 8 lights");
   for (const std::string& light : raw.point_lights)
     scene.point_lights.push_back(parse_point_light("--point-light", light));
-  scene.brdf = parse_brdf(raw.brdf, scene.brdf.term_count);
-  if (!raw.diffuse.empty()) scene.brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
-  if (!raw.specular.empty()) scene.brdf.specular = parse_colour("--specular", raw.specular);
+  options.has_brdf = !raw.brdfs.empty();
+  if (raw.brdfs.size() > kWeightCountMax) throw Error(ErrorCode::kUsage, "--brdf: at most 4, a weight each");
+  for (const std::string& text : raw.brdfs.empty() ? std::vector<std::string>{"blinn-phong:100"} : raw.brdfs) {
+    Brdf brdf = parse_brdf(text, scene.brdf.term_count);
+    if (!raw.diffuse.empty()) brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
+    if (!raw.specular.empty()) brdf.specular = parse_colour("--specular", raw.specular);
+    options.basis.push_back(brdf);
+  }
+  scene.brdf = options.basis[0];
   parse_size(raw.size, options);
   options.context = gl::parse_context_backend(raw.context).value();
   options.formula = raw.formula == "paper" ? gl::LobeFormula::kPaper : gl::LobeFormula::kProduct;
   if (!raw.moments.empty()) options.moments = find_choice(kMomentShadings, raw.moments);
   if (!raw.compare.empty()) options.compare = parse_compare(raw.compare);
-  if (!options.albedo.empty() && options.source.empty())
-    throw Error(ErrorCode::kUsage, "--albedo goes with --source: both describe the map that the file was baked from");
+  for (const auto& [option, path] :
+       {std::pair{"--albedo", &options.albedo}, std::pair{"--roughness", &options.roughness},
+        std::pair{"--weights", &options.weights}})
+    if (!path->empty() && options.source.empty())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} goes with --source: both describe the map that the file was baked from", option));
   if (options.formula == gl::LobeFormula::kPaper && scene.brdf.kind != BrdfKind::kBlinnPhong)
     throw Error(ErrorCode::kUsage, "--formula paper is Blinn-Phong's; use it with --brdf blinn-phong:S");
   finish_animation(raw, options);
@@ -347,6 +361,8 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
                  "normal map that the file was baked from, for the truth and the baselines (default: level 0 of the "
                  "file) and, in files baked with --first-level, for the finest levels");
   app.add_option("--albedo", o.albedo, "the source's colours");
+  app.add_option("--roughness", o.roughness, "the source's roughness, FILE or FILE:CHANNEL, as the bake had it");
+  app.add_option("--weights", o.weights, "the source's weights of basis BRDFs");
   app.add_option("--mesh", o.mesh,
                  "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "
                  "horizon: x from -30 to 30, y from 0 to 60)");
@@ -365,10 +381,13 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
                  "its highlights: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for broad BRDFs)")
       ->check(CLI::IsMember({"sh", "prefiltered"}))
       ->capture_default_str();
-  app.add_option("--brdf", raw.brdf,
-                 "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or a "
-                 "measured one's file (.brdf text, .binary of MERL, .json of a fit)")
-      ->capture_default_str();
+  app.add_option(
+         "--brdf", raw.brdfs,
+         "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or a "
+         "measured one's file (.brdf text, .binary of MERL, .json of a fit); several times: basis BRDFs, which the "
+         "file's weights blend; files with roughness in have their own (default: blinn-phong:100)")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", o.scene.brdf.term_count,
                  "vMF densities that GGX and measured facets are a sum of, over lobes: more is nearer and slower")
       ->check(CLI::Range(1, kBrdfTermCountMax))

@@ -20,12 +20,16 @@ struct ViewOptions {
   std::string pictures;     // PREFIX of a file for each picture; empty: none
   std::string source;       // normal map that the file was baked from; empty: level 0 of the file
   std::string albedo;       // its colours; used where `source` is
+  std::string roughness;    // FILE or FILE:CHANNEL; the same
+  std::string weights;      // of basis BRDFs; the same
   ReadingOptions reading;   // how to read `source`, where it is not read as the bake read it
   std::string mesh;         // empty: the plane
   std::string environment;  // over latitude and longitude; empty: none
   std::string report;       // JSON; empty: none
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
+  std::vector<Brdf> basis;  // what --brdf says, more than one: blended by the file's weights
+  bool has_brdf = false;    // --brdf was given
   bool has_camera = false;
   std::string frames_folder;  // of --animate; empty: one picture
   int frame_count = 24;

@@ -8,6 +8,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
 #include "host/brdf/measured_brdf.h"
+#include "host/image/material_maps.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
 #include "tools/multum_view/animated_view.h"
@@ -99,7 +100,9 @@ void check_outputs(const ViewOptions& options) {
       if (compares_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
     }
   }
-  check_paths_differ({options.input, options.source, options.albedo, options.mesh, options.environment}, outputs);
+  check_paths_differ({options.input, options.source, options.albedo, parse_channel_file(options.roughness).path,
+                      options.weights, options.mesh, options.environment},
+                     outputs);
   for (const std::string& path : outputs) check_writable(path);
 }
 

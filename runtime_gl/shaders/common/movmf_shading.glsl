@@ -57,6 +57,12 @@ float multum_vmf_density(float kappa, float e) {
   return scale / (2.0 * MULTUM_PI) * exp(-kappa * e);
 }
 
+// Where a BRDF's width is in the lobes (multum:roughness), they are shorter than the normals' own, by a factor that is
+// known in the mean over the map alone (multum:meanCosine): what diffuse light, which knows no roughness, takes.
+vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
+  return vec4(lobe.xyz * min(1.0 / mean_cosine, lobe.w / max(length(lobe.xyz), 1e-12)), lobe.w);
+}
+
 // Lambert, max(n . l, 0), convolved with the lobe; the caller multiplies by albedo / pi. With m = r . l = |r| t:
 // E max(x, 0) = (m + E|x|) / 2, x = n . l, and E|x| is modelled as sqrt(m^2 + v exp(-g)), the shape of a folded normal
 // distribution's mean: v = (E|x|)^2 at t = 0, g = polynomial in m^2 / v. At most 0.22 % relative L1 over the sphere of

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lobes of a texel, trilinear: textures and MultumSurface of movmf.glsl and gmm.glsl, which stand behind.
 // MULTUM_COLOURS: lobes have colours; MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map,
-// as one more lobe (a r, a) of a mean normal; MULTUM_ALBEDO_MAP: with its own colours. MULTUM_SHADE_FIRST: the lobes of
-// all eight texels, each by its weight, so that shading comes before filtering: what lobes that are not aligned need.
+// as one more lobe (a r, a) of a mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times
+// weight k of the lobes. MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes
+// before filtering: what lobes that are not aligned need.
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours[MULTUM_LOBE_COUNT];
@@ -17,6 +18,9 @@ uniform sampler2D u_normal_map;  // mean normals of the levels finer than those 
 #endif
 #ifdef MULTUM_ALBEDO_MAP
 uniform sampler2D u_albedo_map;
+#endif
+#ifdef MULTUM_BASIS
+uniform sampler2D u_weights[MULTUM_LOBE_COUNT];
 #endif
 
 struct MultumSurface {
@@ -40,12 +44,16 @@ MultumSurface multum_fetch_surface(vec2 st) {
     vec2 middle = (floor(place) + corner + 0.5) / level_size;  // where no filter mixes
     for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
       vec4 lobe = textureLod(u_lobes[j], middle, float(level));
-      surface.lobes[k * MULTUM_LOBE_COUNT + j] = weight * lobe;
       surface.albedos[k * MULTUM_LOBE_COUNT + j] = vec3(1.0);
 #ifdef MULTUM_COLOURS
       vec3 colour = textureLod(u_colours[j], middle, float(level)).rgb;
       surface.albedos[k * MULTUM_LOBE_COUNT + j] = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
+#ifdef MULTUM_BASIS
+      float share = textureLod(u_weights[j], middle, float(level))[MULTUM_BASIS];
+      lobe *= share / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+#endif
+      surface.lobes[k * MULTUM_LOBE_COUNT + j] = weight * lobe;
     }
   }
   return surface;
@@ -61,6 +69,7 @@ MultumSurface multum_fetch_surface(vec2 st) {
   finest.w *= normal.w;  // beyond a black border there is no material
 #endif
   vec3 mean_colour = vec3(0.0);
+  float mean_weight = 0.0;
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
     vec4 lobe = texture(u_lobes[j], st);
     surface.albedos[j] = vec3(1.0);
@@ -70,9 +79,18 @@ MultumSurface multum_fetch_surface(vec2 st) {
     surface.albedos[j] = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
     mean_colour += colour;
 #endif
+#ifdef MULTUM_BASIS
+    // Shading is linear in (a r, a): weights are amplitudes.
+    float weight = texture(u_weights[j], st)[MULTUM_BASIS];
+    mean_weight += weight;
+    lobe *= weight / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+#endif
     surface.lobes[j] = share * lobe;
   }
 #ifdef MULTUM_NORMAL_MAP
+#ifdef MULTUM_BASIS
+  finest *= mean_weight;  // of the first stored level
+#endif
   surface.lobes[MULTUM_LOBE_COUNT] = finest;
 #if defined(MULTUM_ALBEDO_MAP)
   surface.albedos[MULTUM_LOBE_COUNT] = texture(u_albedo_map, st).rgb;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mixture of MULTUM_LOBE_COUNT vMF lobes, fetched by lobes.glsl. MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2
-// for diffuse and specular alike.
+// A mixture of MULTUM_LOBE_COUNT vMF lobes, fetched by lobes.glsl. MULTUM_ROUGHNESS: the BRDF's width is in the lobes;
+// MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular alike.
+#ifdef MULTUM_ROUGHNESS
+uniform float u_mean_cosine;
+#endif
 
 #ifdef MULTUM_VISIBILITY
 // The normals that reflect towards v are those of the lobe that are near h: their mean lies between the two, nearer to
@@ -20,7 +23,11 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
     float cosine = max(dot(multum_movmf_mean_direction(lobe), l), 0.0);
     float diffuse = lobe.w * cosine;
 #else
+#ifdef MULTUM_ROUGHNESS
+    float diffuse = multum_movmf_lambert(multum_movmf_without_roughness(lobe, u_mean_cosine), l);
+#else
     float diffuse = multum_movmf_lambert(lobe, l);
+#endif
     float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
     sum.diffuse += surface.albedos[j] * diffuse;

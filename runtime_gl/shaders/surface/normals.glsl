@@ -3,16 +3,23 @@
 //   MULTUM_TRUTH  the finest map's nearest texel        MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP    averaged normal, normalised           MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// and MULTUM_FOOTPRINT (TRUTH: not the nearest texel but one that the trilinear filter averages), MULTUM_COLOURS,
-// MULTUM_NORMAL_MAP (levels finer than those stored come from the normal map, by Toksvig's rule: it has no moments of
-// slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP, TOKSVIG and LEAN read
-// a baked file of moments, or mips of the finest map, which are the same.
+// and MULTUM_FOOTPRINT (TRUTH: not the nearest texel but one that the trilinear filter averages), MULTUM_ROUGHNESS
+// (lengths of normals are a BRDF's width; TRUTH: of each its own), MULTUM_BASIS k (all is times weight k),
+// MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored are the normal map's, by Toksvig's rule: it has no
+// moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP, TOKSVIG
+// and LEAN read a baked file of moments, or mips of the finest map, which are the same.
 uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
 #endif
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_albedo;
+#endif
+#ifdef MULTUM_ROUGHNESS
+uniform float u_mean_cosine;
+#endif
+#ifdef MULTUM_BASIS
+uniform sampler2D u_weights;
 #endif
 #ifdef MULTUM_NORMAL_MAP
 uniform sampler2D u_normal_map;  // averaged normals of the levels finer than those
@@ -24,6 +31,7 @@ uniform sampler2D u_albedo_map;
 struct MultumSurface {
   vec4 normal;
   vec3 albedo;
+  float weight;
 #ifdef MULTUM_LEAN
   vec4 slopes;
 #endif
@@ -35,12 +43,15 @@ struct MultumSurface {
 
 #ifdef MULTUM_FOOTPRINT
 MultumSurface multum_fetch_surface(vec2 st) {
-  MultumSurface surface = MultumSurface(vec4(0.0), vec3(1.0));
+  MultumSurface surface = MultumSurface(vec4(0.0), vec3(1.0), 1.0);
   ivec2 texel = multum_footprint_texel(u_normals, st);
   if (texel == MULTUM_NO_TEXEL) return surface;
   surface.normal = texelFetch(u_normals, texel, 0);
 #ifdef MULTUM_COLOURS
   surface.albedo = texelFetch(u_albedo, texel, 0).rgb;
+#endif
+#ifdef MULTUM_BASIS
+  surface.weight = texelFetch(u_weights, texel, 0)[MULTUM_BASIS];
 #endif
   return surface;
 }
@@ -54,6 +65,10 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #endif
 #ifdef MULTUM_LEAN
   surface.slopes = texture(u_slopes, st);
+#endif
+  surface.weight = 1.0;
+#ifdef MULTUM_BASIS
+  surface.weight = texture(u_weights, st)[MULTUM_BASIS];
 #endif
 #ifdef MULTUM_NORMAL_MAP
   vec3 mean = texture(u_normal_map, st).xyz;
@@ -71,6 +86,14 @@ MultumSurface multum_fetch_surface(vec2 st) {
 // have.
 const float MULTUM_MEAN_MIN = 1e-12;
 
+// max(E[n] . l, 0).
+float multum_mean_cosine(vec3 mean, vec3 l) {
+#ifdef MULTUM_ROUGHNESS
+  mean = multum_movmf_without_roughness(vec4(mean, 1.0), u_mean_cosine).xyz;
+#endif
+  return max(dot(mean, l), 0.0);
+}
+
 // The highlight's cosine is that of the averaged normal.
 MultumReflection multum_reflect_mean(vec3 mean, vec3 albedo, vec3 facets, float diffuse, vec3 l, vec3 v, vec3 h) {
   vec3 n = normalize(mean);
@@ -87,7 +110,7 @@ MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec
   float size = length(mean);
   if (size <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));
 #if defined(MULTUM_TOKSVIG) || defined(MULTUM_LEAN)
-  float diffuse = max(dot(mean, l), 0.0);
+  float diffuse = multum_mean_cosine(mean, l);
 #else
   float diffuse = max(dot(mean / size, l), 0.0);
 #endif
@@ -99,6 +122,8 @@ MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec
   facets = u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, true);
 #elif defined(MULTUM_LEAN)
   facets = u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, false);
+#elif defined(MULTUM_ROUGHNESS)
+  facets = multum_lobe_facets(vec4(mean, 1.0), h);
 #else
   facets = multum_facets(mean / size, h);
 #endif
@@ -112,10 +137,12 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
   vec3 mean = surface.finest.xyz;
   vec3 facets = u_facet_total * multum_moments_toksvig(mean, h, u_exponent);
   if (length(mean) > MULTUM_MEAN_MIN)
-    finest = multum_reflect_mean(mean, surface.finest_albedo, facets, max(dot(mean, l), 0.0), l, v, h);
+    finest = multum_reflect_mean(mean, surface.finest_albedo, facets, multum_mean_cosine(mean, l), l, v, h);
   sum.diffuse = mix(sum.diffuse, finest.diffuse, surface.finest.w);
   sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
 #endif
+  sum.diffuse *= surface.weight;
+  sum.specular *= surface.weight;
   return sum;
 }
 
@@ -137,6 +164,8 @@ MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   sum.diffuse = mix(sum.diffuse, surface.finest_albedo * finest.diffuse, surface.finest.w);
   sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
 #endif
+  sum.diffuse *= surface.weight;
+  sum.specular *= surface.weight;
   return sum;
 }
 #endif

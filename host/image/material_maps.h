@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps of a material beside its normals and colours: roughness, and linear blend weights of basis BRDFs (Han et al.
+// 2007, section 7.3). Their numbers are data, never sRGB: integers stand for 0 to 1, floats for themselves, and what is
+// not from 0 to 1 is refused.
+//
+// Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe of mean vector
+// c n, c the mean cosine of those half vectors; averages of c n over a texel then hold the spread of normals and of
+// BRDFs together, as mean cosines multiply under convolution. Perceptual roughness r stands for alpha = r^2 and a lobe
+// whose mean cosine is
+//
+//     c = 1 - alpha^2 / 2        kappa = 2 / alpha^2 where c > 0.9
+//
+// That is normalised Blinn-Phong of s = 2 / alpha^2 - 2, the exponent that matches Beckmann's and GGX's peak (c = (s +
+// 1) / (s + 2)); Beckmann's slopes have the variance alpha^2 / 2 each way, 1 - c as well. GGX's own mean cosine, 1 / (1
+// + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2, is not taken: its tail, which no single lobe has, would widen the
+// peak (alpha 0.1: c = 0.971, kappa 34, where the peak's is 200). At alpha 1 both are 1/2, the uniform hemisphere.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/image/plane_store.h"
+#include "host/image/reading_place.h"
+
+namespace multum {
+
+/// c(roughness) for perceptual roughness of 0 to 1: 1 to 1/2.
+double mean_cosine_of_roughness(double roughness);
+
+/// One channel of a file. `channel`: R, G, B, A or the channel's name; empty: the only one, or G of several (glTF's).
+struct ChannelFile {
+  std::string path;
+  std::string channel;
+};
+/// "FILE" or "FILE:CHANNEL". What names a file that exists is a path, colons and all.
+ChannelFile parse_channel_file(const std::string& text);
+
+/// Multiplies unit normals by c of the roughness map, which must be of their size. Returns the mean of c. Throws
+/// Error(kInput) naming the file, what was found and what was expected.
+double shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place, int threads);
+
+/// Weights of 1 to 4 basis BRDFs.
+struct WeightMap {
+  int count = 0;
+  std::vector<PlaneStore> triples;  // three planes each, as many as hold them; planes that are not used are 0
+};
+
+/// All channels of a file of 1 to 4. Throws as above.
+WeightMap read_weight_map(const std::string& path, int width, int height, const ReadingPlace& place, int threads);
+
+}  // namespace multum

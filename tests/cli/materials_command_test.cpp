@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum bake --roughness and --weights: what the file holds, what it is recognised by, in manifests and for both
+// representations.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/asset/moment_mipmap.h"
+#include "host/asset/movmf_mipmap.h"
+#include "tests/cli/program.h"
+#include "tests/unit/image_test_files.h"
+
+namespace multum::testing {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+class MaterialsCommandTest : public CliTest {
+ protected:
+  void SetUp() override {
+    make_map("map", 64);
+    // glTF's order: occlusion, roughness, metalness; then weights of four.
+    write_waves("orm.png", 3, 0.5);
+    write_waves("weights.png", 4, 1.0);
+  }
+  void write_waves(const std::string& name, int channels, double size) const {
+    TestImage image{.width = 64, .height = 64, .channels = channels, .type = OIIO::TypeDesc::UINT8};
+    for (int i = 0; i < 64 * 64; ++i)
+      for (int c = 0; c < channels; ++c)
+        image.values.push_back(static_cast<float>(0.2 + 0.5 * size * (0.5 + 0.5 * std::sin(0.1 * (c + 1) * (i % 64)))));
+    if (channels == 4) image.alpha_channel = 3;
+    write_test_image(path(name), image);
+  }
+  ProgramResult bake(const std::string& output, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"bake", path("map_normal.png"), "-o", path(output)});
+    return multum(more);
+  }
+};
+
+TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
+  for (const char* ndf : {"vmf", "moments"}) {
+    SCOPED_TRACE(ndf);
+    std::vector<std::string> options = {
+        "--ndf", ndf, "--roughness", path("orm.png"), "--weights", path("weights.png"), "--report", path("a.json")};
+    if (ndf == std::string("vmf")) options.insert(options.end(), {"--no-rehearsal", "--lobes", "2"});
+    const ProgramResult result = bake("a.ndf.exr", options);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.out, "roughness")) << result.out;
+    EXPECT_FALSE(contains(result.out, "blinn-phong")) << result.out;
+    const auto report = nlohmann::json::parse(read_bytes(path("a.json")));
+    for (const auto& row : report["measured_error"]) EXPECT_TRUE(std::isfinite(row["relative_l1"].get<double>()));
+    const BakedHeader header = read_baked_header(path("a.ndf.exr"));
+    EXPECT_EQ(header.weight_count, 4);
+    EXPECT_TRUE(header.has_roughness);
+    EXPECT_GT(header.mean_cosine, 0.9f);
+    EXPECT_LT(header.mean_cosine, 1.0f);
+    const ProgramResult info = multum({"info", path("a.ndf.exr")});
+    EXPECT_TRUE(contains(info.out, "weights of 4 basis BRDFs, the BRDF's width in (mean cosine 0.9")) << info.out;
+    const ProgramResult verify = multum({"verify", path("a.ndf.exr")});
+    EXPECT_EQ(verify.exit_code, 0) << verify.out;
+    EXPECT_TRUE(contains(verify.out, "with 4 weights and roughness")) << verify.out;
+    std::string bytes = read_bytes(path("a.ndf.exr"));
+    for (std::size_t i = bytes.size() - 2000; i < bytes.size() - 1936; ++i) bytes[i] = static_cast<char>(bytes[i] ^ 16);
+    std::ofstream(path("damaged.ndf.exr"), std::ios::binary) << bytes;
+    EXPECT_NE(multum({"verify", path("damaged.ndf.exr")}).exit_code, 0);
+  }
+}
+
+TEST_F(MaterialsCommandTest, TheirContentsAreWhatAFileIsRecognisedBy) {
+  const std::vector<std::string> with = {
+      "--roughness", path("orm.png") + ":G", "--weights", path("weights.png"), "--no-measure", "--ndf", "moments"};
+  ASSERT_EQ(bake("a.ndf.exr", with).exit_code, 0);
+  EXPECT_TRUE(contains(bake("a.ndf.exr", with).out, "unchanged"));
+  std::vector<std::string> other = with;
+  other[1] = path("orm.png") + ":B";
+  EXPECT_FALSE(contains(bake("a.ndf.exr", other).out, "unchanged"));
+  write_waves("weights.png", 4, 0.9);
+  EXPECT_FALSE(contains(bake("a.ndf.exr", other).out, "unchanged"));
+}
+
+TEST_F(MaterialsCommandTest, ThreadsAndMemoryChangeNoByte) {
+  for (const char* ndf : {"vmf", "moments"}) {
+    std::vector<std::string> options = {
+        "--ndf",        ndf,         "--roughness", path("orm.png"), "--weights", path("weights.png"),
+        "--no-measure", "--threads", "1",           "--memory",      "1G"};
+    if (ndf == std::string("vmf")) options.insert(options.end(), {"--no-rehearsal", "--lobes", "2"});
+    ASSERT_EQ(bake("a.ndf.exr", options).exit_code, 0);
+    options[8] = "2";
+    options[10] = "289M";
+    ASSERT_EQ(bake("b.ndf.exr", options).exit_code, 0);
+    EXPECT_EQ(read_bytes(path("a.ndf.exr")), read_bytes(path("b.ndf.exr"))) << ndf;
+  }
+}
+
+TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
+  write_waves("small.png", 3, 1.0);
+  TestImage image{.width = 32, .height = 64, .channels = 1, .type = OIIO::TypeDesc::UINT8};
+  image.values.assign(32 * 64, 0.5f);
+  write_test_image(path("narrow.png"), image);
+  ProgramResult result = bake("a.ndf.exr", {"--roughness", path("narrow.png")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(contains(result.err, "narrow.png: found a roughness map of 32 x 64")) << result.err;
+  result = bake("a.ndf.exr", {"--roughness", path("orm.png") + ":A"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(contains(result.err, "found no channel A")) << result.err;
+  result = bake("a.ndf.exr", {"--weights", path("none.png")});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  // What is read must not be written over, whatever its channel.
+  result = multum({"bake", path("map_normal.png"), "-o", path("b.exr"), "--roughness", path("b.exr") + ":R"});
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  for (const char* ndf : {"gmm", "sh"}) {
+    result = bake("a.ndf.exr", {"--ndf", ndf, "--roughness", path("orm.png")});
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, std::string("--roughness is for --ndf vmf and moments, found --ndf ") + ndf));
+    result = bake("a.ndf.exr", {"--ndf", ndf, "--weights", path("weights.png")});
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, std::string("--weights is for --ndf vmf and moments, found --ndf ") + ndf));
+    std::ofstream(path("maps.toml")) << "[defaults]\nweights = \"weights.png\"\n[[map]]\ninput = \"map_normal.png\"\n"
+                                     << "output = \"a.ndf.exr\"\nndf = \"" << ndf << "\"\n";
+    result = multum({"bake", "--manifest", path("maps.toml")});
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    EXPECT_TRUE(contains(result.err, "is for ndf = \"vmf\" and \"moments\"")) << result.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
+}
+
+TEST_F(MaterialsCommandTest, ManifestsHaveTheSameKeys) {
+  std::ofstream(path("maps.toml")) << R"([defaults]
+lobes = 2
+no_rehearsal = true
+weights = "weights.png"
+[[map]]
+input = "map_normal.png"
+output = "a.ndf.exr"
+roughness = "orm.png:G"
+[[map]]
+input = "map_normal.png"
+output = "b.ndf.exr"
+weights = ""
+)";
+  ASSERT_EQ(multum({"bake", "--manifest", path("maps.toml")}).exit_code, 0);
+  EXPECT_EQ(read_baked_header(path("a.ndf.exr")).format_version(), 4);
+  EXPECT_EQ(read_baked_header(path("b.ndf.exr")).format_version(), 3);
+  // As the command line makes it.
+  EXPECT_TRUE(contains(bake("a.ndf.exr", {"--lobes", "2", "--no-rehearsal", "--weights", path("weights.png"),
+                                          "--roughness", path("orm.png") + ":G"})
+                           .out,
+                       "unchanged"));
+}
+
+}  // namespace
+}  // namespace multum::testing

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+// Weights of basis BRDFs and roughness in both bakes: EM of shortened normals against double precision, features of
+// lobes against what their mean vectors say, averages, and the maps that are all of one kind.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include <glm/geometric.hpp>
+
+#include "host/bake/accuracy.h"
+#include "host/bake/moment_bake.h"
+#include "host/bake/movmf_bake.h"
+#include "tests/kernels/em_harness.h"
+#include "tests/reference/test_maps.h"
+
+namespace multum::testing {
+namespace {
+
+double uniform(std::mt19937& random) { return static_cast<double>(random() >> 8) * 0x1p-24; }
+
+// Bumps of every steepness up to 60 degrees.
+NormalMap bumpy_map(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  return make_map(width, height, [&](int, int) {
+    return glm::normalize(glm::dvec3(1.2 * uniform(random) - 0.6, 1.2 * uniform(random) - 0.6, 0.5 + uniform(random)));
+  });
+}
+
+// Three facets with some noise, each of its own width: what lobes should find.
+NormalMap facets(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  return make_map(width, height, [&](int x, int y) {
+    const int facet = (x / 3 + y / 5) % 3;
+    const glm::dvec3 noise(uniform(random), uniform(random), uniform(random));
+    const glm::dvec3 n(facet == 0 ? 0.6 : facet == 1 ? -0.5 : 0.0, facet == 2 ? 0.6 : -0.1, 0.8);
+    return (facet == 0 ? 0.999 : facet == 1 ? 0.9 : 0.97) * glm::normalize(n + 0.2 * noise);
+  });
+}
+
+// Each normal times 1/2 to 1, most near 1.
+NormalMap shortened(NormalMap map, unsigned seed) {
+  std::mt19937 random(seed);
+  for (std::size_t i = 0; i < map.x.size(); ++i) {
+    const auto c = static_cast<float>(1.0 - 0.5 * std::pow(uniform(random), 3.0));
+    map.x[i] *= c;
+    map.y[i] *= c;
+    map.z[i] *= c;
+  }
+  return map;
+}
+
+std::vector<MultumVmfLobe> spread_parent(const NormalMap& map, int level, int lobes) {
+  const std::size_t texels = static_cast<std::size_t>(mip_level_size(map.width, level + 1)) *
+                             static_cast<std::size_t>(mip_level_size(map.height, level + 1));
+  std::vector<MultumVmfLobe> parent;
+  for (int j = 0; j < lobes; ++j)
+    for (std::size_t i = 0; i < texels; ++i) {
+      const double azimuth = 2.0 * M_PI * (j + 0.1 * static_cast<double>(i % 7)) / lobes;
+      parent.push_back({static_cast<float>(0.4 * std::cos(azimuth)), static_cast<float>(0.4 * std::sin(azimuth)), 0.7f,
+                        1.0f / static_cast<float>(lobes)});
+    }
+  return parent;
+}
+
+double error_of(const MultumVmfLobe& found, const reference::Moments& expected) {
+  const double a = static_cast<double>(found.amplitude);
+  return std::max(
+      std::abs(a - expected.amplitude),
+      glm::length(a * glm::dvec3(found.mean_x, found.mean_y, found.mean_z) - expected.amplitude * expected.r));
+}
+
+TEST(ShortenedNormals, EmEqualsReference) {
+  for (const auto& [level, method] : {std::pair{2, FitMethod::kTexels}, std::pair{5, FitMethod::kChunks}}) {
+    const NormalMap map = shortened(bumpy_map(64, 64, 31), 32);
+    const auto parent = spread_parent(map, level, 3);
+    LevelFit how;
+    how.level = level;
+    how.method = method;
+    how.iterations = 4;
+    how.shortened = true;
+    const auto expected = fit_with_reference(map, parent, 3, how);
+    for (const bool scalar : {false, true}) {
+      how.scalar = scalar;
+      const auto found = fit_with_kernels(map, parent, 3, how);
+      ASSERT_EQ(found.size(), expected.size());
+      // As in movmf_em_test, times the copies that differences of log densities count.
+      for (std::size_t i = 0; i < found.size(); ++i)
+        EXPECT_LT(error_of(found[i], expected[i]), 4e-4) << level << ": " << i;
+    }
+  }
+}
+
+TEST(ShortenedNormals, CondensedOnesGiveTheLobesOfAllOfThem) {
+  const NormalMap map = facets(128, 128, 33);
+  const auto parent = spread_parent(map, 6, 3);
+  LevelFit how;
+  how.level = 6;
+  how.iterations = 8;
+  how.shortened = true;
+  how.method = FitMethod::kChunks;
+  const auto all = fit_with_kernels(map, parent, 3, how);
+  how.method = FitMethod::kCondensed;
+  for (const int rows : {1 << 15, 7}) {
+    how.condense_rows = rows;
+    const auto condensed = fit_with_kernels(map, parent, 3, how);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_NEAR(condensed[i].amplitude, all[i].amplitude, 0.02) << i;
+      EXPECT_NEAR(condensed[i].mean_z, all[i].mean_z, 0.02) << i;
+    }
+  }
+}
+
+WeightMap weights_of(int width, int height, int count, const std::function<float(int texel, int k)>& value) {
+  WeightMap map;
+  map.count = count;
+  for (int first = 0; first < count; first += 3) {
+    PlaneStore& triple = map.triples.emplace_back(width, height);
+    std::array<std::vector<float>, 3> planes;
+    for (int i = 0; i < width * height; ++i)
+      for (int c = 0; c < 3; ++c)
+        planes[static_cast<std::size_t>(c)].push_back(first + c < count ? value(i, first + c) : 0.0f);
+    triple.write_rows(0, height, {planes[0].data(), planes[1].data(), planes[2].data()});
+  }
+  return map;
+}
+
+MovmfSettings quick_settings() {
+  MovmfSettings settings;
+  settings.lobe_count = 3;
+  settings.iteration_count_coarse = settings.iteration_count_top = 8;
+  settings.rehearse_start = false;
+  return settings;
+}
+
+MovmfMipmap bake(const NormalMap& map, const WeightMap* weights, bool has_roughness, const ColourMap* albedo = nullptr,
+                 MovmfSettings settings = quick_settings()) {
+  const PlaneStore normals = planes_of(map);
+  std::optional<PlaneStore> colours;
+  if (albedo != nullptr) colours = planes_of(*albedo);
+  MovmfBakeInputs inputs;
+  inputs.normals = &normals;
+  inputs.albedo = colours ? &*colours : nullptr;
+  inputs.weights = weights;
+  inputs.has_roughness = has_roughness;
+  BakeReport report;
+  return bake_movmf(test_device(), inputs, settings, report, nullptr);
+}
+
+// Weights that are linear in the normals: of every lobe the mean vector says what its weights are.
+TEST(Weights, OfEveryLobeAreThoseOfItsOwnNormals) {
+  for (const CoarseNormals coarse : {CoarseNormals::kCondensed, CoarseNormals::kAll})
+    for (const auto& [width, height] : {std::pair{128, 128}, std::pair{75, 98}}) {
+      const NormalMap map = bumpy_map(width, height, 35);
+      const WeightMap weights = weights_of(width, height, 4, [&](int i, int k) {
+        const auto at = static_cast<std::size_t>(i);
+        const double n[4] = {0.5 + 0.5 * static_cast<double>(map.x[at]), 0.5 + 0.5 * static_cast<double>(map.y[at]),
+                             static_cast<double>(map.z[at]), 0.25};
+        return static_cast<float>(n[k]);
+      });
+      MovmfSettings settings = quick_settings();
+      settings.coarse_normals = coarse;
+      const MovmfMipmap mipmap = bake(map, &weights, false, nullptr, settings);
+      ASSERT_EQ(mipmap.weight_count, 4);
+      for (const MovmfLevel& level : mipmap.levels)
+        for (std::size_t j = 0; j < level.lobes.size(); ++j)
+          for (std::size_t i = 0; i < level.lobes[j].size(); ++i) {
+            const glm::vec4 lobe = level.lobes[j][i];
+            const float* found = &level.weights[j][4 * i];
+            EXPECT_NEAR(found[0], 0.5f * (lobe.w + lobe.x), 2e-4f);
+            EXPECT_NEAR(found[1], 0.5f * (lobe.w + lobe.y), 2e-4f);
+            EXPECT_NEAR(found[2], lobe.z, 2e-4f);
+            EXPECT_NEAR(found[3], 0.25f * lobe.w, 2e-4f);
+          }
+    }
+}
+
+TEST(Weights, LobesAndColoursAreTheSameBytesWithThem) {
+  const NormalMap map = bumpy_map(64, 64, 36);
+  ColourMap albedo;
+  albedo.width = albedo.height = 64;
+  for (int i = 0; i < 64 * 64; ++i) {
+    albedo.r.push_back(static_cast<float>(i % 7) / 7.0f);
+    albedo.g.push_back(0.25f);
+    albedo.b.push_back(static_cast<float>(i % 3));
+  }
+  const WeightMap none = weights_of(64, 64, 2, [](int, int) { return 0.0f; });
+  const MovmfMipmap plain = bake(map, nullptr, false, &albedo), weighted = bake(map, &none, false, &albedo);
+  for (std::size_t l = 0; l < plain.levels.size(); ++l) {
+    EXPECT_EQ(plain.levels[l].lobes, weighted.levels[l].lobes) << l;
+    EXPECT_EQ(plain.levels[l].colours, weighted.levels[l].colours) << l;
+    for (const auto& weights : weighted.levels[l].weights)
+      for (const float weight : weights) EXPECT_EQ(weight, 0.0f);
+  }
+}
+
+TEST(Weights, MomentsAverageThem) {
+  const NormalMap map = bumpy_map(50, 37, 37);
+  std::mt19937 random(38);
+  std::vector<float> values(50 * 37 * 4);
+  for (float& value : values) value = static_cast<float>(uniform(random));
+  const WeightMap weights =
+      weights_of(50, 37, 4, [&](int i, int k) { return values[static_cast<std::size_t>(4 * i + k)]; });
+  AverageInputs inputs;
+  inputs.weights = &weights;
+  BakeReport report;
+  const MomentMipmap mipmap = bake_moments(test_device(), map, nullptr, inputs, report, nullptr);
+  for (int k = 0; k < 4; ++k) {
+    double mean = 0.0;
+    for (int i = 0; i < 50 * 37; ++i)
+      mean += static_cast<double>(values[static_cast<std::size_t>(4 * i + k)]) / (50 * 37);
+    EXPECT_NEAR(mipmap.levels.back().weights[static_cast<std::size_t>(k)], mean, 1e-6);
+    EXPECT_EQ(mipmap.levels[0].weights[static_cast<std::size_t>(4 * 77 + k)],
+              values[static_cast<std::size_t>(4 * 77 + k)]);
+  }
+}
+
+TEST(Roughness, FirstMomentsAreThoseOfTheShortenedNormals) {
+  const NormalMap map = shortened(bumpy_map(128, 128, 39), 40);
+  const MovmfMipmap mipmap = bake(map, nullptr, true);
+  glm::dvec3 mean(0.0);
+  for (std::size_t i = 0; i < map.x.size(); ++i)
+    mean += glm::dvec3(map.x[i], map.y[i], map.z[i]) / static_cast<double>(map.x.size());
+  for (const MovmfLevel& level : mipmap.levels) {
+    glm::dvec3 found(0.0);
+    for (const auto& lobes : level.lobes)
+      for (const glm::vec4& lobe : lobes) found += glm::dvec3(lobe) / static_cast<double>(lobes.size());
+    EXPECT_LT(glm::length(found - mean), 1e-4) << level.width;
+  }
+}
+
+// Half the texels of a flat map are sharp, half rough: lobes tell them apart, at fine levels and at condensed ones.
+TEST(Roughness, LobesTellSharpFromRough) {
+  const double sharp = mean_cosine_of_roughness(0.2), rough = mean_cosine_of_roughness(0.8);
+  const NormalMap map = make_map(
+      256, 256, [&](int x, int y) { return glm::dvec3(0.0, 0.0, ((x * 7 + y * 13) % 10 < 5) ? sharp : rough); });
+  const MovmfMipmap mipmap = bake(map, nullptr, true);
+  for (std::size_t l = 3; l < mipmap.levels.size(); ++l)
+    for (std::size_t i = 0; i < mipmap.levels[l].lobes[0].size(); ++i) {
+      double near = 0.0;  // share of lobes that are one or the other
+      for (const auto& lobes : mipmap.levels[l].lobes) {
+        const double length = static_cast<double>(lobes[i].z / std::max(lobes[i].w, 1e-6f));
+        if (std::abs(length - sharp) < 0.02 || std::abs(length - rough) < 0.03) near += static_cast<double>(lobes[i].w);
+      }
+      EXPECT_GT(near, 0.9) << "level " << l << ", texel " << i;
+    }
+}
+
+TEST(Roughness, NoneAndFullOfIt) {
+  const NormalMap map = bumpy_map(64, 64, 41);
+  // None: the normals as they are, fitted as such.
+  const MovmfMipmap none = bake(map, nullptr, true);
+  NormalMap half = map;
+  for (std::vector<float>* plane : {&half.x, &half.y, &half.z})
+    for (float& value : *plane) value *= 0.5f;
+  const MovmfMipmap full = bake(half, nullptr, true);
+  for (const MovmfMipmap* mipmap : {&none, &full})
+    for (const MovmfLevel& level : mipmap->levels)
+      for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
+        double sum = 0.0;
+        for (const auto& lobes : level.lobes) {
+          const double length = static_cast<double>(glm::length(glm::vec3(lobes[i]))),
+                       a = static_cast<double>(lobes[i].w);
+          ASSERT_TRUE(std::isfinite(length) && a >= 0.0);
+          EXPECT_LE(length, a * (mipmap == &full ? 0.5 : 1.0) + 1e-5);
+          sum += a;
+        }
+        EXPECT_NEAR(sum, 1.0, 1e-5);
+      }
+  for (std::size_t i = 0; i < map.x.size(); ++i) {
+    glm::vec3 finest(0.0f);
+    for (const auto& lobes : none.levels[0].lobes) finest += glm::vec3(lobes[i]);
+    EXPECT_EQ(finest, glm::vec3(map.x[i], map.y[i], map.z[i]));
+  }
+}
+
+TEST(Roughness, MomentsHoldTheFacetsSlopes) {
+  const NormalMap unit = bumpy_map(40, 24, 42), map = shortened(unit, 43);
+  AverageInputs inputs;
+  BakeReport report;
+  const MomentMipmap plain = bake_moments(test_device(), unit, nullptr, inputs, report, nullptr);
+  inputs.has_roughness = true;
+  const MomentMipmap rough = bake_moments(test_device(), map, nullptr, inputs, report, nullptr);
+  const MomentMipmap none = bake_moments(test_device(), unit, nullptr, inputs, report, nullptr);
+  double variance = 0.0;
+  for (std::size_t i = 0; i < map.x.size(); ++i)
+    variance += (1.0 - glm::length(glm::dvec3(map.x[i], map.y[i], map.z[i]))) / static_cast<double>(map.x.size());
+  const SlopeMoments &a = plain.levels.back().slopes[0], &b = rough.levels.back().slopes[0];
+  EXPECT_NEAR(b.s, a.s, 2e-6);
+  EXPECT_NEAR(b.ss - a.ss, variance, 3e-6);
+  EXPECT_NEAR(b.tt - a.tt, variance, 3e-6);
+  EXPECT_NEAR(b.st, a.st, 3e-6);
+  for (std::size_t l = 0; l < plain.levels.size(); ++l)
+    for (std::size_t i = 0; i < plain.levels[l].slopes.size(); ++i)
+      EXPECT_NEAR(none.levels[l].slopes[i].ss, plain.levels[l].slopes[i].ss, 1e-6);
+}
+
+// The measured error of a roughness that varies is about that of one that does not.
+TEST(Roughness, AVaryingMapIsAsGoodAsAConstantOne) {
+  const NormalMap bumps = bumpy_map(128, 128, 44);
+  const auto error_with = [&](const std::function<double(int, int)>& roughness) {
+    NormalMap map = bumps;
+    for (int i = 0; i < 128 * 128; ++i) {
+      const auto c = static_cast<float>(mean_cosine_of_roughness(roughness(i % 128, i / 128)));
+      for (std::vector<float>* plane : {&map.x, &map.y, &map.z}) (*plane)[static_cast<std::size_t>(i)] *= c;
+    }
+    MovmfMipmap mipmap = bake(map, nullptr, true);
+    mipmap.encoding = StorageEncoding::kSnorm16;
+    quantize_movmf(mipmap, 2);
+    AccuracySettings accuracy;
+    accuracy.samples_per_level = 200;
+    double sum = 0.0;
+    int count = 0;
+    for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, accuracy, nullptr)) {
+      EXPECT_TRUE(row.brdf == "roughness" || row.brdf == "lambert") << row.brdf;
+      if (row.brdf != "roughness" || row.point != AccuracyPoint::kCentre) continue;
+      sum += row.error;
+      ++count;
+    }
+    return sum / count;
+  };
+  const double constant = error_with([](int, int) { return 0.45; });
+  const double varying = error_with([](int x, int y) { return 0.45 + 0.2 * std::sin(x * 0.3) * std::cos(y * 0.2); });
+  EXPECT_GT(constant, 0.0);
+  EXPECT_LT(varying, constant + 0.02) << "constant: " << constant;
+}
+
+}  // namespace
+}  // namespace multum::testing

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files with weights and with roughness in: what is written is what is read, in both representations; damage is found;
+// programs that know neither refuse them, and files without are as they were.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "host/asset/moment_mipmap.h"
+#include "host/asset/movmf_verify.h"
+#include "tests/unit/movmf_test_mipmap.h"
+#include "tests/unit/test_folder.h"
+
+namespace multum {
+namespace {
+
+using testing::TemporaryFolder;
+using testing::uniform;
+
+struct Case {
+  StorageEncoding encoding;
+  bool has_colours, has_roughness;
+  int weight_count;
+};
+
+std::set<std::string> failed(const std::string& path) {
+  std::set<std::string> names;
+  for (const VerifyFinding& finding : verify_baked(path, 2))
+    if (!finding.passed) names.insert(finding.check);
+  return names;
+}
+
+class MaterialFileTest : public ::testing::TestWithParam<Case> {
+ protected:
+  MovmfMipmap lobes() const {
+    const Case& c = GetParam();
+    MovmfMipmap mipmap = testing::random_mipmap(19, 13, 3, c.has_colours, c.encoding, 8);
+    std::mt19937 random(9);
+    mipmap.weight_count = c.weight_count;
+    mipmap.has_roughness = c.has_roughness;
+    mipmap.mean_cosine = c.has_roughness ? 0.75f : 1.0f;
+    for (MovmfLevel& level : mipmap.levels) {
+      for (std::size_t j = 0; j < level.lobes.size(); ++j) {
+        if (c.weight_count > 0) level.weights.emplace_back();
+        for (glm::vec4& lobe : level.lobes[j]) {
+          if (c.has_roughness)
+            lobe = glm::vec4(glm::vec3(lobe) * (1.0f - 0.5f * static_cast<float>(uniform(random))), lobe.w);
+          for (int k = 0; k < c.weight_count; ++k)
+            level.weights[j].push_back(lobe.w * static_cast<float>(uniform(random)));
+        }
+      }
+    }
+    quantize_movmf(mipmap, 1);
+    return mipmap;
+  }
+
+  const TemporaryFolder folder_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Files, MaterialFileTest,
+                         ::testing::Values(Case{StorageEncoding::kSnorm16, false, true, 0},
+                                           Case{StorageEncoding::kSnorm16, true, false, 1},
+                                           Case{StorageEncoding::kHalf, true, true, 4},
+                                           Case{StorageEncoding::kFloat, false, true, 3}));
+
+TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
+  const MovmfMipmap mipmap = lobes();
+  const std::string path = folder_ / "a.exr";
+  write_movmf_mipmap(path, mipmap, {});
+  const MovmfMipmap found = read_movmf_mipmap(path);
+  testing::expect_same_bits(found, mipmap);
+  EXPECT_EQ(found.weight_count, mipmap.weight_count);
+  EXPECT_EQ(found.has_roughness, mipmap.has_roughness);
+  EXPECT_EQ(found.mean_cosine, mipmap.mean_cosine);
+  for (std::size_t l = 0; l < mipmap.levels.size(); ++l)
+    EXPECT_EQ(found.levels[l].weights, mipmap.levels[l].weights) << l;
+  EXPECT_EQ(found.provenance.content_hash, movmf_content_hash(mipmap, 2));
+  EXPECT_EQ(failed(path), std::set<std::string>{});
+  EXPECT_EQ(read_baked_header(path).format_version(), 4);
+  // A length of the finest level, or a weight, changes the checksum.
+  MovmfMipmap other = mipmap;
+  if (mipmap.weight_count > 0) other.levels[2].weights[1][0] += 0.5f;
+  else other.levels[0].lobes = found.levels[0].lobes, other.levels[1].lobes[0][3] *= 0.5f;
+  EXPECT_NE(movmf_content_hash(other, 2), found.provenance.content_hash);
+}
+
+TEST_P(MaterialFileTest, RoughFinestNormalsKeepTheirLengths) {
+  if (!GetParam().has_roughness) GTEST_SKIP() << "of files with roughness";
+  std::mt19937 random(3);
+  MovmfFinest rows = testing::random_finest(random, 64, 8, 2, false);
+  rows.has_roughness = true;
+  std::vector<glm::vec3> exact;
+  for (glm::vec3& n : rows.normals)
+    exact.push_back(n *= 1.0f - 0.5f * static_cast<float>(std::pow(uniform(random), 4.0)));
+  quantize_movmf(rows, GetParam().encoding, 2);
+  const double step = GetParam().encoding == StorageEncoding::kHalf ? 1.0 / 2048.0 : 1.0 / 32767.0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    EXPECT_NEAR(glm::length(glm::dvec3(rows.normals[i])), glm::length(glm::dvec3(exact[i])), step);
+    EXPECT_LT(glm::length(rows.normals[i] - exact[i]), 2.0 * step);
+  }
+}
+
+TEST_P(MaterialFileTest, MomentsComeBackAsTheyWere) {
+  const Case& c = GetParam();
+  if (c.encoding == StorageEncoding::kSnorm16) GTEST_SKIP() << "moments have no snorm";
+  MomentMipmap mipmap;
+  mipmap.header = header_of(lobes());
+  mipmap.header.representation = Representation::kMoments;
+  mipmap.levels = empty_moment_levels(19, 13);
+  std::mt19937 random(4);
+  for (MomentLevel& level : mipmap.levels) {
+    for (int i = 0; i < level.width * level.height; ++i) {
+      const float s = static_cast<float>(uniform(random));
+      level.slopes.push_back({kNoHeight, s, 0.0f, s * s + 0.1f, 0.1f, 0.0f});
+      level.normals.emplace_back(0.3f, 0.1f, 0.5f);
+      if (c.has_colours) level.colours.emplace_back(s);
+      for (int k = 0; k < c.weight_count; ++k) level.weights.push_back(static_cast<float>(uniform(random)));
+    }
+    quantize_moments(level, c.encoding, 2);
+  }
+  const std::string path = folder_ / "m.exr";
+  write_moment_mipmap(path, mipmap, {});
+  const MomentMipmap found = read_moment_mipmap(path);
+  EXPECT_EQ(found.header.weight_count, c.weight_count);
+  EXPECT_EQ(found.header.has_roughness, c.has_roughness);
+  for (std::size_t l = 0; l < mipmap.levels.size(); ++l) {
+    EXPECT_EQ(found.levels[l].weights, mipmap.levels[l].weights) << l;
+    EXPECT_EQ(found.levels[l].normals, mipmap.levels[l].normals) << l;
+    EXPECT_EQ(found.levels[l].colours, mipmap.levels[l].colours) << l;
+  }
+  EXPECT_EQ(failed(path), std::set<std::string>{});
+  EXPECT_EQ(read_baked_header(path).format_version(), 2);
+  if (c.weight_count == 0) return;
+  mipmap.levels[1].weights[3] = 1.5f;
+  write_moment_mipmap(path, mipmap, {});
+  EXPECT_EQ(failed(path), std::set<std::string>{"weights"});
+}
+
+TEST_P(MaterialFileTest, VerifyNamesTheWeightThatCannotBe) {
+  if (GetParam().weight_count == 0) GTEST_SKIP() << "of files with weights";
+  MovmfMipmap mipmap = lobes();
+  const std::string path = folder_ / "a.exr";
+  const auto count = static_cast<std::size_t>(mipmap.weight_count);
+  mipmap.levels[1].weights[2][5 * count] = -0.25f;
+  write_movmf_mipmap(path, mipmap, {});
+  EXPECT_EQ(failed(path), std::set<std::string>{"weights"});
+  mipmap.levels[1].weights[2][5 * count] = 2.0f;
+  write_movmf_mipmap(path, mipmap, {});
+  EXPECT_EQ(failed(path), std::set<std::string>{"weights"});
+  mipmap.levels[1].weights[2][5 * count] = NAN;
+  write_movmf_mipmap(path, mipmap, {});
+  EXPECT_EQ(failed(path), std::set<std::string>{"finite"});
+}
+
+TEST(MaterialFile, WithoutMaterialsTheVersionIsTheOld) {
+  MovmfMipmap mipmap = testing::random_mipmap(8, 8, 2, true, StorageEncoding::kHalf, 1);
+  EXPECT_EQ(header_of(mipmap).format_version(), 3);
+  mipmap.weight_count = 1;
+  EXPECT_EQ(header_of(mipmap).format_version(), 4);
+}
+
+}  // namespace
+}  // namespace multum
