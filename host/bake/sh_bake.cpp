@@ -45,7 +45,7 @@ class ShPlanes : public AveragedPlanes {
         sink_(sink),
         steps_(sh_recurrence(order)),
         step_buffer_(device.wrap_buffer(steps_.data(), steps_.size() * sizeof(ShStep), "recurrence")),
-        project_(device.kernel("sh_project", "sh_project", {1, 1, false, order})) {}
+        project_(device.kernel("sh_project", "sh_project", {1, 1, false, false, order})) {}
 
   std::string name() const override { return fmt::format("spherical harmonics to order {}", order_); }
   int plane_count() const override { return sh_coefficient_count(order_); }

@@ -22,7 +22,7 @@ class ShShading : public PointShading {
         directions_(device, directions),
         steps_(sh_recurrence(model.order())),
         step_buffer_(device.wrap_buffer(steps_.data(), steps_.size() * sizeof(ShStep), "recurrence")),
-        kernel_(device.kernel("sh_shade", "sh_shade", {1, 1, false, model.order()})) {
+        kernel_(device.kernel("sh_shade", "sh_shade", {1, 1, false, false, model.order()})) {
     for (const double s : directions.exponents) append(zonal_blinn_phong(model.order(), s));
     append(zonal_lambert(model.order()));
     zonal_buffer_ = device.wrap_buffer(zonal_.data(), zonal_.size() * sizeof(float), "zonal coefficients");

@@ -12,8 +12,8 @@ struct KernelVariant {
   int lobes = 4;          // 1..8
   int vector_width = 1;   // 1: scalar, one work-item a texel (GPUs); 16: float16 (CPUs)
   bool weighted = false;  // texels cover fractions of finest texels: the map's sides are no powers of two
-  int sh_order = 0;       // of spherical harmonics, 1..20; 0: a kernel without any
   bool planar = false;    // lobes are planar Gaussians (kernels/device/planar_family.clh)
+  int sh_order = 0;       // of spherical harmonics, 1..20; 0: a kernel without any
 };
 
 std::string build_options(const KernelVariant& variant);

@@ -38,7 +38,7 @@ std::vector<std::vector<float>> project_sh(Device& device, int order, const std:
   band.map_width = band.row_length = static_cast<int>(normals.size());
   band.map_height = band.row_count = 1;
   band.plane_count = static_cast<int>(count);
-  device.kernel("sh_project", "sh_project", {1, 1, false, order})
+  device.kernel("sh_project", "sh_project", {1, 1, false, false, order})
       .launch({normals.size()}, planes[0], planes[1], planes[2], step_buffer, out, band);
   device.read(out, nodes.data(), out.byte_count());
   std::vector<std::vector<float>> coefficients(normals.size(), std::vector<float>(count));
@@ -67,7 +67,7 @@ std::vector<double> shade_sh(Device& device, int order, const std::vector<float>
   DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
   device.write(out, values.data(), out.byte_count());
   const int count = static_cast<int>(directions.size());
-  device.kernel("sh_shade", "sh_shade", {1, 1, false, order})
+  device.kernel("sh_shade", "sh_shade", {1, 1, false, false, order})
       .launch({1}, g, points, step_buffer, a, w, w, exponent, out, 1, lambert ? 0 : count, lambert ? count : 0,
               lambert ? 0 : 1);
   device.read(out, values.data(), out.byte_count());
