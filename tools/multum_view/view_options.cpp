@@ -468,7 +468,6 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
     *exit_code = code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
     return std::nullopt;
   }
-  options.has_brdf = app.count("--brdf") > 0;
   finish(raw, options);
   return options;
 }

@@ -29,7 +29,7 @@ struct ViewOptions {
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
   std::vector<Brdf> basis;  // what --brdf says, more than one: blended by the file's weights
-  bool has_brdf = false;    // --brdf was given
+  bool has_brdf = false;    // --brdf was given: it is not the usual one
   bool has_camera = false;
   std::string frames_folder;  // of --animate; empty: one picture
   int frame_count = 24;
@@ -47,7 +47,6 @@ struct ViewOptions {
   float repeat = 0.0f;           // 0: 60 across the plane, 1 on a mesh
   float anisotropy = 1.0f;
   float exposure = 1.0f;  // PNG only
-  bool has_brdf = false;  // said, and not the usual one
   // What is drawn in the place of `input` (docs/WILLIAMS.md): a pyramid of one kind, or a model's own materials.
   std::string mip, reflectance, lod;
   std::vector<std::string> lookups;    // of mip and reflectance: truth, nearest, bilinear, level, driver
