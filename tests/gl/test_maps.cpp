@@ -165,17 +165,6 @@ MovmfMipmap as_gaussians(MovmfMipmap mipmap) {
   return mipmap;
 }
 
-MeshData make_quad(float size) {
-  const float half = 0.5f * size;
-  MeshData mesh;
-  const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
-  for (const glm::vec2& corner : corners)
-    mesh.vertices.push_back(
-        {{corner.x * size - half, corner.y * size, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f, 1.0f}, corner});
-  mesh.indices = {0, 1, 2, 0, 2, 3};
-  return mesh;
-}
-
 Scene distant_scene() {
   Scene scene;
   scene.camera.eye = {0.0f, -8.0f, 12.0f};

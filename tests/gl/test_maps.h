@@ -39,9 +39,6 @@ MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
 /// The same map's lobes, each a single direction, as planar Gaussians of no variance.
 MovmfMipmap as_gaussians(MovmfMipmap mipmap);
 
-/// A square from (-size/2, 0) to (size/2, size), facing +Z.
-MeshData make_quad(float size);
-
 /// From far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.
 Scene distant_scene();
 
