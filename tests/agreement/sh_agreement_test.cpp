@@ -78,7 +78,7 @@ std::vector<float> shade_glsl(const gl::HeadlessContext& context, int order,
   std::vector<glm::vec4> texels(columns * sets.size(), glm::vec4(0.0f));
   for (std::size_t i = 0; i < sets.size(); ++i) {
     for (std::size_t k = 0; k < sets[i].size(); ++k) texels[i * columns + k / 4][static_cast<int>(k % 4)] = sets[i][k];
-    for (std::size_t l = 0; l < zonal.size(); ++l) texels[i * columns + parts + l] = glm::vec4(zonal[l]);
+    for (std::size_t l = 0; l < zonal.size(); ++l) texels[i * columns + parts + l] = glm::vec4(static_cast<float>(zonal[l]));
   }
   gl::Texture map(context.functions(), "coefficients",
                   {static_cast<int>(columns), static_cast<int>(sets.size()), 1, gl::TexelFormat::kRgba32f},
