@@ -28,7 +28,7 @@ const std::vector<std::string> kDefaultKeys = {
     "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
     "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
     "no_rehearsal",   "sh_order",  "fixnan",      "checknan",    "repair_max", "albedo",       "compression",
-    "normal_scale",   "roughness", "weights"};
+    "normal_scale",   "roughness", "weights",     "unaligned"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;

@@ -42,8 +42,9 @@ class ShRenderTest : public testing::TestWithParam<ContextBackend> {
     renderer_ = std::make_unique<Renderer>(context_->functions(), kWidth, kHeight);
   }
   void TearDown() override {
-    if (context_ == nullptr) return;
-    EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
+    if (context_ != nullptr) {
+      EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
+    }
   }
   FloatImage draw(const ShMipmap& mipmap, const Scene& scene, const NormalImage* source = nullptr,
                   ShCosine cosine = ShCosine::kIrradiance) {

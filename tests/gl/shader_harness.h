@@ -14,13 +14,13 @@
 namespace multum::gl {
 
 struct ShaderHarnessInput {
-  std::string expression;              // a vec4, of the vec4s a and b, with the functions of common/ and brdf/
-  std::vector<glm::vec4> a;            // at most 16384 elements
-  std::vector<glm::vec4> b;            // as many
-  const Texture* texture = nullptr;    // bound to the sampler `map`
-  std::vector<SourceEdit> edits = {};  // of "movmf_shading" (with brdf/): what takes a guard out
-  std::vector<std::string> flags = {};
-  std::string formulas = {};  // more of common/, which may read `map`
+  std::string expression;               // a vec4, of the vec4s a and b, with the functions of common/ and brdf/
+  std::vector<glm::vec4> a;             // at most 16384 elements
+  std::vector<glm::vec4> b;             // as many
+  const Texture* texture = nullptr;     // bound to the sampler `map`
+  std::vector<SourceEdit> edits = {};   // of "movmf_shading" (with brdf/): what takes a guard out
+  std::vector<std::string> flags = {};  // #define lines
+  std::string formulas = {};            // more of common/, which may read `map`
 };
 
 /// The output is poisoned with NaN first: an element that no fragment wrote shows.

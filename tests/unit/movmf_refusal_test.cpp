@@ -140,9 +140,10 @@ TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
   const auto set_int = [&](const char* name, int value) {
     return rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
   };
-  for (const char* version : {"1", "2", "4"})
+  for (const char* version : {"1", "2", "5"})
     expect_refusal(set_int("multum:formatVersion", std::stoi(version)),
-                   {std::string("found format version ") + version, "expected version 3"});
+                   {std::string("found format version ") + version, "expected version 3 or 4"});
+  expect_refusal(set_int("multum:formatVersion", 4), {"found no attribute multum:weightCount"});
   expect_refusal(set_int("multum:lobeCount", 0), {"found 0 lobes", "expected 1 to 8"});
   expect_refusal(set_int("multum:lobeCount", 9), {"found 9 lobes", "expected 1 to 8"});
   expect_refusal(set_int("multum:lobeCount", 5), {"found 9 parts", "expected 11"});
