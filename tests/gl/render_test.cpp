@@ -99,7 +99,7 @@ TEST_P(RenderTest, TheTruthOfTexelsIsWhatTheFilterAverages) {
     for (std::size_t i = 0; i < map.image.normals.size(); ++i)
       map.image.albedo.emplace_back(i % 2 == 0 ? 1.0f : 0.1f, i % 24 < 12 ? 0.8f : 0.2f, i % 7 < 3 ? 0.9f : 0.3f);
     Scene scene;
-    scene.uv_scale = wrap == WrapMode::kBlack ? 1.5f : 9.0f;  // beyond its border there is nothing to see
+    scene.uv_scale = wrap == WrapMode::kBlack ? 1.0f : 9.0f;  // a repeat ends at the near border of the plane
     scene.brdf.specular = glm::vec3(0.0f);
     const NormalMaterial texels(context_->functions(), map.image, NormalMaterial::Sampling::kFootprint, 1.0f);
     const FloatImage drawn = renderer_->draw_truth(*mesh_, texels, scene, 512).image;
