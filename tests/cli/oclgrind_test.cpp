@@ -94,6 +94,10 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "2"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "1", "--lobes", "8", "--albedo",
         path("tiny_albedo.png"), "--scalar", "--no-rehearsal"});
+  bake({path("odd.png"), "--ndf", "gmm", "--reference", "--iterations", "1", "--sweeps", "1", "--lobes", "2",
+        "--scalar", "--no-rehearsal", "--no-measure"});
+  bake({path("tiny.png"), "--roughness", path("tiny_albedo.png") + ":G", "--weights", path("tiny_albedo.png"),
+        "--iterations", "1", "--sweeps", "1", "--lobes", "2", "--scalar", "--no-rehearsal", "--no-measure"});
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--ndf", "moments", "--no-measure"});
   bake({path("tiny.png"), "--ndf", "moments", "--first-level", "1"});
   bake({path("tiny.png"), "--albedo", path("tiny_albedo.png"), "--ndf", "sh", "--sh-order", "3", "--first-level", "1"});
