@@ -111,7 +111,7 @@ std::string essence(std::string_view said) {
 
 }  // namespace
 
-HelperProcess::HelperProcess(const std::string& program) {
+HelperProcess::HelperProcess(const std::string& program) : program_(program) {
   int pair[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) fail("socketpair");
   int theirs = -1, memory = -1;

@@ -44,6 +44,7 @@ class HelperProcess {
   HelperProcess(const HelperProcess&) = delete;
   HelperProcess& operator=(const HelperProcess&) = delete;
 
+  const std::string& program() const { return program_; }
   pid_t pid() const { return pid_; }
   bool is_alive() const { return pid_ > 0; }
   SharedMemory& memory() { return memory_; }
@@ -60,6 +61,7 @@ class HelperProcess {
   int kill_and_wait();
   [[noreturn]] void bury(const std::string& why);
 
+  std::string program_;
   pid_t pid_ = -1;
   int socket_ = -1;
   int last_words_ = -1;

@@ -24,13 +24,14 @@ constexpr std::uint64_t kBytesASecond = std::uint64_t{4} << 20;  // what a slow 
 // Children between two files.
 class IdleDecoders {
  public:
-  std::unique_ptr<HelperProcess> take() {
+  std::unique_ptr<HelperProcess> take(const std::string& program) {
     const std::lock_guard lock(mutex_);
-    return std::move(idle_);
+    if (idle_ != nullptr && idle_->program() == program) return std::move(idle_);
+    return std::make_unique<HelperProcess>(program);
   }
   void give_back(std::unique_ptr<HelperProcess> decoder) {
     const std::lock_guard lock(mutex_);
-    if (idle_ == nullptr) idle_ = std::move(decoder);
+    idle_ = std::move(decoder);
   }
 
  private:
@@ -43,10 +44,9 @@ IdleDecoders& idle_decoders() {
   return decoders;
 }
 
-HelperLimits limits_for(std::uint64_t held_bytes, std::uint64_t picture_bytes) {
-  const ImageDecoding& decoding = image_decoding();
-  return {decoding.memory_base + held_bytes,
-          std::chrono::milliseconds(decoding.time_base_ms) + std::chrono::seconds(picture_bytes / kBytesASecond)};
+HelperLimits limits_for(const DecodingChild& child, std::uint64_t held_bytes, std::uint64_t picture_bytes) {
+  return {child.memory_base + held_bytes,
+          std::chrono::milliseconds(child.time_base_ms) + std::chrono::seconds(picture_bytes / kBytesASecond)};
 }
 
 std::uint64_t picture_bytes(const ImageDescription& description) {
@@ -57,58 +57,79 @@ std::uint64_t picture_bytes(const ImageDescription& description) {
   return bytes;
 }
 
-class ChildImageFile : public ImageFile {
+// A child for one file; whoever answers "close" after it is fit for the next.
+class BorrowedDecoder {
  public:
-  ChildImageFile(std::string path, const ImageContainer& container, const ImageFileSettings& settings)
-      : path_(std::move(path)), decoder_(idle_decoders().take()) {
-    if (decoder_ == nullptr) decoder_ = std::make_unique<HelperProcess>(image_decoding().program);
-    const std::uint64_t held = 2 * static_cast<std::uint64_t>(container.file_size) +
-                               16 * static_cast<std::uint64_t>(container.width * container.height);
-    limits_ = limits_for(held, static_cast<std::uint64_t>(container.width * container.height) * 4);
-    const std::string answer = ask(open_request(path_, settings), {});
-    description_ = parse_open_answer({path_, limits_.memory_max}, answer);
-    check_described(path_, description_, settings.texel_count_max);
-    const std::uint64_t bytes = picture_bytes(description_);
-    limits_ = limits_for(held + 4 * bytes, bytes);
-  }
-
-  ~ChildImageFile() override {
+  explicit BorrowedDecoder(const std::string& program) : process_(idle_decoders().take(program)) {}
+  ~BorrowedDecoder() {
+    if (!process_->is_alive()) return;
     try {
-      ask(close_request(), {});
-      idle_decoders().give_back(std::move(decoder_));
-    } catch (const std::exception&) {  // then it is not used again
+      parse_read_answer({}, process_->ask(close_request(), limits_, {}));
+      idle_decoders().give_back(std::move(process_));
+    } catch (const std::exception&) {  // then it is ended
     }
   }
+  BorrowedDecoder(const BorrowedDecoder&) = delete;
+  BorrowedDecoder& operator=(const BorrowedDecoder&) = delete;
 
-  std::byte* reserve(std::size_t byte_count) override { return decoder_->memory().reserve(byte_count); }
+  void hold_to(const HelperLimits& limits) { limits_ = limits; }
+  const HelperLimits& limits() const { return limits_; }
+  HelperProcess& process() { return *process_; }
+
+ private:
+  std::unique_ptr<HelperProcess> process_;
+  HelperLimits limits_{};
+};
+
+class ChildImageFile : public ImageFile {
+ public:
+  // The container is looked at before a library sees it, and says how much there is to decode.
+  ChildImageFile(const DecodingChild& child, std::string path, const ImageFileSettings& settings)
+      : path_(std::move(path)),
+        container_(inspect_image_container(path_, settings.texel_count_max)),
+        decoder_(child.program) {
+    const auto texels = static_cast<std::uint64_t>(container_.width * container_.height);
+    const std::uint64_t held = 2 * static_cast<std::uint64_t>(container_.file_size) + 16 * texels;
+    decoder_.hold_to(limits_for(child, held, 4 * texels));
+    description_ = parse_open_answer(asked(), ask(open_request(path_, settings), {}));
+    check_described(path_, description_, settings.texel_count_max);
+    const std::uint64_t bytes = picture_bytes(description_);
+    decoder_.hold_to(limits_for(child, held + 4 * bytes, bytes));
+  }
+
+  std::byte* reserve(std::size_t byte_count) override { return decoder_.process().memory().reserve(byte_count); }
 
   std::string read(const PixelBlock& block, std::size_t offset, const std::function<void()>& while_waiting) override {
-    return parse_read_answer({path_, limits_.memory_max}, ask(read_request(block, offset), while_waiting));
+    return parse_read_answer(asked(), ask(read_request(block, offset), while_waiting));
   }
 
  private:
+  AskedFile asked() const { return {path_, decoder_.limits().memory_max}; }
+
   std::string ask(const std::string& request, const std::function<void()>& while_waiting) {
+    const HelperLimits& limits = decoder_.limits();
     try {
-      return decoder_->ask(request, limits_, while_waiting);
+      return decoder_.process().ask(request, limits, while_waiting);
     } catch (const HelperEnded& ended) {
       throw Error(ErrorCode::kInput,
                   fmt::format("{}: the process that decodes it {}; expected a file that OpenImageIO survives, in {} "
                               "bytes of memory and {} s",
-                              path_, ended.what(), limits_.memory_max,
-                              std::chrono::duration<double>(limits_.time_max).count()));
+                              path_, ended.what(), limits.memory_max,
+                              std::chrono::duration<double>(limits.time_max).count()));
     }
   }
 
   std::string path_;
-  std::unique_ptr<HelperProcess> decoder_;
-  HelperLimits limits_{};
+  ImageContainer container_;
+  BorrowedDecoder decoder_;
 };
 
 }  // namespace
 
-std::unique_ptr<ImageFile> open_in_child(const std::string& path, const ImageContainer& container,
-                                         const ImageFileSettings& settings) {
-  return std::make_unique<ChildImageFile>(path, container, settings);
+ImageOpener open_in_child(const DecodingChild& child) {
+  return [child](const std::string& path, const ImageFileSettings& settings) {
+    return std::make_unique<ChildImageFile>(child, path, settings);
+  };
 }
 
 }  // namespace multum

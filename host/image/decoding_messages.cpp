@@ -80,6 +80,14 @@ auto parse(const AskedFile& file, std::string_view answer, const Read& read) {
 
 }  // namespace
 
+std::string open_answer(const ImageDescription& description) {
+  MessageWriter out;
+  out.number(DecodingAnswer::kDone).text(description.format).number(description.file_size);
+  out.number(std::uint64_t{description.parts.size()});
+  for (const ImagePart& part : description.parts) write(out, part);
+  return out.take();
+}
+
 std::string open_request(const std::string& path, const ImageFileSettings& settings) {
   return MessageWriter()
       .number(DecodingRequest::kOpen)
@@ -154,11 +162,8 @@ std::string ImageDecoder::do_as_asked(std::string_view request, SharedMemory& me
   settings.texel_count_max = in.number<std::int64_t>();
   settings.threads = in.number<int>();
   settings.all_parts = in.number<std::uint8_t>() != 0;
-  file_ = open_in_this_process(path_, inspect_image_container(path_, settings.texel_count_max), settings);
-  const ImageDescription& description = file_->description();
-  out.text(description.format).number(description.file_size).number(std::uint64_t{description.parts.size()});
-  for (const ImagePart& part : description.parts) write(out, part);
-  return out.take();
+  file_ = open_in_this_process(path_, settings);
+  return open_answer(file_->description());
 }
 
 }  // namespace multum

@@ -19,6 +19,7 @@ namespace multum {
 enum class DecodingRequest : std::uint8_t { kOpen, kRead, kClose };
 enum class DecodingAnswer : std::uint8_t { kDone, kRefused, kOutOfMemory };
 
+std::string open_answer(const ImageDescription& description);
 std::string open_request(const std::string& path, const ImageFileSettings& settings);
 std::string read_request(const PixelBlock& block, std::size_t offset);
 std::string close_request();

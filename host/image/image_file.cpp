@@ -4,6 +4,8 @@
 #include <OpenImageIO/typedesc.h>
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "host/base/error.h"
 
 namespace multum {
@@ -49,9 +51,9 @@ void check_part(const std::string& path, const ImagePart& part, std::int64_t tex
                          OIIO::TypeDesc(static_cast<OIIO::TypeDesc::BASETYPE>(part.type_of(channel) & 15)).c_str()));
 }
 
-ImageDecoding& decoding() {
-  static ImageDecoding settings;
-  return settings;
+ImageOpener& opener() {
+  static ImageOpener current = open_in_this_process;
+  return current;
 }
 
 }  // namespace
@@ -67,9 +69,7 @@ std::size_t block_bytes(const ImagePart& part, const PixelBlock& block) {
          static_cast<std::size_t>(block.channel_end - block.channel_begin) * type_bytes(block.base_type);
 }
 
-void set_image_decoding(const ImageDecoding& settings) { decoding() = settings; }
-
-const ImageDecoding& image_decoding() { return decoding(); }
+void set_image_opener(ImageOpener next) { opener() = std::move(next); }
 
 void check_described(const std::string& path, const ImageDescription& description, std::int64_t texel_count_max) {
   if (description.parts.empty() || description.parts.size() > kPartCountMax)
@@ -78,9 +78,7 @@ void check_described(const std::string& path, const ImageDescription& descriptio
 }
 
 std::unique_ptr<ImageFile> open_image_file(const std::string& path, const ImageFileSettings& settings) {
-  const ImageContainer container = inspect_image_container(path, settings.texel_count_max);
-  std::unique_ptr<ImageFile> file = image_decoding().program.empty() ? open_in_this_process(path, container, settings)
-                                                                     : open_in_child(path, container, settings);
+  std::unique_ptr<ImageFile> file = opener()(path, settings);
   check_described(path, file->description(), settings.texel_count_max);
   return file;
 }

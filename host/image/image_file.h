@@ -75,32 +75,29 @@ class ImageFile {
   ImageDescription description_;
 };
 
-/// Where files are decoded, for the whole process; set before the first one is opened.
-struct ImageDecoding {
-  std::string program;  // multum-decode; empty: in this process
-  // What a child may take for one request: these, and more for more texels (child_image_file.cpp).
-  std::uint64_t memory_base = std::uint64_t{1} << 30;  // bytes
-  int time_base_ms = 30000;
-};
-void set_image_decoding(const ImageDecoding& decoding);
-const ImageDecoding& image_decoding();
-
 /// Throws Error(kInput) naming the file: missing, of another format, damaged, or its decoding came to no end.
 std::unique_ptr<ImageFile> open_image_file(const std::string& path, const ImageFileSettings& settings);
 
-/// Throws Error(kInput) when a description cannot be of any picture: what follows computes with its numbers.
-void check_described(const std::string& path, const ImageDescription& description, std::int64_t texel_count_max);
+/// Where open_image_file() opens, for the whole process: in this process unless a program says otherwise at its start.
+using ImageOpener = std::function<std::unique_ptr<ImageFile>(const std::string&, const ImageFileSettings&)>;
+void set_image_opener(ImageOpener opener);
 
 /// In this process, into any memory.
 class LibraryImageFile : public ImageFile {
  public:
   virtual std::string read_into(const PixelBlock& block, std::byte* memory) = 0;
 };
+std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, const ImageFileSettings& settings);
 
-// The two ways. The container is the file's, inspected before; what the file says of itself is not checked yet.
-std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, const ImageContainer& container,
-                                                       const ImageFileSettings& settings);
-std::unique_ptr<ImageFile> open_in_child(const std::string& path, const ImageContainer& container,
-                                         const ImageFileSettings& settings);
+/// In a child. What it may take for one request: these, and more for more texels (child_image_file.cpp).
+struct DecodingChild {
+  std::string program;                                  // multum-decode
+  std::uint64_t memory_base = std::uint64_t{1} << 30;  // bytes
+  int time_base_ms = 30000;
+};
+ImageOpener open_in_child(const DecodingChild& child);
+
+/// Throws Error(kInput) when a description cannot be of any picture: what follows computes with its numbers.
+void check_described(const std::string& path, const ImageDescription& description, std::int64_t texel_count_max);
 
 }  // namespace multum

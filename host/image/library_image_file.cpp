@@ -147,8 +147,8 @@ class OiioImageFile : public LibraryImageFile {
 
 }  // namespace
 
-std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, const ImageContainer& container,
-                                                       const ImageFileSettings& settings) {
+std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, const ImageFileSettings& settings) {
+  const ImageContainer container = inspect_image_container(path, settings.texel_count_max);
   return with_damage_named(path, [&] { return std::make_unique<OiioImageFile>(path, container, settings); });
 }
 

@@ -17,9 +17,9 @@ std::string decoder_beside_this_program() {
 }  // namespace
 
 void decode_in_child() {
-  ImageDecoding decoding;
-  decoding.program = decoder_beside_this_program();
-  set_image_decoding(decoding);
+  DecodingChild child;
+  child.program = decoder_beside_this_program();
+  set_image_opener(open_in_child(child));
 }
 
 void add_decoding_option(CLI::App& app) {
@@ -27,7 +27,7 @@ void add_decoding_option(CLI::App& app) {
   app.add_option_function<std::string>(
          "--decode",
          [](const std::string& place) {
-           if (place == "here") set_image_decoding({});
+           if (place == "here") set_image_opener(open_in_this_process);
          },
          "where image files are decoded: in a child process, which a broken file may end, or here, if you trust them")
       ->check(CLI::IsMember({"child", "here"}))
