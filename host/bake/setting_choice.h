@@ -86,8 +86,8 @@ class SettingTrials {
 BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
 /// The cheapest candidate, from number `first` on, that reaches `error` on the mosaic, its interval included, when
-/// mosaic errors are multiplied by `correction`; nullopt where none does. Candidates that a tried one rules out are not
-/// tried: with as many textures, twice the effort takes no more than kEffortGain off the error.
+/// mosaic errors are multiplied by `correction`; nullopt where none does. Candidates whose
+/// quicker kin is too far off are not tried: as many lobes fitted longer take a quarter off the error at most.
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress);
 
