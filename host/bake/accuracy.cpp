@@ -178,8 +178,7 @@ class Comparison {
 
   std::vector<AccuracySummary> summaries() const {
     std::vector<AccuracySummary> all;
-    for (std::size_t b = 0; b < brdf_count(); ++b)
-      all.push_back(sums_.summary(b, brdf_name(b), settings_.first_level));
+    for (std::size_t b = 0; b < brdf_count(); ++b) all.push_back(sums_.summary(b, brdf_name(b), settings_.first_level));
     return all;
   }
 

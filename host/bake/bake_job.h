@@ -30,7 +30,7 @@ struct BakeJob {
   MovmfSettings fitting;  // of lobes; its first level is that of every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
-  bool measure = true;             // measure the error of what is written
+  bool measure = true;  // measure the error of what is written
   // Blinn-Phong s, none of the usual ones, that is measured besides them for the report alone; 0: none.
   double exponent = 0.0;
   bool force = false;              // bake even if the output is from the same file and settings

@@ -11,6 +11,7 @@
 #include "host/bake/ndf_bake.h"
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/log.h"
 
 namespace multum {
 namespace {
@@ -94,32 +95,35 @@ std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials
     if (trial->reached.error > 0.0) correction = std::max(correction, attempt.reached.error / trial->reached.error);
   }
   // The mosaic is a sample too: its best gets a chance.
-  const auto best = std::min_element(
-      trials.made().begin(), trials.made().end(),
-      [](const SettingTrial& a, const SettingTrial& b) { return a.reached.error < b.reached.error; });
+  const auto best =
+      std::min_element(trials.made().begin(), trials.made().end(),
+                       [](const SettingTrial& a, const SettingTrial& b) { return a.reached.error < b.reached.error; });
   if (attempts.has(best->candidate)) return std::nullopt;
   if (attempts.bake(SettingTrial(*best)).reached.meets(*target.error)) return attempts.made().size() - 1;
   return std::nullopt;
 }
 
-// How long a bake of the whole map takes, by its trial, which left level 1 out: three quarters of the texels that are
-// fitted. What bakes took corrects it, of lobes and of averages each by itself.
+// How long a bake of the whole map takes, by its trial. The finest level that was fitted there is level 2, of which the
+// map has `scale` times as many texels, and level 1 four times as many again. What bakes took corrects it, of lobes and
+// of averages each by itself.
 class TimeGuess {
  public:
   TimeGuess(const SettingTrials& trials, double read_seconds) : trials_(trials), read_seconds_(read_seconds) {}
   double seconds(const SettingTrial& trial) const {
+    constexpr double kUsualCorrection = 0.75;  // trials are so small that launches show
     const auto found = correction_.find(is_fit(trial));
-    return read_seconds_ + raw(trial) * (found == correction_.end() ? 1.0 : found->second);
+    return read_seconds_ + raw(trial) * (found == correction_.end() ? kUsualCorrection : found->second);
   }
   void learn(const Attempt& attempt) {
     correction_[is_fit(attempt.trial)] = (attempt.seconds - read_seconds_) / std::max(1e-6, raw(attempt.trial));
   }
 
  private:
-  bool is_fit(const SettingTrial& trial) const {
-    return holds_lobes(*trials_.candidates()[trial.candidate].map.ndf);
+  bool is_fit(const SettingTrial& trial) const { return holds_lobes(*trials_.candidates()[trial.candidate].map.ndf); }
+  double raw(const SettingTrial& trial) const {
+    const double grows = (trial.seconds - trial.fixed_seconds) * trials_.scale() * (is_fit(trial) ? 5.0 : 1.0);
+    return trial.fixed_seconds + grows;
   }
-  double raw(const SettingTrial& trial) const { return trial.seconds * trials_.scale() * (is_fit(trial) ? 4.0 : 1.0); }
 
   const SettingTrials& trials_;
   const double read_seconds_;
@@ -130,8 +134,18 @@ class TimeGuess {
 std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_seconds, SettingTrials& trials,
                                         Attempts& attempts, Progress* progress) {
   constexpr std::size_t kAttemptsMax = 6;
-  for (std::size_t i = 0; i < trials.candidates().size(); ++i) trials.at(i, progress);
+  // More lobes or higher orders than one that is far too slow are slower still; guesses are too high by up to this.
+  constexpr double kGuessMargin = 8.0;
   TimeGuess guess(trials, read_seconds);
+  const std::vector<SettingCandidate>& candidates = trials.candidates();
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const bool is_too_slow = std::any_of(trials.made().begin(), trials.made().end(), [&](const SettingTrial& made) {
+      const SettingCandidate& other = candidates[made.candidate];
+      return other.map.ndf == candidates[i].map.ndf && other.effort <= candidates[i].effort &&
+             guess.seconds(made) > kGuessMargin * *target.seconds;
+    });
+    if (!is_too_slow) trials.at(i, progress);
+  }
   std::optional<std::size_t> best;
   while (attempts.made().size() < kAttemptsMax) {
     const SettingTrial* next = nullptr;
@@ -146,6 +160,8 @@ std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_se
     if (next == nullptr) next = fastest;
     if (next == nullptr) break;
     const Attempt& attempt = attempts.bake(SettingTrial(*next));
+    log_verbose(fmt::format("baked: {} in {:.3f} s, {:.3f} s were guessed", candidates[next->candidate].options,
+                            attempt.seconds, guess.seconds(*next)));
     guess.learn(attempt);
     if (attempt.seconds > *target.seconds) continue;
     attempts.keep();
@@ -171,8 +187,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
       if (trial.candidate < chosen.trial.candidate && (!below || trial.reached.error < below->reached.error))
         below = &trial;
     if (met && below != nullptr)
-      text += fmt::format("  cheaper settings reach {} at best ({})\n", percent(below->reached.error),
-                          options(*below));
+      text += fmt::format("  cheaper settings reach {} at best ({})\n", percent(below->reached.error), options(*below));
   }
   text += fmt::format("  worst level {}\n", chosen.reached.worst_level);
   return text;
@@ -188,7 +203,8 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
                                                "10 % relative L1",
                                                *target.error));
   if (target.seconds && !(*target.seconds > 0.0))
-    throw Error(ErrorCode::kUsage, fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
   if (!job.measure) throw Error(ErrorCode::kUsage, "--no-measure leaves nothing to choose settings by");
   if (job.region || !job.onto.empty() || job.resume)
     throw Error(ErrorCode::kUsage, "--region, --onto and --resume go on with a file's settings: none can be chosen");
@@ -211,9 +227,9 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, Device& d
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));
   const double read_seconds = choosing.bake_seconds();
   Attempts attempts(job, source, trials, read_seconds, device, progress);
-  const std::optional<std::size_t> found =
-      target.error ? find_by_error(target, trials, attempts, progress)
-                   : find_by_time(target, read_seconds, trials, attempts, progress);
+  const std::optional<std::size_t> found = target.error
+                                               ? find_by_error(target, trials, attempts, progress)
+                                               : find_by_time(target, read_seconds, trials, attempts, progress);
   ChosenBake chosen;
   chosen.met = found.has_value();
   std::size_t best = found.value_or(0);
@@ -221,8 +237,8 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, Device& d
     const auto better = [&](const Attempt& a, const Attempt& b) {
       return target.error ? a.reached.error < b.reached.error : a.seconds < b.seconds;
     };
-    best = static_cast<std::size_t>(
-        std::min_element(attempts.made().begin(), attempts.made().end(), better) - attempts.made().begin());
+    best = static_cast<std::size_t>(std::min_element(attempts.made().begin(), attempts.made().end(), better) -
+                                    attempts.made().begin());
     if (target.best_effort && best + 1 != attempts.made().size())
       attempts.bake(SettingTrial(attempts.made()[best].trial)), best = attempts.made().size() - 1;
   }

@@ -108,9 +108,8 @@ bool is_usual_exponent(double exponent) {
 
 ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf) {
   constexpr std::string_view kColoured = " coloured";
-  const bool has_colours = std::any_of(summaries.begin(), summaries.end(), [&](const AccuracySummary& one) {
-    return one.brdf.ends_with(kColoured);
-  });
+  const bool has_colours = std::any_of(summaries.begin(), summaries.end(),
+                                       [&](const AccuracySummary& one) { return one.brdf.ends_with(kColoured); });
   std::optional<ReachedError> best;
   for (const AccuracySummary& one : summaries) {
     if (one.brdf.ends_with(kColoured) != has_colours) continue;
@@ -161,13 +160,16 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
     progress_advance(progress, 0);
     return true;
   });
-  const std::unique_ptr<AccuracyMeter> meter = ndf_bake(job.representation)
-                                                   .rehearse({job, device_, mosaic_, baked_header_of(job, mosaic_),
-                                                              machine_memory_bytes() / 4, clock},
-                                                             accuracy, report, &quiet);
+  const std::unique_ptr<AccuracyMeter> meter =
+      ndf_bake(job.representation)
+          .rehearse({job, device_, mosaic_, baked_header_of(job, mosaic_), machine_memory_bytes() / 4, clock}, accuracy,
+                    report, &quiet);
   meter->run(device_, mosaic_.map.normals, mosaic_.colours(), &quiet);
   const ReachedError reached = reached_error(meter->summaries(), brdf_);
-  made_.push_back({candidate, reached, report.bake_seconds()});
+  double fixed_seconds = report.start_seconds;
+  for (const LevelReport& level : report.levels)
+    if (level.level > job.fitting.first_level) fixed_seconds += level.seconds;
+  made_.push_back({candidate, reached, report.bake_seconds(), fixed_seconds});
   log_verbose(fmt::format("trial: {:<44} {} in {:.3f} s", candidates_[candidate].options,
                           error_text(reached.error, reached.confidence), report.bake_seconds()));
   return made_.back();

@@ -53,7 +53,8 @@ ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const 
 struct SettingTrial {
   std::size_t candidate;
   ReachedError reached;
-  double seconds;  // of the fit or of averaging
+  double seconds;        // of the fit or of averaging
+  double fixed_seconds;  // of these, what does not grow with the map: choosing a start, and coarse levels
 };
 
 /// Trials of one map, each made when it is asked for, once.

@@ -78,7 +78,8 @@ TEST(MapMosaic, OfASmallMapIsTheMap) {
   ASSERT_EQ(mosaic.map.normals.width(), 200);
   ASSERT_EQ(mosaic.map.normals.height(), 256);
   for (int y = 0; y < 256; y += 5)
-    for (int x = 0; x < 200; x += 3) EXPECT_EQ(mosaic.map.normals.texel(x, y)[0], map.x[static_cast<std::size_t>(y * 200 + x)]);
+    for (int x = 0; x < 200; x += 3)
+      EXPECT_EQ(mosaic.map.normals.texel(x, y)[0], map.x[static_cast<std::size_t>(y * 200 + x)]);
 }
 
 TEST(MapMosaic, HasABlockOfEveryCell) {

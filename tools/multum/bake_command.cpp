@@ -35,16 +35,17 @@ struct BakeOptions {
 };
 
 void add_target_options(CLI::App& bake, BakeOptions& o) {
-  CLI::Option* error = bake.add_option(
-      "--target-error", o.target_error,
-      "choose the cheapest settings that come so near to the truth: relative L1 of levels 2 and up, 0.1 for 10 %; where "
-      "none do, nothing is written and the exit code is 5");
+  CLI::Option* error = bake.add_option("--target-error", o.target_error,
+                                       "choose the cheapest settings that come so near to the truth: relative L1 of "
+                                       "levels 2 and up, 0.1 for 10 %; where "
+                                       "none do, nothing is written and the exit code is 5");
   bake.add_option("--budget-ms", o.budget_ms,
                   "choose the most accurate settings that bake in so many milliseconds: reading, fitting and writing")
       ->excludes(error);
   bake.add_option("--brdf", o.brdf,
                   "of --target-error and --budget-ms: lambert or blinn-phong:S (default: blinn-phong:100)");
-  bake.add_flag("--best-effort", o.best_effort, "of the two: write the best that was reached, too; the exit code stays 5");
+  bake.add_flag("--best-effort", o.best_effort,
+                "of the two: write the best that was reached, too; the exit code stays 5");
 }
 
 void add_output_options(CLI::App& bake, BakeOptions& o) {
@@ -102,11 +103,14 @@ void check_target_options(const BakeOptions& o) {
       throw Error(ErrorCode::kUsage, "--brdf and --best-effort are of --target-error and --budget-ms, found neither");
     return;
   }
-  const std::pair<const char*, bool> chosen[] = {
-      {"--lobes", o.map.lobes.has_value()},           {"--sh-order", o.map.sh_order.has_value()},
-      {"--reference", o.map.reference},               {"--iterations", o.map.iterations.has_value()},
-      {"--sweeps", o.map.sweeps.has_value()},         {"--no-rehearsal", o.map.no_rehearsal},
-      {"--data-format", o.map.data_format.has_value()}, {"--unaligned", o.map.unaligned}};
+  const std::pair<const char*, bool> chosen[] = {{"--lobes", o.map.lobes.has_value()},
+                                                 {"--sh-order", o.map.sh_order.has_value()},
+                                                 {"--reference", o.map.reference},
+                                                 {"--iterations", o.map.iterations.has_value()},
+                                                 {"--sweeps", o.map.sweeps.has_value()},
+                                                 {"--no-rehearsal", o.map.no_rehearsal},
+                                                 {"--data-format", o.map.data_format.has_value()},
+                                                 {"--unaligned", o.map.unaligned}};
   for (const auto& [option, is_given] : chosen)
     if (is_given)
       throw Error(ErrorCode::kUsage, fmt::format("{} is chosen by {}: expected one of the two", option,
