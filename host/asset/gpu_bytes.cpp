@@ -30,6 +30,17 @@ std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap) {
                        static_cast<unsigned>(sh_part_count(mipmap.order)) + (mipmap.header.has_colours ? 1 : 0));
 }
 
+std::uint64_t baked_gpu_bytes(const std::string& path) {
+  const BakedHeader header = read_baked_header(path);
+  switch (header.representation) {
+    case Representation::kMovmf:
+    case Representation::kGmm: return movmf_gpu_bytes(read_movmf_header(path));
+    case Representation::kMoments: return moment_gpu_bytes(header);
+    case Representation::kSh: return sh_gpu_bytes(read_sh_header(path));
+  }
+  return 0;
+}
+
 std::uint64_t usual_gpu_bytes(int width, int height) {
   constexpr std::uint64_t kBlockBytes = 16 + 8;
   std::uint64_t blocks = 0;
