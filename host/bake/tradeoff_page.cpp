@@ -180,9 +180,9 @@ class TradeoffPage {
     if (!result_.chosen) return html + fmt::format("<p><b>No settings reach {}.</b></p>\n", asked);
     const TradeoffRow& row = result_.rows[*result_.chosen];
     return html + fmt::format(
-                      "<h2>For {}</h2>\n<p>{} % in {} ms, {} MB on the GPU: the {} of those that reach it.</p>\n"
+                      "<h2>For {}</h2>\n<p>{} in {} ms, {} MB on the GPU: the {} of those that reach it.</p>\n"
                       "<pre>{}</pre>\n",
-                      asked, html_escaped(error_text(row.reached.error, row.reached.confidence)).substr(0, 40),
+                      asked, html_escaped(error_text(row.reached.error, row.reached.confidence)),
                       millis(row.bake_seconds), mega(row.gpu_bytes), job_.error ? "cheapest" : "most accurate",
                       html_escaped(bake_command(job_, row)));
   }
@@ -366,7 +366,7 @@ class TradeoffPage {
         "and y, levels 2 and up, each level weighing the same. &plusmn;: 95 % interval over the texels that were "
         "looked at, at most about 2048 a level (stratified standard error of a ratio, Cochran 1977).</li>\n<li>Bake "
         "time: fitting or averaging, rounding and writing, without reading and measuring, once each. Frame time: one "
-        "picture of {} &times; {} pixels. Times are this machine's and move with what else it does.</li>\n<li>The "
+        "picture of {} &times; {} pixels, the quicker of two. Times are this machine's and move with what else it does.</li>\n<li>The "
         "sweep took {:.0f} s. multum {}.</li></ul>\n",
         job_.width, job_.height, result_.seconds, MULTUM_VERSION);
   }
