@@ -366,7 +366,8 @@ class TradeoffPage {
         "and y, levels 2 and up, each level weighing the same. &plusmn;: 95 % interval over the texels that were "
         "looked at, at most about 2048 a level (stratified standard error of a ratio, Cochran 1977).</li>\n<li>Bake "
         "time: fitting or averaging, rounding and writing, without reading and measuring, once each. Frame time: one "
-        "picture of {} &times; {} pixels, the quicker of two. Times are this machine's and move with what else it does.</li>\n<li>The "
+        "picture of {} &times; {} pixels, the quicker of two. Times are this machine's and move with what else it "
+        "does.</li>\n<li>The "
         "sweep took {:.0f} s. multum {}.</li></ul>\n",
         job_.width, job_.height, result_.seconds, MULTUM_VERSION);
   }

@@ -259,20 +259,13 @@ class Sweep {
 
   // What it reports.
   nlohmann::json run_view(const std::string& baked, const View& view, const std::vector<std::string>& more) {
-    std::vector<std::string> command = {job_.viewer,
-                                        baked,
-                                        "-o",
-                                        scratch_ / "sheet.png",
-                                        "--report",
-                                        scratch_ / "view.json",
-                                        "--source",
-                                        job_.bake.input,
-                                        "--brdf",
-                                        view.brdf.empty() ? job_.brdf.name : view.brdf,
-                                        "--context",
-                                        job_.context,
-                                        "--size",
-                                        fmt::format("{}x{}", job_.width, job_.height)};
+    std::vector<std::string> command = {job_.viewer, baked,
+                                        "-o",        scratch_ / "sheet.png",
+                                        "--report",  scratch_ / "view.json",
+                                        "--source",  job_.bake.input,
+                                        "--brdf",    view.brdf.empty() ? job_.brdf.name : view.brdf,
+                                        "--context", job_.context,
+                                        "--size",    fmt::format("{}x{}", job_.width, job_.height)};
     command.insert(command.end(), more.begin(), more.end());
     std::stringstream words(view.arguments);
     for (std::string word; words >> word;) command.push_back(word);

@@ -37,8 +37,10 @@ TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
     EXPECT_GT(one.at("gpu_bytes").get<double>(), 0.0);
     bool is_beaten = false;
     for (const nlohmann::json& other : rows) {
-      const bool no_worse = other.at("gpu_bytes") <= one.at("gpu_bytes") && other.at("relative_l1") <= one.at("relative_l1");
-      const bool better = other.at("gpu_bytes") < one.at("gpu_bytes") || other.at("relative_l1") < one.at("relative_l1");
+      const bool no_worse =
+          other.at("gpu_bytes") <= one.at("gpu_bytes") && other.at("relative_l1") <= one.at("relative_l1");
+      const bool better =
+          other.at("gpu_bytes") < one.at("gpu_bytes") || other.at("relative_l1") < one.at("relative_l1");
       is_beaten = is_beaten || (no_worse && better);
     }
     EXPECT_NE(one.at("fronts").at("gpu_bytes").get<bool>(), is_beaten) << one;

@@ -13,10 +13,11 @@
 #include "host/asset/gpu_bytes.h"
 #include "host/bake/accuracy_baselines.h"
 #include "host/bake/movmf_bake.h"
+#include "host/bake/tradeoff_page.h"
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
-#include "host/bake/tradeoff_page.h"
+#include "tools/bench/formula_document.h"
 #include "tools/bench/machine.h"
 #include "tools/bench/scratch_folder.h"
 
@@ -334,14 +335,16 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   job.bake.reading.green = GreenAxis::kUp;
   std::string text =
-      "Settings that `multum tradeoff` sweeps. Relative L1 in %, levels 2 and up, each weighing the same: texel centres "
+      "Settings that `multum tradeoff` sweeps. Relative L1 in %, levels 2 and up, each weighing the same: texel "
+      "centres "
       "and midpoints together (error, with half of its 95 % interval), centres, midway in x and y, and between levels. "
       "Nothing is drawn here.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
   if (!options.maps.empty())
     for (const char* map : {"gd_aluminium_normal.png", "pm_0007.webp", "re_cyberhandwoven_n.png"})
-      if (const std::string path = options.maps + "/normal/" + map; std::filesystem::exists(path)) text += sweep(map, path);
+      if (const std::string path = options.maps + "/normal/" + map; std::filesystem::exists(path))
+        text += sweep(map, path);
   return text;
 }
 
@@ -369,12 +372,13 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
       "not edit.\n\n"
       "Relative L1 error in %: sum |model - truth| / sum truth, over all texels of a level and 12 half vectors (lights "
       "(.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)); for Lambert the four "
-      "lights. The BRDF is (s+1)/(2 pi) t^s, the convolution alone, without n . l. Truth: the average over every finest "
+      "lights. The BRDF is (s+1)/(2 pi) t^s, the convolution alone, without n . l. Truth: the average over every "
+      "finest "
       "normal that a texel covers, in double. Model: the lobes as stored (snorm16 unless said), filtered as hardware "
       "filters, shaded as the runtime shades.\n\n";
   const auto add = [&](const std::string& name, const std::string& heading, const auto& make) {
-    const bool is_asked = options.sections.empty() || std::find(options.sections.begin(), options.sections.end(),
-                                                                name) != options.sections.end();
+    const bool is_asked = options.sections.empty() ||
+                          std::find(options.sections.begin(), options.sections.end(), name) != options.sections.end();
     const auto old = there.find(heading);
     if (is_asked) text += "## " + heading + "\n\n" + made_by + make() + "\n";
     else if (old != there.end()) text += old->second;
@@ -382,7 +386,7 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
   add("quarters", "The four-quarter map",
       [&] { return quarters_section(device, options) + first_level_section(device, options); });
   add("representations", "Every representation", [&] { return representations_section(device, options); });
-  add("formulas", "Formulas against quadrature", [&] { return formula_section(device, options.brdfs); });
+  add("formulas", "The formulas alone", [&] { return formula_section(device, options.brdfs); });
   add("maps", "Real normal maps", [&] { return options.maps.empty() ? "" : maps_section(device, options); });
   while (text.ends_with("\n\n")) text.pop_back();
   write_text_file(options.output, text);

@@ -10,6 +10,7 @@ namespace multum::bench {
 struct AccuracyDocumentOptions {
   std::string output;  // Markdown file
   std::string maps;    // folder of real maps; empty: none
+  std::string brdfs;   // folder of measured BRDFs; empty: none
   // Of kSections: these alone are made, and take the place of those of a document that is there; empty: all are.
   std::vector<std::string> sections;
   std::string commit;  // named in the document

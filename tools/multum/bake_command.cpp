@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/machine.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum/bake_manifest_mode.h"
 #include "tools/multum/bake_print.h"
 #include "tools/multum/commands.h"
@@ -189,6 +190,7 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   add_target_options(*bake, *options);
   add_manifest_options(*bake, options->manifest);
   add_common_options(*bake, options->common);
+  add_decoding_option(*bake);
   add_map_options(*bake, options->map);
   bake->callback([bake, options, exit_code] { *exit_code = run_bake(*bake, *options); });
 }
