@@ -18,7 +18,8 @@ import sys
 import tempfile
 import time
 
-CHOICE = re.compile(r"(?P<verdict>chosen|best reached): (?P<options>--ndf .*?): (?P<error>[\d.]+) \+- (?P<interval>[\d.]+) %"
+CHOICE = re.compile(r"(?P<verdict>chosen|best reached): (?P<options>--ndf .*?): "
+                    r"(?P<error>[\d.]+) \+- (?P<interval>[\d.]+) %"
                     r"(?: when shaded as (?P<shading>[\w-]+))?.*?; (?P<tried>\d+) of \d+ settings tried")
 
 
@@ -103,7 +104,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for path in sorted(p for p in arguments.maps.iterdir() if is_normal_map(p)):
             for target in arguments.targets:
-                row = None if (path.name, target) in done else bake(arguments.multum, path, target, arguments.brdf, folder)
+                if (path.name, target) in done:
+                    continue
+                row = bake(arguments.multum, path, target, arguments.brdf, folder)
                 if row is None:
                     continue
                 rows.append(row)

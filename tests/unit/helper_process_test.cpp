@@ -100,8 +100,7 @@ TEST(HelperProcessTest, NothingStays) {
   end_of("anything");
   const int before = open_files();
   for (const char* request : {"anything", "exit", "announce"}) end_of(request);
-  expect_error(ErrorCode::kEnvironment, {"/none: cannot be started: No such file"},
-               [] { HelperProcess none("/none"); });
+  expect_error(ErrorCode::kEnvironment, {"/none: cannot be started: No such file"}, [] { HelperProcess none("/none"); });
   EXPECT_EQ(open_files(), before);
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/multum_view/view_options.h"
 #include "tools/command_line/decoding_option.h"
+#include "tools/multum_view/view_options.h"
 
 #include <fmt/format.h>
 
