@@ -222,14 +222,16 @@ class Sweep {
   }
 
   void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
+    // Of moments, those of this way to shade them.
     constexpr std::string_view kMoments = "--moments ";
-    std::vector<AccuracySummary> summaries = report.error;
-    std::string brdf = job_.brdf.name;
-    if (view.arguments.starts_with(kMoments)) {
-      brdf += " " + view.arguments.substr(kMoments.size());
-      std::erase_if(summaries, [&](const AccuracySummary& one) { return one.brdf != brdf; });
-    }
-    row.reached = reached_error(summaries, job_.brdf);
+    const std::string shading =
+        view.arguments.starts_with(kMoments) ? " " + view.arguments.substr(kMoments.size()) : std::string();
+    for (const AccuracySummary& one : report.error)
+      if (const std::size_t space = one.brdf.find(' ');
+          (space == std::string::npos ? "" : one.brdf.substr(space)) == shading)
+        row.errors.push_back(one);
+    const std::string brdf = job_.brdf.name + shading;
+    row.reached = reached_error(row.errors, job_.brdf);
     row.centre = mean_error(report.accuracy, brdf, {AccuracyPoint::kCentre});
     row.midway = mean_error(report.accuracy, brdf, {AccuracyPoint::kMidX, AccuracyPoint::kMidY});
     row.between = mean_error(report.accuracy, brdf, {AccuracyPoint::kBetween});

@@ -19,6 +19,7 @@
 #include "host/image/four_quarter_map.h"
 #include "tools/bench/formula_document.h"
 #include "tools/bench/machine.h"
+#include "tools/bench/markdown_table.h"
 #include "tools/bench/scratch_folder.h"
 
 namespace multum::bench {
@@ -314,6 +315,23 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   return text;
 }
 
+// A row a setting, an error a BRDF.
+std::string errors_table(const TradeoffResult& result) {
+  MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, ms", "GPU, MB"});
+  for (const TradeoffRow& row : result.rows) {
+    if (!row.is_measured) continue;
+    std::vector<std::string> cells = {"`" + row.options + "`", row.view.empty() ? "" : row.view.substr(row.view.find(' '))};
+    for (const char* brdf : {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert"}) {
+      const ReachedError one = reached_error(row.errors, parse_target_brdf(brdf));
+      cells.push_back(fmt::format("{:.2f} ± {:.2f}", 100.0 * one.error, 100.0 * one.confidence));
+    }
+    cells.push_back(fmt::format("{:.0f}", 1e3 * row.bake_seconds));
+    cells.push_back(fmt::format("{:.2f}", static_cast<double>(row.gpu_bytes) / 1e6));
+    table.add(std::move(cells));
+  }
+  return table.text();
+}
+
 // Every representation, baked and measured by the code of `multum tradeoff`.
 std::string representations_section(Device& device, const AccuracyDocumentOptions& options) {
   const ScratchFolder scratch("");
@@ -322,29 +340,23 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   job.bake.threads = options.threads;
   const auto sweep = [&](const std::string& name, const std::string& path) {
     std::printf("%s, every representation\n", name.c_str());
-    std::string tables;
     job.bake.input = path;
-    for (const char* brdf : {"blinn-phong:20", "blinn-phong:100", "lambert"}) {
-      job.brdf = parse_target_brdf(brdf);
-      tables += fmt::format("\n### {}, {}\n\n", name, brdf) + tradeoff_markdown(run_tradeoff(job, device, nullptr));
-      job.length = SweepLength::kQuick;  // of other BRDFs, and maps
-    }
-    return tables;
+    const TradeoffResult result = run_tradeoff(job, device, nullptr);
+    return fmt::format("\n### Every representation: {}, {} x {}\n\n", name, result.width, result.height) +
+           errors_table(result);
   };
-  job.length = SweepLength::kUsual;
-  write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   job.bake.reading.green = GreenAxis::kUp;
+  write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   std::string text =
-      "Settings that `multum tradeoff` sweeps. Relative L1 in %, levels 2 and up, each weighing the same: texel "
-      "centres "
-      "and midpoints together (error, with half of its 95 % interval), centres, midway in x and y, and between levels. "
-      "Nothing is drawn here.\n" +
+      "Settings that `multum tradeoff` sweeps. One figure a BRDF: relative L1 in %, texel centres and midpoints of levels "
+      "2 and up, each level weighing the same, with half of its 95 % interval (docs/ALGORITHMS.md, \"Measured "
+      "error\").\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
+  job.length = SweepLength::kQuick;
   if (!options.maps.empty())
     for (const char* map : {"gd_aluminium_normal.png", "pm_0007.webp", "re_cyberhandwoven_n.png"})
-      if (const std::string path = options.maps + "/normal/" + map; std::filesystem::exists(path))
-        text += sweep(map, path);
+      if (const std::string path = options.maps + "/normal/" + map; std::filesystem::exists(path)) text += sweep(map, path);
   return text;
 }
 
