@@ -13,6 +13,7 @@
 
 #include "host/bake/accuracy_points.h"
 #include "host/bake/accuracy_truth.h"
+#include "host/bake/kept_texels.h"
 #include "host/opencl/device.h"
 
 namespace multum {
@@ -41,12 +42,25 @@ class AccuracyModel {
   virtual ~AccuracyModel() = default;
   virtual bool has_colours() const = 0;
   /// The finest level that is stored; finer ones show these averages of the map instead, which must outlive it.
-  virtual int first_level() const = 0;
-  virtual void set_map_averages(const TexelSums* averages) = 0;
+  int first_level() const { return kept_.first_level(); }
+  void set_map_averages(const TexelSums* averages) { map_averages_ = averages; }
   /// Names of the ways to shade it; one without a name where there is no choice.
   virtual const std::vector<std::string>& shadings() const = 0;
   /// After all texels have come. The model must outlive it.
   virtual std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const = 0;
+
+ protected:
+  /// `texels` must outlive it.
+  AccuracyModel(const TexelSelection& texels, int first_level) : kept_(texels, first_level) {}
+  /// Can points be filtered: has all come?
+  bool is_complete() const { return kept_.is_complete() && (first_level() == 0 || map_averages_ != nullptr); }
+  const KeptTexels& kept() const { return kept_; }
+  KeptTexels& kept() { return kept_; }
+  const TexelSums& map_averages() const { return *map_averages_; }
+
+ private:
+  KeptTexels kept_;
+  const TexelSums* map_averages_ = nullptr;
 };
 
 /// The same directions in buffers of the device, for the shading kernels.

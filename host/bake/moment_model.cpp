@@ -57,32 +57,18 @@ class MomentShading : public PointShading {
 }  // namespace
 
 MomentModel::MomentModel(const BakedHeader& header, const TexelSelection& texels)
-    : texels_(texels),
-      first_level_(header.first_level),
+    : AccuracyModel(texels, header.first_level),
       has_colours_(header.has_colours),
-      first_slot_(texels.level_begin(header.first_level)),
-      missing_count_(texels.slot_count() - first_slot_),
-      slopes_(missing_count_),
-      normals_(missing_count_),
-      colours_(has_colours_ ? missing_count_ : 0) {}
+      slopes_(kept().count()),
+      normals_(kept().count()),
+      colours_(has_colours_ ? kept().count() : 0) {}
 
 void MomentModel::add_rows(int level, int first_row, const MomentLevel& rows) {
-  const PlaneSize size = texels_.sizes()[static_cast<std::size_t>(level)];
-  MULTUM_CHECK(level >= first_level_ && rows.width == size.width);
-  MULTUM_CHECK(first_row >= 0 && first_row + rows.height <= size.height);
-  for (int y = 0; y < rows.height; ++y) {
-    const std::size_t end = texels_.row_end(level, first_row + y);
-    for (std::size_t slot = texels_.row_begin(level, first_row + y); slot < end; ++slot) {
-      const std::size_t texel = static_cast<std::size_t>(y) * static_cast<std::size_t>(rows.width) +
-                                static_cast<std::size_t>(texels_.column(slot));
-      const std::size_t kept = slot - first_slot_;
-      slopes_[kept] = rows.slopes[texel];
-      normals_[kept] = rows.normals[texel];
-      if (has_colours_) colours_[kept] = rows.colours[texel];
-      MULTUM_CHECK(missing_count_ > 0);
-      --missing_count_;
-    }
-  }
+  kept().take_rows(level, first_row, rows, [&](std::size_t entry, std::size_t texel) {
+    slopes_[entry] = rows.slopes[texel];
+    normals_[entry] = rows.normals[texel];
+    if (has_colours_) colours_[entry] = rows.colours[texel];
+  });
 }
 
 const std::vector<std::string>& MomentModel::shadings() const {
@@ -95,24 +81,25 @@ std::unique_ptr<PointShading> MomentModel::make_shading(Device& device, const Sh
 }
 
 void MomentModel::add_tap(std::size_t slot, double weight, int channel, double* sums) const {
-  if (slot < first_slot_) {
-    for (std::size_t c = 0; c < 3; ++c) sums[kMapNormal + c] += weight * map_averages_->at(slot, c);
+  if (!kept().is_stored(slot)) {
+    for (std::size_t c = 0; c < 3; ++c) sums[kMapNormal + c] += weight * map_averages().at(slot, c);
     sums[kMapShare] += weight;
-    if (channel >= 0) sums[kMapColour] += weight * map_averages_->at(slot, 3 + static_cast<std::size_t>(channel));
+    if (channel >= 0) sums[kMapColour] += weight * map_averages().at(slot, 3 + static_cast<std::size_t>(channel));
     return;
   }
-  const glm::vec3& n = normals_[slot - first_slot_];
-  const SlopeMoments& m = slopes_[slot - first_slot_];
+  const std::size_t entry = kept().entry(slot);
+  const glm::vec3& n = normals_[entry];
+  const SlopeMoments& m = slopes_[entry];
   for (int c = 0; c < 3; ++c) sums[kNormal + static_cast<std::size_t>(c)] += weight * static_cast<double>(n[c]);
   sums[kShare] += weight;
-  if (channel >= 0) sums[kColour] += weight * static_cast<double>(colours_[slot - first_slot_][channel]);
+  if (channel >= 0) sums[kColour] += weight * static_cast<double>(colours_[entry][channel]);
   const std::array<float, 5> slopes = {m.s, m.t, m.ss, m.tt, m.st};
   for (std::size_t i = 0; i < slopes.size(); ++i) sums[kSlopes + i] += weight * static_cast<double>(slopes[i]);
 }
 
 std::vector<MultumFilteredMoments> MomentModel::filtered(const std::vector<SamplePoint>& points, int channel,
                                                          int threads) const {
-  MULTUM_CHECK(missing_count_ == 0 && (first_level_ == 0 || map_averages_ != nullptr));
+  MULTUM_CHECK(is_complete());
   std::vector<MultumFilteredMoments> filtered(points.size());
   for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, threads, [&](int, int begin, int end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {

@@ -22,8 +22,6 @@ class MomentModel : public AccuracyModel {
   void add_rows(int level, int first_row, const MomentLevel& rows);
 
   bool has_colours() const override { return has_colours_; }
-  int first_level() const override { return first_level_; }
-  void set_map_averages(const TexelSums* averages) override { map_averages_ = averages; }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
@@ -35,14 +33,9 @@ class MomentModel : public AccuracyModel {
  private:
   void add_tap(std::size_t slot, double weight, int channel, double* sums) const;
 
-  const TexelSelection& texels_;
-  const int first_level_;
   const bool has_colours_;
-  const std::size_t first_slot_;  // the first texel that is stored
-  std::size_t missing_count_;
-  std::vector<SlopeMoments> slopes_;  // [slot - first_slot]
+  std::vector<SlopeMoments> slopes_;  // [kept texel]
   std::vector<glm::vec3> normals_, colours_;
-  const TexelSums* map_averages_ = nullptr;
 };
 
 }  // namespace multum

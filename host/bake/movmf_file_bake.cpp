@@ -8,10 +8,9 @@
 
 #include "host/asset/movmf_verify.h"
 #include "host/asset/movmf_writer.h"
-#include "host/bake/accuracy_table.h"
 #include "host/bake/bake_sink.h"
+#include "host/bake/file_bake_steps.h"
 #include "host/bake/movmf_bake.h"
-#include "host/bake/ndf_bake.h"
 #include "host/bake/output_state.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
@@ -132,15 +131,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   fit(run, header, output, report, progress);
   run.clock.finish("fit");
   warn_of_sharp_lobes(job, header, report);
-  if (meter) {
-    progress_stage(progress, "measure");
-    report.accuracy = meter->run(run.device, run.source.map.normals, run.source.colours(), progress);
-    run.clock.finish("measure");
-  }
-  progress_advance(progress, level_units);
-  progress_stage(progress, "write");
-  writer.commit(measured_error_json(report.accuracy), progress);
-  run.clock.finish("write");
+  measure_and_commit(run, meter ? &*meter : nullptr, level_units, writer, report, progress);
 }
 
 void check_settings(const BakeJob& job) {
@@ -153,13 +144,8 @@ void check_settings(const BakeJob& job) {
 
 VerifiedFile verify(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {
   const MovmfMipmap header = read_movmf_header(job.output);
-  auto meter = std::make_unique<MovmfMeter>(header, header.has_colours(), accuracy);
-  const auto seen = [&](int level, int first_row, const MovmfLevel& rows) {
-    meter->add_rows(level, first_row, rows);
-    progress_advance(progress, static_cast<std::uint64_t>(rows.height));
-  };
-  std::vector<VerifyFinding> findings = verify_movmf(job.output, job.threads, seen);
-  return {std::move(findings), std::move(meter)};
+  return verify_by_rows<MovmfLevel>(verify_movmf, job,
+                                    std::make_unique<MovmfMeter>(header, header.has_colours(), accuracy), progress);
 }
 
 }  // namespace

@@ -19,47 +19,35 @@ glm::dvec4 as_gaussian(const glm::dvec4& mean) {
 }  // namespace
 
 MovmfModel::MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels)
-    : texels_(texels),
+    : AccuracyModel(texels, mipmap.first_level),
       has_gaussians_(mipmap.representation == Representation::kGmm),
       lobe_count_(static_cast<std::size_t>(mipmap.lobe_count())),
-      first_level_(mipmap.first_level),
-      first_slot_(texels.level_begin(mipmap.first_level)),
-      missing_count_(texels.slot_count() - first_slot_),
-      lobes_(missing_count_ * lobe_count_),
+      lobes_(kept().count() * lobe_count_),
       colours_(has_colours ? lobes_.size() : 0) {
   MULTUM_CHECK(mipmap.lobe_count() >= 1 && mipmap.lobe_count() <= kLobeCountMax);
 }
 
 void MovmfModel::add_rows(int level, int first_row, const MovmfLevel& rows) {
-  const PlaneSize size = texels_.sizes()[static_cast<std::size_t>(level)];
-  MULTUM_CHECK(level >= first_level_ && rows.width == size.width && rows.lobes.size() == lobe_count_);
-  MULTUM_CHECK(first_row >= 0 && first_row + rows.height <= size.height);
-  for (int y = 0; y < rows.height; ++y) {
-    const std::size_t end = texels_.row_end(level, first_row + y);
-    for (std::size_t slot = texels_.row_begin(level, first_row + y); slot < end; ++slot) {
-      const std::size_t texel = static_cast<std::size_t>(y) * static_cast<std::size_t>(rows.width) +
-                                static_cast<std::size_t>(texels_.column(slot));
-      const std::size_t kept = (slot - first_slot_) * lobe_count_;
-      for (std::size_t j = 0; j < lobe_count_; ++j) lobes_[kept + j] = rows.lobes[j][texel];
-      for (std::size_t j = 0; j < lobe_count_ && has_colours(); ++j) colours_[kept + j] = rows.colours[j][texel];
-      MULTUM_CHECK(missing_count_ > 0);
-      --missing_count_;
-    }
-  }
+  MULTUM_CHECK(rows.lobes.size() == lobe_count_);
+  kept().take_rows(level, first_row, rows, [&](std::size_t entry, std::size_t texel) {
+    const std::size_t first = entry * lobe_count_;
+    for (std::size_t j = 0; j < lobe_count_; ++j) lobes_[first + j] = rows.lobes[j][texel];
+    for (std::size_t j = 0; j < lobe_count_ && has_colours(); ++j) colours_[first + j] = rows.colours[j][texel];
+  });
 }
 
 // Adds weight * (a r, a) of each lobe, and, with a channel, weight * a y.
 void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const {
-  if (slot < first_slot_) {  // not stored: a lobe of amplitude 1 behind the others
-    const glm::dvec3 normal(map_averages_->at(slot, 0), map_averages_->at(slot, 1), map_averages_->at(slot, 2));
+  if (!kept().is_stored(slot)) {  // not stored: a lobe of amplitude 1 behind the others
+    const glm::dvec3 normal(map_averages().at(slot, 0), map_averages().at(slot, 1), map_averages().at(slot, 2));
     lobes[lobe_count_] += weight * glm::dvec4(normal, 1.0);
-    if (channel >= 0) colours[lobe_count_] += weight * map_averages_->at(slot, 3 + static_cast<std::size_t>(channel));
+    if (channel >= 0) colours[lobe_count_] += weight * map_averages().at(slot, 3 + static_cast<std::size_t>(channel));
     return;
   }
-  const std::size_t kept = (slot - first_slot_) * lobe_count_;
+  const std::size_t first = kept().entry(slot) * lobe_count_;
   for (std::size_t j = 0; j < lobe_count_; ++j) {
-    lobes[j] += weight * glm::dvec4(lobes_[kept + j]);
-    if (channel >= 0) colours[j] += weight * static_cast<double>(colours_[kept + j][channel]);
+    lobes[j] += weight * glm::dvec4(lobes_[first + j]);
+    if (channel >= 0) colours[j] += weight * static_cast<double>(colours_[first + j][channel]);
   }
 }
 
@@ -67,7 +55,7 @@ void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec
 std::vector<glm::vec4> MovmfModel::filtered_lobes(const std::vector<SamplePoint>& points, int channel,
                                                   int threads) const {
   constexpr int kPointsPerBand = 4096;
-  MULTUM_CHECK(is_complete() && (first_level_ == 0 || map_averages_ != nullptr));
+  MULTUM_CHECK(is_complete());
   const std::size_t count = lobe_count();
   std::vector<glm::vec4> filtered(points.size() * count);
   for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, threads, [&](int, int begin, int end) {

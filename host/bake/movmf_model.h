@@ -22,16 +22,11 @@ class MovmfModel : public AccuracyModel {
   MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels);
 
   void add_rows(int level, int first_row, const MovmfLevel& rows);
-  /// Have all texels come?
-  bool is_complete() const { return missing_count_ == 0; }
   bool has_colours() const override { return !colours_.empty(); }
-
-  void set_map_averages(const TexelSums* averages) override { map_averages_ = averages; }
-  int first_level() const override { return first_level_; }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
   /// Of filtered points: behind the lobes, one of the averages where there are any.
-  std::size_t lobe_count() const { return lobe_count_ + (first_level_ > 0 ? 1 : 0); }
+  std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
   bool has_gaussians() const { return has_gaussians_; }
 
   /// lobes[point][lobe] as hardware filtering gives them; multiplied by their colours in `channel` unless it is -1.
@@ -40,15 +35,10 @@ class MovmfModel : public AccuracyModel {
  private:
   void add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const;
 
-  const TexelSelection& texels_;
   bool has_gaussians_;
   std::size_t lobe_count_;
-  int first_level_;
-  std::size_t first_slot_;  // the first texel that is stored
-  std::size_t missing_count_;
-  std::vector<glm::vec4> lobes_;    // [slot - first_slot][lobe]
+  std::vector<glm::vec4> lobes_;    // [kept texel][lobe]
   std::vector<glm::vec3> colours_;  // the same
-  const TexelSums* map_averages_ = nullptr;
 };
 
 }  // namespace multum

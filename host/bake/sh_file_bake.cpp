@@ -2,39 +2,20 @@
 // Bakes of spherical harmonics, from file to file.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "host/asset/sh_file.h"
 #include "host/asset/sh_verify.h"
-#include "host/bake/accuracy_table.h"
-#include "host/bake/ndf_bake.h"
+#include "host/bake/file_bake_steps.h"
 #include "host/bake/sh_bake.h"
 #include "host/base/error.h"
 
 namespace multum {
 namespace {
 
-// Rounded, to the measurement and out.
-class FileSink : public ShSink {
- public:
-  FileSink(ShWriter& writer, ShMeter* meter, StorageEncoding encoding, int threads)
-      : writer_(writer), meter_(meter), encoding_(encoding), threads_(threads) {}
-
-  void add_level(int level, int first_row, ShLevel rows) override {
-    quantize_sh(rows, encoding_, threads_);
-    if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
-    writer_.write_level(level, first_row, std::move(rows));
-  }
-
- private:
-  ShWriter& writer_;
-  ShMeter* meter_;
-  const StorageEncoding encoding_;
-  const int threads_;
-};
+using FileSink = RoundingSink<ShSink, ShLevel, ShWriter, ShMeter>;
 
 // Rows that wait to be written, and texels that are looked at beyond what every bake is taken to need, of many
 // coefficients each.
@@ -59,24 +40,11 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   accuracy.threads = job.threads;
   std::optional<ShMeter> meter;
   if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy);
-  FileSink sink(writer, meter ? &*meter : nullptr, job.encoding, job.threads);
-  AverageInputs inputs;
-  inputs.normals = &run.source.map.normals;
-  inputs.albedo = run.source.colours();
-  inputs.first_level = run.header.first_level;
-  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes(run, writing.tile_size, meter ? &*meter : nullptr));
-  inputs.threads = job.threads;
+  FileSink sink(quantize_sh, writer, meter ? &*meter : nullptr, job);
+  const AverageInputs inputs = average_inputs(run, waiting_bytes(run, writing.tile_size, meter ? &*meter : nullptr));
   bake_sh(run.device, job.sh_order, inputs, sink, report, progress);
   run.clock.finish("average");
-  if (meter) {
-    progress_stage(progress, "measure");
-    report.accuracy = meter->run(run.device, run.source.map.normals, inputs.albedo, progress);
-    run.clock.finish("measure");
-  }
-  progress_advance(progress, texels / 2);
-  progress_stage(progress, "write");
-  writer.commit(measured_error_json(report.accuracy), progress);
-  run.clock.finish("write");
+  measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
 }
 
 void check_settings(const BakeJob& job) {
@@ -94,13 +62,8 @@ std::string settings(const BakeJob& job) {
 }
 
 VerifiedFile verify(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {
-  auto meter = std::make_unique<ShMeter>(read_sh_header(job.output), accuracy);
-  const auto seen = [&](int level, int first_row, const ShLevel& rows) {
-    meter->add_rows(level, first_row, rows);
-    progress_advance(progress, static_cast<std::uint64_t>(rows.height));
-  };
-  std::vector<VerifyFinding> findings = verify_sh(job.output, job.threads, seen);
-  return {std::move(findings), std::move(meter)};
+  return verify_by_rows<ShLevel>(verify_sh, job, std::make_unique<ShMeter>(read_sh_header(job.output), accuracy),
+                                 progress);
 }
 
 }  // namespace

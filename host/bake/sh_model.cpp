@@ -63,33 +63,18 @@ class ShShading : public PointShading {
 }  // namespace
 
 ShModel::ShModel(const ShMipmap& mipmap, const TexelSelection& texels)
-    : texels_(texels),
+    : AccuracyModel(texels, mipmap.header.first_level),
       order_(mipmap.order),
       count_(static_cast<std::size_t>(sh_coefficient_count(mipmap.order))),
-      first_level_(mipmap.header.first_level),
       has_colours_(mipmap.header.has_colours),
-      first_slot_(texels.level_begin(mipmap.header.first_level)),
-      missing_count_(texels.slot_count() - first_slot_),
-      coefficients_(missing_count_ * count_),
-      colours_(has_colours_ ? missing_count_ : 0) {}
+      coefficients_(kept().count() * count_),
+      colours_(has_colours_ ? kept().count() : 0) {}
 
 void ShModel::add_rows(int level, int first_row, const ShLevel& rows) {
-  const PlaneSize size = texels_.sizes()[static_cast<std::size_t>(level)];
-  MULTUM_CHECK(level >= first_level_ && rows.width == size.width);
-  MULTUM_CHECK(first_row >= 0 && first_row + rows.height <= size.height);
-  for (int y = 0; y < rows.height; ++y) {
-    const std::size_t end = texels_.row_end(level, first_row + y);
-    for (std::size_t slot = texels_.row_begin(level, first_row + y); slot < end; ++slot) {
-      const std::size_t texel = static_cast<std::size_t>(y) * static_cast<std::size_t>(rows.width) +
-                                static_cast<std::size_t>(texels_.column(slot));
-      const std::size_t kept = slot - first_slot_;
-      for (std::size_t i = 0; i < count_; ++i)
-        coefficients_[kept * count_ + i] = rows.value(static_cast<int>(i), texel);
-      if (has_colours_) colours_[kept] = rows.colours[texel];
-      MULTUM_CHECK(missing_count_ > 0);
-      --missing_count_;
-    }
-  }
+  kept().take_rows(level, first_row, rows, [&](std::size_t entry, std::size_t texel) {
+    for (std::size_t i = 0; i < count_; ++i) coefficients_[entry * count_ + i] = rows.value(static_cast<int>(i), texel);
+    if (has_colours_) colours_[entry] = rows.colours[texel];
+  });
 }
 
 const std::vector<std::string>& ShModel::shadings() const {
@@ -104,22 +89,22 @@ std::unique_ptr<PointShading> ShModel::make_shading(Device& device, const Shadin
 // Sums over taps: of stored texels coefficients, share and colour, of the normal map normal, share and colour.
 void ShModel::add_tap(std::size_t slot, double weight, int channel, double* coefficients, double* map, double* share,
                       Colour& colour) const {
-  if (slot < first_slot_) {
-    for (std::size_t c = 0; c < 3; ++c) map[c] += weight * map_averages_->at(slot, c);
+  if (!kept().is_stored(slot)) {
+    for (std::size_t c = 0; c < 3; ++c) map[c] += weight * map_averages().at(slot, c);
     map[3] += weight;
-    if (channel >= 0) colour.of_map += weight * map_averages_->at(slot, 3 + static_cast<std::size_t>(channel));
+    if (channel >= 0) colour.of_map += weight * map_averages().at(slot, 3 + static_cast<std::size_t>(channel));
     return;
   }
-  const std::size_t kept = slot - first_slot_;
+  const std::size_t entry = kept().entry(slot);
   for (std::size_t i = 0; i < count_; ++i)
-    coefficients[i] += weight * static_cast<double>(coefficients_[kept * count_ + i]);
+    coefficients[i] += weight * static_cast<double>(coefficients_[entry * count_ + i]);
   *share += weight;
-  if (channel >= 0) colour.stored += weight * static_cast<double>(colours_[kept][channel]);
+  if (channel >= 0) colour.stored += weight * static_cast<double>(colours_[entry][channel]);
 }
 
 ShModel::Filtered ShModel::filtered(const std::vector<SamplePoint>& points, std::size_t begin, std::size_t end,
                                     int channel, int threads) const {
-  MULTUM_CHECK(missing_count_ == 0 && (first_level_ == 0 || map_averages_ != nullptr));
+  MULTUM_CHECK(is_complete());
   Filtered filtered{std::vector<float>((end - begin) * count_), std::vector<MultumFilteredSh>(end - begin)};
   for_each_row_band(static_cast<int>(end - begin), kPointsPerBand, threads, [&](int, int band_begin, int band_end) {
     std::vector<double> sums(count_);

@@ -27,8 +27,6 @@ class ShModel : public AccuracyModel {
   std::size_t kept_bytes() const { return coefficients_.size() * sizeof(float); }
 
   bool has_colours() const override { return has_colours_; }
-  int first_level() const override { return first_level_; }
-  void set_map_averages(const TexelSums* averages) override { map_averages_ = averages; }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
@@ -48,16 +46,11 @@ class ShModel : public AccuracyModel {
   void add_tap(std::size_t slot, double weight, int channel, double* coefficients, double* map, double* share,
                Colour& colour) const;
 
-  const TexelSelection& texels_;
   const int order_;
   const std::size_t count_;  // coefficients of a texel
-  const int first_level_;
   const bool has_colours_;
-  const std::size_t first_slot_;  // the first texel that is stored
-  std::size_t missing_count_;
-  std::vector<float> coefficients_;  // [slot - first_slot][coefficient]
+  std::vector<float> coefficients_;  // [kept texel][coefficient]
   std::vector<glm::vec3> colours_;
-  const TexelSums* map_averages_ = nullptr;
 };
 
 }  // namespace multum

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the bakes from file to file have in common, whatever is in their rows: how rows go out, what is done when all
+// are there, and how a file is verified.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "host/asset/baked_verify.h"
+#include "host/bake/accuracy_table.h"
+#include "host/bake/average_pass.h"
+#include "host/bake/ndf_bake.h"
+
+namespace multum {
+
+/// A sink of plain averages: rounds rows as they are stored, shows them to the measurement, if there is one, and writes
+/// them.
+template <typename Sink, typename Level, typename Writer, typename Meter>
+class RoundingSink : public Sink {
+ public:
+  using Round = void (*)(Level& rows, StorageEncoding encoding, int threads);
+
+  /// `meter`: null: nothing is measured.
+  RoundingSink(Round round, Writer& writer, Meter* meter, const BakeJob& job)
+      : round_(round), writer_(writer), meter_(meter), encoding_(job.encoding), threads_(job.threads) {}
+
+  void add_level(int level, int first_row, Level rows) override {
+    round_(rows, encoding_, threads_);
+    if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
+    writer_.write_level(level, first_row, std::move(rows));
+  }
+
+ private:
+  const Round round_;
+  Writer& writer_;
+  Meter* const meter_;
+  const StorageEncoding encoding_;
+  const int threads_;
+};
+
+/// What is averaged of a bake's source; `waiting_bytes`: what its writer holds (memory_beside_writer()).
+inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_bytes) {
+  AverageInputs inputs;
+  inputs.normals = &run.source.map.normals;
+  inputs.albedo = run.source.colours();
+  inputs.weights = run.source.weight_map();
+  inputs.has_roughness = run.source.has_roughness;
+  inputs.first_level = run.header.first_level;
+  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes);
+  inputs.threads = run.job.threads;
+  return inputs;
+}
+
+/// When all rows are there: measures, unless `meter` is null, which counts as `measure_units` of progress, and finishes
+/// the file.
+template <typename Writer>
+void measure_and_commit(const BakeRun& run, AccuracyMeter* meter, std::uint64_t measure_units, Writer& writer,
+                        BakeReport& report, Progress* progress) {
+  if (meter != nullptr) {
+    progress_stage(progress, "measure");
+    report.accuracy = meter->run(run.device, run.source.map.normals, run.source.colours(), progress);
+    run.clock.finish("measure");
+  }
+  progress_advance(progress, measure_units);
+  progress_stage(progress, "write");
+  writer.commit(measured_error_json(report.accuracy), progress);
+  run.clock.finish("write");
+}
+
+/// NdfBake::verify by one of verify_movmf(), verify_moments(), verify_sh(), whose rows `meter` takes.
+template <typename Level, typename Meter, typename Verify>
+VerifiedFile verify_by_rows(Verify verify_file, const BakeJob& job, std::unique_ptr<Meter> meter, Progress* progress) {
+  const auto seen = [&](int level, int first_row, const Level& rows) {
+    meter->add_rows(level, first_row, rows);
+    progress_advance(progress, static_cast<std::uint64_t>(rows.height));
+  };
+  std::vector<VerifyFinding> findings = verify_file(job.output, job.threads, seen);
+  return {std::move(findings), std::move(meter)};
+}
+
+}  // namespace multum
