@@ -39,8 +39,6 @@ static float2 equal_area(float x, float y, float z) {
   return (float2)(x * inverse, y * inverse);
 }
 
-static float length_of(float x, float y, float z) { return sqrt(fma(x, x, fma(y, y, z * z))); }
-
 static float2 place_of_normal(float x, float y, float z, const MultumMovmfFit* fit) {
   const float inverse = fit->shortened ? 1.0f / MAX_V(length_of(x, y, z), 1e-6f) : 1.0f;
   return equal_area(x * inverse, y * inverse, z * inverse);
