@@ -71,8 +71,8 @@ Fit start_from(const Normals& normals, const std::vector<std::size_t>& chosen, b
 }
 
 // EM in double, Han et al. 2007, section 7, Algorithm 1, without alignment; of shortened normals, `copies` of each
-// (kernels/device/vmf_family.clh). Lobes are the means of `summed`, which `normals` share out.
-void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max, double copies, const Normals& summed) {
+// (kernels/device/movmf_em.clh).
+void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max, double copies) {
   const std::size_t count = fit.lobes.size();
   for (int iteration = 0; iteration < iterations; ++iteration) {
     std::array<double, 8> constant{}, weight{};
@@ -84,8 +84,7 @@ void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max,
                     (copies - 1.0) * std::log(peak);
     }
     double log_likelihood = 0.0;
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-      const glm::dvec3& n = normals[i];
+    for (const glm::dvec3& n : normals) {
       std::array<double, 8> e{};
       double largest = -HUGE_VAL, total = 0.0;
       for (std::size_t j = 0; j < count; ++j) {
@@ -96,7 +95,7 @@ void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max,
       log_likelihood += largest + std::log(total);
       for (std::size_t j = 0; j < count; ++j) {
         weight[j] += e[j] / total;
-        sum[j] += e[j] / total * summed[i];
+        sum[j] += e[j] / total * n;
       }
     }
     fit.log_likelihood = log_likelihood / static_cast<double>(normals.size());
@@ -203,38 +202,6 @@ std::vector<Fit> finalists(std::vector<Fit> fits, const HighlightError& error, i
   return kept;
 }
 
-// Many short trials, the best of them longer: 0.2 s on one core, whatever the map's size. About one random trial in 30
-// finds the basin of the best optimum of the four-quarter map. Of roughness there are two searches: by lengths too,
-// without which the lobes of a flat map are all alike, and by directions alone, whose lobes then get the lengths of the
-// `normals` that they stand for: where sharp and rough normals lie apart, finer texels have one kind, and lobes of the
-// other are of no use to them.
-std::vector<Fit> search_fits(const Normals& seen, const Normals& normals, const HighlightError& error,
-                             const StartSearch& search) {
-  constexpr std::uint64_t kTrials = 128;
-  constexpr int kShortIterations = 12, kLongIterations = 30;
-  const bool by_length = search.has_roughness && &seen == &normals;
-  const auto cap = static_cast<double>(search.kappa_max);
-  const double copies = by_length ? static_cast<double>(kCopiesShortened) : 1.0;
-  std::vector<Fit> fits(kTrials);
-  for_each_item(kTrials, search.threads, [&](int row) {
-    const auto trial = static_cast<std::size_t>(row);
-    std::vector<std::size_t> chosen;
-    if (trial == 0) chosen = farthest_first(seen, search.lobe_count);
-    for (std::size_t j = chosen.size(); j < static_cast<std::size_t>(search.lobe_count); ++j)
-      chosen.push_back(split_mix(search.seed * 0x100000001b3u + trial * 8 + j) % seen.size());
-    fits[trial] = start_from(seen, chosen, by_length);
-    iterate(fits[trial], seen, kShortIterations, cap, copies, seen);
-  });
-  fits = finalists(std::move(fits), error, search.threads);
-  for_each_item(static_cast<int>(fits.size()), search.threads, [&](int i) {
-    Fit& fit = fits[static_cast<std::size_t>(i)];
-    iterate(fit, seen, kLongIterations, cap, copies, seen);
-    if (&seen != &normals) iterate(fit, seen, 1, cap, copies, normals);
-  });
-  rate(fits, error, search.threads);
-  return fits;
-}
-
 }  // namespace
 
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count) {
@@ -261,15 +228,29 @@ std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Represe
 }
 
 std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search) {
+  // Many short trials, the best of them longer: 0.2 s on one core, whatever the map's size. About one random trial in
+  // 30 finds the basin of the best optimum of the four-quarter map.
+  constexpr std::uint64_t kTrials = 128;
+  constexpr int kShortIterations = 12, kLongIterations = 30;
   const Normals normals = sample_normals(map, {0, 0, map.width(), map.height()}, 1024.0);
   const HighlightError error(normals);
-  std::vector<Fit> fits = search_fits(normals, normals, error, search);
-  if (search.has_roughness) {
-    Normals directions;
-    for (const glm::dvec3& n : normals) directions.push_back(n / std::max(glm::length(n), 1e-9));
-    const std::vector<Fit> alike = search_fits(directions, normals, error, search);
-    fits.insert(fits.end(), alike.begin(), alike.end());
-  }
+  const auto cap = static_cast<double>(search.kappa_max);
+  const double copies = search.has_roughness ? static_cast<double>(kCopiesShortened) : 1.0;
+  const auto lobe_count = static_cast<std::size_t>(search.lobe_count);
+  std::vector<Fit> fits(kTrials);
+  for_each_item(kTrials, search.threads, [&](int row) {
+    const auto trial = static_cast<std::size_t>(row);
+    std::vector<std::size_t> chosen;
+    if (trial == 0) chosen = farthest_first(normals, search.lobe_count);
+    for (std::size_t j = chosen.size(); j < lobe_count; ++j)
+      chosen.push_back(split_mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
+    fits[trial] = start_from(normals, chosen, search.has_roughness);
+    iterate(fits[trial], normals, kShortIterations, cap, copies);
+  });
+  fits = finalists(std::move(fits), error, search.threads);
+  for_each_item(static_cast<int>(fits.size()), search.threads,
+                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap, copies); });
+  rate(fits, error, search.threads);
   std::stable_sort(fits.begin(), fits.end(), less_error);
   fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());
   std::vector<std::vector<MultumVmfLobe>> candidates;
