@@ -39,8 +39,8 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
     const int parent_row = row_in_window(parent_y, fit.first_row, fit.height);
     __global const MultumVmfLobe* from = parent + (size_t)parent_row * fit.width + parent_x;
     // |r_p| - n . r_p = |r_p| (1 - cos): the nearest direction, wide lobes and narrow ones alike; of Gaussians the
-    // nearest mean, and with a width of its own the nearest Gaussian (Wasserstein: |p - q|^2 + 2 (sigma - tau)^2). A dead
-    // lobe takes none.
+    // nearest mean, and with a width of its own the nearest Gaussian (Wasserstein: |p - q|^2 + 2 (sigma - tau)^2). A
+    // dead lobe takes none.
     float least = 1e30f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {
       const MultumVmfLobe lobe = from[j * level_window_size(&fit)];

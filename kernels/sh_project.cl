@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The normal distribution of a finest texel in spherical harmonics (Han et al. 2007, section 5): the basis at its
 // normal, g_lm = Y_lm(n). mip_box.cl averages the coefficients, which is exact: they are linear in the
-// distribution. A normal that a BRDF's width has shortened to c n stands for facets about n: g_lm = a_l Y_lm(n), a_l of the
-// vMF of mean cosine c.
+// distribution. A normal that a BRDF's width has shortened to c n stands for facets about n: g_lm = a_l Y_lm(n), a_l of
+// the vMF of mean cosine c.
 
 #include "device/vmf_zonal.clh"
 #include "shared/mip_box.h"
@@ -18,8 +18,7 @@
 //   shortened                                      not 0: lengths of normals are a BRDF's width
 // Memory bound.
 __kernel void sh_project(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
-                         __global const float2* steps, __global float* nodes, MultumBoxBand band,
-                         int shortened) {
+                         __global const float2* steps, __global float* nodes, MultumBoxBand band, int shortened) {
   const int item = (int)get_global_id(0);
   if (item >= band.row_count * band.map_width) return;
   const size_t plane_size = (size_t)band.row_count * band.row_length;

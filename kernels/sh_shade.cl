@@ -48,7 +48,7 @@ __kernel void sh_shade(__global const float* coefficients, __global const Multum
   out += exponent_count * half_count;
   for (int d = 0; d < light_count; ++d) {
     sh_bands(g, point.share, lights[d].xyz, steps, bands);
-    out[d] =
-        weighted_bands(bands, zonal + exponent_count * (MULTUM_SH_ORDER + 1)) + shade_lambert(without_roughness(map_lobe, lights[d].w), lights[d].xyz);
+    out[d] = weighted_bands(bands, zonal + exponent_count * (MULTUM_SH_ORDER + 1)) +
+             shade_lambert(without_roughness(map_lobe, lights[d].w), lights[d].xyz);
   }
 }

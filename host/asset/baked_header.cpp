@@ -240,8 +240,7 @@ BakedHeader parse_baked_header(const Imf::Header& header, const std::string& pat
   const int version = int_attribute(header, "multum:formatVersion", path);
   const int newest = info.version + 1;
   if (version != info.version && version != newest)
-    refuse_file(path, fmt::format("format version {}", version),
-                fmt::format("version {} or {}", info.version, newest));
+    refuse_file(path, fmt::format("format version {}", version), fmt::format("version {} or {}", info.version, newest));
   BakedHeader baked = parse_map_header(header, info.encodings, path);
   baked.representation = info.representation;
   baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;

@@ -17,11 +17,11 @@ namespace multum {
 /// Rows of level 0, from the top, texels from the left.
 struct MovmfFinest {
   int width = 0;
-  int height = 0;                   // rows that are here
-  std::vector<glm::vec3> normals;   // unit, z >= 0; of kGmm x, y and x^2 + y^2: what lobes of the other levels hold;
-                                    // where `has_roughness` shorter, of kGmm x^2 + y^2 + 2 v (host/asset/gmm_quantize.h)
-  std::vector<std::uint8_t> lobe;   // the lobe that the texel is given to
-  std::vector<glm::vec3> colours;   // linear RGB of the texel; empty: the map has no colours
+  int height = 0;                  // rows that are here
+  std::vector<glm::vec3> normals;  // unit, z >= 0; of kGmm x, y and x^2 + y^2: what lobes of the other levels hold;
+                                   // where `has_roughness` shorter, of kGmm x^2 + y^2 + 2 v (host/asset/gmm_quantize.h)
+  std::vector<std::uint8_t> lobe;  // the lobe that the texel is given to
+  std::vector<glm::vec3> colours;  // linear RGB of the texel; empty: the map has no colours
   std::vector<float> weights = {};  // of basis BRDFs, as many a texel as the map has; empty: none
   Representation representation = Representation::kMovmf;
   bool has_roughness = false;  // lengths of normals are a BRDF's width

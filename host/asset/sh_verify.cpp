@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // By the addition theorem the coefficients of band l of one direction lie on a sphere of radius sqrt((2l+1)/4pi), so
-// that those of a mean of directions lie within it, and those of level 0 on it. With a BRDF's width in they lie within it
-// too, those of l = 1 at c = 1/2 to 1 of it.
+// that those of a mean of directions lie within it, and those of level 0 on it. With a BRDF's width in they lie within
+// it too, those of l = 1 at c = 1/2 to 1 of it.
 #include "host/asset/sh_verify.h"
 
 #include <fmt/format.h>
@@ -97,15 +97,15 @@ std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const
   std::vector<VerifyFinding> findings = {
       {"structure", true,
        fmt::format("{} x {}, {}, spherical harmonics to order {}{}, encoding {}", header.width, header.height,
-                   levels_text(header.first_level, header.level_count()), reader.order(),
-                   materials_text(header), storage_encoding_name(header.encoding))},
+                   levels_text(header.first_level, header.level_count()), reader.order(), materials_text(header),
+                   storage_encoding_name(header.encoding))},
       {"checksum", is_same,
        is_same ? hash : "found " + hash + ", expected " + header.provenance.content_hash + " as the header says"},
       {"finite", scan.nonfinite == 0, fmt::format("{} texels that are not finite, expected 0", scan.nonfinite)},
       finding("power", scan.strong, "no band is stronger than that of one direction",
               "a band is stronger than that of one direction"),
       finding("level 0", scan.unlike,
-              header.first_level > 0   ? "not stored"
+              header.first_level > 0 ? "not stored"
               : header.has_roughness ? "each texel is the facets of one normal"
                                      : "each texel is one direction",
               "a texel is not one direction: a band is weaker"),

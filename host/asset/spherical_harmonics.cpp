@@ -38,8 +38,8 @@ ZonalCoefficients zonal_lambert(int order) {
   return a;
 }
 
-// a_l = a_(l-1) R_l, R_l = I_(l+1/2) / I_(l-1/2) = 1 / ((2l + 1)/kappa + R_(l+1)), downward from the asymptotic quotient
-// well above the last.
+// a_l = a_(l-1) R_l, R_l = I_(l+1/2) / I_(l-1/2) = 1 / ((2l + 1)/kappa + R_(l+1)), downward from the asymptotic
+// quotient well above the last.
 ZonalCoefficients zonal_vmf(int order, double mean_cosine) {
   constexpr int kAbove = 30;
   ZonalCoefficients a(static_cast<std::size_t>(order) + 1, 1.0);

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "host/base/mean_cosine.h"
 #include "host/bake/mip_schedule.h"
+#include "host/base/mean_cosine.h"
 #include "host/base/parallel.h"
 #include "host/base/split_mix.h"
 

@@ -136,7 +136,8 @@ class FloatStream {
 
 // What a level's arrays of read_lobes() must hold, from the lobes that host/asset reads.
 void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStream& python) {
-  const bool is_half = header.encoding == StorageEncoding::kHalf, planar = header.representation == Representation::kGmm;
+  const bool is_half = header.encoding == StorageEncoding::kHalf,
+             planar = header.representation == Representation::kGmm;
   const std::size_t texels = level.lobes[0].size(), lobes = level.lobes.size();
   std::vector<double> sums(texels, 0.0);
   for (const auto& lobe : level.lobes)
@@ -160,8 +161,7 @@ void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStrea
       }
     }
   const auto expect_feature = [&](std::size_t lobe, std::size_t texel, float stored) {
-    const double value =
-        static_cast<double>(stored) / std::max(static_cast<double>(level.lobes[lobe][texel].w), 1e-20);
+    const double value = static_cast<double>(stored) / std::max(static_cast<double>(level.lobes[lobe][texel].w), 1e-20);
     ASSERT_NEAR(static_cast<double>(python.next()), value, 1e-6 * std::max(1.0, value));
   };
   for (std::size_t j = 0; j < level.colours.size(); ++j)
@@ -191,8 +191,8 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
         Case{"snorm16", "2", "vmf", true}, Case{"half", "6", "vmf", false}, Case{"snorm16", "0", "gmm", false},
         Case{"half", "0", "gmm", false}, Case{"snorm16", "0", "gmm", true}, Case{"float", "1", "gmm", true}}) {
     SCOPED_TRACE(fmt::format("{} {}, from level {}, {}", ndf, encoding, first_level, has_materials));
-    std::vector<std::string> options = {"--ndf", ndf, "--data-format", encoding, "--first-level", first_level,
-                                        "--no-measure", "--no-rehearsal"};
+    std::vector<std::string> options = {"--ndf",         ndf,         "--data-format", encoding,
+                                        "--first-level", first_level, "--no-measure",  "--no-rehearsal"};
     if (has_materials) append_materials(options);
     bake(options);
     const MovmfMipmap mipmap = read_movmf_mipmap(path("map.ndf.exr"));
@@ -229,7 +229,8 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsMoments) {
   if (python.empty()) GTEST_SKIP() << "no Python that imports OpenImageIO and numpy when this was configured";
   write_bytes(path("read.py"), python_of_format_page() + kMomentDriver);
   for (const int first_level : {0, 2}) {
-    std::vector<std::string> options = {"--ndf", "moments", "--first-level", std::to_string(first_level), "--no-measure"};
+    std::vector<std::string> options = {"--ndf", "moments", "--first-level", std::to_string(first_level),
+                                        "--no-measure"};
     if (first_level == 2) append_materials(options);
     bake(options);
     const MomentMipmap mipmap = read_moment_mipmap(path("map.ndf.exr"));

@@ -161,7 +161,8 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   write_movmf_mipmap(path("map.ndf.exr"), gl::as_gaussians(with_roughness(31.0f / 32.0f).mipmap), {});
   EXPECT_LT(error_of({}), without + 0.06) << "Gaussians of a tilt of 20 degrees";
   write_sh_mipmap(path("map.ndf.exr"),
-                  gl::make_harmonics(with_roughness(31.0f / 32.0f).image, 12, StorageEncoding::kFloat, 31.0 / 32.0), {});
+                  gl::make_harmonics(with_roughness(31.0f / 32.0f).image, 12, StorageEncoding::kFloat, 31.0 / 32.0),
+                  {});
   EXPECT_LT(error_of({}), without + 0.03) << "harmonics";
   write_movmf_mipmap(path("map.ndf.exr"), with_roughness(31.0f / 32.0f).mipmap, {});
   fs::remove(path("out.png"));

@@ -341,8 +341,8 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
     const glm::dvec3 n(map.x[i], map.y[i], map.z[i]);
     const double kappa = reference::kappa_of_mean_length(glm::length(n));
     const std::vector<double> basis = reference::sh_basis_to(kOrder, n);
-    const std::vector<double> zonal = reference::zonal_by_quadrature(
-        kOrder, [&](double t) { return std::exp(reference::log_vmf(t, kappa)); });
+    const std::vector<double> zonal =
+        reference::zonal_by_quadrature(kOrder, [&](double t) { return std::exp(reference::log_vmf(t, kappa)); });
     for (int l = 1; l <= kOrder; ++l)
       for (int m = -l; m <= l; ++m) {
         const auto k = static_cast<std::size_t>(sh_coefficient(l, m));
@@ -375,7 +375,8 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
     AccuracySettings settings;
     settings.samples_per_level = 50;
     for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, nullptr, settings, nullptr))
-      EXPECT_TRUE(row.brdf != "lambert" || row.error < (c < 0.6 ? 0.06 : 0.03)) << c << ", level " << row.level << ": " << row.error;
+      EXPECT_TRUE(row.brdf != "lambert" || row.error < (c < 0.6 ? 0.06 : 0.03))
+          << c << ", level " << row.level << ": " << row.error;
   }
 }
 

@@ -121,8 +121,7 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   const auto [order, width, height] = GetParam();
   NormalMap map = random_map(width, height, 23);
   for (std::size_t i = 0; i < map.x.size(); ++i)
-    for (std::vector<float>* plane : {&map.x, &map.y, &map.z})
-      (*plane)[i] *= 1.0f - 0.1f * static_cast<float>(i % 6);
+    for (std::vector<float>* plane : {&map.x, &map.y, &map.z}) (*plane)[i] *= 1.0f - 0.1f * static_cast<float>(i % 6);
   const ColourMap colours = random_colours(width, height, 24);
   WeightMap weights;
   weights.count = 2;
