@@ -76,7 +76,8 @@ BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progres
 }
 
 void check_job(const BakeJob& job) {
-  if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder))
+  std::error_code error;
+  if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder, error))
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected one for scratch files");
   check_encoding(job.representation, job.encoding);
   ndf_bake(job.representation).check_settings(job);

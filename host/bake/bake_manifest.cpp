@@ -139,7 +139,8 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
       table.refuse(
           table.has(key) ? key : "",
           fmt::format("has the {} \"{}\", but the input is no set: expected a name without <UDIM>", key, job.*map));
-  const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output);
+  std::error_code error;
+  const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output, error);
   if (is_set && !has_udim(job.output) && !is_folder)
     table.refuse("output",
                  fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or a folder that is there",

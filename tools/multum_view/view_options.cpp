@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/command_line/decoding_option.h"
 #include "tools/multum_view/view_options.h"
 
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 #include "host/base/choices.h"
 #include "host/base/error.h"
 #include "host/brdf/measured_file.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
 
