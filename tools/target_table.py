@@ -83,8 +83,9 @@ def document(arguments, rows, machine):
             if row["met"]:
                 kind = cell(row)[0].split(",")[0]
                 kinds[kind] = kinds.get(kind, 0) + 1
-        text += (f"- {100 * target:g} %: met on {met} of {len(own)} maps ({100 * met / max(1, len(own)):.0f} %), "
-                 "refused with the best that was reached on the others. Chosen: "
+        refused = "" if met == len(own) else ", refused on the others, which say the best that was reached"
+        text += (f"- {100 * target:g} %: met on {met} of {len(own)} maps ({100 * met / max(1, len(own)):.0f} %)"
+                 f"{refused}. Chosen: "
                  + ", ".join(f"{kind} ({count})" for kind, count in sorted(kinds.items(), key=lambda k: -k[1])) + ".\n")
     return text + "\n" + table(rows, arguments.targets) + "\n"
 
@@ -115,7 +116,8 @@ def main():
                     json.dump(rows, open(arguments.state, "w"))
     version = subprocess.run([arguments.multum, "--version"], capture_output=True, text=True).stdout.strip()
     device = subprocess.run([arguments.multum, "devices"], capture_output=True, text=True).stdout.splitlines()
-    machine = f"{version}; {device[0].strip() if device else 'no device'}"
+    name = re.sub(r"^\d+\s+|\s+\(.*", "", device[0]) if device else "no device"
+    machine = f"{version} on {name}"
     pathlib.Path(arguments.output).write_text(document(arguments, rows, machine))
 
 
