@@ -74,8 +74,8 @@ constexpr InfoKind kInfoKinds[] = {
      [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
     {Representation::kGmm,
      [](const std::string& path, const BakedHeader& file) {
-       return fmt::format("{} planar Gaussians a texel{}", read_movmf_header(path).lobe_count(),
-                          file.has_colours ? ", with a colour each" : "");
+       return fmt::format("{} planar Gaussians a texel{}{}", read_movmf_header(path).lobe_count(),
+                          file.has_colours ? ", with a colour each" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
        return fmt::format("variances down to {:.1e} survive it",
@@ -95,8 +95,9 @@ constexpr InfoKind kInfoKinds[] = {
     {Representation::kSh,
      [](const std::string& path, const BakedHeader& file) {
        const int order = read_sh_header(path).order;
-       return fmt::format("spherical harmonics to order {}: {} coefficients in {} textures{}", order,
-                          sh_coefficient_count(order), sh_part_count(order), file.has_colours ? ", mean colour" : "");
+       return fmt::format("spherical harmonics to order {}: {} coefficients in {} textures{}{}", order,
+                          sh_coefficient_count(order), sh_part_count(order), file.has_colours ? ", mean colour" : "",
+                          material_texts(file));
      },
      [](const BakedHeader& file) {
        return std::string(file.encoding == StorageEncoding::kHalf ? "2^-11 of each coefficient is lost at most"
