@@ -347,7 +347,8 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
       for (int m = -l; m <= l; ++m) {
         const auto k = static_cast<std::size_t>(sh_coefficient(l, m));
         const double expected = zonal[static_cast<std::size_t>(l)] * basis[k];
-        EXPECT_NEAR(rough.levels[0].value(static_cast<int>(k), i), expected, 2e-4) << kappa << ": " << l << ", " << m;
+        // The quadrature's own error; harmonics-of-rough-normals has the kernel's, 5e-5 (host/selftest/sh_cases.cpp).
+        EXPECT_NEAR(rough.levels[0].value(static_cast<int>(k), i), expected, 5e-4) << kappa << ": " << l << ", " << m;
         means[k] += expected / static_cast<double>(map.x.size());
       }
   }

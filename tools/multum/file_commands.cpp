@@ -72,8 +72,8 @@ constexpr InfoKind kInfoKinds[] = {
      }},
     {Representation::kGmm,
      [](const std::string& path, const BakedHeader& file) {
-       return fmt::format("{} planar Gaussians a texel{}", read_movmf_header(path).lobe_count(),
-                          file.has_colours ? ", with a colour each" : "");
+       return fmt::format("{} planar Gaussians a texel{}{}", read_movmf_header(path).lobe_count(),
+                          file.has_colours ? ", with a colour each" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
        return fmt::format("variances down to {:.1e} survive it",
@@ -91,8 +91,9 @@ constexpr InfoKind kInfoKinds[] = {
     {Representation::kSh,
      [](const std::string& path, const BakedHeader& file) {
        const int order = read_sh_header(path).order;
-       return fmt::format("spherical harmonics to order {}: {} coefficients in {} textures{}", order,
-                          sh_coefficient_count(order), sh_part_count(order), file.has_colours ? ", mean colour" : "");
+       return fmt::format("spherical harmonics to order {}: {} coefficients in {} textures{}{}", order,
+                          sh_coefficient_count(order), sh_part_count(order), file.has_colours ? ", mean colour" : "",
+                          material_texts(file));
      },
      [](const BakedHeader& file) {
        return std::string(file.encoding == StorageEncoding::kHalf ? "2^-11 of each coefficient is lost at most"
