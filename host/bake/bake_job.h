@@ -30,7 +30,9 @@ struct BakeJob {
   MovmfSettings fitting;  // of lobes; its first level is that of every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
-  bool measure = true;             // measure the error of what is written
+  bool measure = true;  // measure the error of what is written
+  // Blinn-Phong s, none of the usual ones, that is measured besides them for the report alone; 0: none.
+  double exponent = 0.0;
   bool force = false;              // bake even if the output is from the same file and settings
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's
   std::string scratch_folder;      // for what does not fit; empty: the output's folder
@@ -50,5 +52,13 @@ std::vector<std::string> input_files(const BakeJob& job);
 /// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
 /// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
+
+struct BakeSource;
+/// Reads what the job names, and says what was found. Fills BakeReport::input.
+BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progress);
+/// Bakes, whatever is there, of a source that has been read (host/bake/bake_source.h).
+BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress);
+/// Throws Error(kUsage, kEnvironment) for what can be told of a job before anything is read.
+void check_job(const BakeJob& job);
 
 }  // namespace multum

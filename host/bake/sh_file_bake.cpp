@@ -15,14 +15,16 @@
 namespace multum {
 namespace {
 
-using FileSink = RoundingSink<ShSink, ShLevel, ShWriter, ShMeter>;
+template <typename Writer>
+using FileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
 
 // Rows that wait to be written, and texels that are looked at beyond what every bake is taken to need, of many
 // coefficients each.
 std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* meter) {
   constexpr std::uint64_t kUsualMeter = std::uint64_t{16} << 20;
   const std::uint64_t meter_bytes = meter != nullptr ? meter->kept_bytes() : 0;
-  const int values = sh_coefficient_count(run.job.sh_order) + (run.header.has_colours ? 3 : 0);
+  const int values =
+      sh_coefficient_count(run.job.sh_order) + (run.header.has_colours ? 3 : 0) + run.header.weight_count;
   return tile_rows_bytes(run.header, tile_size, static_cast<std::uint64_t>(values)) +
          (meter_bytes > kUsualMeter ? meter_bytes - kUsualMeter : 0);
 }
@@ -36,15 +38,23 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   BakedWriteOptions writing = job.writing;
   writing.tile_size = sh_tile_size(run.header.width, job.sh_order, writing.tile_size);
   ShWriter writer(job.output, run.header, job.sh_order, writing);
-  AccuracySettings accuracy;
-  accuracy.threads = job.threads;
   std::optional<ShMeter> meter;
-  if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy);
-  FileSink sink(quantize_sh, writer, meter ? &*meter : nullptr, job);
+  if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy_settings(job));
+  FileSink<ShWriter> sink(quantize_sh, writer, meter ? &*meter : nullptr, job);
   const AverageInputs inputs = average_inputs(run, waiting_bytes(run, writing.tile_size, meter ? &*meter : nullptr));
   bake_sh(run.device, job.sh_order, inputs, sink, report, progress);
   run.clock.finish("average");
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
+}
+
+std::unique_ptr<AccuracyMeter> rehearse(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                        Progress* progress) {
+  auto meter = std::make_unique<ShMeter>(ShMipmap{run.header, run.job.sh_order, {}}, accuracy);
+  NoFile none;
+  FileSink<NoFile> sink(quantize_sh, none, meter.get(), run.job);
+  bake_sh(run.device, run.job.sh_order, average_inputs(run, 0), sink, report, progress);
+  run.clock.finish("average");
+  return meter;
 }
 
 void check_settings(const BakeJob& job) {
@@ -74,6 +84,7 @@ const NdfBake kShBake = {
     settings,
     [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake,
+    rehearse,
     verify,
 };
 
