@@ -32,11 +32,11 @@ struct TradeoffRow {
   std::string view;     // of `multum-view`; empty: none beside the BRDF
   // Relative L1 of levels 2 and up, levels weighing alike: centres, the mean of x and y midway, between levels.
   double centre = 0.0, midway = 0.0, between = 0.0;
-  ReachedError reached;       // centres and midway together, with its interval
+  ReachedError reached;                 // centres and midway together, with its interval
   std::vector<AccuracySummary> errors;  // the same of every BRDF that bakes measure, as it is drawn here
-  double rendered = -1.0;     // of the picture, against one of the same filter's truth; < 0: not drawn
-  double bake_seconds = 0.0;  // fitting or averaging, and writing; reading is the same for all
-  double frame_ms = -1.0;     // < 0: not drawn
+  double rendered = -1.0;               // of the picture, against one of the same filter's truth; < 0: not drawn
+  double bake_seconds = 0.0;            // fitting or averaging, and writing; reading is the same for all
+  double frame_ms = -1.0;               // < 0: not drawn
   std::uint64_t file_bytes = 0, gpu_bytes = 0;
   std::string picture;      // PNG bytes; empty: not drawn
   bool is_measured = true;  // false: another BRDF, or a formula that only the renderer has; `reached` says nothing

@@ -75,19 +75,22 @@ std::int64_t preview_size(ByteFile& file, std::int64_t begin) {
 // takes a value's bytes for the next one's length.
 void check_exr_value(const std::string& path, ByteFile& file, const std::string& name, const std::string& type,
                      std::int64_t position, std::int64_t size) {
-  static const std::map<std::string, std::int64_t> kSizes = {
-      {"box2i", 16},   {"box2f", 16}, {"chromaticities", 32}, {"compression", 1}, {"double", 8}, {"envmap", 1},
-      {"float", 4},    {"int", 4},    {"keycode", 28},        {"lineOrder", 1},   {"m33f", 36},  {"m33d", 72},
-      {"m44f", 64},    {"m44d", 128}, {"rational", 8},        {"tiledesc", 9},    {"v2i", 8},    {"v2f", 8},
-      {"timecode", 8}, {"v2d", 16},   {"v3i", 12},            {"v3f", 12},        {"v3d", 24},   {"deepImageState", 1}};
+  static const std::map<std::string, std::int64_t> kSizes = {{"box2i", 16},      {"box2f", 16}, {"chromaticities", 32},
+                                                             {"compression", 1}, {"double", 8}, {"envmap", 1},
+                                                             {"float", 4},       {"int", 4},    {"keycode", 28},
+                                                             {"lineOrder", 1},   {"m33f", 36},  {"m33d", 72},
+                                                             {"m44f", 64},       {"m44d", 128}, {"rational", 8},
+                                                             {"tiledesc", 9},    {"v2i", 8},    {"v2f", 8},
+                                                             {"timecode", 8},    {"v2d", 16},   {"v3i", 12},
+                                                             {"v3f", 12},        {"v3d", 24},   {"deepImageState", 1}};
   std::int64_t expected = size;
   if (const auto found = kSizes.find(type); found != kSizes.end()) expected = found->second;
   else if (type == "chlist") expected = channel_list_size(path, file, position);
   else if (type == "preview") expected = preview_size(file, position);
   else if (type == "stringvector") expected = text_list_size(file, position, size);
   if (size != expected)
-    refuse(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} of a {}", name, size, expected,
-                             type));
+    refuse(path,
+           fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} of a {}", name, size, expected, type));
 }
 
 // One part's header: attributes of name, type, size 4, value; an empty name ends it.

@@ -320,7 +320,8 @@ std::string errors_table(const TradeoffResult& result) {
   MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, ms", "GPU, MB"});
   for (const TradeoffRow& row : result.rows) {
     if (!row.is_measured) continue;
-    std::vector<std::string> cells = {"`" + row.options + "`", row.view.empty() ? "" : row.view.substr(row.view.find(' '))};
+    std::vector<std::string> cells = {"`" + row.options + "`",
+                                      row.view.empty() ? "" : row.view.substr(row.view.find(' '))};
     for (const char* brdf : {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert"}) {
       const ReachedError one = reached_error(row.errors, parse_target_brdf(brdf));
       cells.push_back(fmt::format("{:.2f} ± {:.2f}", 100.0 * one.error, 100.0 * one.confidence));
@@ -348,7 +349,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   job.bake.reading.green = GreenAxis::kUp;
   write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   std::string text =
-      "Settings that `multum tradeoff` sweeps. One figure a BRDF: relative L1 in %, texel centres and midpoints of levels "
+      "Settings that `multum tradeoff` sweeps. One figure a BRDF: relative L1 in %, texel centres and midpoints of "
+      "levels "
       "2 and up, each level weighing the same, with half of its 95 % interval (docs/ALGORITHMS.md, \"Measured "
       "error\").\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
@@ -356,7 +358,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   job.length = SweepLength::kQuick;
   if (!options.maps.empty())
     for (const char* map : {"gd_aluminium_normal.png", "pm_0007.webp", "re_cyberhandwoven_n.png"})
-      if (const std::string path = options.maps + "/normal/" + map; std::filesystem::exists(path)) text += sweep(map, path);
+      if (const std::string path = options.maps + "/normal/" + map; std::filesystem::exists(path))
+        text += sweep(map, path);
   return text;
 }
 
