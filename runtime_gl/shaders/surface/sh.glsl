@@ -13,7 +13,6 @@ uniform sampler2DArray u_harmonics;
 uniform sampler2D u_colours;
 #endif
 #ifdef MULTUM_ROUGHNESS
-uniform float u_mean_cosine;
 uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // of max(n . l, 0), the mean roughness divided out
 #endif
 #ifdef MULTUM_BASIS
@@ -113,15 +112,23 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_ENVIRONMENT
 // The light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all
 // normals: E[n] and E[n n^T] are what is needed, and there. Exact up to l = 2, where Lambert's light ends but for 1 %.
+// The quadratic part has no trace: of rough normals bands 1 and 2 are taken as for other light.
 vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);
   mat3 second = multum_environment_frame * multum_sh_second_moments(parts) * transpose(multum_environment_frame);
-  vec3 sum = u_smooth_mean;
+#if defined(MULTUM_ROUGHNESS) && MULTUM_SH_ORDER >= 2
+  float linear = u_diffuse_zonal[1].x, quadratic = u_diffuse_zonal[2].x;
+#elif defined(MULTUM_ROUGHNESS)
+  float linear = u_diffuse_zonal[1].x, quadratic = 0.0;
+#else
+  float linear = 2.0 / 3.0 * MULTUM_PI, quadratic = 0.25 * MULTUM_PI;
+#endif
+  vec3 sum = MULTUM_PI * u_smooth_mean;
   for (int c = 0; c < 3; ++c) {
-    sum[c] += 2.0 / 3.0 * dot(u_smooth_linear[c], mean);
-    for (int row = 0; row < 3; ++row) sum[c] += 0.25 * dot(u_smooth_quadratic[3 * c + row], second[row]);
+    sum[c] += linear * dot(u_smooth_linear[c], mean);
+    for (int row = 0; row < 3; ++row) sum[c] += quadratic * dot(u_smooth_quadratic[3 * c + row], second[row]);
   }
-  return max(MULTUM_PI * sum, vec3(0.0));
+  return max(sum, vec3(0.0));
 }
 
 // The highlight as that of a lobe of the mean normal.
