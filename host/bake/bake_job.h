@@ -17,6 +17,8 @@
 
 namespace multum {
 
+struct BakeSource;
+
 struct BakeJob {
   std::string input;      // a normal map or height field
   std::string albedo;     // empty: no colours
@@ -50,5 +52,7 @@ std::vector<std::string> input_files(const BakeJob& job);
 /// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
 /// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
+/// The same of what read_bake_source() has read of the job already; null: it is read here.
+BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
 
 }  // namespace multum

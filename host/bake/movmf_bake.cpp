@@ -9,6 +9,7 @@
 
 #include "host/bake/accuracy.h"
 #include "host/bake/mip_schedule.h"
+#include "host/bake/movmf_average.h"
 #include "host/bake/movmf_fit.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/error.h"
@@ -156,6 +157,10 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   validate(settings, normals.width(), normals.height());
   const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
+  if (averages_suffice(inputs, settings)) {
+    average_movmf(device, inputs, settings, sink, report, progress);
+    return;
+  }
   MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
   if (inputs.has_roughness) make_shortened(schedule);
   const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(),
