@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scene/lobe_errors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+
+#include "host/bake/mean_cosine.h"
+#include "host/bake/movmf_start.h"
+#include "host/base/parallel.h"
+
+namespace multum {
+namespace {
+
+constexpr int kDirections = 32;
+constexpr int kIterations = 15;
+constexpr double kKappaMax = 1e6;
+constexpr double kCapInEm = 5e3;
+constexpr double kSingleDirection = 1e-7;  // 1 - |r| of normals that are alike, in single precision
+
+double density(double kappa, double t) {
+  return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0));
+}
+
+// Of one normal, perhaps shortened by a BRDF's width.
+double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w) {
+  const double length = glm::length(n), t = glm::dot(n, w) / length;
+  if (!by.exponent) return std::max(t, 0.0);
+  const double width = 1.0 - 1.0 / *by.exponent;
+  return density(kappa_of_mean_cosine(length > 1.0 - 1e-6 ? width : length * width, kKappaMax), t);
+}
+
+// Of a lobe: mean cosines multiply under convolution (docs/ALGORITHMS.md, "Shading a filtered lobe").
+double shade_lobe(const MixtureLobe& lobe, const ShadedBy& by, const glm::dvec3& w) {
+  if (!by.exponent) return lobe_lambert(lobe.mean_length * lobe.mu, w);
+  return density(kappa_of_mean_cosine(lobe.mean_length * (1.0 - 1.0 / *by.exponent), kKappaMax), glm::dot(lobe.mu, w));
+}
+
+struct ErrorSums {
+  double difference = 0.0, truth = 0.0;
+};
+
+}  // namespace
+
+double lobe_lambert(const glm::dvec3& mean, const glm::dvec3& light) {
+  const double r = std::min(glm::length(mean), 1.0), d = 1.0 - r;
+  const double m = glm::dot(mean, light);
+  const double v = d * (0.25 + r * (0.2343 + r * 0.15232));
+  const double x = std::min(m * m / std::max(v, 1e-20), 200.0);
+  const double g = x * (0.4117 + r * (0.2857 - r * 0.3658) + 0.0080 * x);
+  return 0.5 * (m + std::sqrt(m * m + v * std::exp(-g)));
+}
+
+LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count) const {
+  const Normals& normals = texel.normals;
+  const auto count = static_cast<double>(normals.size());
+  TexelFit out;
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& n : normals) mean += n / count;
+  const double length = glm::length(mean);
+  if (lobe_count <= 1 || length < 1e-9) {
+    const glm::dvec3 mu = length > 1e-9 ? mean / length : glm::dvec3(0.0, 0.0, 1.0);
+    out.lobes = {{mu, lobe_count == 0 ? 1.0 : std::min(length, 1.0), 1.0, 1.0}};
+  } else {
+    const int lobes = std::min(lobe_count, static_cast<int>(normals.size()));
+    MixtureFit mixture = start_mixture(normals, farthest_first_normals(normals, lobes), false);
+    iterate_mixture(mixture, normals, kIterations, kCapInEm, 1.0);
+    out.lobes = mixture.lobes;
+  }
+  if (texel.colours.empty()) return out;
+  for (const glm::dvec3& colour : texel.colours) out.mean_colour += colour / count;
+  std::vector<double> weights(out.lobes.size(), 0.0);
+  out.colours.assign(out.lobes.size(), glm::dvec3(0.0));
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    std::array<double, 8> share{};
+    double total = 0.0;
+    for (std::size_t j = 0; j < out.lobes.size(); ++j) {
+      const MixtureLobe& lobe = out.lobes[j];
+      const double kappa = kappa_of_mean_cosine(lobe.mean_length, kCapInEm);
+      total += share[j] = std::max(lobe.amplitude * density(kappa, glm::dot(lobe.mu, normals[i])), 1e-300);
+    }
+    for (std::size_t j = 0; j < out.lobes.size(); ++j) {
+      weights[j] += share[j] / total;
+      out.colours[j] += share[j] / total * texel.colours[i];
+    }
+    const glm::dvec3 off = texel.colours[i] - out.mean_colour;
+    out.colour_within += glm::dot(off, off);
+  }
+  for (std::size_t j = 0; j < out.lobes.size(); ++j) {
+    out.colours[j] = weights[j] > 1e-9 ? out.colours[j] / weights[j] : out.mean_colour;
+    const glm::dvec3 off = out.colours[j] - out.mean_colour;
+    out.colour_between += weights[j] * glm::dot(off, off);
+  }
+  return out;
+}
+
+const std::vector<LobeErrors::TexelFit>& LobeErrors::fits(int lobe_count) {
+  const auto index = static_cast<std::size_t>(lobe_count);
+  if (fits_.size() <= index) fits_.resize(index + 1);
+  if (!fits_[index].empty()) return fits_[index];
+  fits_[index].resize(survey_.texels.size());
+  for_each_item(static_cast<int>(survey_.texels.size()), settings_.threads, [&](int i) {
+    const auto t = static_cast<std::size_t>(i);
+    if (survey_.texels[t].level >= settings_.first_level) fits_[index][t] = fit(survey_.texels[t], lobe_count);
+  });
+  return fits_[index];
+}
+
+double LobeErrors::error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours) {
+  const std::vector<TexelFit>& fitted = fits(lobe_count);
+  static const std::vector<glm::dvec3> directions = spread_half_vectors(kDirections);
+  std::vector<std::vector<ErrorSums>> sums(survey_.texels.size(), std::vector<ErrorSums>(shadings.size()));
+  for_each_item(static_cast<int>(survey_.texels.size()), settings_.threads, [&](int i) {
+    const auto t = static_cast<std::size_t>(i);
+    const SurveyedTexel& texel = survey_.texels[t];
+    const TexelFit& fit = fitted[t];
+    if (fit.lobes.empty()) return;
+    const bool coloured = colours != ColourModel::kNone && !texel.colours.empty();
+    for (std::size_t s = 0; s < shadings.size(); ++s)
+      for (const glm::dvec3& w : directions) {
+        glm::dvec3 truth(0.0), model(0.0);
+        for (std::size_t n = 0; n < texel.normals.size(); ++n)
+          truth += shade_normal(texel.normals[n], shadings[s], w) * (coloured ? texel.colours[n] : glm::dvec3(1.0));
+        truth /= static_cast<double>(texel.normals.size());
+        for (std::size_t j = 0; j < fit.lobes.size(); ++j)
+          model += fit.lobes[j].amplitude * shade_lobe(fit.lobes[j], shadings[s], w) *
+                   (!coloured                        ? glm::dvec3(1.0)
+                    : colours == ColourModel::kLobes ? fit.colours[j]
+                                                     : fit.mean_colour);
+        const glm::dvec3 off = glm::abs(model - truth);
+        sums[t][s].difference += off.x + off.y + off.z;
+        sums[t][s].truth += truth.x + truth.y + truth.z;
+      }
+  });
+  double worst = 0.0;
+  for (std::size_t s = 0; s < shadings.size(); ++s) {
+    std::map<int, ErrorSums> levels;
+    for (std::size_t t = 0; t < sums.size(); ++t) {
+      ErrorSums& level = levels[survey_.texels[t].level];
+      level.difference += sums[t][s].difference;
+      level.truth += sums[t][s].truth;
+    }
+    for (const auto& [level, sum] : levels)
+      if (sum.truth > 0.0) worst = std::max(worst, sum.difference / sum.truth);
+  }
+  return worst;
+}
+
+double LobeErrors::colour_correlation(int lobe_count) {
+  double within = 0.0, between = 0.0;
+  const std::vector<TexelFit>& fitted = fits(lobe_count);
+  for (std::size_t t = 0; t < fitted.size(); ++t) {
+    const auto count = static_cast<double>(survey_.texels[t].normals.size());
+    const auto lobes = static_cast<double>(fitted[t].lobes.size());
+    if (count < 8.0 * std::max(lobes, 1.0)) continue;  // of few normals each, lobes explain everything
+    // Of colours that know nothing of the lobes, a share (lobes - 1) / (count - 1) lies between them.
+    within += fitted[t].colour_within;
+    between += fitted[t].colour_between - fitted[t].colour_within * (lobes - 1.0) / (count - 1.0);
+  }
+  return within > 0.0 ? std::clamp(between / within, 0.0, 1.0) : 0.0;
+}
+
+double LobeErrors::share_sharper(int lobe_count, double kappa) {
+  double sharper = 0.0, all = 0.0;
+  for (const TexelFit& fit : fits(lobe_count))
+    for (const MixtureLobe& lobe : fit.lobes) {
+      const double spread = 1.0 - lobe.mean_length;
+      all += lobe.amplitude;
+      if (spread > kSingleDirection && spread < 1.0 / kappa) sharper += lobe.amplitude;
+    }
+  return all > 0.0 ? sharper / all : 0.0;
+}
+
+}  // namespace multum
