@@ -44,6 +44,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   MomentWriter writer(job.output, run.header, writing);
   AccuracySettings accuracy;
   accuracy.threads = job.threads;
+  accuracy.exponents = job.measured_exponents;
   std::optional<MomentMeter> meter;
   if (job.measure) meter.emplace(run.header, accuracy);
   FileSink sink(quantize_moments, writer, meter ? &*meter : nullptr, job);

@@ -125,6 +125,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   MovmfWriter writer(job.output, header, job.writing);
   AccuracySettings accuracy;
   accuracy.threads = job.threads;
+  accuracy.exponents = job.measured_exponents;
   std::optional<MovmfMeter> meter;
   if (job.measure) meter.emplace(header, run.header.has_colours, accuracy);
   BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report);

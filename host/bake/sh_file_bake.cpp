@@ -38,6 +38,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   ShWriter writer(job.output, run.header, job.sh_order, writing);
   AccuracySettings accuracy;
   accuracy.threads = job.threads;
+  accuracy.exponents = job.measured_exponents;
   std::optional<ShMeter> meter;
   if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy);
   FileSink sink(quantize_sh, writer, meter ? &*meter : nullptr, job);

@@ -6,7 +6,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <numbers>
+#include <utility>
 
+#include "host/asset/moment_mipmap.h"
+#include "host/asset/spherical_harmonics.h"
 #include "host/bake/mean_cosine.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/parallel.h"
@@ -36,6 +40,13 @@ double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w
 double shade_lobe(const MixtureLobe& lobe, const ShadedBy& by, const glm::dvec3& w) {
   if (!by.exponent) return lobe_lambert(lobe.mean_length * lobe.mu, w);
   return density(kappa_of_mean_cosine(lobe.mean_length * (1.0 - 1.0 / *by.exponent), kKappaMax), glm::dot(lobe.mu, w));
+}
+
+glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
+  if (colours == ColourModel::kNone || texel.colours.empty()) return glm::dvec3(1.0);
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& colour : texel.colours) mean += colour / static_cast<double>(texel.colours.size());
+  return mean;
 }
 
 struct ErrorSums {
@@ -108,28 +119,21 @@ const std::vector<LobeErrors::TexelFit>& LobeErrors::fits(int lobe_count) {
   return fits_[index];
 }
 
-double LobeErrors::error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours) {
-  const std::vector<TexelFit>& fitted = fits(lobe_count);
+double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& shadings, ColourModel colours) const {
   static const std::vector<glm::dvec3> directions = spread_half_vectors(kDirections);
   std::vector<std::vector<ErrorSums>> sums(survey_.texels.size(), std::vector<ErrorSums>(shadings.size()));
   for_each_item(static_cast<int>(survey_.texels.size()), settings_.threads, [&](int i) {
     const auto t = static_cast<std::size_t>(i);
     const SurveyedTexel& texel = survey_.texels[t];
-    const TexelFit& fit = fitted[t];
-    if (fit.lobes.empty()) return;
+    if (texel.level < settings_.first_level) return;
     const bool coloured = colours != ColourModel::kNone && !texel.colours.empty();
     for (std::size_t s = 0; s < shadings.size(); ++s)
       for (const glm::dvec3& w : directions) {
-        glm::dvec3 truth(0.0), model(0.0);
+        glm::dvec3 truth(0.0);
         for (std::size_t n = 0; n < texel.normals.size(); ++n)
           truth += shade_normal(texel.normals[n], shadings[s], w) * (coloured ? texel.colours[n] : glm::dvec3(1.0));
         truth /= static_cast<double>(texel.normals.size());
-        for (std::size_t j = 0; j < fit.lobes.size(); ++j)
-          model += fit.lobes[j].amplitude * shade_lobe(fit.lobes[j], shadings[s], w) *
-                   (!coloured                        ? glm::dvec3(1.0)
-                    : colours == ColourModel::kLobes ? fit.colours[j]
-                                                     : fit.mean_colour);
-        const glm::dvec3 off = glm::abs(model - truth);
+        const glm::dvec3 off = glm::abs(model(t, shadings[s], w) - truth);
         sums[t][s].difference += off.x + off.y + off.z;
         sums[t][s].truth += truth.x + truth.y + truth.z;
       }
@@ -146,6 +150,71 @@ double LobeErrors::error(int lobe_count, const std::vector<ShadedBy>& shadings, 
       if (sum.truth > 0.0) worst = std::max(worst, sum.difference / sum.truth);
   }
   return worst;
+}
+
+double LobeErrors::error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours) {
+  const std::vector<TexelFit>& fitted = fits(lobe_count);
+  return error_of(
+      [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
+        const TexelFit& fit = fitted[t];
+        const bool coloured = colours != ColourModel::kNone && !fit.colours.empty();
+        glm::dvec3 sum(0.0);
+        for (std::size_t j = 0; j < fit.lobes.size(); ++j)
+          sum += fit.lobes[j].amplitude * shade_lobe(fit.lobes[j], by, w) *
+                 (!coloured                        ? glm::dvec3(1.0)
+                  : colours == ColourModel::kLobes ? fit.colours[j]
+                                                   : fit.mean_colour);
+        return sum;
+      },
+      shadings, colours);
+}
+
+double LobeErrors::sh_error(int order, const std::vector<ShadedBy>& shadings, ColourModel colours) const {
+  // By the addition theorem a band of the coefficients, summed over m, is the mean of (2l + 1)/4 pi P_l(n . w).
+  return error_of(
+      [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
+        const Normals& normals = survey_.texels[t].normals;
+        const ZonalCoefficients zonal = by.exponent ? zonal_blinn_phong(order, *by.exponent) : zonal_lambert(order);
+        // A density in shade_normal()'s unit, 1/2 pi.
+        const double unit = by.exponent ? 2.0 * std::numbers::pi : 1.0;
+        double sum = 0.0;
+        for (const glm::dvec3& n : normals) {
+          const double x = glm::dot(n, w);
+          double before = 0.0, p = 1.0;
+          for (int l = 0; l <= order; ++l) {
+            sum += zonal[static_cast<std::size_t>(l)] * (2 * l + 1) / (4.0 * std::numbers::pi) * p;
+            before = std::exchange(p, ((2 * l + 1) * x * p - l * before) / (l + 1));
+          }
+        }
+        const double value = unit * std::max(sum / static_cast<double>(normals.size()), 0.0);
+        return value * mean_colour(survey_.texels[t], colours);
+      },
+      shadings, colours);
+}
+
+double LobeErrors::lean_error(const std::vector<ShadedBy>& shadings, ColourModel colours) const {
+  return error_of(
+      [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
+        const Normals& normals = survey_.texels[t].normals;
+        const auto count = static_cast<double>(normals.size());
+        glm::dvec3 mean(0.0);
+        double s = 0.0, u = 0.0, ss = 0.0, uu = 0.0, su = 0.0;
+        for (const glm::dvec3& n : normals) {
+          const double z = std::max(n.z, static_cast<double>(kSlopeZMin)), x = -n.x / z, y = -n.y / z;
+          mean += n / count;
+          s += x / count, u += y / count;
+          ss += x * x / count, uu += y * y / count, su += x * y / count;
+        }
+        const glm::dvec3 colour = mean_colour(survey_.texels[t], colours);
+        if (!by.exponent) return std::max(glm::dot(mean, w), 0.0) * colour;
+        if (w.z <= 1e-4) return glm::dvec3(0.0);
+        const double base = 1.0 / *by.exponent, a = ss - s * s + base, c = uu - u * u + base, b = su - s * u;
+        const double x = -w.x / w.z - s, y = -w.y / w.z - u, determinant = a * c - b * b;
+        const double distance = (c * x * x - 2.0 * b * x * y + a * y * y) / determinant;
+        // A density in shade_normal()'s unit, 1/2 pi.
+        return std::exp(-0.5 * distance) / std::sqrt(determinant) / (w.z * w.z * w.z) * colour;
+      },
+      shadings, colours);
 }
 
 double LobeErrors::colour_correlation(int lobe_count) {

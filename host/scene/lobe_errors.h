@@ -4,6 +4,7 @@
 // filtering are not in it: an estimate for choosing, at texel centres.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -39,6 +40,9 @@ class LobeErrors {
   LobeErrors(const MapSurvey& survey, const LobeErrorSettings& settings) : survey_(survey), settings_(settings) {}
 
   double error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours);
+  /// The same of spherical harmonics to an order, and of one Gaussian of slopes (LEAN, with the Jacobian).
+  double sh_error(int order, const std::vector<ShadedBy>& shadings, ColourModel colours) const;
+  double lean_error(const std::vector<ShadedBy>& shadings, ColourModel colours) const;
   /// What part of the colours' variance within texels lies between lobes, less what chance gives: 0..1.
   double colour_correlation(int lobe_count);
   /// What part of the lobes of surveyed texels is sharper than `kappa`, single directions left out.
@@ -51,6 +55,9 @@ class LobeErrors {
     glm::dvec3 mean_colour{0.0};
     double colour_within = 0.0, colour_between = 0.0;  // parts of the colours' variance
   };
+  // Of a texel, a shading and a direction: what a representation makes of it, colours in.
+  using Model = std::function<glm::dvec3(std::size_t texel, const ShadedBy& by, const glm::dvec3& direction)>;
+  double error_of(const Model& model, const std::vector<ShadedBy>& shadings, ColourModel colours) const;
   const std::vector<TexelFit>& fits(int lobe_count);
   TexelFit fit(const SurveyedTexel& texel, int lobe_count) const;
 
