@@ -14,6 +14,7 @@
 #include "host/bake/mean_cosine.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/parallel.h"
+#include "host/base/split_mix.h"
 
 namespace multum {
 namespace {
@@ -21,7 +22,8 @@ namespace {
 constexpr int kDirections = 32;
 constexpr int kIterations = 15;
 constexpr double kKappaMax = 1e6;
-constexpr double kCapInEm = 5e3;
+constexpr double kCapInEm = 5e3, kCapAtTop = 500.0;
+constexpr double kStartKappaFactor = 0.5, kStartAmplitudeMin = 0.02;  // MovmfSettings has them
 constexpr double kSingleDirection = 1e-7;  // 1 - |r| of normals that are alike, in single precision
 
 double density(double kappa, double t) {
@@ -64,7 +66,28 @@ double lobe_lambert(const glm::dvec3& mean, const glm::dvec3& light) {
   return 0.5 * (m + std::sqrt(m * m + v * std::exp(-g)));
 }
 
-LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count) const {
+std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
+  constexpr int kTrials = 48;
+  const Normals& normals = survey_.texels.back().normals;
+  std::vector<MixtureFit> fits(kTrials);
+  for_each_item(kTrials, settings_.threads, [&](int trial) {
+    std::vector<std::size_t> chosen;
+    for (int j = 0; j < lobe_count; ++j)
+      chosen.push_back(split_mix(static_cast<std::uint64_t>(trial * 8 + j)) % normals.size());
+    if (trial == 0) chosen = farthest_first_normals(normals, lobe_count);
+    MixtureFit& fit = fits[static_cast<std::size_t>(trial)];
+    fit = start_mixture(normals, chosen, false);
+    iterate_mixture(fit, normals, kIterations, kCapAtTop, 1.0);
+  });
+  return std::max_element(fits.begin(), fits.end(), [](const MixtureFit& a, const MixtureFit& b) {
+           return a.log_likelihood < b.log_likelihood;
+         })->lobes;
+}
+
+// As the bake: from the coarser texel's lobes, made broader and none too small, or from normals far apart where these
+// fit better.
+LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count,
+                                     const std::vector<MixtureLobe>& top) const {
   const Normals& normals = texel.normals;
   const auto count = static_cast<double>(normals.size());
   TexelFit out;
@@ -77,7 +100,13 @@ LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count)
   } else {
     const int lobes = std::min(lobe_count, static_cast<int>(normals.size()));
     MixtureFit mixture = start_mixture(normals, farthest_first_normals(normals, lobes), false);
-    iterate_mixture(mixture, normals, kIterations, kCapInEm, 1.0);
+    MixtureFit inherited{top, 0.0, 0.0};
+    for (MixtureLobe& lobe : inherited.lobes) {
+      lobe.kappa *= kStartKappaFactor;
+      lobe.amplitude = std::max(lobe.amplitude, kStartAmplitudeMin);
+    }
+    for (MixtureFit* one : {&mixture, &inherited}) iterate_mixture(*one, normals, kIterations, kCapInEm, 1.0);
+    if (inherited.log_likelihood > mixture.log_likelihood) mixture = inherited;
     out.lobes = mixture.lobes;
   }
   if (texel.colours.empty()) return out;
@@ -112,9 +141,11 @@ const std::vector<LobeErrors::TexelFit>& LobeErrors::fits(int lobe_count) {
   if (fits_.size() <= index) fits_.resize(index + 1);
   if (!fits_[index].empty()) return fits_[index];
   fits_[index].resize(survey_.texels.size());
+  const std::vector<MixtureLobe> top =
+      lobe_count > 1 && !survey_.texels.empty() ? fit_top(lobe_count) : std::vector<MixtureLobe>{};
   for_each_item(static_cast<int>(survey_.texels.size()), settings_.threads, [&](int i) {
     const auto t = static_cast<std::size_t>(i);
-    if (survey_.texels[t].level >= settings_.first_level) fits_[index][t] = fit(survey_.texels[t], lobe_count);
+    if (survey_.texels[t].level >= settings_.first_level) fits_[index][t] = fit(survey_.texels[t], lobe_count, top);
   });
   return fits_[index];
 }

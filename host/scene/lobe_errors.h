@@ -59,7 +59,9 @@ class LobeErrors {
   using Model = std::function<glm::dvec3(std::size_t texel, const ShadedBy& by, const glm::dvec3& direction)>;
   double error_of(const Model& model, const std::vector<ShadedBy>& shadings, ColourModel colours) const;
   const std::vector<TexelFit>& fits(int lobe_count);
-  TexelFit fit(const SurveyedTexel& texel, int lobe_count) const;
+  TexelFit fit(const SurveyedTexel& texel, int lobe_count, const std::vector<MixtureLobe>& top) const;
+  // Of the coarsest texel, the best of many starts.
+  std::vector<MixtureLobe> fit_top(int lobe_count) const;
 
   const MapSurvey& survey_;
   const LobeErrorSettings settings_;

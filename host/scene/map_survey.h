@@ -41,7 +41,7 @@ struct MapSurvey {
 
 struct SurveySettings {
   int texels_per_level = 32;
-  int normals_per_texel = 512;
+  int normals_per_texel = 256;
   std::uint64_t seed = 1;
   int threads = 1;
 };

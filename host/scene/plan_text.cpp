@@ -42,11 +42,10 @@ std::string effect_rows(const std::vector<PlannedEffect>& effects, int width) {
     std::string line = fmt::format("  {:<{}} {:<{}} {:>{}} {:>{}}", e.effect, kEffect, e.needed ? "yes" : "no", kNeeded,
                                    ms, kTime, bytes, kBytes);
     const std::vector<std::string> why = wrapped(e.why, static_cast<std::size_t>(width - indent));
-    for (std::size_t i = 0; i < why.size(); ++i) {
-      if (i == 0 && beside) line += "  " + why[i];
-      else line += "\n" + std::string(static_cast<std::size_t>(indent), ' ') + why[i];
-    }
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    if (!beside) line.erase(line.find_last_not_of(' ') + 1);
+    for (std::size_t i = 0; i < why.size(); ++i)
+      line += i == 0 && beside ? "  " + why[i] : "\n" + std::string(static_cast<std::size_t>(indent), ' ') + why[i];
+    text += line + "\n";
   }
   return text;
 }
@@ -76,7 +75,9 @@ Json candidate_json(const BakeCandidate& c) {
                {"first_level", c.shape.first_level},
                {"data_format", storage_encoding_name(c.shape.encoding)},
                {"colours", c.shape.has_colours ? "in the file" : c.shape.mean_colours ? "beside it" : "none"},
-               {"error", c.error},
+               {"error", c.error.worst()},
+               {"error_diffuse", c.error.diffuse},
+               {"error_highlights", c.error.specular},
                {"bake_ms", c.cost.ms},
                {"bytes", c.cost.bytes}};
   if (holds_lobes(c.shape.representation)) json["lobes"] = c.shape.lobe_count;
@@ -189,12 +190,12 @@ std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
                     map.usual.name));
     text += head("why");
     text += effect_rows(map.effects, width);
-    add(fmt::format("  bake {} in place of {} ({} less), textures {} in place of {} ({} less); estimated error {:.2g} % "
-                    "beside {:.2g} %, at most {:.2g} % from the default bake's pictures",
+    add(fmt::format("  bake {} in place of {} ({} less), textures {} in place of {} ({} less); estimated error {:.3g} % "
+                    "beside {:.3g} %, at most {:.3g} % from the default bake's pictures",
                     time_text(map.chosen.cost.ms), time_text(map.usual.cost.ms),
                     saved(map.usual.cost.ms, map.chosen.cost.ms), bytes_text(map.chosen.cost.bytes),
                     bytes_text(map.usual.cost.bytes), saved(map.usual.cost.bytes, map.chosen.cost.bytes),
-                    100.0 * map.chosen.error, 100.0 * map.usual.error, 100.0 * map.stated_difference));
+                    100.0 * map.chosen.error.worst(), 100.0 * map.usual.error.worst(), 100.0 * map.stated_difference));
     text += "\n";
   }
   for (const ObjectPlan& object : plan.objects) {

@@ -20,11 +20,12 @@ namespace {
 // Highlights broader than this are followed by harmonics of order 8, as multum-view evaluates them in an environment:
 // what Blinn-Phong of s = 12 has beyond is 8 % (docs/ALGORITHMS.md, "Environments").
 constexpr double kHarmonicsExponentMax = 12.0;
+constexpr std::int64_t kTexelsASample = 65536;
 constexpr int kLobesUsual = 4, kLobesMax = 8;
 // Lobes as sharp as the storage loses, as a share: fewer are in every map (host/bake/movmf_file_bake.cpp).
 constexpr double kBeyondStorageMax = 1.0 / 3.0;
 
-std::string percent(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
+std::string percent(double share) { return share < 0.995 ? fmt::format("{:.2g} %", 100.0 * share) : fmt::format("{:.0f} %", 100.0 * share); }
 
 // What an object's materials ask of a map, together with all others that show it.
 struct MapNeeds {
@@ -90,6 +91,9 @@ class MapPlanner {
     plan_.last_seen = needs_.last_seen;
     SurveySettings survey;
     survey.threads = settings.threads;
+    // Bakes of small maps take no longer than many fits.
+    survey.texels_per_level =
+        std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
     survey_ = survey_map(normals, source_->colours(), survey);
     errors_.emplace(survey_, LobeErrorSettings{std::max(1, std::min(needs_.first_seen, plan_.level_count - 1)),
                                                settings.threads});
@@ -101,6 +105,10 @@ class MapPlanner {
     plan_.is_constant = range <= 0.5 * scene_.budget.tolerance && !needs_.width_in_map && !needs_.weighted &&
                         plan_.level_count > 1;
     add_usual();
+    const double target = scene_.budget.target_error.value_or(0.0), tolerance = scene_.budget.tolerance;
+    plan_.limit = scene_.budget.target_error ? PartErrors{target, target}
+                                             : PartErrors{plan_.usual.error.diffuse + tolerance,
+                                                          plan_.usual.error.specular + tolerance};
     if (plan_.is_constant) add_constant();
     else if (needs_.width_in_map || needs_.weighted) plan_.candidates = {of_materials()};
     else add_candidates();
@@ -132,16 +140,16 @@ class MapPlanner {
     return candidate;
   }
 
-  // The worse of the diffuse and the specular part.
   template <typename Error>
-  double worse_part(const Error& error, ColourModel colours) const {
-    double worst = 0.0;
-    if (needs_.diffuse) worst = error(std::vector<ShadedBy>{ShadedBy{}}, has_colours_ ? colours : ColourModel::kNone);
-    if (needs_.specular) worst = std::max(worst, error(needs_.highlights(), ColourModel::kNone));
-    return worst;
+  PartErrors part_errors(const Error& error, ColourModel colours) const {
+    PartErrors parts;
+    if (needs_.diffuse) parts.diffuse = error({ShadedBy{}}, has_colours_ ? colours : ColourModel::kNone);
+    if (needs_.specular) parts.specular = error(needs_.highlights(), ColourModel::kNone);
+    return parts;
   }
-  double lobes_error(int lobes, ColourModel colours) {
-    return worse_part([&](const auto& by, ColourModel c) { return errors_->error(lobes, by, c); }, colours);
+  PartErrors lobes_error(int lobes, ColourModel colours) {
+    return part_errors(
+        [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->error(lobes, by, c); }, colours);
   }
 
   // What `multum bake` does of itself.
@@ -150,7 +158,7 @@ class MapPlanner {
     s.first_level = 0;
     s.has_colours = source_->albedo.has_value();
     s.exponent_count = 3;
-    plan_.usual = finished({"vmf, 4 lobes", s, s.has_colours, 0.0, {}});
+    plan_.usual = finished({"vmf, 4 lobes", s, s.has_colours, {}, {}});
     const bool is_estimated = !plan_.is_constant && !needs_.width_in_map && !needs_.weighted;
     if (is_estimated) plan_.usual.error = lobes_error(kLobesUsual, ColourModel::kLobes);
   }
@@ -160,7 +168,8 @@ class MapPlanner {
     const bool constant_colours = survey_.colour_range <= 0.5 * scene_.budget.tolerance;
     s.has_colours = has_colours_ && constant_colours;
     s.mean_colours = has_colours_ && !constant_colours;
-    plan_.candidates = {finished({"vmf, 1 lobe, 1 texel", s, false, 0.5 * scene_.budget.tolerance, {}})};
+    plan_.candidates = {
+        finished({"vmf, 1 lobe, 1 texel", s, false, {0.5 * scene_.budget.tolerance, 0.5 * scene_.budget.tolerance}, {}})};
   }
 
   // Widths of their own, and BRDFs that are blended: the estimate knows neither.
@@ -168,7 +177,7 @@ class MapPlanner {
     BakeShape s = shape(Representation::kMovmf, kLobesUsual);
     s.has_colours = has_colours_;
     s.exponent_count = needs_.width_in_map ? 1 : s.exponent_count;
-    return finished({"vmf, 4 lobes", s, s.has_colours, 0.0, {}});
+    return finished({"vmf, 4 lobes", s, s.has_colours, {}, {}});
   }
 
   void add_lobes(int lobes) {
@@ -189,26 +198,22 @@ class MapPlanner {
     const int most = scene_.budget.target_error ? kLobesMax : kLobesUsual;
     for (int lobes = 1; lobes <= most; ++lobes) {
       add_lobes(lobes);
-      if (plan_.candidates.back().error <= limit()) break;  // more lobes are no cheaper
+      if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
     }
     // Of harmonics and moments an environment's highlight is that of one lobe of the mean normal.
     if (needs_.environment_highlight) return;
     BakeShape s = shape(Representation::kMoments, 1);
     s.has_colours = has_colours_;
-    const auto lean = [&](const auto& by, ColourModel c) { return errors_->lean_error(by, c); };
-    plan_.candidates.push_back(finished({"moments", s, false, worse_part(lean, ColourModel::kMean), {}}));
+    const auto lean = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->lean_error(by, c); };
+    plan_.candidates.push_back(finished({"moments", s, false, part_errors(lean, ColourModel::kMean), {}}));
     for (const int order : {2, 4}) {
       s = shape(Representation::kSh, 1);
       s.sh_order = order;
       s.has_colours = has_colours_;
-      const auto sh = [&](const auto& by, ColourModel c) { return errors_->sh_error(order, by, c); };
+      const auto sh = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->sh_error(order, by, c); };
       plan_.candidates.push_back(
-          finished({fmt::format("sh of order {}", order), s, false, worse_part(sh, ColourModel::kMean), {}}));
+          finished({fmt::format("sh of order {}", order), s, false, part_errors(sh, ColourModel::kMean), {}}));
     }
-  }
-
-  double limit() const {
-    return scene_.budget.target_error.value_or(plan_.usual.error + scene_.budget.tolerance);
   }
 
   void choose() {
@@ -220,13 +225,13 @@ class MapPlanner {
                        return std::pair(textures(a), a.cost.ms) < std::pair(textures(b), b.cost.ms);
                      });
     const auto found = std::find_if(plan_.candidates.begin(), plan_.candidates.end(),
-                                    [&](const BakeCandidate& c) { return c.error <= limit(); });
+                                    [&](const BakeCandidate& c) { return c.error.within(plan_.limit); });
     if (found == plan_.candidates.end()) {
       const auto best = std::min_element(plan_.candidates.begin(), plan_.candidates.end(),
-                                         [](const auto& a, const auto& b) { return a.error < b.error; });
+                                         [](const auto& a, const auto& b) { return a.error.worst() < b.error.worst(); });
       throw Error(ErrorCode::kVerification,
                   fmt::format("{}: no settings are estimated to reach target_error {:g}, the best is {:.3g} ({})",
-                              map_.job.input, limit(), best->error, best->name));
+                              map_.job.input, *scene_.budget.target_error, best->error.worst(), best->name));
     }
     plan_.chosen = *found;
   }
@@ -266,6 +271,12 @@ class EffectRows {
   }
   void add_row(const std::string& effect, bool needed, const std::string& why, const BakeCost& cost) {
     plan_.effects.push_back({effect, needed, why, true, cost});
+  }
+  // "1.2 %", "1.2/14 %" of diffuse light and highlights.
+  std::string parts_text(const PartErrors& e) const {
+    return !needs_.specular ? percent(e.diffuse)
+           : !needs_.diffuse ? percent(e.specular)
+                             : fmt::format("{:.2g}/{:.2g} %", 100.0 * e.diffuse, 100.0 * e.specular);
   }
   // Of the default bake with a change.
   template <typename Change>
@@ -327,15 +338,13 @@ class EffectRows {
     for (const BakeCandidate& c : plan_.candidates)
       if (c.shape.representation == Representation::kMovmf)
         tried += fmt::format("{}{} {}", tried.empty() ? "" : ", ",
-                             c.name.substr(5), percent(c.error));
-    add_row("several lobes, EM", needed, fmt::format("off {}: {}; the default's 4 {}; limit {}", seen_texels(), tried,
-                                                     percent(plan_.usual.error), percent(limit())),
+                             c.name.substr(5), parts_text(c.error));
+    add_row("several lobes, EM", needed, fmt::format("{} off {}: {}; the default's 4 {}; limit {}", needs_.specular && needs_.diffuse ? "diffuse/highlights" : "", seen_texels(), tried,
+                                                     parts_text(plan_.usual.error), parts_text(plan_.limit)),
             needed ? chosen_without(one) : saved_by(one));
     if (needed)
       add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
   }
-
-  double limit() const { return scene_.budget.target_error.value_or(plan_.usual.error + scene_.budget.tolerance); }
 
   void add_other_representations() {
     for (const auto& [representation, effect] : {std::pair{Representation::kMoments, "moments of slopes (LEAN)"},
@@ -344,7 +353,7 @@ class EffectRows {
       std::string tried;
       for (const BakeCandidate& c : plan_.candidates)
         if (c.shape.representation == representation)
-          tried += fmt::format("{}{} {}, {} textures", tried.empty() ? "" : "; ", c.name, percent(c.error),
+          tried += fmt::format("{}{} {}, {} textures", tried.empty() ? "" : "; ", c.name, parts_text(c.error),
                                texture_count(c.shape));
       const std::string why = !is_estimated()                  ? "one or several lobes do"
                               : needs_.environment_highlight && tried.empty()
@@ -487,7 +496,7 @@ void fill_job(const MapNeeds& needs, MapPlan& plan) {
   job.measured_exponents.clear();
   for (const ShadedBy& by : needs.highlights()) job.measured_exponents.push_back(*by.exponent);
   const bool as_usual = plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
-  plan.stated_difference = as_usual && !plan.is_constant ? 0.0 : plan.chosen.error + plan.usual.error;
+  plan.stated_difference = as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst();
 }
 
 // Down to the scene's budgets, each time the step that adds the least error.
@@ -503,7 +512,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
       const BakeCandidate* step = nullptr;
       for (MapPlan& map : maps)
         for (const BakeCandidate& c : map.candidates)
-          if (c.cost.*value < map.chosen.cost.*value && (step == nullptr || c.error < step->error)) {
+          if (c.cost.*value < map.chosen.cost.*value && (step == nullptr || c.error.worst() < step->error.worst())) {
             cheapest = &map;
             step = &c;
           }

@@ -4,6 +4,7 @@
 // (docs/SCENE.md has the rules).
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,12 +25,19 @@ struct PlannedEffect {
   BakeCost cost;            // that it takes, or saves where it is not needed
 };
 
+/// Estimated, relative L1, of diffuse light and of highlights.
+struct PartErrors {
+  double diffuse = 0.0, specular = 0.0;
+  double worst() const { return std::max(diffuse, specular); }
+  bool within(const PartErrors& limit) const { return diffuse <= limit.diffuse && specular <= limit.specular; }
+};
+
 /// A way to bake a map, and what is expected of it.
 struct BakeCandidate {
   std::string name;  // "vmf, 2 lobes", "moments"
   BakeShape shape;
   bool lobe_colours = false;  // not one mean colour a texel
-  double error = 0.0;         // estimated, relative L1
+  PartErrors error;
   BakeCost cost;
 };
 
@@ -42,6 +50,7 @@ struct MapPlan {
   int first_seen = 0, last_seen = 0;  // levels
   bool is_constant = false;           // every normal stands for all: the coarsest level is enough
   BakeCandidate chosen, usual;        // the default bake
+  PartErrors limit;                   // that candidates were held to
   std::vector<BakeCandidate> candidates;  // by textures, then time
   double stated_difference = 0.0;     // from pictures of the default bake, relative L1, at most
   std::vector<PlannedEffect> effects;
