@@ -173,12 +173,15 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& sha
   for (std::size_t s = 0; s < shadings.size(); ++s) {
     std::map<int, ErrorSums> levels;
     for (std::size_t t = 0; t < sums.size(); ++t) {
+      if (survey_.texels[t].level < settings_.first_level) continue;
       ErrorSums& level = levels[survey_.texels[t].level];
       level.difference += sums[t][s].difference;
       level.truth += sums[t][s].truth;
     }
+    double of_levels = 0.0;
     for (const auto& [level, sum] : levels)
-      if (sum.truth > 0.0) worst = std::max(worst, sum.difference / sum.truth);
+      if (sum.truth > 0.0) of_levels += sum.difference / sum.truth / static_cast<double>(levels.size());
+    worst = std::max(worst, of_levels);
   }
   return worst;
 }

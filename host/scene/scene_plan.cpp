@@ -278,6 +278,9 @@ class EffectRows {
            : !needs_.diffuse ? percent(e.specular)
                              : fmt::format("{:.2g}/{:.2g} %", 100.0 * e.diffuse, 100.0 * e.specular);
   }
+  const char* parts_name() const {
+    return !needs_.specular ? "diffuse light is" : !needs_.diffuse ? "highlights are" : "diffuse light/highlights are";
+  }
   // Of the default bake with a change.
   template <typename Change>
   BakeCost usual_with(const Change& change) const {
@@ -339,7 +342,7 @@ class EffectRows {
       if (c.shape.representation == Representation::kMovmf)
         tried += fmt::format("{}{} {}", tried.empty() ? "" : ", ",
                              c.name.substr(5), parts_text(c.error));
-    add_row("several lobes, EM", needed, fmt::format("{} off {}: {}; the default's 4 {}; limit {}", needs_.specular && needs_.diffuse ? "diffuse/highlights" : "", seen_texels(), tried,
+    add_row("several lobes, EM", needed, fmt::format("{} off {}: {}; the default's 4 {}; limit {}", parts_name(), seen_texels(), tried,
                                                      parts_text(plan_.usual.error), parts_text(plan_.limit)),
             needed ? chosen_without(one) : saved_by(one));
     if (needed)
@@ -479,7 +482,7 @@ class EffectRows {
 };
 
 // The bake that a plan asks for.
-void fill_job(const MapNeeds& needs, MapPlan& plan) {
+void fill_job(const MapNeeds& needs, double tolerance, MapPlan& plan) {
   const BakeShape& s = plan.chosen.shape;
   BakeJob& job = plan.job;
   job.representation = s.representation;
@@ -496,7 +499,8 @@ void fill_job(const MapNeeds& needs, MapPlan& plan) {
   job.measured_exponents.clear();
   for (const ShadedBy& by : needs.highlights()) job.measured_exponents.push_back(*by.exponent);
   const bool as_usual = plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
-  plan.stated_difference = as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst();
+  plan.stated_difference =
+      as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst() + tolerance;
 }
 
 // Down to the scene's budgets, each time the step that adds the least error.
@@ -535,7 +539,7 @@ ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapP
   const SeenLevels seen = seen_levels(scene.camera, object, map.width, map.level_count);
   plan.first_level = seen.first;
   plan.last_level = seen.last;
-  bool highlight = false, fresnel = false, has_f = false, dynamic = false;
+  bool highlight = false, fresnel = false, dynamic = false;
   double exponent = 0.0;
   for (const std::size_t m : object.materials) {
     const SceneMaterial& material = scene.materials[m];
@@ -543,9 +547,8 @@ ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapP
     for (const Brdf& brdf : material.brdfs) {
       highlight |= has_highlight(brdf);
       if (has_highlight(brdf)) exponent = std::max(exponent, equivalent_exponent(brdf));
-      const bool here = brdf.kind == BrdfKind::kCookTorrance || brdf.kind == BrdfKind::kGgx;
-      has_f |= here || brdf.kind == BrdfKind::kMeasured;
-      fresnel |= brdf.kind == BrdfKind::kMeasured || (here && brdf.f0 != glm::vec3(1.0f));
+      fresnel |= brdf.kind == BrdfKind::kCookTorrance || brdf.kind == BrdfKind::kGgx ||
+                 brdf.kind == BrdfKind::kMeasured;
     }
   }
   const bool environment = !scene.environment.empty();
@@ -553,8 +556,7 @@ ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapP
   add_row(plan, "highlight", highlight,
           highlight ? fmt::format("as sharp as Blinn-Phong of s = {:.4g}", exponent) : "the material is diffuse");
   add_row(plan, "Fresnel", fresnel,
-          fresnel ? "the BRDF's f0 is below 1"
-                  : has_f ? "f0 is 1: reflection is whole from everywhere" : "the BRDF has none");
+          fresnel ? "the BRDF has one" : "the BRDF has none");
   add_row(plan, "width as a uniform", dynamic, dynamic ? "the material changes at run time" : "the material is fixed");
   const auto points = std::count_if(scene.lights.begin(), scene.lights.end(), [](const auto& l) { return l.is_point; });
   const auto distant = static_cast<std::ptrdiff_t>(scene.lights.size()) - points;
@@ -598,7 +600,7 @@ ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress*
   for (std::size_t m = 0; m < plan.maps.size(); ++m) {
     MapPlan& map = plan.maps[m];
     EffectRows(scene, *planners[m], map).add();
-    fill_job(planners[m]->needs(), map);
+    fill_job(planners[m]->needs(), scene.budget.tolerance, map);
     plan.cost += map.chosen.cost;
     plan.usual_cost += map.usual.cost;
   }
