@@ -61,7 +61,65 @@ class ErrorSums {
     return row;
   }
 
+  AccuracySummary summary(std::size_t brdf, std::string name, int first_level) const {
+    AccuracySummary summary{std::move(name), 0.0, 0.0, 0, 0, 0.0};
+    const int level_count = static_cast<int>(points_.texels().sizes().size());
+    first_level = std::min(std::max(first_level, kSummaryLevel), level_count - 1);
+    ErrorSum means;  // of a point, all levels together
+    for (int l = first_level; l < level_count; ++l) {
+      const ErrorSum mean = level_mean(l, brdf);
+      means += mean;
+      summary.sample_count += counts_[group(l, AccuracyPoint::kCentre)];
+      const double error = mean.truth > 0.0 ? mean.difference / mean.truth : 0.0;
+      if (error > summary.worst_level_error) summary.worst_level = l;
+      summary.worst_level_error = std::max(summary.worst_level_error, error);
+    }
+    if (!(means.truth > 0.0)) return summary;
+    summary.error = means.difference / means.truth;
+    double variance = 0.0;
+    for (int l = first_level; l < level_count; ++l) variance += level_variance(l, brdf, summary.error);
+    summary.confidence = 1.96 * std::sqrt(variance) / means.truth;
+    return summary;
+  }
+
  private:
+  static constexpr AccuracyPoint kSummaryPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX,
+                                                     AccuracyPoint::kMidY};
+
+  std::int64_t point_count(int level) const {
+    std::int64_t count = 0;
+    for (const AccuracyPoint kind : kSummaryPoints) count += counts_[group(level, kind)];
+    return count;
+  }
+
+  // Of a point of the level.
+  ErrorSum level_mean(int level, std::size_t brdf) const {
+    ErrorSum sum;
+    for (const AccuracyPoint kind : kSummaryPoints) sum += totals_[group(level, kind) * brdf_count_ + brdf];
+    const auto count = static_cast<double>(std::max<std::int64_t>(1, point_count(level)));
+    return {sum.difference / count, sum.truth / count};
+  }
+
+  // Of the level's mean of difference - ratio * truth: a texel's residuals at its points are one draw.
+  double level_variance(int level, std::size_t brdf, double ratio) const {
+    double sum = 0.0, squares = 0.0, n = 0.0;
+    for (std::size_t i = 0; i < points_.chosen_count(); ++i) {
+      if (points_.samples()[i].level != level) continue;
+      ErrorSum texel;
+      for (const AccuracyPoint kind : kSummaryPoints) texel += chosen_[chosen_index(i, kind, brdf)];
+      const double residual = texel.difference - ratio * texel.truth;
+      sum += residual;
+      squares += residual * residual;
+      n += 1.0;
+    }
+    if (n < 2.0) return 0.0;  // measured whole
+    const PlaneSize size = points_.texels().sizes()[static_cast<std::size_t>(level)];
+    const double unseen = 1.0 - n / (static_cast<double>(size.width) * size.height);
+    const double points_a_texel = static_cast<double>(point_count(level)) / n;
+    const double spread = std::max(0.0, squares - sum * sum / n) / (n - 1.0);
+    return spread / n * unseen / (points_a_texel * points_a_texel);
+  }
+
   std::size_t group(int level, AccuracyPoint kind) const {
     return static_cast<std::size_t>(level) * kAccuracyPointKinds + static_cast<std::size_t>(kind);
   }
@@ -116,6 +174,12 @@ class Comparison {
           if (made.sample_count > 0) rows.push_back(std::move(made));
         }
     return rows;
+  }
+
+  std::vector<AccuracySummary> summaries() const {
+    std::vector<AccuracySummary> all;
+    for (std::size_t b = 0; b < brdf_count(); ++b) all.push_back(sums_.summary(b, brdf_name(b), settings_.first_level));
+    return all;
   }
 
  private:
@@ -216,7 +280,7 @@ class Comparison {
     const std::size_t plain = brdf % plain_count_, group = brdf / plain_count_;
     std::string name = plain + 1 == plain_count_ ? "lambert"
                        : settings_.has_roughness ? "roughness"
-                                                 : fmt::format("blinn-phong:{}", settings_.exponents[plain]);
+                                                 : blinn_phong_name(settings_.exponents[plain]);
     const std::string& shading = shadings_[group / groups_per_shading()];
     if (!shading.empty()) name += " " + shading;
     return group % groups_per_shading() == 0 ? name : name + " coloured";
@@ -239,6 +303,12 @@ std::vector<PlaneSize> level_sizes(int map_width, int map_height) {
 }
 
 }  // namespace
+
+std::string error_text(double error, double confidence) {
+  return fmt::format("{:.2f} +- {:.2f} %", 100.0 * error, 100.0 * confidence);
+}
+
+std::string blinn_phong_name(double exponent) { return fmt::format("blinn-phong:{}", exponent); }
 
 AccuracyDirections accuracy_directions() {
   AccuracyDirections directions;
@@ -273,6 +343,7 @@ std::vector<AccuracyRow> AccuracyMeter::run(Device& device, const PlaneStore& no
   MULTUM_CHECK(albedo == nullptr || model().has_colours());
   Comparison comparison(settings_, points_, model(), albedo != nullptr);
   comparison.run(device, {normals, albedo}, model(), progress);
+  summaries_ = comparison.summaries();
   return comparison.rows();
 }
 

@@ -37,6 +37,28 @@ struct AccuracyRow {
   std::int64_t sample_count;  // texels
 };
 
+/// One figure for a BRDF: relative L1 over texel centres and midpoints, in x and in y, of levels kSummaryLevel and up
+/// (of smaller maps: the coarsest). Each level weighs the same, since each is what some distance shows; within a level
+/// a point weighs by its truth.
+struct AccuracySummary {
+  std::string brdf;  // as AccuracyRow::brdf
+  double error;
+  // Half width of the 95 % interval: 1.96 standard errors of the combined ratio estimate over the strata, which are the
+  // levels (Cochran 1977, section 6.11), with the finite population correction. Texels are the sampling units: a texel
+  // and its midpoints go together. Levels that are measured whole add nothing.
+  double confidence;
+  std::int64_t sample_count;  // texels
+  int worst_level;
+  double worst_level_error;
+};
+constexpr int kSummaryLevel = 2;
+
+/// "7.4 +- 0.2 %".
+std::string error_text(double error, double confidence);
+
+/// "blinn-phong:100", as AccuracyRow::brdf.
+std::string blinn_phong_name(double exponent);
+
 /// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/ACCURACY.md names them).
 struct AccuracyDirections {
   std::vector<glm::dvec3> lights;        // at least one
@@ -71,6 +93,8 @@ class AccuracyMeter {
   /// After all rows that it needs, once. With `albedo`, which needs a file with colours, those are compared too, per
   /// channel. Reads every normal once, more often where it looks at millions of texels. Progress: counts no units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
+  /// After run(): one for each of its BRDFs.
+  const std::vector<AccuracySummary>& summaries() const { return summaries_; }
 
  protected:
   AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings);
@@ -82,6 +106,7 @@ class AccuracyMeter {
  private:
   const AccuracySettings settings_;
   const AccuracyPoints points_;
+  std::vector<AccuracySummary> summaries_;
 };
 
 /// Of lobes.

@@ -65,28 +65,15 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   return from;
 }
 
-BakedHeader make_header(const BakeJob& job, const BakeSource& source) {
-  BakedHeader header;
-  header.representation = job.representation;
-  header.encoding = job.encoding;
-  header.wrap_s = job.reading.wrap_s;
-  header.wrap_t = job.reading.wrap_t;
-  header.width = source.map.normals.width();
-  header.height = source.map.normals.height();
-  header.first_level = job.fitting.first_level;
-  header.has_colours = source.albedo.has_value();
-  header.weight_count = source.weights ? source.weights->count : 0;
-  header.has_roughness = source.has_roughness;
-  header.mean_cosine = static_cast<float>(source.mean_cosine);
-  return header;
-}
+}  // namespace
 
-void take_source(const BakeJob& job, const BakeSource& source, BakeReport& report) {
+BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progress) {
+  BakeSource source = read_bake_source(job, progress);
   const NormalMapReport& found = report.input = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
   for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
-  ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
+  return source;
 }
 
 void check_materials(const BakeJob& job) {
@@ -97,7 +84,6 @@ void check_materials(const BakeJob& job) {
                                                  representation_info(job.representation).option));
 }
 
-// What can be told before anything is read.
 void check_job(const BakeJob& job) {
   if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder))
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected one for scratch files");
@@ -111,8 +97,6 @@ void check_job(const BakeJob& job) {
   if (!job.report.empty()) check_writable(job.report);
 }
 
-}  // namespace
-
 std::vector<std::string> input_files(const BakeJob& job) {
   std::vector<std::string> files = {job.input};
   for (std::string BakeJob::*map : kMaterialMaps)
@@ -121,12 +105,42 @@ std::vector<std::string> input_files(const BakeJob& job) {
   return files;
 }
 
+namespace {
+
+// Source and settings are known; its time so far is in the report. Writes BakeJob::report.
+void bake_read_source(const BakeJob& job, const std::string& settings, const BakeSource& source, StageClock& clock,
+                      Device& device, BakeReport& report, Progress* progress) {
+  ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
+  const std::uint64_t memory_bytes = window_bytes(job);
+  const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
+  const std::map<std::string, int> builds_before = device.build_counts();
+  BakedHeader header = baked_header_of(job, source);
+  header.provenance = make_provenance(job, report.source, settings);
+  report.first_level = header.first_level;
+  ndf_bake(job.representation).bake({job, device, source, header, memory_bytes, clock}, report, progress);
+  report.launches = counted_since(launches_before, device.launch_counts());
+  report.builds = counted_since(builds_before, device.build_counts());
+  if (!job.report.empty()) write_text_file(job.report, report.to_json());
+  progress_finish(progress);
+}
+
+}  // namespace
+
+BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress) {
+  BakeReport report;
+  report.source = std::filesystem::path(job.input).filename().string();
+  report.input = source.map.report;
+  StageClock clock(report);
+  bake_read_source(job, all_settings_json(job), source, clock, device, report, progress);
+  return report;
+}
+
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   return bake_file(job, nullptr, device, progress);
 }
 
 BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device, Progress* progress) {
-  const std::uint64_t memory_bytes = window_bytes(job);
+  window_bytes(job);  // too little memory is told first
   check_job(job);
   BakeReport report;
   report.source = std::filesystem::path(job.input).filename().string();
@@ -137,21 +151,11 @@ BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device
     return report;
   }
   StageClock clock(report);
-  const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
-  const std::map<std::string, int> builds_before = device.build_counts();
   std::optional<BakeSource> read;
-  if (given == nullptr) read = read_bake_source(job, progress);
-  const BakeSource& source = given != nullptr ? *given : *read;
-  take_source(job, source, report);
+  if (given == nullptr) read = read_source(job, report, progress);
+  else report.input = given->map.report;
   clock.finish("read");
-  BakedHeader header = make_header(job, source);
-  header.provenance = make_provenance(job, report.source, settings);
-  report.first_level = header.first_level;
-  ndf_bake(job.representation).bake({job, device, source, header, memory_bytes, clock}, report, progress);
-  report.launches = counted_since(launches_before, device.launch_counts());
-  report.builds = counted_since(builds_before, device.build_counts());
-  if (!job.report.empty()) write_text_file(job.report, report.to_json());
-  progress_finish(progress);
+  bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);
   return report;
 }
 

@@ -32,8 +32,10 @@ struct BakeJob {
   MovmfSettings fitting;  // of lobes; its first level is that of every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
-  bool measure = true;  // measure the error of what is written
+  bool measure = true;                                            // measure the error of what is written
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // of highlights, Blinn-Phong s; Lambert always is
+  // Blinn-Phong s, none of the usual ones, that is measured besides them for the report alone; 0: none.
+  double exponent = 0.0;
   bool force = false;              // bake even if the output is from the same file and settings
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's
   std::string scratch_folder;      // for what does not fit; empty: the output's folder
@@ -55,5 +57,14 @@ std::vector<std::string> input_files(const BakeJob& job);
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
 /// The same of what read_bake_source() has read of the job already; null: it is read here.
 BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
+
+/// Reads what the job names, and says what was found. Fills BakeReport::input.
+BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progress);
+/// Bakes, whatever is there, of a source that has been read (host/bake/bake_source.h).
+BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress);
+/// Throws Error(kUsage, kEnvironment) for what can be told of a job before anything is read.
+void check_job(const BakeJob& job);
+/// Throws Error(kUsage) for maps that the representation has no place for.
+void check_materials(const BakeJob& job);
 
 }  // namespace multum

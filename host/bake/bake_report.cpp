@@ -25,6 +25,26 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
   return list;
 }
 
+Json error_json(const std::vector<AccuracySummary>& summaries) {
+  Json list = Json::array();
+  for (const AccuracySummary& one : summaries)
+    list.push_back({{"brdf", one.brdf},
+                    {"relative_l1", one.error},
+                    {"confidence_95", one.confidence},
+                    {"samples", one.sample_count},
+                    {"worst_level", one.worst_level},
+                    {"worst_level_relative_l1", one.worst_level_error}});
+  return list;
+}
+
+// "error, levels 2 and up: 0.12 +- 0.01 % lambert, ...": a line.
+std::string error_line(const std::vector<AccuracySummary>& summaries) {
+  std::string text;
+  for (const AccuracySummary& one : summaries)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf, error_text(one.error, one.confidence));
+  return text.empty() ? "" : fmt::format("error of levels {} and up, 95 % interval: {}\n", kSummaryLevel, text);
+}
+
 // One line when anything was repaired, else nothing.
 std::string repairs_text(const NormalMapReport& input) {
   if (input.nonfinite_repaired + input.zero_length_repaired + input.below_horizon_repaired + input.unused_texels == 0)
@@ -68,8 +88,8 @@ std::string BakeReport::to_json() const {
                               {"launches", level.launches}});
   json["launches"] = launches;
   json["builds"] = builds;
-  json["programs"] = std::accumulate(builds.begin(), builds.end(), 0,
-                                     [](int sum, const auto& build) { return sum + build.second; });
+  json["programs"] =
+      std::accumulate(builds.begin(), builds.end(), 0, [](int sum, const auto& build) { return sum + build.second; });
   json["counts"] = {{"lobes", lobe_count_total},
                     {"nonfinite", nonfinite},
                     {"kappa_clamped", kappa_clamped},
@@ -78,8 +98,17 @@ std::string BakeReport::to_json() const {
                     {"slopes_limited", slopes_limited},
                     {"beyond_storage", beyond_storage}};
   json["beyond_storage_share"] = beyond_storage_share;
+  json["error"] = error_json(error);
   json["measured_error"] = accuracy_json(accuracy);
+  if (!choice.empty()) json["choice"] = choice;
   return json.dump(2) + "\n";
+}
+
+double BakeReport::bake_seconds() const {
+  double seconds = 0.0;
+  for (const StageTime& stage : stages)
+    if (stage.name != "choose" && stage.name != "measure") seconds += stage.seconds;
+  return seconds;
 }
 
 std::string BakeReport::to_text() const {
@@ -90,7 +119,7 @@ std::string BakeReport::to_text() const {
     times += fmt::format("{}{} {:.2f} s", times.empty() ? "" : ", ", stage.name, stage.seconds);
     total += stage.seconds;
   }
-  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device);
+  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device) + error_line(error);
   if (lobe_count_total > 0)
     text += fmt::format(
         "{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction, {} sharper than "

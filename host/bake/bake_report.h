@@ -55,7 +55,11 @@ struct BakeReport {
   double beyond_storage_amplitude = 0.0;
   double beyond_storage_share = 0.0;
   std::vector<AccuracyRow> accuracy;
+  std::vector<AccuracySummary> error;  // one for each BRDF of `accuracy`
+  std::string choice;                  // why these settings, where they were chosen; a line each
 
+  /// Of all stages but choosing and measuring.
+  double bake_seconds() const;
   std::string to_json() const;
   /// Some lines for a terminal.
   std::string to_text() const;

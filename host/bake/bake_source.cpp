@@ -19,6 +19,22 @@ std::string scratch_folder(const BakeJob& job) {
   return folder.empty() ? "." : folder.string();
 }
 
+BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
+  BakedHeader header;
+  header.representation = job.representation;
+  header.encoding = job.encoding;
+  header.wrap_s = job.reading.wrap_s;
+  header.wrap_t = job.reading.wrap_t;
+  header.width = source.map.normals.width();
+  header.height = source.map.normals.height();
+  header.first_level = job.fitting.first_level;
+  header.has_colours = source.albedo.has_value();
+  header.weight_count = source.weights ? source.weights->count : 0;
+  header.has_roughness = source.has_roughness;
+  header.mean_cosine = static_cast<float>(source.mean_cosine);
+  return header;
+}
+
 BakeSource read_bake_source(const BakeJob& job, Progress* progress) {
   const ReadingPlace place = {scratch_folder(job), kMapBytesInMemory};
   BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt,

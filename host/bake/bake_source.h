@@ -27,6 +27,9 @@ struct BakeSource {
 /// The folder for what does not fit in memory: the job's, or the output's.
 std::string scratch_folder(const BakeJob& job);
 
+/// What files of it say, but for where they come from.
+BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
+
 /// Throws Error(kInput) for files that cannot be used.
 BakeSource read_bake_source(const BakeJob& job, Progress* progress);
 

@@ -52,6 +52,30 @@ inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_by
   return inputs;
 }
 
+/// How a bake's error is measured; BakeJob::exponent comes behind those that are measured of every map.
+inline AccuracySettings accuracy_settings(const BakeJob& job) {
+  AccuracySettings settings;
+  settings.threads = job.threads;
+  settings.exponents = job.measured_exponents;
+  if (job.exponent > 0.0) settings.exponents.push_back(job.exponent);
+  return settings;
+}
+
+/// Without what BakeJob::exponent adds: what every file states.
+inline std::vector<AccuracyRow> stated_rows(const BakeJob& job, std::vector<AccuracyRow> rows) {
+  if (job.exponent > 0.0)
+    std::erase_if(rows, [name = blinn_phong_name(job.exponent)](const AccuracyRow& row) {
+      return row.brdf == name || row.brdf.starts_with(name + " ");
+    });
+  return rows;
+}
+
+/// In the place of a writer: rows are measured, and go nowhere.
+struct NoFile {
+  template <typename Rows>
+  void write_level(int, int, const Rows&) {}
+};
+
 /// When all rows are there: measures, unless `meter` is null, which counts as `measure_units` of progress, and finishes
 /// the file.
 template <typename Writer>
@@ -60,11 +84,12 @@ void measure_and_commit(const BakeRun& run, AccuracyMeter* meter, std::uint64_t 
   if (meter != nullptr) {
     progress_stage(progress, "measure");
     report.accuracy = meter->run(run.device, run.source.map.normals, run.source.colours(), progress);
+    report.error = meter->summaries();
     run.clock.finish("measure");
   }
   progress_advance(progress, measure_units);
   progress_stage(progress, "write");
-  writer.commit(measured_error_json(report.accuracy), progress);
+  writer.commit(measured_error_json(stated_rows(run.job, report.accuracy)), progress);
   run.clock.finish("write");
 }
 

@@ -21,7 +21,8 @@ namespace {
 // (asphalt, noise of every steepness), six a handful and the others none.
 constexpr double kLimitedNoted = 0.01;
 
-using FileSink = RoundingSink<MomentSink, MomentLevel, MomentWriter, MomentMeter>;
+template <typename Writer>
+using FileSink = RoundingSink<MomentSink, MomentLevel, Writer, MomentMeter>;
 
 void warn_of_limited_slopes(const BakeRun& run, const BakeReport& report) {
   const double share = static_cast<double>(report.slopes_limited) /
@@ -42,18 +43,25 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   BakedWriteOptions writing = job.writing;
   writing.measured_error_bytes = kMomentErrorBytes;
   MomentWriter writer(job.output, run.header, writing);
-  AccuracySettings accuracy;
-  accuracy.threads = job.threads;
-  accuracy.exponents = job.measured_exponents;
   std::optional<MomentMeter> meter;
-  if (job.measure) meter.emplace(run.header, accuracy);
-  FileSink sink(quantize_moments, writer, meter ? &*meter : nullptr, job);
+  if (job.measure) meter.emplace(run.header, accuracy_settings(job));
+  FileSink<MomentWriter> sink(quantize_moments, writer, meter ? &*meter : nullptr, job);
   const auto values = static_cast<std::uint64_t>((run.header.has_colours ? 12 : 9) + run.header.weight_count);
   const AverageInputs inputs = average_inputs(run, tile_rows_bytes(run.header, writing.tile_size, values));
   bake_moments(run.device, inputs, sink, report, progress);
   run.clock.finish("average");
   warn_of_limited_slopes(run, report);
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
+}
+
+std::unique_ptr<AccuracyMeter> rehearse(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                        Progress* progress) {
+  auto meter = std::make_unique<MomentMeter>(run.header, accuracy);
+  NoFile none;
+  FileSink<NoFile> sink(quantize_moments, none, meter.get(), run.job);
+  bake_moments(run.device, average_inputs(run, 0), sink, report, progress);
+  run.clock.finish("average");
+  return meter;
 }
 
 void check_settings(const BakeJob& job) {
@@ -83,6 +91,7 @@ const NdfBake kMomentBake = {
     settings,
     [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake,
+    rehearse,
     verify,
 };
 

@@ -20,8 +20,7 @@ std::vector<glm::vec3> vectors_of(const BoxRows& from, int plane, int threads) {
   const std::size_t width = size_of(from.width);
   std::vector<glm::vec3> vectors(width * size_of(from.height));
   for_each_item(from.height, threads, [&](int y) {
-    const float *const x = from.row(plane, y), *const y_row = from.row(plane + 1, y),
-                       *const z = from.row(plane + 2, y);
+    const float *const x = from.row(plane, y), *const y_row = from.row(plane + 1, y), *const z = from.row(plane + 2, y);
     glm::vec3* const to = &vectors[size_of(y) * width];
     for (std::size_t i = 0; i < width; ++i) to[i] = {x[i], y_row[i], z[i]};
   });
@@ -71,8 +70,8 @@ class NormalPlanes : public AveragedPlanes {
 
   void add_coarser(const BoxRows& rows, const std::vector<glm::vec3>& normals,
                    const std::vector<std::vector<glm::vec3>>& triples) {
-    const LobeRowsSize size{rows.width, rows.height, 1, Representation::kMovmf, features_.has_colours,
-                            features_.weight_count};
+    const LobeRowsSize size{
+        rows.width, rows.height, 1, Representation::kMovmf, features_.has_colours, features_.weight_count};
     const std::size_t width = size_of(rows.width);
     std::vector<MultumVmfLobe> lobes(normals.size());
     for (std::size_t i = 0; i < normals.size(); ++i) lobes[i] = {normals[i].x, normals[i].y, normals[i].z, 1.0f};

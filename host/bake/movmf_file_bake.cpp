@@ -82,18 +82,23 @@ std::uint64_t waiting_bytes(const BakeRun& run) {
          (header.first_level == 0 ? tile_row_bytes(header, 0, tile, 4 + features) : 0);
 }
 
-// A region alone, or all of the map.
-void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, BakeReport& report, Progress* progress) {
-  const BakeJob& job = run.job;
+MovmfBakeInputs fit_inputs(const BakeRun& run) {
   MovmfBakeInputs inputs;
   inputs.normals = &run.source.map.normals;
   inputs.albedo = run.source.colours();
   inputs.weights = run.source.weight_map();
   inputs.has_roughness = run.source.has_roughness;
   inputs.memory_bytes = run.memory_bytes;
+  inputs.place.folder = scratch_folder(run.job);
+  inputs.threads = run.job.threads;
+  return inputs;
+}
+
+// A region alone, or all of the map.
+void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, BakeReport& report, Progress* progress) {
+  const BakeJob& job = run.job;
+  MovmfBakeInputs inputs = fit_inputs(run);
   inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
-  inputs.place.folder = scratch_folder(job);
-  inputs.threads = job.threads;
   if (job.region) {
     RegionBake region(job.onto, header, *job.region, inputs.place, output);
     inputs.region = &region;
@@ -123,16 +128,26 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   progress_start(progress, movmf_bake_units(width, height, job.fitting.first_level) + 2 * level_units);
   const MovmfMipmap header = make_mipmap(run.header, job.fitting.lobe_count);
   MovmfWriter writer(job.output, header, job.writing);
-  AccuracySettings accuracy;
-  accuracy.threads = job.threads;
-  accuracy.exponents = job.measured_exponents;
   std::optional<MovmfMeter> meter;
-  if (job.measure) meter.emplace(header, run.header.has_colours, accuracy);
+  if (job.measure) meter.emplace(header, run.header.has_colours, accuracy_settings(job));
   BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report);
   fit(run, header, output, report, progress);
   run.clock.finish("fit");
   warn_of_sharp_lobes(job, header, report);
   measure_and_commit(run, meter ? &*meter : nullptr, level_units, writer, report, progress);
+}
+
+std::unique_ptr<AccuracyMeter> rehearse(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                        Progress* progress) {
+  MovmfMipmap mipmap = bake_movmf(run.device, fit_inputs(run), fitting_settings(run.job), report, progress);
+  mipmap.encoding = run.header.encoding;
+  mipmap.mean_cosine = run.header.mean_cosine;
+  quantize_movmf(mipmap, run.job.threads);
+  run.clock.finish("fit");
+  auto meter = std::make_unique<MovmfMeter>(mipmap, run.header.has_colours, accuracy);
+  for (int l = run.header.first_level; l < run.header.level_count(); ++l)
+    meter->add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
+  return meter;
 }
 
 void check_settings(const BakeJob& job) {
@@ -159,6 +174,7 @@ constexpr NdfBake lobe_bake(Representation representation) {
           [](const BakeJob& job) { return settings_json(fitting_settings(job)); },
           [](const BakeJob& job, int width, int height) { validate(job.fitting, width, height); },
           bake,
+          rehearse,
           verify};
 }
 

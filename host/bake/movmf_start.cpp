@@ -161,8 +161,9 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
     iterate_mixture(fits[trial], normals, kShortIterations, cap, copies);
   });
   fits = finalists(std::move(fits), error, search.threads);
-  for_each_item(static_cast<int>(fits.size()), search.threads,
-                [&](int i) { iterate_mixture(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap, copies); });
+  for_each_item(static_cast<int>(fits.size()), search.threads, [&](int i) {
+    iterate_mixture(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap, copies);
+  });
   rate(fits, error, search.threads);
   std::stable_sort(fits.begin(), fits.end(), less_error);
   fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());

@@ -66,6 +66,10 @@ struct NdfBake {
   void (*check_map)(const BakeJob& job, int width, int height);
   /// Bakes, measures unless the job says no, and writes JOB.output. Fills `report` but for what every bake has.
   void (*bake)(const BakeRun& run, BakeReport& report, Progress* progress);
+  /// Bakes and rounds as `bake` does, and writes nothing: a meter that has seen all rows. Of maps that fit into memory.
+  /// Its time is BakeReport's "fit" or "average".
+  std::unique_ptr<AccuracyMeter> (*rehearse)(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                             Progress* progress);
   /// Verifies JOB.output. Throws Error(kInput) when it cannot be read. Progress: a unit a row.
   VerifiedFile (*verify)(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress);
 };

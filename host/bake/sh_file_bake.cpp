@@ -15,7 +15,8 @@
 namespace multum {
 namespace {
 
-using FileSink = RoundingSink<ShSink, ShLevel, ShWriter, ShMeter>;
+template <typename Writer>
+using FileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
 
 // Rows that wait to be written, and texels that are looked at beyond what every bake is taken to need, of many
 // coefficients each.
@@ -36,16 +37,23 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   BakedWriteOptions writing = job.writing;
   writing.tile_size = sh_tile_size(run.header.width, job.sh_order, writing.tile_size);
   ShWriter writer(job.output, run.header, job.sh_order, writing);
-  AccuracySettings accuracy;
-  accuracy.threads = job.threads;
-  accuracy.exponents = job.measured_exponents;
   std::optional<ShMeter> meter;
-  if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy);
-  FileSink sink(quantize_sh, writer, meter ? &*meter : nullptr, job);
+  if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy_settings(job));
+  FileSink<ShWriter> sink(quantize_sh, writer, meter ? &*meter : nullptr, job);
   const AverageInputs inputs = average_inputs(run, waiting_bytes(run, writing.tile_size, meter ? &*meter : nullptr));
   bake_sh(run.device, job.sh_order, inputs, sink, report, progress);
   run.clock.finish("average");
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
+}
+
+std::unique_ptr<AccuracyMeter> rehearse(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                        Progress* progress) {
+  auto meter = std::make_unique<ShMeter>(ShMipmap{run.header, run.job.sh_order, {}}, accuracy);
+  NoFile none;
+  FileSink<NoFile> sink(quantize_sh, none, meter.get(), run.job);
+  bake_sh(run.device, run.job.sh_order, average_inputs(run, 0), sink, report, progress);
+  run.clock.finish("average");
+  return meter;
 }
 
 void check_settings(const BakeJob& job) {
@@ -75,6 +83,7 @@ const NdfBake kShBake = {
     settings,
     [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake,
+    rehearse,
     verify,
 };
 

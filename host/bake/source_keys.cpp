@@ -34,10 +34,9 @@ void read_number(const StrictTable& table, const std::string& key, const NumberR
 }
 
 const std::vector<std::string>& source_keys() {
-  static const std::vector<std::string> keys = {"bumpformat",   "green",  "signed",   "unsigned",   "two_channel",
-                                                "height_scale", "normal_scale", "fixnan", "repair_max", "checknan",
-                                                "wrap",         "swrap",  "twrap",    "albedo",     "roughness",
-                                                "weights"};
+  static const std::vector<std::string> keys = {
+      "bumpformat", "green",    "signed", "unsigned", "two_channel", "height_scale", "normal_scale", "fixnan",
+      "repair_max", "checknan", "wrap",   "swrap",    "twrap",       "albedo",       "roughness",    "weights"};
   return keys;
 }
 

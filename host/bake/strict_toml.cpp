@@ -155,8 +155,7 @@ std::vector<double> StrictTable::numbers(const std::string& key, const NumberRan
   std::vector<double> result;
   for (const toml::node& item : *node->as_array())
     result.push_back(number_in(fmt::format("{}[{}]", key, result.size()), item, range));
-  if (result.empty() || result.size() > count_max)
-    refuse_value(key, *node, fmt::format("1 to {} numbers", count_max));
+  if (result.empty() || result.size() > count_max) refuse_value(key, *node, fmt::format("1 to {} numbers", count_max));
   return result;
 }
 

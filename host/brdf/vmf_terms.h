@@ -13,7 +13,7 @@
 namespace multum {
 
 struct VmfTerm {
-  glm::dvec3 weight;  // its integral over the sphere, a channel each, >= 0
+  glm::dvec3 weight;  // its integral over the sphere, a channel each
   double kappa;
   double spread;  // 1 - A(kappa), A = coth kappa - 1/kappa
 };
@@ -23,8 +23,9 @@ double vmf_spread(double kappa);
 /// Its inverse, by bisection in the logarithm: 1e-6..1e9.
 double vmf_kappa(double spread);
 
-/// `density`: f of e = 1 - n.h in 0..1, finite and >= 0; beyond, where facets face away, it counts as 0. `count`:
-/// 1..kBrdfTermCountMax. All channels share the kappas. Deterministic; a few milliseconds.
+/// Weights may be negative, where f ends at the horizon or rises towards it; the sum may then be, by a little, and is
+/// taken for 0. `density`: f of e = 1 - n.h in 0..1, finite and >= 0; beyond, where facets face away, it counts as 0.
+/// `count`: 1..kBrdfTermCountMax. All channels share the kappas. Deterministic; a few milliseconds.
 std::vector<VmfTerm> fit_vmf_terms(const std::function<glm::dvec3(double)>& density, int count);
 
 /// Of a BRDF: the one term that it is, where it is one or is near one (Blinn-Phong: equal mean cosine), else a fit by

@@ -11,12 +11,18 @@
 
 namespace multum {
 
+class NotEnoughMemory : public Error {
+ public:
+  explicit NotEnoughMemory(const std::string& path)
+      : Error(ErrorCode::kEnvironment, path + ": not enough memory to read it") {}
+};
+
 template <typename Body>
 auto with_damage_named(const std::string& path, const Body& body) {
   try {
     return body();
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kEnvironment, path + ": not enough memory to read it");
+    throw NotEnoughMemory(path);
   } catch (const Error&) {
     throw;
   } catch (const std::runtime_error& error) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <OpenImageIO/imageio.h>
+#include "host/image/image_file.h"
 
 namespace multum {
 
@@ -29,17 +29,17 @@ class ExrFile {
   /// of integers, damaged rows.
   std::vector<float> read(const std::string& channel);
   /// True when the channel's samples are 32-bit floats, so that their bits survive reading.
-  bool is_float(const std::string& channel) const { return places_.at(channel).type == OIIO::TypeDesc::FLOAT; }
+  bool is_float(const std::string& channel) const;
 
  private:
   struct Place {
     int part, index;
-    OIIO::TypeDesc type;
+    int type;  // OpenImageIO's base type
   };
-  void list_part(int part, const OIIO::ImageSpec& spec);
+  void list_part(int index, const ImagePart& part);
 
   std::string path_;
-  std::unique_ptr<OIIO::ImageInput> input_;
+  std::unique_ptr<ImageFile> file_;
   int width_ = 0, height_ = 0;
   std::vector<std::string> channels_;
   std::map<std::string, Place> places_;

@@ -135,10 +135,26 @@ void inspect_jpeg(const std::string& path, ByteReader& file, ImageContainer& con
     refuse(path, "the file is cut: no JPEG end marker");
 }
 
+// RIFF [size 4] WEBP, then a chunk that says the size: VP8X (of the canvas, 24 bits, less 1), VP8L (14 bits, less 1) or
+// VP8 (14 bits).
 void inspect_webp(const std::string& path, ByteReader& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
     refuse(path, fmt::format("the file is cut: {} bytes, expected {} by its WebP header", file.size(), end));
+  const std::string chunk = file.bytes(12, 4, "a WebP chunk");
+  if (chunk == "VP8X") {
+    container.width = 1 + file.little_endian(24, 3, "the width");
+    container.height = 1 + file.little_endian(27, 3, "the height");
+  } else if (chunk == "VP8L") {
+    const std::int64_t sizes = file.little_endian(21, 4, "the size");
+    container.width = 1 + (sizes & 0x3fff);
+    container.height = 1 + (sizes >> 14 & 0x3fff);
+  } else if (chunk == "VP8 ") {
+    container.width = file.little_endian(26, 2, "the width") & 0x3fff;
+    container.height = file.little_endian(28, 2, "the height") & 0x3fff;
+  } else {
+    refuse(path, "damaged WebP: the first chunk is no picture");
+  }
   keep(container, 0, file.size());
 }
 
@@ -267,7 +283,7 @@ ImageContainer inspect_image_container(const std::string& path, std::int64_t tex
     keep(container, 0, file.size());
     return container;
   }
-  if (container.format != "webp") check_image_size(path, container.width, container.height, texel_count_max);
+  check_image_size(path, container.width, container.height, texel_count_max);
   return container;
 }
 

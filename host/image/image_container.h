@@ -18,7 +18,7 @@ struct ByteRange {
 struct ImageContainer {
   std::string format;  // OpenImageIO's reader: "png", "jpeg", "webp", "tiff" or "openexr"
   std::int64_t file_size = 0;
-  std::int64_t width = 0;  // 0 where the format's own reader is the first to say (TIFF, WebP)
+  std::int64_t width = 0;  // 0 where the format's own reader is the first to say (TIFF)
   std::int64_t height = 0;
   bool has_metadata = false;      // ranges leave something out
   std::vector<ByteRange> ranges;  // the file without its metadata (texts, EXIF, XMP, ICC), in order

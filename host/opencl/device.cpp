@@ -150,7 +150,6 @@ std::map<std::string, int> Device::build_counts() const {
   return counts;
 }
 
-
 namespace {
 
 std::shared_ptr<void> create_memory(const DeviceState& state, cl_mem_flags flags, std::size_t byte_count, void* host,

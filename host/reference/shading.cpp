@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 namespace multum::reference {
@@ -80,6 +79,12 @@ double convolved_vmf(double kappa_f, double kappa, double theta) {
   return convolve([kappa_f](double a) { return vmf_density(kappa_f, a); }, 0.0, reach, kappa, theta, kRings);
 }
 
+double convolved(const std::function<double(double)>& f, double narrow, double kappa, double theta) {
+  // The peak, and the tail that reaches to the horizon.
+  const double middle = std::min(narrow, 0.25 * kPi);
+  return convolve(f, 0.0, middle, kappa, theta, 150) + convolve(f, middle, 0.5 * kPi, kappa, theta, 150);
+}
+
 double ggx(double alpha, double theta) {
   if (theta >= 0.5 * kPi) return 0.0;
   const double c = std::cos(theta), s = std::sin(theta);
@@ -88,10 +93,7 @@ double ggx(double alpha, double theta) {
 }
 
 double convolved_ggx(double alpha, double kappa, double theta) {
-  // The peak, and the tail that reaches to the horizon.
-  const auto f = [alpha](double a) { return ggx(alpha, a); };
-  const double middle = std::min(6.0 * alpha, 0.25 * kPi);
-  return convolve(f, 0.0, middle, kappa, theta, 150) + convolve(f, middle, 0.5 * kPi, kappa, theta, 150);
+  return convolved([alpha](double a) { return ggx(alpha, a); }, 6.0 * alpha, kappa, theta);
 }
 
 double smith_visibility(double alpha, double n_l, double n_v) {

@@ -2,6 +2,8 @@
 // Shading of a von Mises-Fisher lobe in double precision, written for being obviously right: no bake uses it.
 #pragma once
 
+#include <functional>
+
 namespace multum::reference {
 
 /// 1 - A(kappa), A = coth kappa - 1/kappa, and its inverse by bisection.
@@ -13,6 +15,9 @@ double vmf_density(double kappa, double theta);
 /// (s + 1) / (2 pi) max(cos theta, 0)^s
 double blinn_phong(double s, double theta);
 
+/// The spherical convolution of any f(angle, radians), 0 below the horizon, with a vMF; `narrow`: the angle within
+/// which f changes most.
+double convolved(const std::function<double(double)>& f, double narrow, double kappa, double theta);
 /// The spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature, theta = angle of w and mu.
 double convolved_blinn_phong(double s, double kappa, double theta);
 double convolved_lambert(double kappa, double theta);

@@ -11,18 +11,18 @@ namespace {
 
 // Nanoseconds a finest texel, fitted by eye to bakes of the four-quarter map of 2048 and 4096 texels a side on 2 cores
 // of an Intel Xeon with AVX-512, PoCL 3.1, nothing else running (docs/SCENE.md).
-constexpr double kRead = 55.0;           // a map of three channels
-constexpr double kAveragePlane = 18.0;   // a plane
-constexpr double kFitLevelOne = 160.0;   // level 1, whose texels see the fewest normals each
-constexpr double kFitLobeOne = 40.0;     // and more a lobe
-constexpr double kFitFine = 60.0;        // each of levels 2 to 5, which see all normals
+constexpr double kRead = 55.0;          // a map of three channels
+constexpr double kAveragePlane = 18.0;  // a plane
+constexpr double kFitLevelOne = 160.0;  // level 1, whose texels see the fewest normals each
+constexpr double kFitLobeOne = 40.0;    // and more a lobe
+constexpr double kFitFine = 60.0;       // each of levels 2 to 5, which see all normals
 constexpr double kFitLobeFine = 15.0;
-constexpr double kFitCoarse = 60.0;      // all coarser levels together, which see condensed normals
-constexpr double kColourFactor = 0.6;    // more, a triple of features
-constexpr double kWriteTexture = 30.0;   // a texture and texel that is stored
-constexpr double kMeasureLambert = 5.0;  // Lambert
+constexpr double kFitCoarse = 60.0;        // all coarser levels together, which see condensed normals
+constexpr double kColourFactor = 0.6;      // more, a triple of features
+constexpr double kWriteTexture = 30.0;     // a texture and texel that is stored
+constexpr double kMeasureLambert = 5.0;    // Lambert
 constexpr double kMeasureExponent = 15.0;  // an exponent
-constexpr double kFixedMs = 120.0;       // programs, buffers, start of EM
+constexpr double kFixedMs = 120.0;         // programs, buffers, start of EM
 
 double level_texels(const BakeShape& s, int first_level) {
   double texels = 0.0;

@@ -26,9 +26,7 @@ constexpr double kCapInEm = 5e3, kCapAtTop = 500.0;
 constexpr double kStartKappaFactor = 0.5, kStartAmplitudeMin = 0.02;  // MovmfSettings has them
 constexpr double kSingleDirection = 1e-7;  // 1 - |r| of normals that are alike, in single precision
 
-double density(double kappa, double t) {
-  return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0));
-}
+double density(double kappa, double t) { return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0)); }
 
 // Of one normal, perhaps shortened by a BRDF's width.
 double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w) {
@@ -79,9 +77,9 @@ std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
     fit = start_mixture(normals, chosen, false);
     iterate_mixture(fit, normals, kIterations, kCapAtTop, 1.0);
   });
-  return std::max_element(fits.begin(), fits.end(), [](const MixtureFit& a, const MixtureFit& b) {
-           return a.log_likelihood < b.log_likelihood;
-         })->lobes;
+  return std::max_element(fits.begin(), fits.end(),
+                          [](const MixtureFit& a, const MixtureFit& b) { return a.log_likelihood < b.log_likelihood; })
+      ->lobes;
 }
 
 // As the bake: from the coarser texel's lobes, made broader and none too small, or from normals far apart where these

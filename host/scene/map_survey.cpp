@@ -246,8 +246,8 @@ class Survey {
   // Bands write to different elements.
   void take_picks(int first, int count, const std::array<std::vector<float>, 3>& n,
                   const std::array<std::vector<float>, 3>& c) {
-    auto pick = std::lower_bound(picks_.begin(), picks_.end(), first,
-                                 [](const Pick& p, int row) { return p.row < row; });
+    auto pick =
+        std::lower_bound(picks_.begin(), picks_.end(), first, [](const Pick& p, int row) { return p.row < row; });
     for (; pick != picks_.end() && pick->row < first + count; ++pick) {
       const std::size_t i = size_of(pick->row - first) * size_of(survey_.width) + size_of(pick->column);
       SurveyedTexel& texel = survey_.texels[pick->texel];

@@ -13,8 +13,8 @@
 
 namespace multum {
 
-/// Of all texels of a level, which for this purpose share out the finest ones whole: where the map's sides are no powers
-/// of two, a texel on a border counts for one side alone.
+/// Of all texels of a level, which for this purpose share out the finest ones whole: where the map's sides are no
+/// powers of two, a texel on a border counts for one side alone.
 struct LevelStatistics {
   int level = 0;
   double texel_count = 0.0;

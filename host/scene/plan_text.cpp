@@ -74,7 +74,9 @@ Json candidate_json(const BakeCandidate& c) {
                {"ndf", representation_info(c.shape.representation).option},
                {"first_level", c.shape.first_level},
                {"data_format", storage_encoding_name(c.shape.encoding)},
-               {"colours", c.shape.has_colours ? "in the file" : c.shape.mean_colours ? "beside it" : "none"},
+               {"colours", c.shape.has_colours    ? "in the file"
+                           : c.shape.mean_colours ? "beside it"
+                                                  : "none"},
                {"error", c.error.worst()},
                {"error_diffuse", c.error.diffuse},
                {"error_highlights", c.error.specular},
@@ -153,8 +155,8 @@ Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& 
   for (const SceneLight& light : scene.lights) {
     const std::string place = fmt::format("{:.7g},{:.7g},{:.7g}", light.place.x, light.place.y, light.place.z);
     if (light.is_point)
-      point_lights.push_back(place + "," + fmt::format("{:.7g},{:.7g},{:.7g}", light.power.x, light.power.y,
-                                                       light.power.z));
+      point_lights.push_back(place + "," +
+                             fmt::format("{:.7g},{:.7g},{:.7g}", light.power.x, light.power.y, light.power.z));
     else lights.push_back(place + fmt::format(",{:.7g}", light.power.x));
   }
   view["light"] = lights;
@@ -190,12 +192,13 @@ std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
                     map.usual.name));
     text += head("why");
     text += effect_rows(map.effects, width);
-    add(fmt::format("  bake {} in place of {} ({} less), textures {} in place of {} ({} less); estimated error {:.3g} % "
-                    "beside {:.3g} %, at most {:.3g} % from the default bake's pictures",
-                    time_text(map.chosen.cost.ms), time_text(map.usual.cost.ms),
-                    saved(map.usual.cost.ms, map.chosen.cost.ms), bytes_text(map.chosen.cost.bytes),
-                    bytes_text(map.usual.cost.bytes), saved(map.usual.cost.bytes, map.chosen.cost.bytes),
-                    100.0 * map.chosen.error.worst(), 100.0 * map.usual.error.worst(), 100.0 * map.stated_difference));
+    add(fmt::format(
+        "  bake {} in place of {} ({} less), textures {} in place of {} ({} less); estimated error {:.3g} % "
+        "beside {:.3g} %, at most {:.3g} % from the default bake's pictures",
+        time_text(map.chosen.cost.ms), time_text(map.usual.cost.ms), saved(map.usual.cost.ms, map.chosen.cost.ms),
+        bytes_text(map.chosen.cost.bytes), bytes_text(map.usual.cost.bytes),
+        saved(map.usual.cost.bytes, map.chosen.cost.bytes), 100.0 * map.chosen.error.worst(),
+        100.0 * map.usual.error.worst(), 100.0 * map.stated_difference));
     text += "\n";
   }
   for (const ObjectPlan& object : plan.objects) {
@@ -204,9 +207,9 @@ std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
     text += effect_rows(object.effects, width);
     text += "\n";
   }
-  add(fmt::format("in all: bake {} in place of {}, textures {} in place of {}; planned in {}{}", time_text(plan.cost.ms),
-                  time_text(plan.usual_cost.ms), bytes_text(plan.cost.bytes), bytes_text(plan.usual_cost.bytes),
-                  time_text(1e3 * plan.plan_seconds),
+  add(fmt::format("in all: bake {} in place of {}, textures {} in place of {}; planned in {}{}",
+                  time_text(plan.cost.ms), time_text(plan.usual_cost.ms), bytes_text(plan.cost.bytes),
+                  bytes_text(plan.usual_cost.bytes), time_text(1e3 * plan.plan_seconds),
                   scene.budget.bytes ? fmt::format("; budget {}", bytes_text(*scene.budget.bytes)) : ""));
   return text;
 }

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/bake/bake_job.h"
+#include "host/bake/chosen_bake.h"
 #include "host/base/atomic_file.h"
+#include "host/base/error.h"
 
 namespace multum {
 namespace {
@@ -35,13 +37,34 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
   return job;
 }
 
-SceneMapReport bake_map(const MapPlan& map, const SceneFiles& files, Device& device, Progress* progress) {
+// Several lobes and a target: how many, and how long they are fitted, is found by trials (host/bake/chosen_bake.h).
+BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, Device& device, Progress* progress,
+                                std::string& options) {
+  BakeTarget target;
+  target.error = target_error;
+  target.only = job.representation;
+  if (!job.roughness.empty()) target.brdf = parse_target_brdf("roughness");
+  else if (job.measured_exponents.empty()) target.brdf = parse_target_brdf("lambert");
+  else target.brdf = parse_target_brdf(fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
+  ChosenBake chosen = bake_to_target(job, target, device, progress);
+  if (!chosen.met)
+    throw Error(ErrorCode::kVerification,
+                fmt::format("{}: no settings reach target_error {:g}, the best are {} with {:.3g}", job.input,
+                            target_error, chosen.options, chosen.reached.error));
+  options = chosen.options;
+  return std::move(chosen.report);
+}
+
+SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles& files, Device& device,
+                        Progress* progress) {
   const auto start = Clock::now();
   SceneMapReport report;
   report.name = map.name;
   BakeJob job = map.job;
   job.output = files.baked(map);
-  report.bake = bake_file(job, map.source.get(), device, progress);
+  if (scene.budget.target_error && holds_lobes(job.representation) && job.fitting.lobe_count > 1)
+    report.bake = bake_lobes_to_target(job, *scene.budget.target_error, device, progress, report.options);
+  else report.bake = bake_file(job, map.source.get(), device, progress);
   report.file_bytes = bytes_of(job.output);
   report.has_colours = map.mean_colours;
   if (map.mean_colours) {
@@ -60,7 +83,7 @@ SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFil
   write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
   SceneReport report;
   for (const MapPlan& map : plan.maps) {
-    report.maps.push_back(bake_map(map, files, device, progress));
+    report.maps.push_back(bake_map(scene, map, files, device, progress));
     if (done) done(map, report.maps.back());
   }
   report.launches = device.launch_counts();
@@ -92,6 +115,7 @@ nlohmann::json SceneReport::to_json(const ScenePlan& plan) const {
                           {"bytes_saved", planned.usual.cost.bytes - planned.chosen.cost.bytes},
                           {"ms_saved_estimate", planned.usual.cost.ms - planned.chosen.cost.ms},
                           {"bake", nlohmann::json::parse(map.bake.to_json())}};
+    if (!map.options.empty()) row["options"] = map.options;
     if (map.has_colours) row["colours"] = nlohmann::json::parse(map.colours.to_json());
     json["maps"].push_back(std::move(row));
   }
@@ -106,7 +130,8 @@ std::string SceneReport::to_text(const ScenePlan& plan) const {
     kernels += fmt::format("  {:<28} {:>8} program{} built\n", file + ".cl", count, count == 1 ? "" : "s");
   text += kernels;
   text += fmt::format(
-      "baked in {} and planned in {}, the default bake's estimate is {}; textures {}, {} less than the default bake's\n",
+      "baked in {} and planned in {}, the default bake's estimate is {}; textures {}, {} less than the default "
+      "bake's\n",
       time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(plan.usual_cost.ms),
       bytes_text(plan.cost.bytes), bytes_text(plan.usual_cost.bytes - plan.cost.bytes));
   return text;

@@ -17,6 +17,7 @@ namespace multum {
 struct SceneMapReport {
   std::string name;
   BakeReport bake;
+  std::string options;       // chosen for the scene's target error; empty: as planned
   bool has_colours = false;  // in a file of their own:
   MipReport colours;
   double seconds = 0.0;

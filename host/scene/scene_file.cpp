@@ -136,9 +136,9 @@ void check_keys_of_family(const StrictTable& table, const BrdfFamily& family, co
 }
 
 SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names) {
-  const StrictTable table(
-      path, toml, "material",
-      {"name", "brdf", "exponent", "sigma", "roughness", "f0", "diffuse", "specular", "file"}, kWhole);
+  const StrictTable table(path, toml, "material",
+                          {"name", "brdf", "exponent", "sigma", "roughness", "f0", "diffuse", "specular", "file"},
+                          kWhole);
   SceneMaterial material;
   material.name = names.add(table);
   std::optional<BrdfFamily> family;
@@ -179,8 +179,8 @@ void check_materials(const StrictTable& table, const SceneObject& object, const 
   if (object.materials.size() > kWeightCountMax)
     table.refuse(key, fmt::format("has {} materials, expected at most {}", object.materials.size(), kWeightCountMax));
   if (object.materials.size() > 1 && map.job.weights.empty())
-    table.refuse(key, fmt::format("has {} materials, but map \"{}\" has no weights", object.materials.size(),
-                                  map.name));
+    table.refuse(key,
+                 fmt::format("has {} materials, but map \"{}\" has no weights", object.materials.size(), map.name));
   if (object.materials.empty()) table.refuse(key, "is an empty list, expected a material");
   for (const std::size_t m : object.materials) {
     const SceneMaterial& material = scene.materials[m];
@@ -216,8 +216,8 @@ SceneObject read_object(const std::string& path, const toml::table& toml, const 
   object.distance_min = distance.front();
   object.distance_max = distance.back();
   if (object.distance_max < object.distance_min)
-    table.refuse("distance", fmt::format("is [{:g}, {:g}], expected the nearest first", object.distance_min,
-                                         object.distance_max));
+    table.refuse("distance",
+                 fmt::format("is [{:g}, {:g}], expected the nearest first", object.distance_min, object.distance_max));
   object.tilt_max = table.number("tilt", {0.0, 89.9, false, false, "degrees from 0 to 89.9"}, object.tilt_max);
   return object;
 }
@@ -229,8 +229,8 @@ SceneLight read_light(const std::string& path, const toml::table& toml) {
   if (light.is_point == table.has("direction"))
     table.refuse("", light.is_point ? "has both direction and position, expected one of them"
                                     : "has neither direction nor position, expected one of them");
-  const char *const place = light.is_point ? "position" : "direction",
-                    *const power = light.is_point ? "intensity" : "irradiance";
+  const char *const place = light.is_point ? "position" : "direction", *const power =
+                                                                           light.is_point ? "intensity" : "irradiance";
   for (const auto& [key, other] : {std::pair{"irradiance", "position"}, std::pair{"intensity", "direction"}})
     if (table.has(key) && table.has(other)) table.refuse(key, fmt::format("does not go with {}", other));
   const std::vector<double> p = table.numbers(place, kAny, 3);

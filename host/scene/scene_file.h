@@ -40,9 +40,9 @@ struct SceneLight {
 struct SceneObject {
   std::string name;
   std::size_t map = 0;
-  std::vector<std::size_t> materials;  // several: basis BRDFs, a weight each
-  double texels_per_metre = 0.0;       // 0: as `width` says
-  double width = 0.0;                  // metres that the map's width covers; 0: as `texels_per_metre` says
+  std::vector<std::size_t> materials;             // several: basis BRDFs, a weight each
+  double texels_per_metre = 0.0;                  // 0: as `width` says
+  double width = 0.0;                             // metres that the map's width covers; 0: as `texels_per_metre` says
   double distance_min = 0.0, distance_max = 0.0;  // metres from the camera
   double tilt_max = 85.0;                         // degrees between the line of sight and the surface's normal
 };

@@ -25,7 +25,9 @@ constexpr int kLobesUsual = 4, kLobesMax = 8;
 // Lobes as sharp as the storage loses, as a share: fewer are in every map (host/bake/movmf_file_bake.cpp).
 constexpr double kBeyondStorageMax = 1.0 / 3.0;
 
-std::string percent(double share) { return share < 0.995 ? fmt::format("{:.2g} %", 100.0 * share) : fmt::format("{:.0f} %", 100.0 * share); }
+std::string percent(double share) {
+  return share < 0.995 ? fmt::format("{:.2g} %", 100.0 * share) : fmt::format("{:.0f} %", 100.0 * share);
+}
 
 // What an object's materials ask of a map, together with all others that show it.
 struct MapNeeds {
@@ -95,20 +97,20 @@ class MapPlanner {
     survey.texels_per_level =
         std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
     survey_ = survey_map(normals, source_->colours(), survey);
-    errors_.emplace(survey_, LobeErrorSettings{std::max(1, std::min(needs_.first_seen, plan_.level_count - 1)),
-                                               settings.threads});
+    errors_.emplace(
+        survey_, LobeErrorSettings{std::max(1, std::min(needs_.first_seen, plan_.level_count - 1)), settings.threads});
   }
 
   MapPlan plan() {
     has_colours_ = source_->albedo.has_value() && needs_.diffuse;
     const double range = survey_.normal_range * (needs_.specular ? std::sqrt(needs_.exponent_max) : 1.0);
-    plan_.is_constant = range <= 0.5 * scene_.budget.tolerance && !needs_.width_in_map && !needs_.weighted &&
-                        plan_.level_count > 1;
+    plan_.is_constant =
+        range <= 0.5 * scene_.budget.tolerance && !needs_.width_in_map && !needs_.weighted && plan_.level_count > 1;
     add_usual();
     const double target = scene_.budget.target_error.value_or(0.0), tolerance = scene_.budget.tolerance;
-    plan_.limit = scene_.budget.target_error ? PartErrors{target, target}
-                                             : PartErrors{plan_.usual.error.diffuse + tolerance,
-                                                          plan_.usual.error.specular + tolerance};
+    plan_.limit = scene_.budget.target_error
+                      ? PartErrors{target, target}
+                      : PartErrors{plan_.usual.error.diffuse + tolerance, plan_.usual.error.specular + tolerance};
     if (plan_.is_constant) add_constant();
     else if (needs_.width_in_map || needs_.weighted) plan_.candidates = {of_materials()};
     else add_candidates();
@@ -148,8 +150,8 @@ class MapPlanner {
     return parts;
   }
   PartErrors lobes_error(int lobes, ColourModel colours) {
-    return part_errors(
-        [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->error(lobes, by, c); }, colours);
+    return part_errors([&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->error(lobes, by, c); },
+                       colours);
   }
 
   // What `multum bake` does of itself.
@@ -168,8 +170,8 @@ class MapPlanner {
     const bool constant_colours = survey_.colour_range <= 0.5 * scene_.budget.tolerance;
     s.has_colours = has_colours_ && constant_colours;
     s.mean_colours = has_colours_ && !constant_colours;
-    plan_.candidates = {
-        finished({"vmf, 1 lobe, 1 texel", s, false, {0.5 * scene_.budget.tolerance, 0.5 * scene_.budget.tolerance}, {}})};
+    plan_.candidates = {finished(
+        {"vmf, 1 lobe, 1 texel", s, false, {0.5 * scene_.budget.tolerance, 0.5 * scene_.budget.tolerance}, {}})};
   }
 
   // Widths of their own, and BRDFs that are blended: the estimate knows neither.
@@ -185,8 +187,7 @@ class MapPlanner {
     const std::string name = fmt::format("vmf, {} lobe{}", lobes, lobes == 1 ? "" : "s");
     if (has_colours_ && lobes > 1) {
       s.mean_colours = true;
-      plan_.candidates.push_back(
-          finished({name + ", 1 colour", s, false, lobes_error(lobes, ColourModel::kMean), {}}));
+      plan_.candidates.push_back(finished({name + ", 1 colour", s, false, lobes_error(lobes, ColourModel::kMean), {}}));
       s.mean_colours = false;
     }
     s.has_colours = has_colours_;
@@ -227,8 +228,9 @@ class MapPlanner {
     const auto found = std::find_if(plan_.candidates.begin(), plan_.candidates.end(),
                                     [&](const BakeCandidate& c) { return c.error.within(plan_.limit); });
     if (found == plan_.candidates.end()) {
-      const auto best = std::min_element(plan_.candidates.begin(), plan_.candidates.end(),
-                                         [](const auto& a, const auto& b) { return a.error.worst() < b.error.worst(); });
+      const auto best =
+          std::min_element(plan_.candidates.begin(), plan_.candidates.end(),
+                           [](const auto& a, const auto& b) { return a.error.worst() < b.error.worst(); });
       throw Error(ErrorCode::kVerification,
                   fmt::format("{}: no settings are estimated to reach target_error {:g}, the best is {:.3g} ({})",
                               map_.job.input, *scene_.budget.target_error, best->error.worst(), best->name));
@@ -274,7 +276,7 @@ class EffectRows {
   }
   // "1.2 %", "1.2/14 %" of diffuse light and highlights.
   std::string parts_text(const PartErrors& e) const {
-    return !needs_.specular ? percent(e.diffuse)
+    return !needs_.specular  ? percent(e.diffuse)
            : !needs_.diffuse ? percent(e.specular)
                              : fmt::format("{:.2g}/{:.2g} %", 100.0 * e.diffuse, 100.0 * e.specular);
   }
@@ -288,7 +290,9 @@ class EffectRows {
     change(s);
     return bake_cost(s);
   }
-  BakeCost saved_by(const std::function<void(BakeShape&)>& change) const { return plan_.usual.cost - usual_with(change); }
+  BakeCost saved_by(const std::function<void(BakeShape&)>& change) const {
+    return plan_.usual.cost - usual_with(change);
+  }
   BakeCost chosen_without(const std::function<void(BakeShape&)>& change) const {
     BakeShape s = chosen_;
     change(s);
@@ -316,9 +320,9 @@ class EffectRows {
     }
     const double without = error_of(0);
     const bool needed = without > scene_.budget.tolerance;
-    add_row("normals under texels", needed,
-            fmt::format("spread of normals up to {:.2g}; one mean direction a texel is {} off", spread,
-                        percent(without)));
+    add_row(
+        "normals under texels", needed,
+        fmt::format("spread of normals up to {:.2g}; one mean direction a texel is {} off", spread, percent(without)));
   }
 
   double error_of(int lobes) {
@@ -332,21 +336,21 @@ class EffectRows {
     const bool needed = holds_lobes(chosen_.representation) && chosen_.lobe_count > 1;
     const auto one = [](BakeShape& s) { s.lobe_count = 1; };
     if (!is_estimated()) {
-      add_row("several lobes, EM", needed,
-              needed ? "the map has a roughness or weights: the default's 4, nothing is estimated" : "nothing to share out",
-              needed ? chosen_without(one) : saved_by(one));
+      add_row(
+          "several lobes, EM", needed,
+          needed ? "the map has a roughness or weights: the default's 4, nothing is estimated" : "nothing to share out",
+          needed ? chosen_without(one) : saved_by(one));
       return;
     }
     std::string tried;
     for (const BakeCandidate& c : plan_.candidates)
       if (c.shape.representation == Representation::kMovmf)
-        tried += fmt::format("{}{} {}", tried.empty() ? "" : ", ",
-                             c.name.substr(5), parts_text(c.error));
-    add_row("several lobes, EM", needed, fmt::format("{} off {}: {}; the default's 4 {}; limit {}", parts_name(), seen_texels(), tried,
-                                                     parts_text(plan_.usual.error), parts_text(plan_.limit)),
+        tried += fmt::format("{}{} {}", tried.empty() ? "" : ", ", c.name.substr(5), parts_text(c.error));
+    add_row("several lobes, EM", needed,
+            fmt::format("{} off {}: {}; the default's 4 {}; limit {}", parts_name(), seen_texels(), tried,
+                        parts_text(plan_.usual.error), parts_text(plan_.limit)),
             needed ? chosen_without(one) : saved_by(one));
-    if (needed)
-      add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
+    if (needed) add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
   }
 
   void add_other_representations() {
@@ -358,10 +362,9 @@ class EffectRows {
         if (c.shape.representation == representation)
           tried += fmt::format("{}{} {}, {} textures", tried.empty() ? "" : "; ", c.name, parts_text(c.error),
                                texture_count(c.shape));
-      const std::string why = !is_estimated()                  ? "one or several lobes do"
-                              : needs_.environment_highlight && tried.empty()
-                                  ? "an environment's highlight takes lobes"
-                                  : "off " + tried;
+      const std::string why = !is_estimated()                                 ? "one or several lobes do"
+                              : needs_.environment_highlight && tried.empty() ? "an environment's highlight takes lobes"
+                                                                              : "off " + tried;
       add_row(effect, needed, why);
     }
   }
@@ -374,21 +377,20 @@ class EffectRows {
         anisotropy = level.anisotropy;
         at = level.level;
       }
-    const bool needed = chosen_.representation == Representation::kMoments ||
-                        (anisotropy > 0.5 && chosen_.lobe_count > 1);
+    const bool needed =
+        chosen_.representation == Representation::kMoments || (anisotropy > 0.5 && chosen_.lobe_count > 1);
     add_row("anisotropic spread", needed,
-            plan_.is_constant ? "there is no spread"
-                              : fmt::format("{:.2f} of 1, most at level {}{}", anisotropy, at,
-                                            needed && chosen_.lobe_count > 1 ? ": round lobes side by side stand for it"
-                                                                             : ""));
+            plan_.is_constant
+                ? "there is no spread"
+                : fmt::format("{:.2f} of 1, most at level {}{}", anisotropy, at,
+                              needed && chosen_.lobe_count > 1 ? ": round lobes side by side stand for it" : ""));
   }
 
   void add_levels() {
     const bool fine = chosen_.first_level == 0;
-    const std::string why =
-        plan_.is_constant ? "all texels of all levels are alike"
-                          : fmt::format("seen are levels {} to {} of 0 to {}", plan_.first_seen, plan_.last_seen,
-                                        plan_.level_count - 1);
+    const std::string why = plan_.is_constant ? "all texels of all levels are alike"
+                                              : fmt::format("seen are levels {} to {} of 0 to {}", plan_.first_seen,
+                                                            plan_.last_seen, plan_.level_count - 1);
     if (fine) {
       add_row("finest levels", true, why, chosen_without([](BakeShape& s) { s.first_level = 1; }));
     } else {
@@ -414,9 +416,8 @@ class EffectRows {
       add_row("colours", false, "no material reflects diffusely", saved_by(none));
       return;
     }
-    add_row("colours", true, "the map has an albedo", chosen_without([&](BakeShape& s) {
-              s.has_colours = s.mean_colours = false;
-            }));
+    add_row("colours", true, "the map has an albedo",
+            chosen_without([&](BakeShape& s) { s.has_colours = s.mean_colours = false; }));
     if (!is_estimated()) return;
     const int lobes = std::max(chosen_.lobe_count, 2);
     const double correlation = planner_.errors().colour_correlation(lobes);
@@ -459,7 +460,7 @@ class EffectRows {
     add_row("roughness in normals", needs_.width_in_map,
             needs_.width_in_map ? "the map has a roughness" : "the map has no roughness");
     add_row("weights of BRDFs", needs_.weighted,
-            needs_.weighted                     ? "an object blends several materials"
+            needs_.weighted              ? "an object blends several materials"
             : !plan_.job.weights.empty() ? "no object blends several materials"
                                          : "the map has no weights");
   }
@@ -521,9 +522,9 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
             step = &c;
           }
       if (step == nullptr)
-        throw Error(ErrorCode::kVerification,
-                    fmt::format("no settings keep to the budget's {} of {:.0f}: the least is {:.0f}", what, *limit,
-                                total));
+        throw Error(
+            ErrorCode::kVerification,
+            fmt::format("no settings keep to the budget's {} of {:.0f}: the least is {:.0f}", what, *limit, total));
       cheapest->chosen = *step;
     }
   }
@@ -547,16 +548,15 @@ ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapP
     for (const Brdf& brdf : material.brdfs) {
       highlight |= has_highlight(brdf);
       if (has_highlight(brdf)) exponent = std::max(exponent, equivalent_exponent(brdf));
-      fresnel |= brdf.kind == BrdfKind::kCookTorrance || brdf.kind == BrdfKind::kGgx ||
-                 brdf.kind == BrdfKind::kMeasured;
+      fresnel |=
+          brdf.kind == BrdfKind::kCookTorrance || brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured;
     }
   }
   const bool environment = !scene.environment.empty();
   plan.environment_by_harmonics = environment && highlight && exponent <= kHarmonicsExponentMax;
   add_row(plan, "highlight", highlight,
           highlight ? fmt::format("as sharp as Blinn-Phong of s = {:.4g}", exponent) : "the material is diffuse");
-  add_row(plan, "Fresnel", fresnel,
-          fresnel ? "the BRDF has one" : "the BRDF has none");
+  add_row(plan, "Fresnel", fresnel, fresnel ? "the BRDF has one" : "the BRDF has none");
   add_row(plan, "width as a uniform", dynamic, dynamic ? "the material changes at run time" : "the material is fixed");
   const auto points = std::count_if(scene.lights.begin(), scene.lights.end(), [](const auto& l) { return l.is_point; });
   const auto distant = static_cast<std::ptrdiff_t>(scene.lights.size()) - points;
@@ -565,11 +565,11 @@ ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapP
   add_row(plan, "environment, diffuse", environment,
           environment ? "harmonics to order 2 hold all but 1 % of it" : "the scene has none");
   add_row(plan, "environment, highlight", environment && highlight,
-          !environment                       ? "the scene has none"
-          : !highlight                       ? "the material has no highlight"
-          : plan.environment_by_harmonics    ? "harmonics to order 8: the highlight is broad"
-                                             : fmt::format("prefiltered mips: order 8 ends at s = {:.0f}",
-                                                           kHarmonicsExponentMax));
+          !environment ? "the scene has none"
+          : !highlight ? "the material has no highlight"
+          : plan.environment_by_harmonics
+              ? "harmonics to order 8: the highlight is broad"
+              : fmt::format("prefiltered mips: order 8 ends at s = {:.0f}", kHarmonicsExponentMax));
   return plan;
 }
 
@@ -585,12 +585,13 @@ ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress*
     BakeJob job = scene.maps[m].job;
     job.threads = settings.threads;
     if (job.scratch_folder.empty()) job.scratch_folder = std::filesystem::temp_directory_path().string();
-    auto source = std::make_shared<BakeSource>(read_bake_source(job, progress));
+    BakeReport read;  // what the maps say of themselves is told by the bake, too
+    auto source = std::make_shared<BakeSource>(read_source(job, read, progress));
     planners.push_back(std::make_unique<MapPlanner>(scene, m, source, settings));
     plan.maps.push_back(planners.back()->plan());
     MapPlan& map = plan.maps.back();
-    const std::uint64_t bytes = static_cast<std::uint64_t>(map.width) * static_cast<std::uint64_t>(map.height) * 12 *
-                                (source->albedo ? 2 : 1);
+    const std::uint64_t bytes =
+        static_cast<std::uint64_t>(map.width) * static_cast<std::uint64_t>(map.height) * 12 * (source->albedo ? 2 : 1);
     if (kept + bytes <= settings.kept_bytes_max) {
       map.source = source;
       kept += bytes;

@@ -20,9 +20,9 @@ namespace multum {
 struct PlannedEffect {
   std::string effect;
   bool needed = false;
-  std::string why;          // with the number that was measured
-  bool has_cost = false;    // of the bake; others are code in a shader alone
-  BakeCost cost;            // that it takes, or saves where it is not needed
+  std::string why;        // with the number that was measured
+  bool has_cost = false;  // of the bake; others are code in a shader alone
+  BakeCost cost;          // that it takes, or saves where it is not needed
 };
 
 /// Estimated, relative L1, of diffuse light and of highlights.
@@ -43,18 +43,18 @@ struct BakeCandidate {
 
 struct MapPlan {
   std::string name;
-  BakeJob job;                        // all but where the output goes
-  bool mean_colours = false;          // of colour_file, in a file of their own
-  std::string colour_file;            // the albedo, where mean_colours
+  BakeJob job;                // all but where the output goes
+  bool mean_colours = false;  // of colour_file, in a file of their own
+  std::string colour_file;    // the albedo, where mean_colours
   int width = 0, height = 0, level_count = 0;
-  int first_seen = 0, last_seen = 0;  // levels
-  bool is_constant = false;           // every normal stands for all: the coarsest level is enough
-  BakeCandidate chosen, usual;        // the default bake
-  PartErrors limit;                   // that candidates were held to
+  int first_seen = 0, last_seen = 0;      // levels
+  bool is_constant = false;               // every normal stands for all: the coarsest level is enough
+  BakeCandidate chosen, usual;            // the default bake
+  PartErrors limit;                       // that candidates were held to
   std::vector<BakeCandidate> candidates;  // by textures, then time
-  double stated_difference = 0.0;     // from pictures of the default bake, relative L1, at most
+  double stated_difference = 0.0;         // from pictures of the default bake, relative L1, at most
   std::vector<PlannedEffect> effects;
-  std::shared_ptr<BakeSource> source;     // what the job reads, where it is kept
+  std::shared_ptr<BakeSource> source;  // what the job reads, where it is kept
 };
 
 struct ObjectPlan {

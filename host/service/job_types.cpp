@@ -64,6 +64,11 @@ JobType bake_type() {
            {"normal_scale", Kind::kNumber, "of a normal map: x and y times this", -1e6, 1e6},
            {"memory", Kind::kWhole, "bytes of resident memory to stay within", 1 << 26, 1e15},
            {"device", Kind::kText, "OpenCL device: a number of `multum devices` or part of a name"},
+           {"target_error", Kind::kNumber,
+            "choose the cheapest settings that come within this relative L1 of the truth", 1e-9, 2},
+           {"budget_ms", Kind::kNumber, "choose the most accurate settings that bake in this time", 1e-3, 1e9},
+           {"brdf", Kind::kText, "for which settings are chosen: lambert or blinn-phong:S"},
+           {"best_effort", Kind::kFlag, "write the best that was reached where nothing reaches the target"},
            {"no_measure", Kind::kFlag, "skip measuring the error of what is written"}}};
 }
 

@@ -239,7 +239,7 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(
       multum({}), kUsage,
       {"no command given",
-       "bake info verify devices selftest testmap mip reflectance lod materials animation infer serve submit",
+       "bake plan info verify devices selftest testmap mip reflectance lod materials animation infer serve submit",
        "--help"});
   expect_failure(multum({"cook"}), kUsage, {"'cook' is no command", "expected one of: bake"});
   expect_failure(multum({"bake"}), kUsage, {"input is required", "multum bake --help"});

@@ -157,7 +157,7 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   EXPECT_LT(error(EnvironmentMode::kPrefiltered, broad), 0.08);
   scene_.brdf.exponent = 100.0f;
   const FloatImage sharp = truth(map, 512);
-  EXPECT_LT(error(EnvironmentMode::kPrefiltered, sharp), 0.12);
+  EXPECT_LT(error(EnvironmentMode::kPrefiltered, sharp), 0.11);  // 10.4 %: two bare normals under a narrow sun
   // Harmonics to order 8 are too smooth for it: what the other way is for.
   EXPECT_GT(error(EnvironmentMode::kHarmonics, sharp), error(EnvironmentMode::kPrefiltered, sharp));
 }

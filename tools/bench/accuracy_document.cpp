@@ -15,6 +15,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
+#include "tools/bench/formula_document.h"
 #include "tools/bench/machine.h"
 
 namespace multum::bench {
@@ -326,6 +327,7 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
       "the runtime "
       "shades.\n\n",
       options.commit, processor_name(), system_name(), device.info().name);
+  text += formula_section(device, options.brdfs) + "\n";
   text += quarters_section(device, options) + first_level_section(device, options);
   if (!options.maps.empty()) text += maps_section(device, options);
   write_text_file(options.output, text);

@@ -9,6 +9,7 @@ namespace multum::bench {
 struct AccuracyDocumentOptions {
   std::string output;  // Markdown file
   std::string maps;    // folder of real maps; empty: none
+  std::string brdfs;   // folder of measured BRDFs; empty: none
   std::string commit;  // named in the document
   int size = 1024;     // side of the four-quarter map
   int threads = 2;

@@ -142,6 +142,7 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
   CLI::App* command = app.add_subcommand("accuracy", "make docs/ACCURACY.md: every figure of it");
   command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
   command->add_option("--maps", accuracy.maps, "folder of real maps")->check(CLI::ExistingDirectory);
+  command->add_option("--brdfs", accuracy.brdfs, "folder of measured BRDFs")->check(CLI::ExistingDirectory);
   command->add_option("--size", accuracy.size, "side of the four-quarter map")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();

@@ -7,6 +7,7 @@
 #include "host/bake/animation_job.h"
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -44,6 +45,7 @@ void add_animation_command(CLI::App& app, int* exit_code) {
       app.add_subcommand("animation", "write the job file of a folder of ray-traced pictures (docs/ANIMATION.md)");
   animation->add_option("folder", options->folder, "scene.json beside a scene file and pictures by sample")->required();
   animation->add_option("-o,--output", options->output, "job file to write, *.toml")->required();
+  add_decoding_option(*animation);
   animation->callback([options, exit_code] { *exit_code = run_animation(*options); });
 }
 

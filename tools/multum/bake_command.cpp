@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum bake: options as maketx names them where it has them.
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <memory>
 
 #include "host/bake/bake_batch.h"
 #include "host/bake/bake_job.h"
+#include "host/bake/chosen_bake.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/machine.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum/bake_manifest_mode.h"
 #include "tools/multum/bake_print.h"
 #include "tools/multum/commands.h"
@@ -25,9 +29,26 @@ struct BakeOptions {
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
   std::string region;
+  std::optional<double> target_error, budget_ms;
+  std::optional<std::string> brdf;
+  bool best_effort = false;
   bool no_measure = false;
   bool run_stats = false;
 };
+
+void add_target_options(CLI::App& bake, BakeOptions& o) {
+  CLI::Option* error = bake.add_option("--target-error", o.target_error,
+                                       "choose the cheapest settings that come so near to the truth: relative L1 of "
+                                       "levels 2 and up, 0.1 for 10 %; where "
+                                       "none do, nothing is written and the exit code is 5");
+  bake.add_option("--budget-ms", o.budget_ms,
+                  "choose the most accurate settings that bake in so many milliseconds: reading, fitting and writing")
+      ->excludes(error);
+  bake.add_option("--brdf", o.brdf,
+                  "of --target-error and --budget-ms: lambert or blinn-phong:S (default: blinn-phong:100)");
+  bake.add_flag("--best-effort", o.best_effort,
+                "of the two: write the best that was reached, too; the exit code stays 5");
+}
 
 void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("-o,--output", o.job.output,
@@ -65,7 +86,52 @@ BakeReport bake_with_progress(const BakeJob& job, const BakeOptions& o, Device& 
   return bake_file(job, device, progress.get());
 }
 
+bool has_target(const BakeOptions& o) { return o.target_error || o.budget_ms; }
+
+BakeTarget target_of(const BakeOptions& o) {
+  BakeTarget target;
+  target.error = o.target_error;
+  if (o.budget_ms) target.seconds = *o.budget_ms / 1e3;
+  target.brdf = parse_target_brdf(o.brdf.value_or(TargetBrdf().name));
+  target.only = o.map.ndf;
+  target.best_effort = o.best_effort;
+  return target;
+}
+
+// Options that say what is to be chosen.
+void check_target_options(const BakeOptions& o) {
+  if (!has_target(o)) {
+    if (o.brdf || o.best_effort)
+      throw Error(ErrorCode::kUsage, "--brdf and --best-effort are of --target-error and --budget-ms, found neither");
+    return;
+  }
+  const std::pair<const char*, bool> chosen[] = {{"--lobes", o.map.lobes.has_value()},
+                                                 {"--sh-order", o.map.sh_order.has_value()},
+                                                 {"--reference", o.map.reference},
+                                                 {"--iterations", o.map.iterations.has_value()},
+                                                 {"--sweeps", o.map.sweeps.has_value()},
+                                                 {"--no-rehearsal", o.map.no_rehearsal},
+                                                 {"--data-format", o.map.data_format.has_value()},
+                                                 {"--unaligned", o.map.unaligned}};
+  for (const auto& [option, is_given] : chosen)
+    if (is_given)
+      throw Error(ErrorCode::kUsage, fmt::format("{} is chosen by {}: expected one of the two", option,
+                                                 o.target_error ? "--target-error" : "--budget-ms"));
+}
+
 BakePrinting printing(const BakeOptions& o) { return {o.common.quiet, o.run_stats || o.common.verbose, stdout}; }
+
+// The exit code: 0, or that of a check that failed.
+int bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device) {
+  const auto progress = make_progress(o.common);
+  const ChosenBake chosen = bake_to_target(job, target_of(o), device, progress.get());
+  if (chosen.written) print_report(job, printing(o), chosen.report);
+  if (chosen.met) return 0;
+  std::string best = chosen.report.choice;
+  throw Error(ErrorCode::kVerification,
+              fmt::format("{}: no settings reach it: {}{}", job.input, best,
+                          chosen.written ? "written all the same" : "--best-effort writes it all the same"));
+}
 
 // Each map for itself: one that fails does not keep the others from their bake. The exit code is the first failure's.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
@@ -73,6 +139,10 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
   std::size_t unchanged = 0, failed = 0;
   for (const BakeJob& job : jobs) {
     try {
+      if (has_target(o)) {
+        bake_chosen(job, o, device);
+        continue;
+      }
       const BakeReport report = bake_with_progress(job, o, device);
       print_report(job, printing(o), report);
       unchanged += report.unchanged ? 1 : 0;
@@ -93,19 +163,21 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   const bool has_manifest = !o.manifest.manifest.empty();
   const bool has_scene = o.inputs.size() == 1 && o.inputs[0].ends_with(".toml");
   if (has_manifest) check_no_map_is_given(bake, o.manifest);
-  else if (has_scene) check_no_map_option_is_given(bake, o.inputs[0]);
   else if (o.inputs.empty() || job.output.empty()) throw CLI::RequiredError(o.inputs.empty() ? "input" : "--output");
+  if (has_scene) check_no_map_option_is_given(bake, o.inputs[0]);
   job.threads = job.writing.threads = apply(o.common);
   keep_freed_memory();
   if (has_manifest) return run_manifest(o.manifest, job, o.device, printing(o));
   if (has_scene) return run_scene(o.inputs[0], job, o.device, o.common, printing(o));
   check_options_of_ndf(o.map);
+  check_target_options(o);
   apply(o.map, job);
   job.measure = !o.no_measure;
   job.region = parse_region(o.region);
   Device device = Device::open(o.device);
   const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   if (jobs.size() > 1) return bake_several(jobs, o, device);
+  if (has_target(o)) return bake_chosen(jobs[0], o, device);
   print_report(jobs[0], printing(o), bake_with_progress(jobs[0], o, device));
   return 0;
 }
@@ -116,12 +188,15 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
   CLI::App* bake =
       app.add_subcommand("bake", "bake a normal map or height field into a mipmap of normal distributions");
-  bake->add_option("input", options->inputs,
-                   "PNG, TIFF, EXR, JPEG or WebP, sides to 32768; several maps, or sets as rock_<UDIM>.png; or a scene.toml, "
-                   "of whose maps only what it shows is baked, into the folder --output (docs/SCENE.md)");
+  bake->add_option(
+      "input", options->inputs,
+      "PNG, TIFF, EXR, JPEG or WebP, sides to 32768; several maps, or sets as rock_<UDIM>.png; or a scene.toml, "
+      "of whose maps only what it shows is baked, into the folder --output (docs/SCENE.md)");
   add_output_options(*bake, *options);
+  add_target_options(*bake, *options);
   add_manifest_options(*bake, options->manifest);
   add_common_options(*bake, options->common);
+  add_decoding_option(*bake);
   add_map_options(*bake, options->map);
   bake->callback([bake, options, exit_code] { *exit_code = run_bake(*bake, *options); });
 }

@@ -11,7 +11,7 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
                  job.output.c_str());
     return;
   }
-  std::fprintf(out, "%s: written\n%s", job.output.c_str(), report.to_text().c_str());
+  std::fprintf(out, "%s: written\n%s%s", job.output.c_str(), report.choice.c_str(), report.to_text().c_str());
   if (!printing.details) return;
   if (report.rows_resumed > 0)
     std::fprintf(out, "%llu rows of levels were there from a bake that was killed\n",

@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -112,6 +113,7 @@ void add_infer_command(CLI::App& app, int* exit_code) {
                     "index along each parameter, or a name, of the sample that the report shows (default: the middle)");
   infer->add_flag("--force", o.settings.force, "infer again what is there already");
   add_common_options(*infer, o.common);
+  add_decoding_option(*infer);
   infer->callback([options, exit_code] { *exit_code = run_infer(*options); });
 }
 

@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/opencl/program_cache.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
 
@@ -42,7 +43,8 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
       "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
       "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
       "  multum bake --manifest maps.toml --check            bake what changed of a project, and say what it was\n"
-      "  multum plan scene.toml                              which effects a scene needs; bake scene.toml: those alone\n"
+      "  multum plan scene.toml                              which effects a scene needs; bake scene.toml: those "
+      "alone\n"
       "  multum-view bricks.ndf.exr -o frame.png             render it\n"
       "  multum info bricks.ndf.exr                          look inside\n"
       "  multum mip bricks.png -o bricks.exr                 colours: averaged in linear light\n"
@@ -69,6 +71,7 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   add_infer_command(app, &exit_code);
   add_serve_commands(app, &exit_code);
   add_client_commands(app, &exit_code);
+  decode_in_child();
   set_program_cache_folder(program_cache_folder());
   try {
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes lists

@@ -12,6 +12,7 @@
 #include "host/base/output_paths.h"
 #include "host/image/image_reader.h"
 #include "host/mesh/gltf_material.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -131,6 +132,7 @@ void add_materials_command(CLI::App& app, int* exit_code) {
   materials->add_option("-o,--output", options->folder,
                         "folder for maps.toml and for images that lie inside the file; made where it is not there");
   materials->add_flag("--force", options->force, "write maps.toml even if it is there already");
+  add_decoding_option(*materials);
   materials->callback([options, exit_code] { *exit_code = run_materials(*options); });
 }
 

@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/base/machine.h"
 #include "tools/command_line/choices.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -154,6 +155,7 @@ void add_mip(CLI::App& app, int* exit_code) {
   add_wrap_options(*mip, *o, "periodic");
   add_device_options(*mip, o->device, o->job.memory_bytes, o->job.force);
   add_common_options(*mip, o->common);
+  add_decoding_option(*mip);
   mip->callback([o, exit_code] { *exit_code = run_mip(*o); });
 }
 
@@ -178,6 +180,7 @@ void add_reflectance(CLI::App& app, int* exit_code) {
   add_choice(*command, "-d,--data-format", job.encoding, kPyramidEncodings, "what is stored is rounded to");
   add_device_options(*command, o->device, job.memory_bytes, job.force);
   add_common_options(*command, o->common);
+  add_decoding_option(*command);
   command->callback([o, exit_code] { *exit_code = run_reflectance(*o); });
 }
 
@@ -195,6 +198,7 @@ void add_lod(CLI::App& app, int* exit_code) {
   add_wrap_options(*lod, *o, "clamp");
   add_device_options(*lod, o->device, o->job.memory_bytes, o->job.force);
   add_common_options(*lod, o->common);
+  add_decoding_option(*lod);
   lod->callback([o, exit_code] { *exit_code = run_mip(*o); });
 }
 

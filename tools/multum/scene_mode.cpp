@@ -28,9 +28,8 @@ constexpr int kWidthUsual = 100;
 // Of the terminal that stdout is, if it is one.
 int terminal_width() {
   winsize size{};
-  return isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0
-             ? size.ws_col
-             : kWidthUsual;
+  return isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col
+                                                                                                       : kWidthUsual;
 }
 
 struct PlanOptions {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/view_options.h"
+#include "tools/command_line/decoding_option.h"
 
 #include <fmt/format.h>
 
@@ -446,6 +447,7 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
   app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
   add_reading_options(app, o.reading);
+  add_decoding_option(app);
 }
 
 }  // namespace

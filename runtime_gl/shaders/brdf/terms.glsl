@@ -18,6 +18,6 @@ vec3 multum_lobe_facets(vec4 lobe, vec3 h) {
   float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
   vec3 sum = vec3(0.0);
   for (int i = 0; i < MULTUM_TERM_COUNT; ++i) sum += u_term_weights[i] * multum_term(d, u_term_spreads[i], e);
-  return lobe.w * sum;
+  return lobe.w * max(sum, 0.0);
 }
 #endif

@@ -51,5 +51,5 @@ vec3 multum_environment_specular(vec3 mu, float d, vec3 v) {
   for (int i = 0; i < MULTUM_ENVIRONMENT_TERMS; ++i)
     sum += multum_reflection_entry(i, dot(mu, v), d).rgb *
            multum_term_light(mu, d, u_environment_spreads[i], v, cross(mu, across), across);
-  return sum;
+  return max(sum, 0.0);
 }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bake that is told what to reach, and finds its settings: the cheapest that come within an error, or the most
+// accurate within a time. They are chosen on a mosaic of the map (host/bake/setting_choice.h); then the whole map is
+// baked and measured at other texels, and where that says otherwise, the next settings are baked.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "host/bake/setting_choice.h"
+
+namespace multum {
+
+/// One of both is set.
+struct BakeTarget {
+  std::optional<double> error;    // relative L1 for `brdf`, 0.1 = 10 %
+  std::optional<double> seconds;  // of the bake: reading, fitting and writing, without choosing and measuring
+  TargetBrdf brdf;
+  std::optional<Representation> only;  // of these settings alone
+  bool best_effort = false;            // write the best that was reached, too, where nothing reaches the target
+};
+
+struct ChosenBake {
+  BakeReport report;     // of the bake that was written; of the best one where none was
+  std::string options;   // what was chosen, as `multum bake` takes it
+  ReachedError reached;  // of the whole map
+  bool met = false;
+  bool written = false;
+};
+
+/// Throws Error(kUsage) for a target out of range or that does not go with the job.
+void check_target(const BakeTarget& target, const BakeJob& job);
+
+/// JOB's own representation, lobes, order and effort do not count. Always bakes: JOB.force is taken as set. JOB.output
+/// appears when the target is met, or with `best_effort`. Throws as bake_file() does.
+ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/setting_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/asset/spherical_harmonics.h"
+#include "host/bake/map_mosaic.h"
+#include "host/bake/ndf_bake.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/base/machine.h"
+
+namespace multum {
+namespace {
+
+// Orders of harmonics that are worth a trial: each has about half as many coefficients again as the one before.
+constexpr int kOrders[] = {2, 3, 4, 6, 8, 10, 13, 16, 20};
+
+// Of candidates with as many textures, in the order of their bakes' times (docs/ACCURACY.md).
+enum Effort { kAveraged, kQuickFit, kUsualFit, kLongFit };
+
+SettingCandidate lobe_candidate(Representation representation, int lobes, Effort effort) {
+  SettingCandidate one;
+  one.map.ndf = representation;
+  one.map.lobes = lobes;
+  one.options = fmt::format("--ndf {} --lobes {}", representation_info(representation).option, lobes);
+  if (effort == kQuickFit) {
+    one.map.sweeps = 1;
+    one.map.no_rehearsal = true;
+    one.options += " --sweeps 1 --no-rehearsal";
+  } else if (effort == kLongFit) {
+    one.map.reference = true;
+    one.options += " --reference";
+  }
+  one.texture_count = lobes;
+  one.effort = effort;
+  return one;
+}
+
+std::vector<SettingCandidate> all_candidates() {
+  std::vector<SettingCandidate> all;
+  SettingCandidate moments;
+  moments.map.ndf = Representation::kMoments;
+  moments.options = "--ndf moments";
+  moments.texture_count = 2;
+  moments.effort = kAveraged;
+  all.push_back(moments);
+  for (const int order : kOrders) {
+    SettingCandidate sh;
+    sh.map.ndf = Representation::kSh;
+    sh.map.sh_order = order;
+    sh.options = fmt::format("--ndf sh --sh-order {}", order);
+    sh.texture_count = sh_part_count(order);
+    sh.effort = kAveraged;
+    all.push_back(sh);
+  }
+  for (int lobes = kLobeCounts.low; lobes <= kLobeCounts.high; ++lobes) {
+    for (const Effort effort : {kQuickFit, kUsualFit})
+      all.push_back(lobe_candidate(Representation::kMovmf, lobes, effort));
+    all.push_back(lobe_candidate(Representation::kGmm, lobes, kUsualFit));
+  }
+  // Of fewer lobes, another lobe does more than the long fit, in less time.
+  all.push_back(lobe_candidate(Representation::kMovmf, kLobeCounts.high, kLongFit));
+  std::stable_sort(all.begin(), all.end(), [](const SettingCandidate& a, const SettingCandidate& b) {
+    return std::pair(a.texture_count, a.effort) < std::pair(b.texture_count, b.effort);
+  });
+  return all;
+}
+
+}  // namespace
+
+std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only) {
+  std::vector<SettingCandidate> candidates = all_candidates();
+  // Gaussians of as many lobes are never nearer than vMFs (docs/ACCURACY.md), and cost as much.
+  std::erase_if(candidates, [&](const SettingCandidate& one) {
+    return only ? *one.map.ndf != *only : *one.map.ndf == Representation::kGmm;
+  });
+  return candidates;
+}
+
+TargetBrdf parse_target_brdf(const std::string& text) {
+  constexpr std::string_view kBlinnPhong = "blinn-phong:";
+  if (text == "lambert") return {text, 0.0};
+  double exponent = 0.0;
+  std::size_t used = 0;
+  if (text.starts_with(kBlinnPhong)) {
+    const std::string number = text.substr(kBlinnPhong.size());
+    try {
+      exponent = std::stod(number, &used);
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used != number.size() || number.empty()) exponent = 0.0;
+  }
+  if (!(exponent >= 1.0 && exponent <= 1e5))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--brdf is '{}', expected lambert or blinn-phong:S with S 1..100000", text));
+  return {blinn_phong_name(exponent), exponent};
+}
+
+bool is_usual_exponent(double exponent) {
+  const std::vector<double> usual = AccuracySettings().exponents;
+  return std::find(usual.begin(), usual.end(), exponent) != usual.end();
+}
+
+ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf) {
+  constexpr std::string_view kColoured = " coloured";
+  const bool has_colours = std::any_of(summaries.begin(), summaries.end(),
+                                       [&](const AccuracySummary& one) { return one.brdf.ends_with(kColoured); });
+  std::optional<ReachedError> best;
+  for (const AccuracySummary& one : summaries) {
+    if (one.brdf.ends_with(kColoured) != has_colours) continue;
+    std::string name = one.brdf.substr(0, one.brdf.size() - (has_colours ? kColoured.size() : 0));
+    const std::size_t space = name.find(' ');
+    const std::string shading = space == std::string::npos ? "" : name.substr(space + 1);
+    if (name.substr(0, space) != brdf.name || (best && !(one.error < best->error))) continue;
+    best = {one.error, one.confidence, one.worst_level, shading};
+  }
+  MULTUM_CHECK(best.has_value());
+  return *best;
+}
+
+BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate) {
+  BakeJob chosen = job;
+  apply(candidate.map, chosen);
+  return chosen;
+}
+
+SettingTrials::SettingTrials(Device& device, const BakeJob& job, const BakeSource& source, TargetBrdf brdf,
+                             std::vector<SettingCandidate> candidates)
+    : device_(device),
+      job_(job),
+      brdf_(std::move(brdf)),
+      mosaic_(make_mosaic(source, {})),
+      candidates_(std::move(candidates)),
+      scale_(static_cast<double>(source.map.normals.width()) * source.map.normals.height() /
+             (static_cast<double>(mosaic_.map.normals.width()) * mosaic_.map.normals.height())) {}
+
+double SettingTrials::scale() const { return scale_; }
+
+const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress) {
+  for (const SettingTrial& trial : made_)
+    if (trial.candidate == candidate) return trial;
+  BakeJob job = with_candidate(job_, candidates_.at(candidate));
+  // Only the levels that count are made: no level depends on a finer one.
+  const int coarsest = mip_level_count(mosaic_.map.normals.width(), mosaic_.map.normals.height()) - 1;
+  job.fitting.first_level = std::min(std::max(job.fitting.first_level, kSummaryLevel), coarsest);
+  AccuracySettings accuracy;
+  accuracy.threads = job.threads;
+  accuracy.first_level = kSummaryLevel;
+  accuracy.samples_per_level = 0;
+  accuracy.exponents.clear();
+  if (brdf_.exponent > 0.0) accuracy.exponents.push_back(brdf_.exponent);
+  BakeReport report;
+  StageClock clock(report);
+  Progress quiet([progress](const ProgressEvent&) {
+    progress_advance(progress, 0);
+    return true;
+  });
+  const std::unique_ptr<AccuracyMeter> meter =
+      ndf_bake(job.representation)
+          .rehearse({job, device_, mosaic_, baked_header_of(job, mosaic_), machine_memory_bytes() / 4, clock}, accuracy,
+                    report, &quiet);
+  meter->run(device_, mosaic_.map.normals, mosaic_.colours(), &quiet);
+  const ReachedError reached = reached_error(meter->summaries(), brdf_);
+  double fixed_seconds = report.start_seconds;
+  for (const LevelReport& level : report.levels)
+    if (level.level > job.fitting.first_level) fixed_seconds += level.seconds;
+  made_.push_back({candidate, reached, report.bake_seconds(), fixed_seconds});
+  log_verbose(fmt::format("trial: {:<44} {} in {:.3f} s", candidates_[candidate].options,
+                          error_text(reached.error, reached.confidence), report.bake_seconds()));
+  return made_.back();
+}
+
+std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
+                                            Progress* progress) {
+  // Of 30 maps, 8 lobe counts each: 22 % of the error at most, mostly under 5.
+  constexpr double kEffortGain = 0.25;
+  const std::vector<SettingCandidate>& candidates = trials.candidates();
+  const auto is_hopeless = [&](const SettingCandidate& one) {
+    return std::any_of(trials.made().begin(), trials.made().end(), [&](const SettingTrial& made) {
+      const SettingCandidate& other = candidates[made.candidate];
+      return other.map.ndf == one.map.ndf && other.texture_count == one.texture_count && other.effort < one.effort &&
+             made.reached.error * correction * (1.0 - kEffortGain) > error;
+    });
+  };
+  for (std::size_t i = first; i < candidates.size(); ++i) {
+    if (is_hopeless(candidates[i])) continue;
+    const SettingTrial& trial = trials.at(i, progress);
+    if ((trial.reached.error + trial.reached.confidence) * correction <= error) return trial;
+  }
+  return std::nullopt;
+}
+
+}  // namespace multum

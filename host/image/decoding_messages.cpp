@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/image/decoding_messages.h"
+
+#include <fmt/format.h>
+
+#include "host/base/byte_message.h"
+#include "host/base/error.h"
+#include "host/image/damaged_file.h"
+
+namespace multum {
+namespace {
+
+// Of ImagePart, in their order in a message.
+template <typename Part, typename Action>
+void for_each_number(Part& part, const Action& action) {
+  for (auto* number :
+       {&part.x, &part.y, &part.width, &part.height, &part.depth, &part.full_x, &part.full_y, &part.full_width,
+        &part.full_height, &part.tile_width, &part.tile_height, &part.alpha_channel, &part.base_type,
+        &part.rows_per_strip})
+    action(*number);
+}
+
+void write(MessageWriter& out, const ImagePart& part) {
+  for_each_number(part, [&](int number) { out.number(number); });
+  out.number(static_cast<std::uint8_t>(part.is_deep)).text(part.colour_space).text(part.compression);
+  out.number(std::uint64_t{part.channel_names.size()});
+  for (const std::string& name : part.channel_names) out.text(name);
+  out.number(std::uint64_t{part.channel_types.size()});
+  for (const int type : part.channel_types) out.number(type);
+  out.number(std::uint64_t{part.texts.size()});
+  for (const auto& [name, text] : part.texts) out.text(name).text(text);
+}
+
+ImagePart read_part(MessageReader& in) {
+  ImagePart part;
+  for_each_number(part, [&](int& number) { number = in.number<int>(); });
+  part.is_deep = in.number<std::uint8_t>() != 0;
+  part.colour_space = in.text();
+  part.compression = in.text();
+  for (std::size_t left = in.count(); left > 0; --left) part.channel_names.push_back(in.text());
+  for (std::size_t left = in.count(); left > 0; --left) part.channel_types.push_back(in.number<int>());
+  for (std::size_t left = in.count(); left > 0; --left) {
+    std::string name = in.text();
+    part.texts[std::move(name)] = in.text();
+  }
+  return part;
+}
+
+[[noreturn]] void refuse(const AskedFile& file, const std::string& message) {
+  throw Error(ErrorCode::kInput, file.path + ": " + message);
+}
+
+// Takes an answer apart with `read` if the request was done.
+template <typename Read>
+auto parse(const AskedFile& file, std::string_view answer, const Read& read) {
+  try {
+    MessageReader in(answer);
+    switch (DecodingAnswer{in.number<std::uint8_t>()}) {
+      case DecodingAnswer::kDone: {
+        auto result = read(in);
+        if (in.is_at_end()) return result;
+        break;
+      }
+      case DecodingAnswer::kRefused: {
+        const auto code = in.number<std::uint8_t>();
+        throw Error(code <= static_cast<std::uint8_t>(ErrorCode::kVerification) ? ErrorCode{code} : ErrorCode::kInput,
+                    in.text());
+      }
+      case DecodingAnswer::kOutOfMemory:
+        refuse(file, fmt::format("its decoding needs more than {} bytes of memory, expected a picture that needs less "
+                                 "(--decode here sets no limit, for files that you trust)",
+                                 file.memory_max));
+    }
+  } catch (const std::out_of_range&) {
+  }
+  refuse(file, fmt::format("its decoding ended in {} bytes that are no answer, expected a file that OpenImageIO "
+                           "survives",
+                           answer.size()));
+}
+
+}  // namespace
+
+std::string open_answer(const ImageDescription& description) {
+  MessageWriter out;
+  out.number(DecodingAnswer::kDone).text(description.format).number(description.file_size);
+  out.number(std::uint64_t{description.parts.size()});
+  for (const ImagePart& part : description.parts) write(out, part);
+  return out.take();
+}
+
+std::string open_request(const std::string& path, const ImageFileSettings& settings) {
+  return MessageWriter()
+      .number(DecodingRequest::kOpen)
+      .text(path)
+      .number(settings.texel_count_max)
+      .number(settings.threads)
+      .number(static_cast<std::uint8_t>(settings.all_parts))
+      .take();
+}
+
+std::string read_request(const PixelBlock& block, std::size_t offset) {
+  MessageWriter out;
+  out.number(DecodingRequest::kRead);
+  for (const int number :
+       {block.part, block.y_begin, block.y_end, block.channel_begin, block.channel_end, block.base_type})
+    out.number(number);
+  return out.number(std::uint64_t{offset}).take();
+}
+
+std::string close_request() { return MessageWriter().number(DecodingRequest::kClose).take(); }
+
+ImageDescription parse_open_answer(const AskedFile& file, std::string_view answer) {
+  return parse(file, answer, [](MessageReader& in) {
+    ImageDescription description;
+    description.format = in.text();
+    description.file_size = in.number<std::int64_t>();
+    for (std::size_t left = in.count(); left > 0; --left) description.parts.push_back(read_part(in));
+    return description;
+  });
+}
+
+std::string parse_read_answer(const AskedFile& file, std::string_view answer) {
+  return parse(file, answer, [](MessageReader& in) { return in.text(); });
+}
+
+std::string ImageDecoder::answer(std::string_view request, SharedMemory& memory) {
+  try {
+    return do_as_asked(request, memory);
+  } catch (const NotEnoughMemory&) {
+    file_.reset();
+    return MessageWriter().number(DecodingAnswer::kOutOfMemory).take();
+  } catch (const Error& error) {
+    return MessageWriter()
+        .number(DecodingAnswer::kRefused)
+        .number(static_cast<std::uint8_t>(error.code()))
+        .text(error.what())
+        .take();
+  }
+}
+
+std::string ImageDecoder::do_as_asked(std::string_view request, SharedMemory& memory) {
+  MessageReader in(request);
+  MessageWriter out;
+  out.number(DecodingAnswer::kDone);
+  const DecodingRequest kind{in.number<std::uint8_t>()};
+  if (kind == DecodingRequest::kRead) {
+    PixelBlock block;
+    for (int* number : {&block.part, &block.y_begin, &block.y_end, &block.channel_begin, &block.channel_end,
+                        &block.base_type})
+      *number = in.number<int>();
+    const auto offset = static_cast<std::size_t>(in.number<std::uint64_t>());
+    std::size_t byte_count = 0;
+    std::byte* const data = memory.see(byte_count);
+    MULTUM_CHECK(file_ != nullptr && offset <= byte_count);
+    MULTUM_CHECK(block_bytes(file_->part(block.part), block) <= byte_count - offset);
+    return out.text(file_->read_into(block, data + offset)).take();
+  }
+  file_.reset();
+  if (kind == DecodingRequest::kClose) return out.text("").take();
+  ImageFileSettings settings;
+  path_ = in.text();
+  settings.texel_count_max = in.number<std::int64_t>();
+  settings.threads = in.number<int>();
+  settings.all_parts = in.number<std::uint8_t>() != 0;
+  file_ = open_in_this_process(path_, settings);
+  return open_answer(file_->description());
+}
+
+}  // namespace multum

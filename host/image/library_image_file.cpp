@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenImageIO in this process. One reader named by the file's first bytes is opened (never "try all of them"), after
+// host/image/image_container has looked at the sizes; PNG and JPEG are read without their metadata.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include "host/base/error.h"
+#include "host/image/damaged_file.h"
+#include "host/image/file_ranges.h"
+#include "host/image/image_file.h"
+
+namespace multum {
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const std::string& message) {
+  throw Error(ErrorCode::kInput, path + ": " + message);
+}
+
+// The byte ranges of a file, joined: the file without its metadata.
+std::vector<unsigned char> joined_ranges(const std::string& path, const std::vector<ByteRange>& ranges) {
+  std::vector<unsigned char> bytes;
+  std::ifstream stream(path, std::ios::binary);
+  for (const ByteRange& range : ranges) {
+    const std::size_t offset = bytes.size();
+    bytes.resize(offset + static_cast<std::size_t>(range.end - range.begin));
+    stream.seekg(range.begin);
+    stream.read(reinterpret_cast<char*>(bytes.data() + offset), range.end - range.begin);
+  }
+  if (!stream) refuse(path, "cannot be read");
+  return bytes;
+}
+
+struct OpenImage {
+  std::vector<unsigned char> bytes;  // both outlive the reader
+  std::unique_ptr<OIIO::Filesystem::IOProxy> file;
+  std::unique_ptr<OIIO::ImageInput> input;
+};
+
+// In memory for JPEG, whose reader takes no file of ours.
+void leave_out_metadata(OpenImage& image, const std::string& path, const ImageContainer& container) {
+  if (container.format == "jpeg") {
+    image.bytes = joined_ranges(path, container.ranges);
+    image.file = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
+  } else {
+    image.file = std::make_unique<FileRanges>(path, container.ranges);
+  }
+  image.input->set_ioproxy(image.file.get());
+}
+
+OpenImage open_image(const std::string& path, const ImageContainer& container) {
+  OpenImage image;
+  image.input = OIIO::ImageInput::create(container.format);
+  if (!image.input)
+    throw Error(ErrorCode::kEnvironment,
+                path + ": this OpenImageIO cannot read " + container.format + ": " + OIIO::geterror());
+  if (container.has_metadata && image.input->supports("ioproxy")) leave_out_metadata(image, path, container);
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);  // PNG alpha may hold a height; colour times height is no normal
+  OIIO::ImageSpec spec;
+  if (!image.input->open(path, spec, config))
+    refuse(path, fmt::format("damaged {}: {}", container.format, image.input->geterror()));
+  return image;
+}
+
+ImagePart part_of(const OIIO::ImageSpec& spec, bool with_texts) {
+  ImagePart part;
+  part.x = spec.x;
+  part.y = spec.y;
+  part.width = spec.width;
+  part.height = spec.height;
+  part.depth = spec.depth;
+  part.full_x = spec.full_x;
+  part.full_y = spec.full_y;
+  part.full_width = spec.full_width;
+  part.full_height = spec.full_height;
+  part.tile_width = spec.tile_width;
+  part.tile_height = spec.tile_height;
+  part.alpha_channel = spec.alpha_channel;
+  part.is_deep = spec.deep;
+  part.base_type = spec.format.basetype;
+  part.channel_names = spec.channelnames;
+  part.channel_names.resize(static_cast<std::size_t>(std::max(0, spec.nchannels)));
+  for (const OIIO::TypeDesc& type : spec.channelformats) part.channel_types.push_back(type.basetype);
+  part.colour_space = spec.get_string_attribute("oiio:ColorSpace");
+  part.compression = spec.get_string_attribute("compression");
+  part.rows_per_strip = spec.get_int_attribute("tiff:RowsPerStrip", 0);
+  if (!with_texts) return part;
+  for (const OIIO::ParamValue& attribute : spec.extra_attribs)
+    if (attribute.type() == OIIO::TypeDesc::STRING)
+      part.texts.try_emplace(attribute.name().string(), attribute.get_string());
+  return part;
+}
+
+class OiioImageFile : public LibraryImageFile {
+ public:
+  OiioImageFile(std::string path, const ImageContainer& container, const ImageFileSettings& settings)
+      : path_(std::move(path)), open_(open_image(path_, container)) {
+    description_ = {container.format, container.file_size, {}};
+    open_.input->threads(std::max(0, settings.threads));
+    if (!settings.all_parts) {
+      description_.parts.push_back(part_of(open_.input->spec(), false));
+      return;
+    }
+    for (int part = 0; open_.input->seek_subimage(part, 0); ++part)
+      description_.parts.push_back(part_of(open_.input->spec(), true));
+    open_.input->geterror();  // the end of the parts is no error
+  }
+
+  std::byte* reserve(std::size_t byte_count) override {
+    memory_.resize(std::max(byte_count, memory_.size()));
+    return memory_.data();
+  }
+
+  std::string read(const PixelBlock& block, std::size_t offset, const std::function<void()>&) override {
+    MULTUM_CHECK(offset <= memory_.size() && block_bytes(part(block.part), block) <= memory_.size() - offset);
+    return read_into(block, memory_.data() + offset);
+  }
+
+  std::string read_into(const PixelBlock& block, std::byte* memory) override {
+    return with_damage_named(path_, [&] { return read_rows(block, memory); });
+  }
+
+ private:
+  std::string read_rows(const PixelBlock& block, std::byte* memory) {
+    const ImagePart& from = part(block.part);
+    const OIIO::TypeDesc type(static_cast<OIIO::TypeDesc::BASETYPE>(block.base_type));
+    const bool is_read =
+        from.tile_width > 0
+            ? open_.input->read_tiles(block.part, 0, from.x, from.x + from.width, block.y_begin, block.y_end, 0, 1,
+                                      block.channel_begin, block.channel_end, type, memory)
+            : open_.input->read_scanlines(block.part, 0, block.y_begin, block.y_end, 0, block.channel_begin,
+                                          block.channel_end, type, memory);
+    // The TIFF reader calls a band read that is cut; its message is the only sign.
+    const std::string message = open_.input->geterror();
+    return is_read || !message.empty() ? message : "the reader does not say why";
+  }
+
+  std::string path_;
+  OpenImage open_;
+  std::vector<std::byte> memory_;
+};
+
+}  // namespace
+
+std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, const ImageFileSettings& settings) {
+  const ImageContainer container = inspect_image_container(path, settings.texel_count_max);
+  return with_damage_named(path, [&] { return std::make_unique<OiioImageFile>(path, container, settings); });
+}
+
+}  // namespace multum

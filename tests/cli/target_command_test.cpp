@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes that are told what to reach: met, refused with the best that was reached, or written all the same.
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "host/asset/baked_file.h"
+#include "tests/cli/program.h"
+#include "tests/unit/image_test_files.h"
+
+namespace multum::testing {
+namespace {
+
+class TargetCommandTest : public CliTest {
+ protected:
+  TargetCommandTest() { make_map("map", 32); }
+  ProgramResult bake(std::vector<std::string> options) {
+    options.insert(options.begin(), {"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--green", "up"});
+    return multum(options);
+  }
+  bool is_written() const { return folder_.names().contains("map.ndf.exr"); }
+};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
+  const ProgramResult met = bake({"--target-error", "0.3", "--report", path("map.json")});
+  ASSERT_EQ(met.exit_code, 0) << met.err;
+  EXPECT_TRUE(std::regex_search(met.out, std::regex("chosen: --ndf \\S+ .* for blinn-phong:100, asked for 30 %")))
+      << met.out;
+  EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png", "map.ndf.exr", "map.json"}));
+  const nlohmann::json report = nlohmann::json::parse(read_bytes(path("map.json")));
+  bool found = false;
+  for (const nlohmann::json& one : report["error"]) {
+    if (!one["brdf"].get<std::string>().starts_with("blinn-phong:100")) continue;
+    found = found || one["relative_l1"].get<double>() + one["confidence_95"].get<double>() <= 0.3;
+  }
+  EXPECT_TRUE(found) << report["error"];
+  EXPECT_TRUE(contains(report["choice"], "chosen")) << report["choice"];
+  // The file states what every other does: a second bake with the settings that it names is of the same texels.
+  const std::string options = std::regex_replace(met.out, std::regex("[^]*chosen: (.*?): [0-9][^]*"), "$1");
+  std::vector<std::string> again = {"bake", path("map_normal.png"), "-o", path("again.ndf.exr"), "--green", "up"};
+  std::stringstream words(options);
+  for (std::string word; words >> word;) again.push_back(word);
+  ASSERT_EQ(multum(again).exit_code, 0) << options;
+  EXPECT_EQ(read_baked_header(path("again.ndf.exr")).provenance.content_hash,
+            read_baked_header(path("map.ndf.exr")).provenance.content_hash);
+}
+
+TEST_F(TargetCommandTest, RefusesWhatNothingReaches) {
+  const std::vector<std::string> impossible = {"--target-error", "0.00001", "--brdf",
+                                               "blinn-phong:70", "--ndf",   "moments"};
+  const ProgramResult refused = bake(impossible);
+  EXPECT_EQ(refused.exit_code, 5) << refused.err;
+  EXPECT_FALSE(is_written());
+  EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png"}));
+  EXPECT_TRUE(contains(refused.err, "map_normal.png: no settings reach it: best reached: --ndf moments: "))
+      << refused.err;
+  EXPECT_TRUE(contains(refused.err, "when shaded as")) << refused.err;
+
+  std::vector<std::string> best_effort = impossible;
+  best_effort.push_back("--best-effort");
+  const ProgramResult written = bake(best_effort);
+  EXPECT_EQ(written.exit_code, 5) << written.err;
+  EXPECT_TRUE(contains(written.err, "written all the same")) << written.err;
+  EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);
+  // An exponent that is none of the usual ones is no part of the file.
+  EXPECT_FALSE(contains(multum({"info", path("map.ndf.exr")}).out, "blinn-phong:70"));
+}
+
+TEST_F(TargetCommandTest, KeepsToABudget) {
+  const ProgramResult plenty =
+      bake({"--budget-ms", "1e6", "--ndf", "sh", "--brdf", "lambert", "--report", path("r.json")});
+  ASSERT_EQ(plenty.exit_code, 0) << plenty.err;
+  EXPECT_TRUE(contains(plenty.out, "chosen: --ndf sh --sh-order")) << plenty.out;
+  const ProgramResult none = bake({"--budget-ms", "0.001", "--ndf", "moments"});
+  EXPECT_EQ(none.exit_code, 5) << none.err;
+  EXPECT_TRUE(contains(none.err, "asked for 0")) << none.err;
+}
+
+TEST_F(TargetCommandTest, RefusesWhatDoesNotGoTogether) {
+  for (const std::vector<std::string>& options :
+       std::vector<std::vector<std::string>>{{"--target-error", "0"},
+                                             {"--target-error", "nan"},
+                                             {"--budget-ms", "-1"},
+                                             {"--target-error", "0.1", "--budget-ms", "5"},
+                                             {"--target-error", "0.1", "--lobes", "3"},
+                                             {"--target-error", "0.1", "--no-measure"},
+                                             {"--target-error", "0.1", "--brdf", "phong:3"},
+                                             {"--target-error", "0.1", "--resume"},
+                                             {"--brdf", "lambert"},
+                                             {"--best-effort"}}) {
+    const ProgramResult refused = bake(options);
+    EXPECT_EQ(refused.exit_code, 2) << options.front() << "\n" << refused.err;
+    EXPECT_FALSE(is_written());
+  }
+}
+
+TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
+  const ProgramResult plain = bake({"--lobes", "2"});
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_TRUE(std::regex_search(
+      plain.out, std::regex("error of levels 2 and up, 95 % interval: blinn-phong:20 [0-9.]+ \\+- [0-9.]+ %")))
+      << plain.out;
+}
+
+}  // namespace
+}  // namespace multum::testing

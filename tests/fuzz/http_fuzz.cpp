@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the service takes from requests: bodies of JSON, queries, paths, addresses. tests/service/fuzz_drill.py sends
+// whole requests to a running one.
+#include <nlohmann/json.hpp>
+
+#include "host/service/http_reply.h"
+#include "host/service/job_request.h"
+#include "host/service/job_types.h"
+#include "host/service/service_settings.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace multum {
+namespace {
+
+void submit(const nlohmann::json& body) {
+  static const PathRoots roots({fuzz::scratch_folder()});
+  const SubmitRequest asked = parse_submit(body, roots, {}, 1);
+  const nlohmann::json parameters = asked.parameters();
+  job_arguments(find_job_type(asked.job.type), parameters, "out");
+}
+
+}  // namespace
+
+std::vector<std::string> fuzz::seeds() {
+  input_file("map.png", "no picture");
+  const std::string folder = scratch_folder();
+  return {std::string(1, '\0') + R"({"type":"bake","parameters":{"input":")" + folder +
+              R"(/map.png","lobes":4,"green":"up","reference":true,"height_scale":1.5},"output":")" + folder +
+              R"(/map.ndf.exr","queue":"default","priority":3,"again":true})",
+          std::string(1, '\0') + R"({"type":"drill","parameters":{}})",
+          "\1{\"queue\":\"default\"}",
+          "\2{\"jobs\":[1,2,3]}",
+          "\2{\"finished_before_s\":60}",
+          "\3state=queued&limit=10&before=7&queue=default",
+          "\4/v1/jobs/7/result",
+          "\5[::1]:8470"};
+}
+
+}  // namespace multum
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace multum;
+  const auto input = fuzz::split(data, size, 6);
+  HttpRequest request;
+  request.body = input.bytes;
+  const std::string text(input.bytes);
+  fuzz::may_refuse([&] {
+    try {
+      switch (input.kind) {
+        case 0: submit(parse_body(request)); break;
+        case 1: parse_retry(parse_body(request)); break;
+        case 2: parse_purge(parse_body(request)); break;
+        case 3: {
+          for (std::size_t begin = 0; begin < text.size();) {
+            const std::size_t end = std::min(text.find('&', begin), text.size());
+            const std::string pair = text.substr(begin, end - begin);
+            const std::size_t equals = std::min(pair.find('='), pair.size());
+            request.query[pair.substr(0, equals)] = pair.substr(std::min(equals + 1, pair.size()));
+            begin = end + 1;
+          }
+          parse_filter(request);
+          break;
+        }
+        case 4:
+          for (const std::string& part : split_path(text)) parse_whole(part);
+          check_upload_name(text);
+          break;
+        default: parse_listen_address(text);
+      }
+    } catch (const Refusal& refusal) {
+      MULTUM_CHECK(refusal.status >= 400 && refusal.status < 500);
+    }
+  });
+  return 0;
+}

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files that people write: manifests of bakes, jobs of texture inference, settings of the service; and what a killed
+// bake has left. A reader of another such file is another line of kReaders.
+#include <filesystem>
+#include <functional>
+
+#include "host/bake/animation_job.h"
+#include "host/bake/bake_checkpoint.h"
+#include "host/bake/bake_manifest.h"
+#include "host/service/service_settings.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace multum {
+namespace {
+
+void read_checkpoint(const std::string& path) {
+  const std::string folder = fuzz::scratch_folder() + "/.multum-partial-out.ndf.exr";
+  std::filesystem::create_directory(folder);
+  std::filesystem::copy_file(path, folder + "/progress", std::filesystem::copy_options::overwrite_existing);
+  const auto checkpoint = BakeCheckpoint::open(fuzz::scratch_folder() + "/out.ndf.exr", "key", true);
+  if (checkpoint == nullptr) return;
+  for (const int level : {0, 1}) {
+    const BakeCheckpoint::Level& opened = checkpoint->open_level(level, 8, 16, 0);
+    MULTUM_CHECK(opened.rows_done >= 0 && opened.rows_done <= 8);
+  }
+}
+
+const std::vector<std::function<void(const std::string&)>> kReaders = {
+    [](const std::string& path) { read_bake_manifest(path, {}); },
+    [](const std::string& path) { read_animation_job(path); },
+    [](const std::string& path) {
+      ServiceSettings settings;
+      read_service_settings(path, settings);
+    },
+    read_checkpoint,
+};
+
+constexpr char kManifest[] = R"([defaults]
+green = "up"
+lobes = 4
+error_max = 0.6
+[[map]]
+input = "bricks_normal.png"
+output = "bricks.ndf.exr"
+albedo = "bricks_<UDIM>.png"
+wrap = "clamp"
+lobes = 2
+ndf = "vmf"
+data_format = "half"
+compression = "zip:4"
+height_scale = 8.5
+reference = false
+)";
+
+constexpr char kJob[] = R"(geometry = "scene.gltf"
+width = 4
+height = 3
+[[parameter]]
+name = "view"
+count = 1
+moves_camera = true
+[[layer]]
+name = "diffuse"
+passes = ["diffuse"]
+depends_on = ["view"]
+[[object]]
+name = "thing"
+mesh = "thing"
+cryptomatte = "thing"
+[[camera]]
+name = "v0"
+projection = [[1,0,0,0],[0,1,0,0],[0,0,-1,-1],[0,0,-1,0]]
+world_to_camera = [[1,0,0,0],[0,1,0,0],[0,0,1,-2],[0,0,0,1]]
+[[sample]]
+name = "v0"
+at = [0]
+camera = "v0"
+radiance = "rad.exr"
+geometry = "geom.exr"
+)";
+
+constexpr char kSettings[] = R"(data = "jobs"
+listen = "127.0.0.1:0"
+workers = 2
+roots = ["/tmp"]
+memory_max = "8G"
+lease_s = 10
+[[queue]]
+name = "default"
+jobs = 2
+memory_max = "1G"
+priority = -3
+)";
+
+}  // namespace
+
+std::vector<std::string> fuzz::seeds() {
+  const std::string checkpoint = "key\n0 0 4 0123456789abcdef\n0 4 4 0123456789abcdef\n1 0 2 0123456789abcdef\n";
+  return {std::string(1, '\0') + kManifest, std::string("\1") + kJob, std::string("\2") + kSettings,
+          "\3" + checkpoint};
+}
+
+}  // namespace multum
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace multum;
+  const auto input = fuzz::split(data, size, static_cast<unsigned>(kReaders.size()));
+  const std::string path = fuzz::input_file("input.toml", input.bytes);
+  fuzz::may_refuse([&] { kReaders[input.kind](path); });
+  return 0;
+}

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// --decode child|here: where image files are decoded (host/image/image_file.h).
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace multum {
+
+/// In a child unless the option says otherwise: multum-decode beside this program.
+void add_decoding_option(CLI::App& app);
+/// The default, for what has no command line of its own.
+void decode_in_child();
+
+}  // namespace multum
