@@ -133,11 +133,14 @@ Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& 
   constexpr double kUnits = 10.0, kPlaneSize = 60.0;
   const double width = object.width > 0.0 ? object.width : map.width / object.texels_per_metre;
   const double tilt = std::min(object.tilt_max, 45.0) * 0.017453292519943295;
+  // The picture's lowest point is nearest.
+  const double below = std::max(tilt - 0.5 * scene.camera.fov_degrees * 0.017453292519943295, 0.0);
+  const double nearest = kUnits * std::cos(tilt) / std::cos(below);
   Json view = {{"file", fs::path(files.baked(map)).filename().string()},
                {"size", fmt::format("{}x{}", scene.camera.width, scene.camera.height)},
                {"camera", fmt::format("0,{:.6g},{:.6g},0,30,0,{:.6g}", 30.0 - kUnits * std::sin(tilt),
                                       kUnits * std::cos(tilt), scene.camera.fov_degrees)},
-               {"repeat", kPlaneSize * object.distance_min / kUnits / width}};
+               {"repeat", kPlaneSize * object.distance_min / nearest / width}};
   if (map.mean_colours) view["colour_map"] = fs::path(files.colours(map)).filename().string();
   if (map.job.fitting.first_level > 0) view["stored_only"] = true;
   Json brdfs = Json::array();

@@ -162,7 +162,14 @@ class MapPlanner {
     s.exponent_count = 3;
     plan_.usual = finished({"vmf, 4 lobes", s, s.has_colours, {}, {}});
     const bool is_estimated = !plan_.is_constant && !needs_.width_in_map && !needs_.weighted;
-    if (is_estimated) plan_.usual.error = lobes_error(kLobesUsual, ColourModel::kLobes);
+    if (!is_estimated) return;
+    // One lobe within the tolerance needs no comparison: the default bake is taken to be no worse.
+    if (!scene_.budget.target_error) {
+      const PartErrors one = lobes_error(1, ColourModel::kLobes);
+      one_lobe_is_enough_ = one.worst() <= scene_.budget.tolerance;
+      if (one_lobe_is_enough_) plan_.usual.error = one;
+    }
+    if (!one_lobe_is_enough_) plan_.usual.error = lobes_error(kLobesUsual, ColourModel::kLobes);
   }
 
   void add_constant() {
@@ -201,6 +208,7 @@ class MapPlanner {
       add_lobes(lobes);
       if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
     }
+    if (one_lobe_is_enough_) return;  // no other takes fewer textures
     // Of harmonics and moments an environment's highlight is that of one lobe of the mean normal.
     if (needs_.environment_highlight) return;
     BakeShape s = shape(Representation::kMoments, 1);
@@ -246,6 +254,7 @@ class MapPlanner {
   MapSurvey survey_;
   std::optional<LobeErrors> errors_;
   bool has_colours_ = false;
+  bool one_lobe_is_enough_ = false;
 };
 
 // The rows of a map's table.
@@ -346,10 +355,13 @@ class EffectRows {
     for (const BakeCandidate& c : plan_.candidates)
       if (c.shape.representation == Representation::kMovmf)
         tried += fmt::format("{}{} {}", tried.empty() ? "" : ", ", c.name.substr(5), parts_text(c.error));
-    add_row("several lobes, EM", needed,
-            fmt::format("{} off {}: {}; the default's 4 {}; limit {}", parts_name(), seen_texels(), tried,
-                        parts_text(plan_.usual.error), parts_text(plan_.limit)),
-            needed ? chosen_without(one) : saved_by(one));
+    add_row(
+        "several lobes, EM", needed,
+        fmt::format("{} off {}: {}; {}", parts_name(), seen_texels(), tried,
+                    plan_.candidates.size() == 1 ? fmt::format("tolerance {}", percent(scene_.budget.tolerance))
+                                                 : fmt::format("the default's 4 {}; limit {}",
+                                                               parts_text(plan_.usual.error), parts_text(plan_.limit))),
+        needed ? chosen_without(one) : saved_by(one));
     if (needed) add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
   }
 
@@ -362,7 +374,7 @@ class EffectRows {
         if (c.shape.representation == representation)
           tried += fmt::format("{}{} {}, {} textures", tried.empty() ? "" : "; ", c.name, parts_text(c.error),
                                texture_count(c.shape));
-      const std::string why = !is_estimated()                                 ? "one or several lobes do"
+      const std::string why = !is_estimated() || plan_.candidates.size() == 1 ? "one or several lobes do"
                               : needs_.environment_highlight && tried.empty() ? "an environment's highlight takes lobes"
                                                                               : "off " + tried;
       add_row(effect, needed, why);
@@ -500,6 +512,7 @@ void fill_job(const MapNeeds& needs, double tolerance, MapPlan& plan) {
   job.measured_exponents.clear();
   for (const ShadedBy& by : needs.highlights()) job.measured_exponents.push_back(*by.exponent);
   const bool as_usual = plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
+  if (plan.is_constant) job.measure = false;  // how far normals are apart is known
   plan.stated_difference =
       as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst() + tolerance;
 }

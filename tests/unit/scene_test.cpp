@@ -54,7 +54,7 @@ class SceneTest : public ::testing::Test {
  protected:
   Scene read(const std::string& text) const {
     write_bytes(path(), text);
-    return read_scene(path(), {});
+    return read_scene(path(), pattern_);
   }
   std::string path() const { return folder_ / "scene.toml"; }
   /// wall.exr: signed normals.
@@ -77,6 +77,7 @@ class SceneTest : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  BakeJob pattern_;
 };
 
 TEST_F(SceneTest, IsRead) {

@@ -72,7 +72,8 @@ void check_outputs(const std::string& scene_file, const Scene& scene, const Scen
 }  // namespace
 
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene) {
-  static const std::array<std::string, 4> kOfOneMap = {"--report", "--region", "--onto", "--no-measure"};
+  static const std::array<std::string, 8> kOfOneMap = {"--report",       "--region",    "--onto", "--no-measure",
+                                                       "--target-error", "--budget-ms", "--brdf", "--best-effort"};
   for (const CLI::Option* option : bake.get_options()) {
     if (option->count() == 0) continue;
     const std::string name = option->get_name();
