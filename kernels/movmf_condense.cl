@@ -18,7 +18,7 @@
 // up to 2^58 at most. A launch is for the texels of one row of a level. This file has only a scalar variant.
 
 #include "device/level_window.clh"
-#include "device/numerics.clh"
+#include "device/planar_sample.clh"
 #include "device/texel_coverage.clh"
 #include "shared/movmf_fit.h"
 
@@ -38,8 +38,6 @@ static float2 equal_area(float x, float y, float z) {
   const float inverse = 1.0f / sqrt(MAX_V(1.0f + z, 1e-6f));
   return (float2)(x * inverse, y * inverse);
 }
-
-static float length_of(float x, float y, float z) { return sqrt(fma(x, x, fma(y, y, z * z))); }
 
 static float2 place_of_normal(float x, float y, float z, const MultumMovmfFit* fit) {
   const float inverse = fit->shortened ? 1.0f / MAX_V(length_of(x, y, z), 1e-6f) : 1.0f;
@@ -145,7 +143,8 @@ static int cell_along(float p, __global const float* axis, int cell_side) {
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
 //   value_x, value_y, value_z                                   what is summed: the normals again, or colours
 //   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
-// `are_normals`: of Gaussians over (x, y) the third value is x^2 + y^2 then, which x and y alone do not tell of a cell.
+// `are_normals`: of Gaussians over (x, y) the third value is E[x^2 + y^2] then, which x and y alone do not tell of a
+// cell.
 // Bound by the latency of scattered adds.
 __kernel void movmf_condense_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
                                    __global const float* restrict normal_z, __global const float* restrict value_x,
@@ -188,8 +187,11 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
         weight *= row_weight * coverage(block + i, x, fit.map_width, fit.width);
 #endif
         // Rounded towards zero: that is one instruction, where convert_long4_rte is a function.
-        const float vx = value_x[source], vy = value_y[source];
-        const float vz = MULTUM_PLANAR && are_normals ? fma(vx, vx, vy * vy) : value_z[source];
+        float vx = value_x[source], vy = value_y[source], vz = value_z[source];
+        if (MULTUM_PLANAR && are_normals) {
+          TO_PLANAR_SAMPLE(float, vx, vy, vz, fit.shortened)
+          vz = fma(vx, vx, fma(vy, vy, vz));
+        }
         const long4 value = (long4)((long)(vx * weight), (long)(vy * weight), (long)(vz * weight), (long)weight);
         vstore4(vload4(cells_of[i], out) + value, cells_of[i], out);
       }

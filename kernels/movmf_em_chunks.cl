@@ -88,8 +88,8 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
       real_v responsibility[SAMPLE_BLOCK][MULTUM_LOBES], u[SAMPLE_BLOCK][MULTUM_LOBES];
       for (int i = 0; i < count; ++i) {
         const size_t source = map_row_start(first + i, &fit) + readable;
-        const real_v nx = LOAD_V(normal_x + source), ny = LOAD_V(normal_y + source);
-        const real_v nz = (real_v)(SAMPLE_THIRD(LOAD_V(normal_z + source)));
+        real_v nx = LOAD_V(normal_x + source), ny = LOAD_V(normal_y + source), nz = LOAD_V(normal_z + source);
+        TO_SAMPLE(real_v, nx, ny, nz, fit.shortened)
 #if MULTUM_WEIGHTED
         const real_v weight = column_weight * coverage(first + i, y, fit.map_height, fit.height);
 #else
@@ -99,8 +99,8 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
       }
       for (int i = 0; i < count; ++i) {
         const size_t source = map_row_start(first + i, &fit) + readable;
-        const real_v nx = LOAD_V(normal_x + source), ny = LOAD_V(normal_y + source);
-        const real_v nz = (real_v)(SAMPLE_THIRD(LOAD_V(normal_z + source)));
+        real_v nx = LOAD_V(normal_x + source), ny = LOAD_V(normal_y + source), nz = LOAD_V(normal_z + source);
+        TO_SAMPLE(real_v, nx, ny, nz, fit.shortened)
         ADD_MOMENTS(nx, ny, nz, responsibility[i], u[i])
       }
     }

@@ -65,7 +65,9 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
     for (int column = first_column; column < last_column; ++column) {
       const size_t source = map_row_start(row, &fit) + column;
       float z[MULTUM_LOBES];
-      responsibilities(normal_x[source], normal_y[source], SAMPLE_THIRD(normal_z[source]), lobes, z);
+      float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
+      TO_SAMPLE(float, nx, ny, nz, fit.shortened)
+      responsibilities(nx, ny, nz, lobes, z);
       const float weight = row_weight * coverage(column, x, fit.map_width, fit.width);
       for (int j = 0; j < MULTUM_LOBES; ++j) {
         const float responsibility = z[j] * weight;

@@ -5,7 +5,7 @@
 // BRDF's width has shortened goes to the lobe whose mean vector is nearest, in direction and width.
 
 #include "device/level_window.clh"
-#include "device/numerics.clh"
+#include "device/planar_sample.clh"
 #include "shared/vmf_lobe.h"
 
 #ifndef MULTUM_LOBES
@@ -31,19 +31,26 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
   if (has_parent) {
     const int x = item % fit.map_width, y = first_row + item / fit.map_width;
     const size_t source = (size_t)normals_row * fit.map_width + item;
-    const float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
-    (void)nz;
+    float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
+#if MULTUM_PLANAR
+    TO_PLANAR_SAMPLE(float, nx, ny, nz, fit.shortened)
+#endif
     const int parent_x = min(x >> 1, fit.width - 1), parent_y = min(y >> 1, fit.height - 1);
     const int parent_row = row_in_window(parent_y, fit.first_row, fit.height);
     __global const MultumVmfLobe* from = parent + (size_t)parent_row * fit.width + parent_x;
     // |r_p| - n . r_p = |r_p| (1 - cos): the nearest direction, wide lobes and narrow ones alike; of Gaussians the
-    // nearest mean. A dead lobe takes none.
+    // nearest mean, and with a width of its own the nearest Gaussian (Wasserstein: |p - q|^2 + 2 (sigma - tau)^2). A
+    // dead lobe takes none.
     float least = 1e30f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {
       const MultumVmfLobe lobe = from[j * level_window_size(&fit)];
 #if MULTUM_PLANAR
       const float dx = nx - lobe.mean_x, dy = ny - lobe.mean_y;
-      const float gap = fma(dx, dx, dy * dy);
+      float gap = fma(dx, dx, dy * dy);
+      if (fit.shortened) {
+        const float wider = sqrt(lobe.mean_z) - sqrt(0.5f * nz);
+        gap = fma(2.0f * wider, wider, gap);
+      }
 #else
       const float length =
           sqrt(fma(lobe.mean_x, lobe.mean_x, fma(lobe.mean_y, lobe.mean_y, lobe.mean_z * lobe.mean_z)));

@@ -185,9 +185,11 @@ __kernel void movmf_pack(__global const float* normal_x, __global const float* n
     for (int i = 0; i < fit.sample_columns; ++i) {
       const size_t source = row_start + min(first_column + i, fit.map_width - 1);
       __global float* sample = out + (size_t)i * planes * MULTUM_GROUP + lane;
-      sample[0 * MULTUM_GROUP] = normal_x[source];
-      sample[1 * MULTUM_GROUP] = normal_y[source];
-      sample[2 * MULTUM_GROUP] = SAMPLE_THIRD(normal_z[source]);
+      float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
+      TO_SAMPLE(float, nx, ny, nz, fit.shortened)
+      sample[0 * MULTUM_GROUP] = nx;
+      sample[1 * MULTUM_GROUP] = ny;
+      sample[2 * MULTUM_GROUP] = nz;
 #if MULTUM_WEIGHTED
       sample[3 * MULTUM_GROUP] = row_weight * coverage(first_column + i, x, fit.map_width, fit.width);
 #endif

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The normal distribution of a finest texel in spherical harmonics (Han et al. 2007, section 5): the basis at its
 // normal, g_lm = Y_lm(n). mip_box.cl averages the coefficients, which is exact: they are linear in the
-// distribution.
+// distribution. A normal that a BRDF's width has shortened to c n stands for facets about n: g_lm = a_l Y_lm(n), a_l of
+// the vMF of mean cosine c.
 
-#include "device/spherical_harmonics.clh"
+#include "device/vmf_zonal.clh"
 #include "shared/mip_box.h"
 
 #if MULTUM_VECTOR_WIDTH != 1
@@ -14,14 +15,17 @@
 //   normal_x, normal_y, normal_z [row][map_width]
 //   steps [(order + 1) (order + 2) / 2]            the recurrence's constants
 //   nodes [plane][row][row_length]                 written: the coefficients from l = 1
+//   shortened                                      not 0: lengths of normals are a BRDF's width
 // Memory bound.
 __kernel void sh_project(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
-                         __global const float2* steps, __global float* nodes, MultumBoxBand band) {
+                         __global const float2* steps, __global float* nodes, MultumBoxBand band, int shortened) {
   const int item = (int)get_global_id(0);
   if (item >= band.row_count * band.map_width) return;
   const size_t plane_size = (size_t)band.row_count * band.row_length;
   __global float* out = nodes + (size_t)(item / band.map_width) * band.row_length + item % band.map_width;
   const float3 n = sh_direction(normal_x[item], normal_y[item], normal_z[item]);
+  float zonal[MULTUM_SH_ORDER + 1];
+  vmf_zonal(shortened ? length_of(normal_x[item], normal_y[item], normal_z[item]) : 1.0f, zonal);
   float c = 1.0f, s = 0.0f;  // (x + iy)^m
   int step = 0;
   for (int m = 0; m <= MULTUM_SH_ORDER; ++m) {
@@ -34,8 +38,8 @@ __kernel void sh_project(__global const float* normal_x, __global const float* n
         ++step;
       }
       const int centre = l * l + l - 1;
-      if (l > 0) out[(centre + m) * plane_size] = p * c;
-      if (m > 0) out[(centre - m) * plane_size] = p * s;
+      if (l > 0) out[(centre + m) * plane_size] = zonal[l] * (p * c);
+      if (m > 0) out[(centre - m) * plane_size] = zonal[l] * (p * s);
     }
     const float rotated = fma(c, n.x, -s * n.y);
     s = fma(c, n.y, s * n.x);

@@ -22,7 +22,7 @@ static float weighted_bands(const float* bands, __global const float* zonal) {
 //   points     [sample]
 //   steps      the recurrence's constants
 //   zonal      [exponent_count + 1][order + 1]   of Blinn-Phong at each exponent, then of Lambert
-//   half_vectors [half_count], lights [light_count]   unit vectors, w unused
+//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
 // Levels that are left to the normal map are shaded as lobes are. Compute bound.
@@ -48,7 +48,7 @@ __kernel void sh_shade(__global const float* coefficients, __global const Multum
   out += exponent_count * half_count;
   for (int d = 0; d < light_count; ++d) {
     sh_bands(g, point.share, lights[d].xyz, steps, bands);
-    out[d] =
-        weighted_bands(bands, zonal + exponent_count * (MULTUM_SH_ORDER + 1)) + shade_lambert(map_lobe, lights[d].xyz);
+    out[d] = weighted_bands(bands, zonal + exponent_count * (MULTUM_SH_ORDER + 1)) +
+             shade_lambert(without_roughness(map_lobe, lights[d].w), lights[d].xyz);
   }
 }

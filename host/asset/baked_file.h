@@ -3,6 +3,7 @@
 // where it comes from (docs/FORMAT.md).
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,16 @@ void validate(const BakedWriteOptions& options);
 /// Number of ROUND_DOWN levels of a width x height map: 1 + floor(log2(max(width, height))).
 int mip_level_count(int width, int height);
 inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? size >> level : 1; }
+
+/// Some texels' worth of `values`, which lie `texel_count` texels in all: as many values a texel as there are.
+template <typename Value>
+std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel_count, std::size_t first,
+                             std::size_t end) {
+  if (values.empty()) return {};
+  const std::size_t stride = values.size() / texel_count;
+  const auto at = [&](std::size_t texel) { return values.begin() + static_cast<std::ptrdiff_t>(texel * stride); };
+  return {at(first), at(end)};
+}
 
 /// "7 levels" where all are stored, else "levels 1 to 6 of 0 to 6", "level 6 of 0 to 6".
 std::string levels_text(int first_level, int level_count);

@@ -238,11 +238,9 @@ BakedHeader parse_map_header(const Imf::Header& header, const std::vector<Storag
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
   const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
   const int version = int_attribute(header, "multum:formatVersion", path);
-  const int newest = info.version + (takes_materials(info.representation) ? 1 : 0);
+  const int newest = info.version + 1;
   if (version != info.version && version != newest)
-    refuse_file(path, fmt::format("format version {}", version),
-                newest == info.version ? fmt::format("version {}", newest)
-                                       : fmt::format("version {} or {}", info.version, newest));
+    refuse_file(path, fmt::format("format version {}", version), fmt::format("version {} or {}", info.version, newest));
   BakedHeader baked = parse_map_header(header, info.encodings, path);
   baked.representation = info.representation;
   baked.has_colours = int_attribute(header, "multum:hasColours", path) != 0;

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "host/asset/exr_rows.h"
+#include "host/base/exr_survey.h"
 
 namespace multum {
 namespace {
@@ -18,6 +19,7 @@ int thread_count(int threads) {
 }  // namespace
 
 BakedReader::BakedReader(const std::string& path, int threads) : path_(path), threads_(thread_count(threads)) {
+  check_exr_headers(path);
   guarded([&] { file_ = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), threads_); });
 }
 

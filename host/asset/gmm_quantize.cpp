@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
 #include "host/asset/lobe_rounding.h"
 
 namespace multum {
@@ -67,6 +70,23 @@ bool is_sharp(const glm::vec4& lobe, double variance_min) {
 
 float gmm_variance(const glm::vec4& lobe) {
   return lobe.w > 0.0f ? static_cast<float>(std::max(0.5 * planar_spread(lobe), 0.0)) : 0.0f;
+}
+
+glm::vec3 rough_point(const glm::vec3& shortened) {
+  const glm::dvec3 n(shortened);
+  const double length = glm::length(n), spread = std::max(1.0 - length, 0.0);
+  const glm::dvec2 p = glm::dvec2(n) / length;
+  const double square = std::min(glm::dot(p, p), 1.0);
+  return {p, std::min(square + 2.0 * spread / (1.0 + spread) * (1.0 - 0.5 * square), 1.0)};
+}
+
+// v = spread / (1 + spread) (1 - |p|^2 / 2): of what was cut off at the rim the least.
+glm::vec3 shortened_normal(const glm::vec3& rough_point) {
+  const glm::dvec2 p(rough_point);
+  const double square = std::min(glm::dot(p, p), 1.0);
+  const double variance = std::max(static_cast<double>(rough_point.z) - square, 0.0) / (2.0 - square);
+  const double length = 1.0 - std::min(variance / (1.0 - variance), 0.5);
+  return length * glm::dvec3(p, std::sqrt(1.0 - square));
 }
 
 float gmm_kappa_max(StorageEncoding encoding) {

@@ -17,6 +17,12 @@ namespace multum {
 /// sigma^2 of a stored or filtered lobe; never negative, 0 where a is 0.
 float gmm_variance(const glm::vec4& lobe);
 
+/// One finest normal, shortened to c n by a BRDF's width, as a lobe of amplitude 1: (x, y, x^2 + y^2 + 2 v) of the unit
+/// normal, v the planar variance of its facets (kernels/device/planar_sample.clh says which).
+glm::vec3 rough_point(const glm::vec3& shortened);
+/// The other way round, for renderers that have the file alone: c n.
+glm::vec3 shortened_normal(const glm::vec3& rough_point);
+
 /// 1 / the least sigma^2 that a lobe of amplitude 1 keeps to within a quarter, wherever its mean is.
 float gmm_kappa_max(StorageEncoding encoding);
 

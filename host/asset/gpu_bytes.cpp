@@ -26,8 +26,20 @@ std::uint64_t moment_gpu_bytes(const BakedHeader& header) {
 }
 
 std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap) {
-  return texture_bytes(mipmap.header,
-                       static_cast<unsigned>(sh_part_count(mipmap.order)) + (mipmap.header.has_colours ? 1 : 0));
+  const BakedHeader& header = mipmap.header;
+  return texture_bytes(header, static_cast<unsigned>(sh_part_count(mipmap.order)) + (header.has_colours ? 1u : 0u) +
+                                   (header.weight_count > 0 ? 1u : 0u));
+}
+
+std::uint64_t baked_gpu_bytes(const std::string& path) {
+  const BakedHeader header = read_baked_header(path);
+  switch (header.representation) {
+    case Representation::kMovmf:
+    case Representation::kGmm: return movmf_gpu_bytes(read_movmf_header(path));
+    case Representation::kMoments: return moment_gpu_bytes(header);
+    case Representation::kSh: return sh_gpu_bytes(read_sh_header(path));
+  }
+  return 0;
 }
 
 std::uint64_t usual_gpu_bytes(int width, int height) {

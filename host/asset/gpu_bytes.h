@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "host/asset/movmf_mipmap.h"
 #include "host/asset/sh_mipmap.h"
@@ -19,6 +20,9 @@ std::uint64_t moment_gpu_bytes(const BakedHeader& header);
 /// Stored levels of a file of spherical harmonics: a layer of 4 channels every four coefficients, and one texture for
 /// colours. Needs sizes alone, no texels.
 std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap);
+
+/// Of a baked file of any representation, colours and weights with it. Throws as read_baked_header() does.
+std::uint64_t baked_gpu_bytes(const std::string& path);
 
 /// All levels of a width x height map as a BC5 normal, 16 bytes a block of 4 x 4 texels, and a BC4 roughness, 8 bytes.
 /// Blocks are whole: a level of 1 x 1 takes one as well.

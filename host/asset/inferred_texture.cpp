@@ -16,6 +16,7 @@
 #include "host/asset/exr_output.h"
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/exr_survey.h"
 
 namespace multum {
 namespace {
@@ -104,6 +105,7 @@ void round_to_half(std::vector<float>& values) {
 
 InferredTexture read_inferred_texture(const std::string& path) {
   try {
+    check_exr_headers(path);
     Imf::TiledInputFile file(path.c_str());
     check_is_texture(file, path);
     InferredTexture texture;
@@ -134,6 +136,7 @@ std::string read_texture_provenance(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return "";
   try {
+    check_exr_headers(path);
     const Imf::TiledInputFile file(path.c_str());
     if (!file.isComplete()) return "";
     const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>(kProvenance);

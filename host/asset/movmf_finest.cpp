@@ -65,15 +65,18 @@ void quantize_direction(glm::vec3& n, Representation representation, StorageEnco
 }
 
 // Lobes of a = 1, as those of other levels.
-void quantize_mean_vectors(glm::vec3* normals, std::size_t count, StorageEncoding encoding) {
+void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, Representation representation,
+                           StorageEncoding encoding) {
   MovmfLevel lobe{static_cast<int>(count), 1, {{}}, {}};
   for (std::size_t i = 0; i < count; ++i) lobe.lobes[0].emplace_back(normals[i], 1.0f);
-  quantize_movmf(lobe, encoding, 1);
+  if (representation == Representation::kGmm) quantize_gmm(lobe, encoding, 1);
+  else quantize_movmf(lobe, encoding, 1);
   for (std::size_t i = 0; i < count; ++i) normals[i] = glm::vec3(lobe.lobes[0][i]);
 }
 
 void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, StorageEncoding encoding) {
-  if (rows.has_roughness) quantize_mean_vectors(rows.normals.data() + begin, end - begin, encoding);
+  if (rows.has_roughness)
+    quantize_lobes_of_one(rows.normals.data() + begin, end - begin, rows.representation, encoding);
   else
     for (std::size_t i = begin; i < end; ++i) quantize_direction(rows.normals[i], rows.representation, encoding);
   if (encoding == StorageEncoding::kFloat) return;
@@ -83,12 +86,16 @@ void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, Stor
     rows.weights[i] = as_half(rows.weights[i]);
 }
 
-// Is it one single direction, as a whole lobe of one of the two kinds has it? Roughness shortens those of kMovmf.
+// Is it one single direction, as a whole lobe of one of the two kinds has it? Roughness shortens those of kMovmf, and
+// spreads those of kGmm.
 bool is_single_direction(const glm::vec3& normal, Representation representation, bool has_roughness) {
   // Rounding to halfs lengthens by a step of 1/1024 a channel at most.
   constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
-  if (representation == Representation::kGmm)
-    return std::abs(normal.x * normal.x + normal.y * normal.y - normal.z) <= kLengthSquaredMax - 1.0f;
+  if (representation == Representation::kGmm) {
+    const float scatter = normal.z - normal.x * normal.x - normal.y * normal.y;
+    return scatter >= kLengthSquaredMin - 1.0f && (has_roughness || scatter <= kLengthSquaredMax - 1.0f) &&
+           normal.z <= kLengthSquaredMax;
+  }
   const float length_squared = glm::dot(normal, normal);
   return normal.z >= 0.0f && (has_roughness || length_squared >= kLengthSquaredMin) &&
          length_squared <= kLengthSquaredMax;

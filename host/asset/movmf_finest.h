@@ -2,7 +2,7 @@
 // Level 0 of a baked map, compactly: every texel is one single direction, given whole (a = 1, |r| = 1) to one lobe, so
 // that its normal, the number of that lobe and a colour say it all. The file holds x and y alone and the reader derives
 // z (docs/FORMAT.md, "The finest level"); what is here is always whole. With a BRDF's width in, normals are shorter
-// than 1 and the file holds z too.
+// than 1, points of the plane scatter, and the file holds the third value too.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ namespace multum {
 /// Rows of level 0, from the top, texels from the left.
 struct MovmfFinest {
   int width = 0;
-  int height = 0;                   // rows that are here
-  std::vector<glm::vec3> normals;   // unit, z >= 0; of kGmm x, y and x^2 + y^2: what lobes of the other levels hold;
-                                    // shorter where `has_roughness`
-  std::vector<std::uint8_t> lobe;   // the lobe that the texel is given to
-  std::vector<glm::vec3> colours;   // linear RGB of the texel; empty: the map has no colours
+  int height = 0;                  // rows that are here
+  std::vector<glm::vec3> normals;  // unit, z >= 0; of kGmm x, y and x^2 + y^2: what lobes of the other levels hold;
+                                   // where `has_roughness` shorter, of kGmm x^2 + y^2 + 2 v (host/asset/gmm_quantize.h)
+  std::vector<std::uint8_t> lobe;  // the lobe that the texel is given to
+  std::vector<glm::vec3> colours;  // linear RGB of the texel; empty: the map has no colours
   std::vector<float> weights = {};  // of basis BRDFs, as many a texel as the map has; empty: none
   Representation representation = Representation::kMovmf;
   bool has_roughness = false;  // lengths of normals are a BRDF's width

@@ -33,16 +33,6 @@ struct MovmfLevel {
   std::vector<std::vector<float>> weights = {};
 };
 
-/// Some texels' worth of `values`, which lie `texel_count` texels in all: as many values a texel as there are.
-template <typename Value>
-std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel_count, std::size_t first,
-                             std::size_t end) {
-  if (values.empty()) return {};
-  const std::size_t stride = values.size() / texel_count;
-  const auto at = [&](std::size_t texel) { return values.begin() + static_cast<std::ptrdiff_t>(texel * stride); };
-  return {at(first), at(end)};
-}
-
 /// Levels are numbered as those of the map, whatever is stored: levels[l] is level l. Those finer than `first_level`
 /// have their size and no texels: renderers take them from the normal map itself.
 struct MovmfMipmap {

@@ -24,6 +24,9 @@ constexpr char kWeightsText[] =
 constexpr char kFinestGaussianText[] =
     "normalX, normalY = x, y of the normal, +X right, +Y up; lobe = number of the lobe that has all of the texel; "
     "albedo = linear RGB; data, not colour";
+constexpr char kFinestRoughGaussianText[] =
+    "normalX, normalY = x, y of the normal, +X right, +Y up; square = x*x+y*y+2*v, v = planar variance of the BRDF's "
+    "facets; lobe = number of the lobe that has all of the texel; albedo = linear RGB; data, not colour";
 constexpr char kGaussianText[] =
     "R,G,B,A = a*m.x,a*m.y,a*(2*s2+m.x*m.x+m.y*m.y),a; m = mean (x, y) of normals, +X right, +Y up; s2 = variance of "
     "one coordinate; data, not colour";
@@ -37,7 +40,9 @@ void add_weight_channels(const std::string& layer, const MovmfMipmap& header, Ba
 // In the order in which OpenImageIO lists layers and their channels, as with the other parts.
 MovmfPart finest_part(const MovmfMipmap& header) {
   const bool gaussians = header.representation == Representation::kGmm;
-  const char* const text = gaussians ? kFinestGaussianText : header.has_roughness ? kFinestRoughText : kFinestText;
+  const char* const text = header.has_roughness ? (gaussians ? kFinestRoughGaussianText : kFinestRoughText)
+                           : gaussians          ? kFinestGaussianText
+                                                : kFinestText;
   MovmfPart part{{"finest", {}, 0, 1, true, text}, MovmfPartKind::kFinest, 0};
   if (header.has_colours())
     for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
@@ -45,7 +50,8 @@ MovmfPart finest_part(const MovmfMipmap& header) {
   part.channels.push_back({"finest.lobe.X", Imf::HALF});
   for (const char* name : {"finest.normalX.X", "finest.normalY.X"})
     part.channels.push_back({name, vector_type(header.encoding)});
-  if (header.has_roughness) part.channels.push_back({"finest.normalZ.X", vector_type(header.encoding)});
+  if (header.has_roughness)
+    part.channels.push_back({gaussians ? "finest.square.X" : "finest.normalZ.X", vector_type(header.encoding)});
   add_weight_channels("finest.weights", header, part);
   return part;
 }

@@ -96,7 +96,11 @@ class MovmfReader::File {
       refuse_texel(x, first_row + y, fmt::format("a normal ({}, {})", v[1], v[2]), "components of -1 to 1");
     rows.lobe[i] = static_cast<std::uint8_t>(v[0]);
     if (header_.has_roughness && !(v[3] >= 0.0f && v[3] <= kComponentMax))
-      refuse_texel(x, first_row + y, fmt::format("a normal of z = {}", v[3]), "0 to 1");
+      refuse_texel(
+          x, first_row + y,
+          fmt::format("{} {}",
+                      rows.representation == Representation::kGmm ? "a mean square of" : "a normal of z =", v[3]),
+          "0 to 1");
     rows.normals[i] = {v[1], v[2],
                        header_.has_roughness ? v[3] : finest_third(v[1], v[2], rows.representation, header_.encoding)};
     v += header_.has_roughness ? 4 : 3;

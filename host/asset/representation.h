@@ -27,11 +27,6 @@ inline bool holds_lobes(Representation representation) {
   return representation == Representation::kMovmf || representation == Representation::kGmm;
 }
 
-/// May its files hold a BRDF's width and weights of basis BRDFs beside normals?
-inline bool takes_materials(Representation representation) {
-  return representation == Representation::kMovmf || representation == Representation::kMoments;
-}
-
 const char* storage_encoding_name(StorageEncoding encoding);
 
 struct RepresentationInfo {

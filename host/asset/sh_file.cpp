@@ -18,10 +18,11 @@ namespace {
 constexpr char kOrderAttribute[] = "multum:shOrder";
 constexpr const char* kColourNames[] = {"colour.albedo.R", "colour.albedo.G", "colour.albedo.B"};
 constexpr char kColourText[] = "R,G,B = mean linear RGB";
+constexpr char kWeightsText[] = "R,G,B,A = mean weights of basis BRDFs 0 to 3; data, not colour";
+constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
 
 // R, G, B, A as far as there are coefficients; of the number in the part's name times 4 and on.
 BakedPart coefficient_part(const BakedHeader& header, int order, int part) {
-  constexpr const char* kNames[] = {"R", "G", "B", "A"};
   BakedPart made{fmt::format("sh.{:02}", part),
                  {},
                  header.first_level,
@@ -31,38 +32,49 @@ BakedPart coefficient_part(const BakedHeader& header, int order, int part) {
                              "Condon-Shortley phase, +X right, +Y up, +Z out; data, not colour",
                              4 * part)};
   for (int c = 0; c < std::min(4, sh_coefficient_count(order) - 4 * part); ++c)
-    made.channels.push_back({fmt::format("sh{:02}.Y.{}", part, kNames[c]), vector_type(header.encoding)});
+    made.channels.push_back({fmt::format("sh{:02}.Y.{}", part, kChannelNames[c]), vector_type(header.encoding)});
   return made;
 }
 
 std::vector<BakedPart> sh_parts(const BakedHeader& header, int order) {
   std::vector<BakedPart> parts;
   for (int part = 0; part < sh_part_count(order); ++part) parts.push_back(coefficient_part(header, order, part));
-  if (!header.has_colours) return parts;
-  parts.push_back({"colour", {}, header.first_level, header.level_count() - header.first_level, false, kColourText});
-  for (const char* name : kColourNames) parts.back().channels.push_back({name, colour_type(header.encoding)});
+  const auto append = [&](const char* name, const char* text) {
+    parts.push_back({name, {}, header.first_level, header.level_count() - header.first_level, false, text});
+  };
+  if (header.has_colours) {
+    append("colour", kColourText);
+    for (const char* name : kColourNames) parts.back().channels.push_back({name, colour_type(header.encoding)});
+  }
+  if (header.weight_count > 0) append("weights", kWeightsText);
+  for (int k = 0; k < header.weight_count; ++k)
+    parts.back().channels.push_back({fmt::format("weights.blend.{}", kChannelNames[k]), colour_type(header.encoding)});
   return parts;
 }
 
 class ShPortion : public BakedRows {
  public:
-  ShPortion(int order, bool has_colours, int level, ShLevel rows)
-      : order_(order), has_colours_(has_colours), level_(level), rows_(std::move(rows)) {}
+  ShPortion(int order, const BakedHeader& header, int level, ShLevel rows)
+      : order_(order), header_(header), level_(level), rows_(std::move(rows)) {}
 
   int level() const override { return level_; }
   int height() const override { return rows_.height; }
   std::size_t bytes() const override {
-    return rows_.parts.size() * rows_.parts[0].size() * sizeof(glm::vec4) + rows_.colours.size() * sizeof(glm::vec3);
+    return rows_.parts.size() * rows_.parts[0].size() * sizeof(glm::vec4) + rows_.colours.size() * sizeof(glm::vec3) +
+           rows_.weights.size() * sizeof(float);
   }
   void check_sizes(int level_width) const override {
     const std::size_t texels = texel_count(level_width, rows_.height);
     MULTUM_CHECK(rows_.width == level_width && static_cast<int>(rows_.parts.size()) == sh_part_count(order_));
     for (const auto& part : rows_.parts) MULTUM_CHECK(part.size() == texels);
-    MULTUM_CHECK(rows_.colours.size() == (has_colours_ ? texels : 0));
+    MULTUM_CHECK(rows_.colours.size() == (header_.has_colours ? texels : 0));
+    MULTUM_CHECK(rows_.weights.size() == texels * static_cast<std::size_t>(header_.weight_count));
   }
   void copy_values(std::size_t part, std::size_t first, std::size_t count, float* values) const override {
-    if (part == rows_.parts.size()) {
-      std::copy_n(&rows_.colours[first].x, 3 * count, values);
+    if (part >= rows_.parts.size()) {
+      const auto weights = static_cast<std::size_t>(header_.weight_count);
+      if (header_.has_colours && part == rows_.parts.size()) std::copy_n(&rows_.colours[first].x, 3 * count, values);
+      else std::copy_n(&rows_.weights[first * weights], count * weights, values);
       return;
     }
     const int channels = std::min(4, sh_coefficient_count(order_) - 4 * static_cast<int>(part));
@@ -71,7 +83,7 @@ class ShPortion : public BakedRows {
 
  private:
   const int order_;
-  const bool has_colours_;
+  const BakedHeader& header_;
   const int level_;
   const ShLevel rows_;
 };
@@ -97,15 +109,15 @@ int sh_tile_size(int map_width, int order, int usual) {
 
 class ShWriter::Work {
  public:
-  Work(const std::string& path, const BakedHeader& header, int sh_order, const BakedWriteOptions& options)
+  Work(const std::string& path, const BakedHeader& file_header, int sh_order, const BakedWriteOptions& options)
       : order(sh_order),
-        has_colours(header.has_colours),
+        header(file_header),
         writer(path, header, sh_parts(header, sh_order), make_sh_headers(header, sh_order, options), options) {
     MULTUM_CHECK(header.representation == Representation::kSh);
   }
 
   const int order;
-  const bool has_colours;
+  const BakedHeader header;
   BakedWriter writer;
 };
 
@@ -114,7 +126,7 @@ ShWriter::ShWriter(const std::string& path, const BakedHeader& header, int order
 ShWriter::~ShWriter() = default;
 
 void ShWriter::write_level(int level, int first_row, ShLevel rows) {
-  work_->writer.write(first_row, std::make_unique<ShPortion>(work_->order, work_->has_colours, level, std::move(rows)));
+  work_->writer.write(first_row, std::make_unique<ShPortion>(work_->order, work_->header, level, std::move(rows)));
 }
 
 void ShWriter::commit(const std::string& measured_error, Progress* progress) {
@@ -143,10 +155,11 @@ class ShReader::File {
   BakedRowHash& hash() { return *hash_; }
 
   ShLevel read_level(int level, int first_row, int row_count) {
-    ShLevel rows{mip_level_size(header_.width, level), row_count, {}, {}};
+    ShLevel rows{mip_level_size(header_.width, level), row_count, {}, {}, {}};
     const std::size_t texels = texel_count(rows.width, row_count);
     rows.parts.assign(static_cast<std::size_t>(sh_part_count(order_)), std::vector<glm::vec4>(texels));
     if (header_.has_colours) rows.colours.resize(texels);
+    rows.weights.resize(texels * static_cast<std::size_t>(header_.weight_count));
     if (texels == 0) return rows;
     for (std::size_t part = 0; part < rows.parts.size(); ++part) {
       const int channels = std::min(4, sh_coefficient_count(order_) - 4 * static_cast<int>(part));
@@ -161,7 +174,10 @@ class ShReader::File {
         values[i] = texel;
       }
     }
-    if (header_.has_colours) read_part(rows.parts.size(), level, first_row, row_count, &rows.colours[0].x, 3 * texels);
+    std::size_t part = rows.parts.size();
+    if (header_.has_colours) read_part(part++, level, first_row, row_count, &rows.colours[0].x, 3 * texels);
+    if (header_.weight_count > 0)
+      read_part(part, level, first_row, row_count, rows.weights.data(), rows.weights.size());
     return rows;
   }
 

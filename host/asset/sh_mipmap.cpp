@@ -11,26 +11,24 @@ namespace {
 
 float as_half(float value) { return static_cast<float>(half(value)); }
 
-template <typename Value>
-std::vector<Value> part_of(const std::vector<Value>& values, std::ptrdiff_t begin, std::ptrdiff_t end) {
-  return values.empty() ? std::vector<Value>() : std::vector<Value>(values.begin() + begin, values.begin() + end);
-}
-
 }  // namespace
 
 std::vector<ShLevel> empty_sh_levels(int width, int height) {
   std::vector<ShLevel> levels;
   for (int l = 0; l < mip_level_count(width, height); ++l)
-    levels.push_back({mip_level_size(width, l), mip_level_size(height, l), {}, {}});
+    levels.push_back({mip_level_size(width, l), mip_level_size(height, l), {}, {}, {}});
   return levels;
 }
 
 ShLevel rows_of(const ShLevel& level, int first_row, int row_count) {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
-  const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(first_row) * level.width;
-  const std::ptrdiff_t end = begin + static_cast<std::ptrdiff_t>(row_count) * level.width;
-  ShLevel rows{level.width, row_count, {}, part_of(level.colours, begin, end)};
-  for (const std::vector<glm::vec4>& part : level.parts) rows.parts.push_back(part_of(part, begin, end));
+  const auto width = static_cast<std::size_t>(level.width), begin = static_cast<std::size_t>(first_row) * width;
+  const auto of_rows = [&](const auto& values) {
+    return texels_of(values, width * static_cast<std::size_t>(level.height), begin,
+                     begin + width * static_cast<std::size_t>(row_count));
+  };
+  ShLevel rows{level.width, row_count, {}, of_rows(level.colours), of_rows(level.weights)};
+  for (const std::vector<glm::vec4>& part : level.parts) rows.parts.push_back(of_rows(part));
   return rows;
 }
 
@@ -46,6 +44,10 @@ void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads) {
       if (!rows.colours.empty())
         for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
     }
+    const std::size_t weight_row = rows.weights.size() / static_cast<std::size_t>(rows.height);
+    for (std::size_t i = static_cast<std::size_t>(row_begin) * weight_row;
+         i < static_cast<std::size_t>(row_end) * weight_row; ++i)
+      rows.weights[i] = as_half(rows.weights[i]);
   });
 }
 

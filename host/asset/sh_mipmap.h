@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The baked file's contents where it holds spherical harmonics: of every texel's normals n the mean of Y_lm(n), which
 // is the distribution of normals itself, cut off above an order (Han et al. 2007, section 5). Linear: any filter mixes
-// it exactly.
+// it exactly. With a BRDF's width in (BakedHeader::has_roughness) it is that of facets: a finest normal's band l is
+// times a_l of the vMF of its mean cosine c(roughness).
 #pragma once
 
 #include <vector>
@@ -22,6 +23,7 @@ struct ShLevel {
   int height = 0;
   std::vector<std::vector<glm::vec4>> parts;  // [part][y * width + x]; empty: not stored
   std::vector<glm::vec3> colours;             // mean linear RGB; empty: the map has no colours
+  std::vector<float> weights = {};            // mean weights of basis BRDFs, as many a texel; empty: none
 
   /// Coefficient number `coefficient` of texel `i`.
   float value(int coefficient, std::size_t i) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // By the addition theorem the coefficients of band l of one direction lie on a sphere of radius sqrt((2l+1)/4pi), so
-// that those of a mean of directions lie within it, and those of level 0 on it.
+// that those of a mean of directions lie within it, and those of level 0 on it. With a BRDF's width in they lie within
+// it too, those of l = 1 at c = 1/2 to 1 of it.
 #include "host/asset/sh_verify.h"
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ struct Worst {
 
 struct Scan {
   std::size_t nonfinite = 0;
-  Worst strong, unlike;  // how far beyond what is allowed
+  Worst strong, unlike, weight;  // how far beyond what is allowed
 };
 
 bool is_finite(const ShLevel& rows, std::size_t i) {
@@ -63,7 +64,15 @@ void scan_file(ShReader& reader, const ShRowsSeen& seen, Scan& scan) {
           for (int band = 1; band <= reader.order(); ++band) {
             const double excess = power_of_band(rows, i, band) - 1.0;
             scan.strong.offer(excess - tolerance, l, x, row + y, band);
-            if (l == 0) scan.unlike.offer(-excess - tolerance, l, x, row + y, band);
+            if (l > 0 || (header.has_roughness && band > 1)) continue;
+            const double missing_max = header.has_roughness ? 0.75 : 0.0;  // 1 - c^2
+            scan.unlike.offer(-excess - missing_max - tolerance, l, x, row + y, band);
+          }
+          const auto weight_count = static_cast<std::size_t>(header.weight_count);
+          for (std::size_t k = i * weight_count; k < (i + 1) * weight_count; ++k) {
+            const auto weight = static_cast<double>(rows.weights[k]);
+            if (!std::isfinite(weight)) ++scan.nonfinite;
+            else scan.weight.offer(std::max(-weight, weight - 1.0 - tolerance), l, x, row + y, 0);
           }
         }
       if (seen) seen(l, row, rows);
@@ -85,19 +94,26 @@ std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const
   scan_file(reader, seen, scan);
   const std::string hash = reader.finish_hash();
   const bool is_same = hash == header.provenance.content_hash;
-  return {
+  std::vector<VerifyFinding> findings = {
       {"structure", true,
        fmt::format("{} x {}, {}, spherical harmonics to order {}{}, encoding {}", header.width, header.height,
-                   levels_text(header.first_level, header.level_count()), reader.order(),
-                   header.has_colours ? " with colours" : "", storage_encoding_name(header.encoding))},
+                   levels_text(header.first_level, header.level_count()), reader.order(), materials_text(header),
+                   storage_encoding_name(header.encoding))},
       {"checksum", is_same,
        is_same ? hash : "found " + hash + ", expected " + header.provenance.content_hash + " as the header says"},
       {"finite", scan.nonfinite == 0, fmt::format("{} texels that are not finite, expected 0", scan.nonfinite)},
       finding("power", scan.strong, "no band is stronger than that of one direction",
               "a band is stronger than that of one direction"),
-      finding("level 0", scan.unlike, header.first_level == 0 ? "each texel is one direction" : "not stored",
+      finding("level 0", scan.unlike,
+              header.first_level > 0 ? "not stored"
+              : header.has_roughness ? "each texel is the facets of one normal"
+                                     : "each texel is one direction",
               "a texel is not one direction: a band is weaker"),
   };
+  if (header.weight_count > 0)
+    findings.push_back(finding("weights", scan.weight, fmt::format("{} a texel, each from 0 to 1", header.weight_count),
+                               "a weight is outside 0 to 1"));
+  return findings;
 }
 
 }  // namespace multum

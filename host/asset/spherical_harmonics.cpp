@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/asset/spherical_harmonics.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/base/error.h"
+#include "host/base/mean_cosine.h"
 
 namespace multum {
 
@@ -33,6 +35,30 @@ ZonalCoefficients zonal_blinn_phong(int order, double s) {
 ZonalCoefficients zonal_lambert(int order) {
   ZonalCoefficients a = zonal_blinn_phong(order, 1.0);  // 1/pi max(t, 0)
   for (double& value : a) value *= M_PI;
+  return a;
+}
+
+// a_l = a_(l-1) R_l, R_l = I_(l+1/2) / I_(l-1/2) = 1 / ((2l + 1)/kappa + R_(l+1)), downward from the asymptotic
+// quotient well above the last.
+ZonalCoefficients zonal_vmf(int order, double mean_cosine) {
+  constexpr int kAbove = 30;
+  ZonalCoefficients a(static_cast<std::size_t>(order) + 1, 1.0);
+  if (mean_cosine >= 1.0) return a;
+  const double kappa = kappa_of_mean_cosine(mean_cosine, HUGE_VAL), middle = order + kAbove + 0.5;
+  double quotient = kappa / (middle + std::sqrt(middle * middle + kappa * kappa));
+  for (int l = order + kAbove - 1; l >= 1; --l) {
+    quotient = kappa / (2.0 * l + 1.0 + kappa * quotient);
+    if (l <= order) a[static_cast<std::size_t>(l)] = quotient;
+  }
+  for (std::size_t l = 1; l < a.size(); ++l) a[l] *= a[l - 1];
+  return a;
+}
+
+ZonalCoefficients zonal_lambert_of_rough(int order, double mean_cosine) {
+  constexpr double kLeastDivisor = 0.1;
+  ZonalCoefficients a = zonal_lambert(order);
+  const ZonalCoefficients weakened = zonal_vmf(order, mean_cosine);
+  for (std::size_t l = 0; l < a.size(); ++l) a[l] /= std::max(weakened[l], kLeastDivisor);
   return a;
 }
 

@@ -29,6 +29,8 @@ constexpr int sh_part_count(int order) { return (sh_coefficient_count(order) + 3
 
 /// Y_00.
 constexpr double kShConstant = 0.28209479177387814;
+/// Y_1,-1, Y_10, Y_11 of a unit normal are y, z, x times this.
+constexpr float kShNormalFactor = 0.48860251f;
 
 /// The recurrence's constants in the order in which it takes them: for each m from 0 first (p_mm, 0), then (a_lm, b_lm)
 /// of l = m + 1 to `order`.
@@ -46,5 +48,11 @@ using ZonalCoefficients = std::vector<double>;
 ZonalCoefficients zonal_blinn_phong(int order, double s);
 /// max(t, 0), exactly: pi, 2 pi/3, pi/4, 0, -pi/24, 0, ...
 ZonalCoefficients zonal_lambert(int order);
+/// The von Mises-Fisher distribution of that mean cosine, 0 < c <= 1: what a BRDF's width makes of a finest normal's
+/// bands (kernels/device/vmf_zonal.clh). 1, c, ...; all 1 where c is.
+ZonalCoefficients zonal_vmf(int order, double mean_cosine);
+/// max(t, 0) of normals whose bands a BRDF's width has weakened as zonal_vmf() does: divided by that, of the mean over
+/// the map (BakedHeader::mean_cosine), but nothing by less than 0.1, beyond which there is little but rounding.
+ZonalCoefficients zonal_lambert_of_rough(int order, double mean_cosine);
 
 }  // namespace multum

@@ -144,7 +144,9 @@ class ShMeter : public AccuracyMeter {
  public:
   /// Of `header`: sizes, order, first level; no texels.
   ShMeter(const ShMipmap& header, const AccuracySettings& settings)
-      : AccuracyMeter(header.header.width, header.header.height, settings), model_(header, points().texels()) {}
+      : AccuracyMeter(header.header.width, header.header.height,
+                      of_file(settings, header.header.has_roughness, header.header.mean_cosine)),
+        model_(header, points().texels()) {}
 
   void add_rows(int level, int first_row, const ShLevel& rows) { model_.add_rows(level, first_row, rows); }
   std::size_t kept_bytes() const { return model_.kept_bytes(); }

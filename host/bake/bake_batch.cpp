@@ -29,7 +29,8 @@ std::string place(const std::string& pattern, const std::string& input, const st
       throw Error(ErrorCode::kUsage, pattern + ": holds <UDIM>, but " + input + " is no set: expected a folder");
     return with_tile(pattern, tile);
   }
-  if (!fs::is_directory(pattern))
+  std::error_code error;
+  if (!fs::is_directory(pattern, error))
     throw Error(ErrorCode::kUsage,
                 pattern + ": one name for several maps, expected a folder that exists, or <UDIM> in the name");
   return (fs::path(pattern) / (fs::path(input).stem().string() + suffix)).string();

@@ -76,20 +76,12 @@ BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progres
   return source;
 }
 
-void check_materials(const BakeJob& job) {
-  if (takes_materials(job.representation)) return;
-  for (const auto& [option, map] : {std::pair{"--roughness", &job.roughness}, std::pair{"--weights", &job.weights}})
-    if (!map->empty())
-      throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf vmf and moments, found --ndf {}", option,
-                                                 representation_info(job.representation).option));
-}
-
 void check_job(const BakeJob& job) {
-  if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder))
+  std::error_code error;
+  if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder, error))
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected one for scratch files");
   check_encoding(job.representation, job.encoding);
   ndf_bake(job.representation).check_settings(job);
-  check_materials(job);
   validate(job.writing);
   check_paths_differ(input_files(job), {job.output, job.report});
   check_output_name(job.output);

@@ -64,7 +64,5 @@ BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progres
 BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress);
 /// Throws Error(kUsage, kEnvironment) for what can be told of a job before anything is read.
 void check_job(const BakeJob& job);
-/// Throws Error(kUsage) for maps that the representation has no place for.
-void check_materials(const BakeJob& job);
 
 }  // namespace multum

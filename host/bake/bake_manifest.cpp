@@ -100,7 +100,8 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
       table.refuse(
           table.has(key) ? key : "",
           fmt::format("has the {} \"{}\", but the input is no set: expected a name without <UDIM>", key, job.*map));
-  const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output);
+  std::error_code error;
+  const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output, error);
   if (is_set && !has_udim(job.output) && !is_folder)
     table.refuse("output",
                  fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or a folder that is there",
@@ -128,16 +129,6 @@ void check_keys_of_ndf(const StrictTable& table, const MapOptions& map) {
                                     representation_info(representation).option));
 }
 
-// Whoever gives them: what [defaults] have must not be left out in silence.
-void check_materials_of_ndf(const StrictTable& table, const BakeJob& job) {
-  if (takes_materials(job.representation)) return;
-  for (const auto& [key, map] : kMaterialKeys)
-    if (map != &BakeJob::albedo && !(job.*map).empty())
-      table.refuse(table.has(key) ? key : "",
-                   fmt::format("has {} = \"{}\", which is for ndf = \"vmf\" and \"moments\", found ndf = \"{}\"", key,
-                               job.*map, representation_info(job.representation).option));
-}
-
 struct ManifestEntry {
   StrictTable table;
   std::vector<ManifestMap> maps;
@@ -154,7 +145,6 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   job.input = resolved(path, entry.table.text("input"));
   job.output = resolved(path, entry.table.text("output"));
   for (std::string BakeJob::*map : kMaterialMaps) job.*map = resolved(path, job.*map);
-  check_materials_of_ndf(entry.table, job);
   check_paths(entry.table, job);
   for (BakeJob& one : jobs_of(job)) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();

@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/asset/baked_file.h"
-#include "host/bake/mean_cosine.h"
+#include "host/base/mean_cosine.h"
 
 namespace multum {
 namespace {

@@ -220,9 +220,6 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, Device& d
   clock.finish("read");
   if (source.has_roughness && target.brdf.name != "lambert") target.brdf = {"roughness", 0.0};
   std::vector<SettingCandidate> candidates = setting_candidates(target.only);
-  if (!job.roughness.empty() || !job.weights.empty())
-    std::erase_if(candidates, [](const SettingCandidate& one) { return !takes_materials(*one.map.ndf); });
-  if (candidates.empty()) check_materials(with_candidate(job, setting_candidates(target.only).front()));
   progress_stage(progress, "choose settings");
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));
   const double read_seconds = choosing.bake_seconds();

@@ -9,62 +9,15 @@
 #include <filesystem>
 #include <functional>
 
+#include "host/bake/html_page.h"
 #include "host/base/atomic_file.h"
 
 namespace multum {
 namespace {
 
-// The colours of tools/demo_page.py.
-constexpr const char* kStyle = R"(
-:root { color-scheme: light dark; --back: #fdfdfb; --text: #1d2329; --soft: #5b6670; --line: #d5d9dc; --blank: #e4e7e9;
-  --heat: #1b6ca8; --link: #1b5e96; }
-@media screen and (prefers-color-scheme: dark) {
-  :root { --back: #15191d; --text: #e3e7ea; --soft: #a0abb4; --line: #39424a; --blank: #5a646e; --heat: #4f9fdc;
-    --link: #8cc5f2; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 76rem; padding: 1rem 1.2rem 3rem; background: var(--back); color: var(--text);
-  font: 1rem/1.5 system-ui, sans-serif; }
-h1 { margin: .3em 0; font-size: 1.7rem; overflow-wrap: anywhere; } h2 { margin: 2.2rem 0 .4rem; }
-h3 { margin: 1.4rem 0 .3rem; overflow-wrap: anywhere; }
-p, ul { max-width: 46rem; margin: .4rem 0; } a { color: var(--link); } .soft, figcaption { color: var(--soft); }
-.three { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: .7rem; align-items: start; }
-.thumbs { display: flex; flex-wrap: wrap; gap: .9rem; align-items: end; } 
-.thumbs figure { max-width: 24rem; } .thumbs figure img { image-rendering: auto; }
-.charts { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(21rem, 100%), 1fr)); gap: 1.2rem; }
-figure { margin: 0; min-width: 0; }
-figure img { display: block; max-width: 100%; height: auto; background: var(--blank); image-rendering: pixelated; }
-figcaption { font-size: .88rem; margin-top: .2rem; overflow-wrap: anywhere; } figcaption b { color: var(--text); }
-.wide { overflow-x: auto; margin: .5rem 0; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
-th, td { padding: .22rem .5rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap;
-  vertical-align: bottom; }
-th.text, td.text { text-align: left; white-space: normal; }
-th { color: var(--soft); font-weight: 600; white-space: normal; } td.best { font-weight: 700; }
-@media (max-width: 40rem) { th, td { padding: .22rem .3rem; font-size: .85rem; } }
-svg { display: block; width: 100%; max-width: 30rem; height: auto; print-color-adjust: exact; }
-svg text { fill: var(--soft); font: 11px system-ui, sans-serif; } svg .value { fill: var(--text); }
-svg .cell { fill: var(--heat); } svg .none { fill: none; stroke: var(--line); }
-svg .shown { fill: none; stroke: var(--text); stroke-width: 2; }
-@media print { body { max-width: none; padding: 0; font-size: 10pt; } figure, tr { break-inside: avoid; }
-  h2, h3 { break-after: avoid; } figure img { print-color-adjust: exact; } }
-)";
-
 // Seconds a point of the parameter space in the paper's table "System Performance": texture coordinate optimisation
 // .93 s, obtaining matrix A 2.15 min, solving for textures 2.68 min.
 constexpr double kPaperMapping = 0.93, kPaperProbing = 2.15 * 60.0, kPaperSolving = 2.68 * 60.0;
-
-std::string escaped(const std::string& text) {
-  std::string html;
-  for (const char c : text) {
-    if (c == '&') html += "&amp;";
-    else if (c == '<') html += "&lt;";
-    else if (c == '>') html += "&gt;";
-    else if (c == '"') html += "&quot;";
-    else if (c == '\'') html += "&#39;";
-    else html += c;
-  }
-  return html;
-}
 
 // Three figures; negative: there is none.
 std::string mse_text(double value) {
@@ -81,51 +34,23 @@ std::string counted(std::size_t count, const std::string& what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-struct Column {
-  std::string head;  // HTML, as cells are
-  bool is_text = false;
-};
-
-using Row = std::vector<std::string>;
-
-// Cells that begin with '*' are the best of their column.
-std::string table(const std::vector<Column>& columns, const std::vector<Row>& rows) {
-  std::string html = "<div class=\"wide\"><table>\n<tr>";
-  for (const Column& column : columns)
-    html += fmt::format("<th scope=\"col\"{}>{}</th>", column.is_text ? " class=\"text\"" : "", column.head);
-  html += "</tr>\n";
-  for (const Row& row : rows) {
-    html += "<tr>";
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      const bool is_best = row[c].starts_with('*');
-      html += fmt::format("<td{}>{}</td>",
-                          columns[c].is_text ? " class=\"text\""
-                          : is_best          ? " class=\"best\""
-                                             : "",
-                          is_best ? row[c].substr(1) : row[c]);
-    }
-    html += "</tr>\n";
-  }
-  return html + "</table></div>\n";
-}
-
 class InferencePage {
  public:
   InferencePage(const InferenceReport& report, const ReportPictures& pictures)
       : report_(report), job_(report.job), pictures_(pictures), layers_(summarise_layers(report)) {}
 
   std::string html() const {
-    const std::string title = "Inferred textures of " + escaped(std::filesystem::path(job_.path).filename().string());
-    return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-           title + "</title><style>" + kStyle + "</style></head><body>\n<h1>" + title + "</h1>\n" + summary() +
-           frame_pictures() + object_table() + comparison() + heat_maps() + object_pictures() + textures() + times() +
-           mappings() + doubtful() + foot() + "</body></html>\n";
+    const std::string title =
+        "Inferred textures of " + html_escaped(std::filesystem::path(job_.path).filename().string());
+    return html_page(title, summary() + frame_pictures() + object_table() + comparison() + heat_maps() +
+                                object_pictures() + textures() + times() + mappings() + doubtful() + foot());
   }
 
  private:
-  std::string object_name(std::size_t k) const { return escaped(job_.objects[k].name); }
-  std::string sample_name(int sample) const { return escaped(job_.samples[static_cast<std::size_t>(sample)].name); }
+  std::string object_name(std::size_t k) const { return html_escaped(job_.objects[k].name); }
+  std::string sample_name(int sample) const {
+    return html_escaped(job_.samples[static_cast<std::size_t>(sample)].name);
+  }
 
   std::string summary() const {
     std::size_t textures = 0, there = 0;
@@ -142,7 +67,8 @@ class InferencePage {
       has_forward = has_forward && one.forward_squared_error >= 0.0;
     }
     std::vector<std::string> grid;
-    for (const AnimationParameter& p : job_.parameters) grid.push_back(fmt::format("{} {}", p.count, escaped(p.name)));
+    for (const AnimationParameter& p : job_.parameters)
+      grid.push_back(fmt::format("{} {}", p.count, html_escaped(p.name)));
     std::string html = fmt::format(
         "<p>{} of {} were inferred from {} of {} &times; {} pixels ({}), so that a GL renderer that draws the "
         "objects with them shows those pictures again (Hakura et al. 2000).",
@@ -211,7 +137,7 @@ class InferencePage {
   static std::string picture(const ReportPicture& one, int scale, const std::string& alt, const std::string& caption) {
     return fmt::format(
         "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\"><figcaption>{}</figcaption></figure>\n",
-        escaped(one.file), scale * one.width, scale * one.height, alt, caption);
+        html_escaped(one.file), scale * one.width, scale * one.height, alt, caption);
   }
 
   static std::string three(const PictureRow& row, const std::string& what) {
@@ -254,7 +180,7 @@ class InferencePage {
         "<div class=\"thumbs\">\n",
         sample_name(report_.sample));
     for (const ReportPictures::Texture& one : pictures_.textures) {
-      const std::string name = object_name(one.object) + " " + escaped(job_.layers[one.layer].name);
+      const std::string name = object_name(one.object) + " " + html_escaped(job_.layers[one.layer].name);
       html += picture(one.picture, 1, "texture of " + name,
                       fmt::format("<b>{}</b>, {} &times; {} texels", name, one.picture.width, one.picture.height));
     }
@@ -264,24 +190,24 @@ class InferencePage {
   std::string object_table() const {
     bool has_held_out = false;
     for (const LayerSummary& one : layers_) has_held_out = has_held_out || one.held_out_squared_error >= 0.0;
-    std::vector<Column> columns = {{"object", true}, {"layer", true},     {"textures"}, {"texels"},
-                                   {"MSE"},          {"forward mapping"}, {"ratio"}};
+    std::vector<HtmlColumn> columns = {{"object", true}, {"layer", true},     {"textures"}, {"texels"},
+                                       {"MSE"},          {"forward mapping"}, {"ratio"}};
     if (has_held_out) columns.push_back({"held out"});
     columns.insert(columns.end(), {{"worst sample"}, {"iterations, median"}, {"at most"}, {"not converged"}});
     if (report_.frames != nullptr) columns.push_back({"in frames"});
-    std::vector<Row> rows;
+    std::vector<HtmlRow> rows;
     for (const LayerSummary& one : layers_) {
       const bool is_first = rows.empty() || layers_[rows.size() - 1].object != one.object;
       const bool is_known = one.textures_there < one.textures;
-      Row row = {is_first ? object_name(one.object) : "",
-                 escaped(job_.layers[one.layer].name),
-                 std::to_string(one.textures),
-                 texel_count_text(report_, one, " &times; "),
-                 mse_text(one.squared_error),
-                 mse_text(one.forward_squared_error),
-                 one.forward_squared_error > 0.0 && one.squared_error >= 0.0
-                     ? fmt::format("{:.2f}", one.squared_error / one.forward_squared_error)
-                     : "&ndash;"};
+      HtmlRow row = {is_first ? object_name(one.object) : "",
+                     html_escaped(job_.layers[one.layer].name),
+                     std::to_string(one.textures),
+                     texel_count_text(report_, one, " &times; "),
+                     mse_text(one.squared_error),
+                     mse_text(one.forward_squared_error),
+                     one.forward_squared_error > 0.0 && one.squared_error >= 0.0
+                         ? fmt::format("{:.2f}", one.squared_error / one.forward_squared_error)
+                         : "&ndash;"};
       if (has_held_out) row.push_back(mse_text(one.held_out_squared_error));
       row.push_back(one.worst_sample < 0
                         ? "&ndash;"
@@ -298,14 +224,14 @@ class InferencePage {
     return "<h2>Objects and layers</h2>\n<p>MSE is of each layer by itself, over the pixels that its textures were "
            "solved for; in frames all layers are added, and pixels are those that the object covers wholly. The ratio "
            "is to forward mapping.</p>\n" +
-           table(columns, rows);
+           html_table(columns, rows);
   }
 
   // The least of each column, of those that are there.
   std::string comparison() const {
     if (report_.comparison == nullptr || report_.comparison->rows.empty()) return "";
     const InferenceComparison& c = *report_.comparison;
-    std::vector<Column> columns = {{"inferred with", true}};
+    std::vector<HtmlColumn> columns = {{"inferred with", true}};
     std::vector<double> least(job_.objects.size(), -1.0);
     for (std::size_t k = 0; k < job_.objects.size(); ++k) {
       columns.push_back({object_name(k)});
@@ -313,9 +239,9 @@ class InferencePage {
         if (row.squared_errors[k] >= 0.0 && (least[k] < 0.0 || row.squared_errors[k] < least[k]))
           least[k] = row.squared_errors[k];
     }
-    std::vector<Row> rows;
+    std::vector<HtmlRow> rows;
     for (const ComparisonRow& one : c.rows) {
-      Row row = {escaped(one.name)};
+      HtmlRow row = {html_escaped(one.name)};
       for (std::size_t k = 0; k < job_.objects.size(); ++k)
         row.push_back((one.squared_errors[k] >= 0.0 && one.squared_errors[k] <= least[k] ? "*" : "") +
                       mse_text(one.squared_errors[k]));
@@ -326,8 +252,8 @@ class InferencePage {
                "several ways, as in figure 6 of the paper: MSE of all layers added, "
                "over wholly covered pixels; the least is bold. Bilinear filtering fits best at the very view "
                "that it was inferred for and at no other.</p>\n",
-               escaped(c.sample)) +
-           table(columns, rows);
+               html_escaped(c.sample)) +
+           html_table(columns, rows);
   }
 
   std::string heat_maps() const {
@@ -398,9 +324,10 @@ class InferencePage {
     const double left = 44.0, top = 20.0;
     if (job_.parameters.empty()) return "";
     std::vector<std::string> others;
-    for (std::size_t d = 0; d + 1 < job_.parameters.size(); ++d) others.push_back(escaped(job_.parameters[d].name));
+    for (std::size_t d = 0; d + 1 < job_.parameters.size(); ++d)
+      others.push_back(html_escaped(job_.parameters[d].name));
     std::string svg = fmt::format("<text x=\"{:g}\" y=\"9\">{} 0 to {}</text>", left,
-                                  escaped(job_.parameters.back().name), columns - 1);
+                                  html_escaped(job_.parameters.back().name), columns - 1);
     if (!others.empty()) svg += fmt::format("<text x=\"0\" y=\"9\">{}</text>", fmt::join(others, ", "));
     const int step = std::max(1, static_cast<int>(std::ceil(12.0 / cell_height)));  // labels are 12 high
     for (int row = 0; row < rows && !others.empty(); row += step) {
@@ -421,41 +348,41 @@ class InferencePage {
     const StageSeconds& s = report_.result.seconds;
     const auto points = static_cast<double>(job_.samples.size());
     const auto row = [&](const char* name, double seconds, double paper) {
-      return Row{name, seconds_text(seconds), fmt::format("{:.3f}", seconds / points),
-                 paper > 0.0 ? seconds_text(paper) : ""};
+      return HtmlRow{name, seconds_text(seconds), fmt::format("{:.3f}", seconds / points),
+                     paper > 0.0 ? seconds_text(paper) : ""};
     };
     return "<h2>Time</h2>\n<p>The paper's are for one point of its parameter space.</p>\n" +
-           table({{"stage", true}, {"seconds"}, {"a sample"}, {"the paper's, a sample"}},
-                 {row("texture coordinates", s.mapping, kPaperMapping),
-                  row("measuring filter matrices", s.probing, kPaperProbing),
-                  row("taking pictures apart into objects", s.segmentation, 0.0),
-                  row("setting up systems", s.systems, 0.0), row("solving for textures", s.solving, kPaperSolving),
-                  row("forward mapping, to compare with", s.baseline, 0.0),
-                  row("drawing and comparing frames", s.rendering, 0.0), row("together", total_seconds(), 0.0)});
+           html_table({{"stage", true}, {"seconds"}, {"a sample"}, {"the paper's, a sample"}},
+                      {row("texture coordinates", s.mapping, kPaperMapping),
+                       row("measuring filter matrices", s.probing, kPaperProbing),
+                       row("taking pictures apart into objects", s.segmentation, 0.0),
+                       row("setting up systems", s.systems, 0.0), row("solving for textures", s.solving, kPaperSolving),
+                       row("forward mapping, to compare with", s.baseline, 0.0),
+                       row("drawing and comparing frames", s.rendering, 0.0), row("together", total_seconds(), 0.0)});
   }
 
   std::string mappings() const {
-    std::vector<Row> rows;
+    std::vector<HtmlRow> rows;
     for (std::size_t k = 0; k < job_.objects.size(); ++k)
       for (std::size_t block = 0; block < report_.result.mappings[k].size(); ++block) {
         const TextureMapping& m = report_.result.mappings[k][block];
-        Row row = {block == 0 ? object_name(k) : ""};
-        if (report_.result.blocks.size() > 1) row.push_back(escaped(report_.result.blocks[block]));
-        const Row figures = mapping_figures(m);
+        HtmlRow row = {block == 0 ? object_name(k) : ""};
+        if (report_.result.blocks.size() > 1) row.push_back(html_escaped(report_.result.blocks[block]));
+        const HtmlRow figures = mapping_figures(m);
         row.insert(row.end(), figures.begin(), figures.end());
         rows.push_back(row);
       }
-    std::vector<Column> columns = {{"object", true}};
+    std::vector<HtmlColumn> columns = {{"object", true}};
     if (report_.result.blocks.size() > 1) columns.push_back({"samples", true});
     columns.insert(columns.end(),
                    {{"texels"}, {"stretch"}, {"rounds of scaling"}, {"cut at"}, {"visible pixels"}, {"degenerate"}});
     return "<h2>Texture coordinates</h2>\n<p>An affine map of each object's own coordinates, for all samples that "
            "share "
            "it. Stretch is how many pixels a texel becomes at most.</p>\n" +
-           table(columns, rows);
+           html_table(columns, rows);
   }
 
-  static Row mapping_figures(const TextureMapping& m) {
+  static HtmlRow mapping_figures(const TextureMapping& m) {
     if (m.width == 0) return {"not seen"};
     std::vector<std::string> cuts;
     for (std::size_t d = 0; d < 2; ++d)
@@ -472,21 +399,21 @@ class InferencePage {
     const SegmentationReport& s = report_.result.segmentation;
     const AnimationInferResult& r = report_.result;
     return "<h2>Counts</h2>\n" +
-           table({{"what", true}, {"count"}},
-                 {{"pixels of objects' layers that were not finite", std::to_string(s.not_finite_pixels)},
-                  {"negative ones", std::to_string(s.negative_pixels)},
-                  {"of these, repaired from neighbours", std::to_string(s.repaired_pixels)},
-                  {"of these, dropped", std::to_string(s.dropped_pixels)},
-                  {"mixed pixels, taken apart", std::to_string(s.mixed_pixels)},
-                  {"of these, without a wholly covered pixel nearby", std::to_string(s.unguided_pixels)},
-                  {"values below 0 after that, set to 0", std::to_string(s.clamped_values)},
-                  {"values above the radiance maximum, clipped", std::to_string(s.clipped_values)},
-                  {"depths that are not numbers", std::to_string(r.nan_depths)},
-                  {"rows of filter matrices", std::to_string(r.rows)},
-                  {"of these, rejected", std::to_string(r.rows_rejected)},
-                  {"matrices measured in this run", std::to_string(r.matrices_measured)},
-                  {"systems solved in normal form", std::to_string(r.systems_normal)},
-                  {"systems solved with the matrix", std::to_string(r.systems_matrix)}});
+           html_table({{"what", true}, {"count"}},
+                      {{"pixels of objects' layers that were not finite", std::to_string(s.not_finite_pixels)},
+                       {"negative ones", std::to_string(s.negative_pixels)},
+                       {"of these, repaired from neighbours", std::to_string(s.repaired_pixels)},
+                       {"of these, dropped", std::to_string(s.dropped_pixels)},
+                       {"mixed pixels, taken apart", std::to_string(s.mixed_pixels)},
+                       {"of these, without a wholly covered pixel nearby", std::to_string(s.unguided_pixels)},
+                       {"values below 0 after that, set to 0", std::to_string(s.clamped_values)},
+                       {"values above the radiance maximum, clipped", std::to_string(s.clipped_values)},
+                       {"depths that are not numbers", std::to_string(r.nan_depths)},
+                       {"rows of filter matrices", std::to_string(r.rows)},
+                       {"of these, rejected", std::to_string(r.rows_rejected)},
+                       {"matrices measured in this run", std::to_string(r.matrices_measured)},
+                       {"systems solved in normal form", std::to_string(r.systems_normal)},
+                       {"systems solved with the matrix", std::to_string(r.systems_matrix)}});
   }
 
   std::string foot() const {
@@ -494,9 +421,9 @@ class InferencePage {
     return fmt::format(
         "<p class=\"soft\">multum {}; OpenCL: {}; GL: {}. {} &times; {} sub-pixels; relative gradient {:g}, "
         "at most {} iterations; {}. Every figure: <a href=\"report.json\">report.json</a>.</p>\n",
-        MULTUM_VERSION, escaped(report_.result.device),
-        report_.result.renderer.empty() ? "not used in this run" : escaped(report_.result.renderer), job_.supersampling,
-        job_.supersampling, s.gradient_tolerance, s.iteration_max,
+        MULTUM_VERSION, html_escaped(report_.result.device),
+        report_.result.renderer.empty() ? "not used in this run" : html_escaped(report_.result.renderer),
+        job_.supersampling, job_.supersampling, s.gradient_tolerance, s.iteration_max,
         s.hold_out >= 2 ? fmt::format("every view number {} held out", s.hold_out) : "no view held out");
   }
 

@@ -42,6 +42,36 @@ void apply(const MapOptions& o, BakeJob& job) {
   if (o.compression) job.writing.compression = *o.compression;
 }
 
+std::string options_text(const MapOptions& o) {
+  std::string text;
+  const auto add = [&](const char* option, const auto& value) {
+    if (value) text += fmt::format("{}{} {}", text.empty() ? "" : " ", option, *value);
+  };
+  const auto add_flag = [&](const char* option, bool is_given) {
+    if (is_given) text += (text.empty() ? "" : " ") + std::string(option);
+  };
+  const auto add_choice = [&](const char* option, const auto& value, const auto& choices) {
+    for (const auto& [name, meaning] : choices)
+      if (value == meaning) add(option, std::optional(name));
+  };
+  add_choice("--ndf", o.ndf, kNdfs);
+  add("--lobes", o.lobes);
+  add("--sh-order", o.sh_order);
+  add_flag("--reference", o.reference);
+  add_flag("--unaligned", o.unaligned);
+  add("--iterations", o.iterations);
+  add("--sweeps", o.sweeps);
+  add_flag("--no-rehearsal", o.no_rehearsal);
+  add_choice("--order", o.order, kFitOrders);
+  add_choice("--coarse-normals", o.coarse_normals, kCoarseNormals);
+  add("--align", o.alignment);
+  add("--kappa-cap", o.kappa_cap);
+  add("--first-level", o.first_level);
+  add_choice("--data-format", o.data_format, kStorageEncodings);
+  add("--compression", o.compression);
+  return text;
+}
+
 void check_options_of_ndf(const MapOptions& o) {
   const Representation representation = o.ndf.value_or(Representation::kMovmf);
   if (o.sh_order && representation != Representation::kSh)

@@ -48,6 +48,9 @@ struct MapOptions {
 
 void apply(const MapOptions& options, BakeJob& job);
 
+/// What they say of the representation, the fit and the storage, as `multum bake` takes it: "--ndf vmf --lobes 3".
+std::string options_text(const MapOptions& options);
+
 /// Throws Error(kUsage) for an option of one representation, as those that say how lobes are fitted, where another is
 /// baked.
 void check_options_of_ndf(const MapOptions& options);

@@ -118,7 +118,8 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
   const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2,
                            !schedule.levels.empty() && schedule.levels[0].fit.shortened != 0};
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
-  for (std::vector<MultumVmfLobe>& lobes : candidates) lobes = start_lobes(std::move(lobes), settings.representation);
+  for (std::vector<MultumVmfLobe>& lobes : candidates)
+    lobes = start_lobes(std::move(lobes), settings.representation, search.has_roughness);
   report.starts_rehearsed = 0;
   std::size_t best = 0;
   // Levels that do not grow from the coarsest cannot tell starts apart.

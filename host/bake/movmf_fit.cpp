@@ -7,6 +7,7 @@
 #include <chrono>
 #include <optional>
 
+#include "host/asset/gmm_quantize.h"
 #include "host/bake/lobe_rows.h"
 #include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_start.h"
@@ -182,7 +183,7 @@ class MovmfFitter {
                 ? inputs_.top_start
                 : start_lobes(farthest_first_lobes(covered, {edge(x), 0, std::max(edge(x) + 1, edge(x + 1)), rows},
                                                    settings_.lobe_count),
-                              settings_.representation);
+                              settings_.representation, inputs_.has_roughness);
         for (std::size_t j = 0; j < lobe_count(); ++j) row[j * width + static_cast<std::size_t>(x)] = lobes[j];
       }
       store.write(y, 1, row.data());
@@ -271,7 +272,8 @@ class MovmfFitter {
     out.normals = interleaved(*inputs_.normals, rows.first_row, rows.row_count);
     out.representation = settings_.representation;
     if (out.representation == Representation::kGmm)
-      for (glm::vec3& n : out.normals) n.z = n.x * n.x + n.y * n.y;
+      for (glm::vec3& n : out.normals)
+        n = inputs_.has_roughness ? rough_point(n) : glm::vec3(n.x, n.y, n.x * n.x + n.y * n.y);
     out.has_roughness = inputs_.has_roughness;
     std::vector<std::vector<glm::vec3>> triples;
     for (const PlaneStore* triple : inputs_.features.triples)

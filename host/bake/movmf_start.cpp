@@ -9,9 +9,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "host/bake/mean_cosine.h"
 #include "host/bake/mip_schedule.h"
 #include "host/bake/normal_mixture.h"
+#include "host/base/mean_cosine.h"
 #include "host/base/parallel.h"
 #include "host/base/split_mix.h"
 
@@ -133,10 +133,16 @@ std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const Tex
   return lobes;
 }
 
-std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation) {
+std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
+                                       bool has_roughness) {
   if (representation != Representation::kGmm) return lobes;
-  for (MultumVmfLobe& lobe : lobes)
-    lobe.mean_z = std::clamp(1.0f - glm::length(glm::vec3(lobe.mean_x, lobe.mean_y, lobe.mean_z)), 1e-6f, 0.5f);
+  for (MultumVmfLobe& lobe : lobes) {
+    const float length = glm::length(glm::vec3(lobe.mean_x, lobe.mean_y, lobe.mean_z));
+    lobe.mean_z = std::clamp(1.0f - length, 1e-6f, 0.5f);
+    if (!has_roughness) continue;
+    lobe.mean_x /= std::max(length, 1e-6f);
+    lobe.mean_y /= std::max(length, 1e-6f);
+  }
   return lobes;
 }
 

@@ -25,8 +25,10 @@ struct TexelRectangle {
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
 /// The same lobes as `representation` has them: of Gaussians the mean's x and y, and sigma^2 = 1 - |r|, which is
-/// 1/kappa of a narrow lobe.
-std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation);
+/// 1/kappa of a narrow lobe. `has_roughness`: their normals were shortened, and points of the plane are not: the
+/// direction's x and y.
+std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
+                                       bool has_roughness);
 
 struct StartSearch {
   int lobe_count = 4;

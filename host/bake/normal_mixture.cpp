@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
-#include "host/bake/mean_cosine.h"
+#include "host/base/mean_cosine.h"
 
 namespace multum {
 

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "host/bake/feature_planes.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
 
@@ -14,12 +16,12 @@ namespace {
 
 std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
-ShLevel gather(const BoxRows& from, int order, bool has_colours, int threads) {
-  ShLevel rows{from.width, from.height, {}, {}};
+ShLevel gather(const BoxRows& from, int order, const FeaturePlanes& features, int threads) {
+  ShLevel rows{from.width, from.height, {}, {}, {}};
   const std::size_t texels = size_of(from.width) * size_of(from.height);
   const int count = sh_coefficient_count(order);
   rows.parts.assign(size_of(sh_part_count(order)), std::vector<glm::vec4>(texels, glm::vec4(0.0f)));
-  if (has_colours) rows.colours.resize(texels);
+  std::vector<std::vector<glm::vec3>> triples(features.triples.size(), std::vector<glm::vec3>(texels));
   for_each_row_band(from.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
     for (int y = row_begin; y < row_end; ++y) {
       const std::size_t first = size_of(y) * size_of(from.width);
@@ -28,12 +30,13 @@ ShLevel gather(const BoxRows& from, int order, bool has_colours, int threads) {
         glm::vec4* const out = rows.parts[size_of(i / 4)].data() + first;
         for (std::size_t x = 0; x < size_of(from.width); ++x) out[x][i % 4] = in[x];
       }
-      for (int c = 0; has_colours && c < 3; ++c) {
-        const float* const in = from.row(count + c, y);
-        for (std::size_t x = 0; x < size_of(from.width); ++x) rows.colours[first + x][c] = in[x];
+      for (int k = 0; k < 3 * features.triple_count(); ++k) {
+        const float* const in = from.row(count + k, y);
+        for (std::size_t x = 0; x < size_of(from.width); ++x) triples[size_of(k / 3)][first + x][k % 3] = in[x];
       }
     }
   });
+  split_features(std::move(triples), features, rows.colours, rows.weights);
   return rows;
 }
 
@@ -42,6 +45,7 @@ class ShPlanes : public AveragedPlanes {
   ShPlanes(Device& device, int order, const AverageInputs& inputs, ShSink& sink)
       : order_(order),
         inputs_(inputs),
+        features_(FeaturePlanes::of(inputs.albedo, inputs.weights)),
         sink_(sink),
         steps_(sh_recurrence(order)),
         step_buffer_(device.wrap_buffer(steps_.data(), steps_.size() * sizeof(ShStep), "recurrence")),
@@ -51,15 +55,16 @@ class ShPlanes : public AveragedPlanes {
   int plane_count() const override { return sh_coefficient_count(order_); }
   void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) override {
     project_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],
-                    normals[2], step_buffer_, nodes, band);
+                    normals[2], step_buffer_, nodes, band, inputs_.has_roughness ? 1 : 0);
   }
   void add_level(const BoxRows& rows) override {
-    sink_.add_level(rows.level, rows.first_row, gather(rows, order_, inputs_.albedo != nullptr, inputs_.threads));
+    sink_.add_level(rows.level, rows.first_row, gather(rows, order_, features_, inputs_.threads));
   }
 
  private:
   const int order_;
   const AverageInputs& inputs_;
+  const FeaturePlanes features_;
   ShSink& sink_;
   const std::vector<ShStep> steps_;
   const DeviceBuffer step_buffer_;
@@ -76,6 +81,7 @@ class MipmapSink : public ShSink {
     for (std::size_t p = 0; p < to.parts.size(); ++p)
       to.parts[p].insert(to.parts[p].end(), rows.parts[p].begin(), rows.parts[p].end());
     to.colours.insert(to.colours.end(), rows.colours.begin(), rows.colours.end());
+    to.weights.insert(to.weights.end(), rows.weights.begin(), rows.weights.end());
   }
 
  private:
@@ -112,6 +118,8 @@ ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMa
   mipmap.header.height = map.height;
   mipmap.header.first_level = inputs.first_level;
   mipmap.header.has_colours = albedo != nullptr;
+  mipmap.header.weight_count = inputs.weights != nullptr ? inputs.weights->count : 0;
+  mipmap.header.has_roughness = inputs.has_roughness;
   mipmap.order = order;
   mipmap.levels = empty_sh_levels(map.width, map.height);
   MipmapSink sink(order, mipmap.levels);

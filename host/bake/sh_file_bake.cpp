@@ -23,7 +23,8 @@ using FileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
 std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* meter) {
   constexpr std::uint64_t kUsualMeter = std::uint64_t{16} << 20;
   const std::uint64_t meter_bytes = meter != nullptr ? meter->kept_bytes() : 0;
-  const int values = sh_coefficient_count(run.job.sh_order) + (run.header.has_colours ? 3 : 0);
+  const int values =
+      sh_coefficient_count(run.job.sh_order) + (run.header.has_colours ? 3 : 0) + run.header.weight_count;
   return tile_rows_bytes(run.header, tile_size, static_cast<std::uint64_t>(values)) +
          (meter_bytes > kUsualMeter ? meter_bytes - kUsualMeter : 0);
 }

@@ -24,7 +24,9 @@ class ShShading : public PointShading {
         step_buffer_(device.wrap_buffer(steps_.data(), steps_.size() * sizeof(ShStep), "recurrence")),
         kernel_(device.kernel("sh_shade", "sh_shade", {1, 1, false, false, model.order()})) {
     for (const double s : directions.exponents) append(zonal_blinn_phong(model.order(), s));
-    append(zonal_lambert(model.order()));
+    append(directions.mean_cosine > 0.0f
+               ? zonal_lambert_of_rough(model.order(), static_cast<double>(directions.mean_cosine))
+               : zonal_lambert(model.order()));
     zonal_buffer_ = device.wrap_buffer(zonal_.data(), zonal_.size() * sizeof(float), "zonal coefficients");
     value_buffer_ = device.make_buffer(kPointsPerLaunch * directions_.value_count() * sizeof(float), "shaded values");
   }

@@ -58,9 +58,10 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
   const fs::path final_path(path_);
   const fs::path folder = folder_of(final_path);
   const std::string name = final_path.filename().string();
-  if (name.empty() || fs::is_directory(final_path))
+  std::error_code error;
+  if (name.empty() || fs::is_directory(final_path, error))
     throw Error(ErrorCode::kUsage, path_ + ": is a folder, expected the name of a file to write");
-  if (!fs::is_directory(folder))
+  if (!fs::is_directory(folder, error))
     throw Error(ErrorCode::kEnvironment, path_ + ": the folder " + folder.string() + " does not exist");
   if (access(folder.c_str(), W_OK) != 0) fail(path_, "the folder " + folder.string() + " cannot be written");
   sweep_leftovers(folder, name);

@@ -51,6 +51,15 @@ inline void progress_finish(Progress* p) {
   if (p != nullptr) p->finish();
 }
 
+/// For a part of a longer call that counts in units of its own: passes on whether to cancel, and no more. `progress`
+/// must outlive it.
+inline Progress cancel_only(Progress* progress) {
+  return Progress([progress](const ProgressEvent&) {
+    progress_advance(progress, 0);
+    return true;
+  });
+}
+
 /// A bar on a terminal's stderr, silent when stderr is not a terminal. Ctrl-C and SIGTERM cancel.
 std::unique_ptr<Progress> make_terminal_progress(bool show_bar);
 

@@ -111,11 +111,11 @@ class ChildImageFile : public ImageFile {
     try {
       return decoder_.process().ask(request, limits, while_waiting);
     } catch (const HelperEnded& ended) {
-      throw Error(ErrorCode::kInput,
-                  fmt::format("{}: the process that decodes it {}; expected a file that OpenImageIO survives, in {} "
-                              "bytes of memory and {} s",
-                              path_, ended.what(), limits.memory_max,
-                              std::chrono::duration<double>(limits.time_max).count()));
+      throw Error(
+          ErrorCode::kInput,
+          fmt::format("{}: the process that decodes it {}; expected a file that OpenImageIO survives, in {} "
+                      "bytes of memory and {} s",
+                      path_, ended.what(), limits.memory_max, std::chrono::duration<double>(limits.time_max).count()));
     }
   }
 

@@ -13,10 +13,9 @@ namespace {
 // Of ImagePart, in their order in a message.
 template <typename Part, typename Action>
 void for_each_number(Part& part, const Action& action) {
-  for (auto* number :
-       {&part.x, &part.y, &part.width, &part.height, &part.depth, &part.full_x, &part.full_y, &part.full_width,
-        &part.full_height, &part.tile_width, &part.tile_height, &part.alpha_channel, &part.base_type,
-        &part.rows_per_strip})
+  for (auto* number : {&part.x, &part.y, &part.width, &part.height, &part.depth, &part.full_x, &part.full_y,
+                       &part.full_width, &part.full_height, &part.tile_width, &part.tile_height, &part.alpha_channel,
+                       &part.base_type, &part.rows_per_strip})
     action(*number);
 }
 
@@ -145,8 +144,8 @@ std::string ImageDecoder::do_as_asked(std::string_view request, SharedMemory& me
   const DecodingRequest kind{in.number<std::uint8_t>()};
   if (kind == DecodingRequest::kRead) {
     PixelBlock block;
-    for (int* number : {&block.part, &block.y_begin, &block.y_end, &block.channel_begin, &block.channel_end,
-                        &block.base_type})
+    for (int* number :
+         {&block.part, &block.y_begin, &block.y_end, &block.channel_begin, &block.channel_end, &block.base_type})
       *number = in.number<int>();
     const auto offset = static_cast<std::size_t>(in.number<std::uint64_t>());
     std::size_t byte_count = 0;

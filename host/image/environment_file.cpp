@@ -41,7 +41,9 @@ class RadianceReader {
  public:
   explicit RadianceReader(const std::string& path) : path_(path) {
     constexpr std::uintmax_t kBytesMax = std::uintmax_t{1} << 30;
-    if (std::filesystem::file_size(path) > kBytesMax) refuse(path, "is larger than 1 GiB, expected an environment");
+    std::error_code error;
+    if (std::filesystem::file_size(path, error) > kBytesMax && !error)
+      refuse(path, "is larger than 1 GiB, expected an environment");
     std::ifstream in(path, std::ios::binary);
     bytes_.assign(std::istreambuf_iterator<char>(in), {});
   }

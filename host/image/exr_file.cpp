@@ -56,8 +56,7 @@ std::vector<float> ExrFile::read(const std::string& channel) {
     refuse(path_, fmt::format("channel \"{}\" holds integers ({}), expected half or float", channel, type.c_str()));
   std::vector<float> plane(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   const ImagePart& part = file_->part(place.part);
-  const PixelBlock block = {place.part,      part.y, part.y + height_, place.index,
-                            place.index + 1, OIIO::TypeDesc::FLOAT};
+  const PixelBlock block = {place.part, part.y, part.y + height_, place.index, place.index + 1, OIIO::TypeDesc::FLOAT};
   const std::byte* const memory = file_->reserve(block_bytes(part, block));
   if (const std::string message = file_->read(block, 0); !message.empty())
     refuse(path_, fmt::format("damaged: channel \"{}\" cannot be read: {}", channel, message));

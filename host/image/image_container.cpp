@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Layouts: PNG (W3C PNG, 5 "Datastream structure"), JPEG (ITU T.81, B.1.1), WebP (RFC 9649, 2.3), OpenEXR ("OpenEXR
-// file layout"), TIFF (TIFF 6.0, section 2; BigTIFF). Only lengths, sizes and markers are read, each checked against
-// the file.
+// Layouts: PNG (W3C PNG, 5 "Datastream structure"), JPEG (ITU T.81, B.1.1), WebP (RFC 9649, 2.3), TIFF (TIFF 6.0,
+// section 2; BigTIFF); of OpenEXR see host/base/exr_survey.h. Only lengths, sizes and markers are read, each checked
+// against the file.
 #include "host/image/image_container.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "host/base/byte_file.h"
 #include "host/base/error.h"
+#include "host/base/exr_survey.h"
 
 namespace multum {
 namespace {
@@ -21,47 +21,6 @@ namespace {
 [[noreturn]] void refuse(const std::string& path, const std::string& message) {
   throw Error(ErrorCode::kInput, path + ": " + message);
 }
-
-// Bytes of a file by position. A read past the end is an error that says what was being read.
-class ByteReader {
- public:
-  explicit ByteReader(const std::string& path) : path_(path) {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) refuse(path, "no such file");
-    if (!std::filesystem::is_regular_file(path, error)) refuse(path, "is not a file");
-    stream_.open(path, std::ios::binary);
-    size_ = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
-    if (!stream_ || error) refuse(path, "cannot be read");
-  }
-  std::int64_t size() const { return size_; }
-
-  std::string bytes(std::int64_t position, std::int64_t count, const char* what) {
-    if (position < 0 || count < 0 || position > size_ - count)
-      refuse(path_, fmt::format("the file is cut: it ends at byte {}, expected {} at byte {}", size_, what, position));
-    std::string result(static_cast<std::size_t>(count), '\0');
-    stream_.seekg(position);
-    stream_.read(result.data(), count);
-    if (!stream_) refuse(path_, fmt::format("reading {} at byte {} failed", what, position));
-    return result;
-  }
-  std::int64_t big_endian(std::int64_t position, int count, const char* what) {
-    std::int64_t value = 0;
-    for (const char byte : bytes(position, count, what)) value = value * 256 + static_cast<unsigned char>(byte);
-    return value;
-  }
-  std::int64_t little_endian(std::int64_t position, int count, const char* what) {
-    std::string raw = bytes(position, count, what);
-    std::reverse(raw.begin(), raw.end());
-    std::int64_t value = 0;
-    for (const char byte : raw) value = value * 256 + static_cast<unsigned char>(byte);
-    return value;
-  }
-
- private:
-  std::string path_;
-  std::ifstream stream_;
-  std::int64_t size_ = 0;
-};
 
 void keep(ImageContainer& container, std::int64_t begin, std::int64_t end) {
   if (!container.ranges.empty() && container.ranges.back().end == begin) {
@@ -74,7 +33,7 @@ void keep(ImageContainer& container, std::int64_t begin, std::int64_t end) {
 // signature, then chunks of [length 4][type 4][data][CRC 4]; what the picture needs is IHDR PLTE tRNS gAMA sRGB IDAT
 // IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
 // (SharedDataDeathTest.DamagedAndHostileFilesEndInAnError).
-void inspect_png(const std::string& path, ByteReader& file, ImageContainer& container) {
+void inspect_png(const std::string& path, ByteFile& file, ImageContainer& container) {
   constexpr std::array<std::string_view, 7> kPicture = {"IHDR", "PLTE", "tRNS", "gAMA", "sRGB", "IDAT", "IEND"};
   keep(container, 0, 8);
   std::int64_t position = 8;
@@ -102,7 +61,7 @@ void inspect_png(const std::string& path, ByteReader& file, ImageContainer& cont
 
 // Segments FF marker [length 2][data] up to the first start of scan; APP0 (JFIF) and APP14 (Adobe: which colour model)
 // matter.
-void inspect_jpeg(const std::string& path, ByteReader& file, ImageContainer& container) {
+void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& container) {
   keep(container, 0, 2);
   std::int64_t position = 2;
   for (;;) {
@@ -137,7 +96,7 @@ void inspect_jpeg(const std::string& path, ByteReader& file, ImageContainer& con
 
 // RIFF [size 4] WEBP, then a chunk that says the size: VP8X (of the canvas, 24 bits, less 1), VP8L (14 bits, less 1) or
 // VP8 (14 bits).
-void inspect_webp(const std::string& path, ByteReader& file, ImageContainer& container) {
+void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
     refuse(path, fmt::format("the file is cut: {} bytes, expected {} by its WebP header", file.size(), end));
@@ -158,87 +117,11 @@ void inspect_webp(const std::string& path, ByteReader& file, ImageContainer& con
   keep(container, 0, file.size());
 }
 
-// A name or type of an EXR attribute, at most 255 bytes, with the position moved behind its zero byte.
-std::string exr_string(const std::string& path, ByteReader& file, std::int64_t& position) {
-  std::string text;
-  for (;;) {
-    const char byte = file.bytes(position++, 1, "an EXR header")[0];
-    if (byte == '\0') return text;
-    text += byte >= ' ' && byte <= '~' ? byte : '?';  // it may be shown in a message
-    if (text.size() > 255) refuse(path, "damaged EXR: a header name of more than 255 bytes");
-  }
-}
-
-std::int64_t exr_int(ByteReader& file, std::int64_t position) {
-  return static_cast<std::int32_t>(file.little_endian(position, 4, "an EXR header"));
-}
-
-// The offset table holds 8 bytes for each chunk, and a chunk is a tile or at most 256 rows (DWAB): a size whose table
-// does not fit into the file is false.
-void check_exr_table(const std::string& path, const ImageContainer& container, std::int64_t tile_width,
-                     std::int64_t tile_height) {
-  std::int64_t chunk_count = (container.height + 255) / 256;
-  if (tile_width != 0 || tile_height != 0) {
-    if (tile_width < 1 || tile_height < 1 || tile_width > 65536 || tile_height > 65536 ||
-        tile_width * tile_height > (1 << 26))
-      refuse(path, fmt::format("found tiles of {} x {}, expected at most 2^26 texels", tile_width, tile_height));
-    chunk_count =
-        ((container.width + tile_width - 1) / tile_width) * ((container.height + tile_height - 1) / tile_height);
-  }
-  if (chunk_count * 8 > container.file_size)
-    refuse(path, fmt::format("declares {} x {} texels, which a file of {} bytes cannot hold", container.width,
-                             container.height, container.file_size));
-}
-
-// One part's header: attributes of name, type, size 4, value; an empty name ends it.
-bool inspect_exr_part(const std::string& path, ByteReader& file, ImageContainer& part, std::int64_t& position) {
-  std::int64_t tile_width = 0;
-  std::int64_t tile_height = 0;
-  for (int attribute_count = 0;; ++attribute_count) {
-    const std::string name = exr_string(path, file, position);
-    if (name.empty()) {
-      if (attribute_count == 0) return false;
-      break;
-    }
-    if (attribute_count > 4096) refuse(path, "damaged EXR: more than 4096 header attributes");
-    exr_string(path, file, position);  // the type
-    const std::int64_t size = exr_int(file, position);
-    position += 4;
-    if (size < 0 || size > file.size() - position)
-      refuse(path, "damaged EXR: attribute \"" + name + "\" runs past the end");
-    if (name == "dataWindow" && size == 16) {
-      part.width = exr_int(file, position + 8) - exr_int(file, position) + 1;
-      part.height = exr_int(file, position + 12) - exr_int(file, position + 4) + 1;
-    } else if (name == "tiles" && size == 9) {
-      tile_width = exr_int(file, position);
-      tile_height = exr_int(file, position + 4);
-    }
-    position += size;
-  }
-  if (part.width < 1 || part.height < 1)
-    refuse(path, fmt::format("found a data window of {} x {}, expected at least 1 x 1", part.width, part.height));
-  check_exr_table(path, part, tile_width, tile_height);
-  return true;
-}
-
-void inspect_exr(const std::string& path, ByteReader& file, ImageContainer& container, std::int64_t texel_count_max) {
-  const std::int64_t version = file.little_endian(4, 4, "the EXR version");
-  if ((version & 0x800) != 0) refuse(path, "found a deep EXR image, expected one value a texel");
-  const bool is_multi_part = (version & 0x1000) != 0;
-  constexpr int kPartCountMax = 256;
-  std::int64_t position = 8;
-  for (int part_index = 0; part_index < kPartCountMax; ++part_index) {
-    ImageContainer part;
-    part.file_size = file.size();
-    if (!inspect_exr_part(path, file, part, position)) break;
-    check_image_size(path, part.width, part.height, texel_count_max);
-    if (part_index == 0) {
-      container.width = part.width;
-      container.height = part.height;
-    }
-    if (!is_multi_part) break;
-  }
-  if (container.width == 0) refuse(path, "damaged EXR: no header");
+void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& container, std::int64_t texel_count_max) {
+  const std::vector<ExrPartSize> parts = survey_exr(path, file);
+  for (const ExrPartSize& part : parts) check_image_size(path, part.width, part.height, texel_count_max);
+  container.width = parts.front().width;
+  container.height = parts.front().height;
   keep(container, 0, file.size());
 }
 
@@ -246,7 +129,7 @@ std::string format_of(std::string_view head) {
   using namespace std::string_view_literals;
   if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return "png";
   if (head.starts_with("\xFF\xD8\xFF"sv)) return "jpeg";
-  if (head.starts_with("RIFF"sv) && head.substr(8, 4) == "WEBP"sv) return "webp";
+  if (head.starts_with("RIFF"sv) && head.size() >= 12 && head.substr(8, 4) == "WEBP"sv) return "webp";
   if (head.starts_with("\x76\x2f\x31\x01"sv)) return "openexr";
   for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
     if (head.starts_with(magic)) return "tiff";
@@ -263,7 +146,7 @@ void check_image_size(const std::string& path, std::int64_t width, std::int64_t 
 }
 
 ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max) {
-  ByteReader file(path);
+  ByteFile file(path);
   ImageContainer container;
   container.file_size = file.size();
   const std::string head = file.bytes(0, std::min<std::int64_t>(16, file.size()), "the first bytes");

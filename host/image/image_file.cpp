@@ -19,9 +19,7 @@ std::size_t type_bytes(int base_type) {
   return OIIO::TypeDesc(static_cast<OIIO::TypeDesc::BASETYPE>(base_type)).size();
 }
 
-bool is_number_type(int base_type) {
-  return base_type >= OIIO::TypeDesc::UINT8 && base_type <= OIIO::TypeDesc::DOUBLE;
-}
+bool is_number_type(int base_type) { return base_type >= OIIO::TypeDesc::UINT8 && base_type <= OIIO::TypeDesc::DOUBLE; }
 
 // OpenImageIO's own bound is not ours to rely on when it speaks from another process.
 constexpr int kChannelCountMax = 1024;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // An open image file as its numbers: all that the project sees of OpenImageIO's readers. They run in a child process
-// (child_image_file.cpp), since some broken files end the process that opens them, or in this one (library_image_file.cpp).
-// Either way a file reads the same, and is refused in the same words.
+// (child_image_file.cpp), since some broken files end the process that opens them, or in this one
+// (library_image_file.cpp). Either way a file reads the same, and is refused in the same words.
 #pragma once
 
 #include <cstddef>
@@ -23,11 +23,11 @@ struct ImagePart {
   int tile_width = 0, tile_height = 0;  // 0: scan lines
   int alpha_channel = -1;
   bool is_deep = false;
-  int base_type = 0;                        // OpenImageIO's TypeDesc::BASETYPE, of the widest channel
-  std::vector<std::string> channel_names;   // one a channel
-  std::vector<int> channel_types = {};      // base types where they differ; empty: all are base_type
-  std::string colour_space, compression;    // as the file says, or empty
-  int rows_per_strip = 0;                   // of TIFF
+  int base_type = 0;                         // OpenImageIO's TypeDesc::BASETYPE, of the widest channel
+  std::vector<std::string> channel_names;    // one a channel
+  std::vector<int> channel_types = {};       // base types where they differ; empty: all are base_type
+  std::string colour_space, compression;     // as the file says, or empty
+  int rows_per_strip = 0;                    // of TIFF
   std::map<std::string, std::string> texts;  // string attributes; of files opened with all_parts
 
   int channel_count() const { return static_cast<int>(channel_names.size()); }
@@ -91,7 +91,7 @@ std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, 
 
 /// In a child. What it may take for one request: these, and more for more texels (child_image_file.cpp).
 struct DecodingChild {
-  std::string program;                                  // multum-decode
+  std::string program;                                 // multum-decode
   std::uint64_t memory_base = std::uint64_t{1} << 30;  // bytes
   int time_base_ms = 30000;
 };

@@ -32,8 +32,9 @@ SampleType sample_type_of(const std::string& path, const ImagePart& part) {
     case OIIO::TypeDesc::HALF: return SampleType::kHalf;
     case OIIO::TypeDesc::FLOAT:
     case OIIO::TypeDesc::DOUBLE: return SampleType::kFloat;
-    default: refuse(path, fmt::format("found samples of type {}, expected integers or floats",
-                                      type_desc(part.base_type).c_str()));
+    default:
+      refuse(path,
+             fmt::format("found samples of type {}, expected integers or floats", type_desc(part.base_type).c_str()));
   }
 }
 
@@ -50,7 +51,8 @@ int colour_channel_count(const std::string& path, const ImagePart& part) {
   const bool alpha_last = part.alpha_channel < 0 || part.alpha_channel == part.channel_count() - 1;
   if (without_alpha >= 1 && without_alpha <= 3 && alpha_last) return without_alpha;
   if (part.channel_count() >= 3 && part.channel_count() <= kChannelCountMax) {
-    const std::string names = fmt::format("{}{}{}", part.channel_names[0], part.channel_names[1], part.channel_names[2]);
+    const std::string names =
+        fmt::format("{}{}{}", part.channel_names[0], part.channel_names[1], part.channel_names[2]);
     if (names == "RGB" || names == "XYZ") return 3;
   }
   refuse(path, fmt::format("found {} channels ({}...), expected 1 to 3 and an alpha", part.channel_count(),
@@ -86,7 +88,8 @@ void check_webp_opaque(const std::string& path, ImageFile& file) {
     if (!message.empty())
       refuse(path, fmt::format("damaged: rows from {} of {} cannot be read: {}", y, part.height, message));
     const std::byte* const end = memory + width * static_cast<std::size_t>(y_end - y);
-    const std::byte* const clear = std::find_if<const std::byte*>(memory, end, [](std::byte alpha) { return alpha < std::byte{255}; });
+    const std::byte* const clear =
+        std::find_if<const std::byte*>(memory, end, [](std::byte alpha) { return alpha < std::byte{255}; });
     if (clear != end)
       refuse(path, fmt::format("found a WebP whose alpha is not 1 (row {}), expected an opaque one: its colours come "
                                "multiplied by alpha; save it as PNG, or without alpha",
@@ -115,8 +118,9 @@ RawImageInfo image_info(const std::string& path, const ImagePart& part, const st
   info.row_bytes = info.row_values() * type_desc(info.base_type).size();
   info.colour_space = part.colour_space;
   info.has_alpha = part.alpha_channel >= 0;
-  info.format = fmt::format("{} {}, {} channel{}{}", container_format, type_desc(part.base_type).c_str(), part.channel_count(),
-                            part.channel_count() == 1 ? "" : "s", info.has_alpha && !all_channels ? " (alpha not read)" : "");
+  info.format =
+      fmt::format("{} {}, {} channel{}{}", container_format, type_desc(part.base_type).c_str(), part.channel_count(),
+                  part.channel_count() == 1 ? "" : "s", info.has_alpha && !all_channels ? " (alpha not read)" : "");
   if (part.x != part.full_x || part.y != part.full_y || part.width != part.full_width ||
       part.height != part.full_height)
     info.format += fmt::format(", data window {} x {} of a {} x {} frame", part.width, part.height, part.full_width,

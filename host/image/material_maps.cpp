@@ -94,7 +94,8 @@ double mean_cosine_of_roughness(double roughness) {
 
 ChannelFile parse_channel_file(const std::string& text) {
   const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos || colon == 0 || std::filesystem::exists(text)) return {text, ""};
+  std::error_code error;  // no file system takes every text as a name
+  if (colon == std::string::npos || colon == 0 || std::filesystem::exists(text, error)) return {text, ""};
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 

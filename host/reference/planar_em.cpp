@@ -37,11 +37,11 @@ double texel_kappa_cap(const std::vector<Sample>& samples, const EmOptions& opti
 }
 
 // E-step: the lobes' shares of one sample.
-std::vector<double> shares_of(const Sample& s, const std::vector<Lobe>& lobes) {
+std::vector<double> shares_of(const Sample& s, const std::vector<Lobe>& lobes, double copies) {
   std::vector<double> shares;
   for (const Lobe& lobe : lobes)
-    shares.push_back(std::log(std::max(lobe.amplitude, 1e-6) * lobe.kappa) -
-                     lobe.kappa * half_distance(s, glm::dvec2(lobe.mu)));
+    shares.push_back(std::log(std::max(lobe.amplitude, 1e-6)) +
+                     copies * (std::log(lobe.kappa) - lobe.kappa * half_distance(s, glm::dvec2(lobe.mu))));
   const double largest = *std::max_element(shares.begin(), shares.end());
   double total = 0.0;
   for (double& share : shares) total += share = std::exp(share - largest);
@@ -50,6 +50,14 @@ std::vector<double> shares_of(const Sample& s, const std::vector<Lobe>& lobes) {
 }
 
 }  // namespace
+
+glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened) {
+  if (!shortened) return {normal.x, normal.y, 0.0};
+  const double c = std::min(glm::length(normal), 1.0);
+  const glm::dvec2 p = glm::dvec2(normal) / glm::length(normal);
+  const double square = glm::dot(p, p), facets = (1.0 - c) / (2.0 - c);
+  return {p, std::min(2.0 * facets * (1.0 - 0.5 * square), 1.0 - square)};
+}
 
 std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes,
                                 const EmOptions& options) {
@@ -60,7 +68,7 @@ std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     std::vector<std::vector<double>> shares(lobes.size());
     for (const Sample& s : samples) {
-      const std::vector<double> of_sample = shares_of(s, lobes);
+      const std::vector<double> of_sample = shares_of(s, lobes, options.copies);
       for (std::size_t j = 0; j < lobes.size(); ++j) shares[j].push_back(of_sample[j]);
     }
     for (std::size_t j = 0; j < lobes.size(); ++j) {

@@ -16,6 +16,10 @@
 
 namespace multum::reference {
 
+/// The sample of a finest normal; of one that a BRDF's width has shortened to c n, scatter is 2 v, v = (1 - c) / (2 -
+/// c) (1 - |p|^2 / 2), at most 1 - |p|^2.
+glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened);
+
 /// Runs EM and returns the moments of the last E-step; `lobes` holds that E-step's parameters afterwards.
 std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
 

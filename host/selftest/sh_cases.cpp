@@ -10,6 +10,7 @@
 #include <glm/vec4.hpp>
 
 #include "host/asset/spherical_harmonics.h"
+#include "host/base/mean_cosine.h"
 #include "host/base/split_mix.h"
 #include "host/reference/spherical_harmonics.h"
 #include "host/selftest/case_lists.h"
@@ -20,7 +21,8 @@
 
 namespace multum {
 
-std::vector<std::vector<float>> project_sh(Device& device, int order, const std::vector<glm::vec3>& normals) {
+std::vector<std::vector<float>> project_sh(Device& device, int order, const std::vector<glm::vec3>& normals,
+                                           bool shortened) {
   const auto count = static_cast<std::size_t>(sh_coefficient_count(order));
   std::vector<DeviceBuffer> planes;
   std::vector<std::vector<float>> values(3);
@@ -39,7 +41,7 @@ std::vector<std::vector<float>> project_sh(Device& device, int order, const std:
   band.map_height = band.row_count = 1;
   band.plane_count = static_cast<int>(count);
   device.kernel("sh_project", "sh_project", {1, 1, false, false, order})
-      .launch({normals.size()}, planes[0], planes[1], planes[2], step_buffer, out, band);
+      .launch({normals.size()}, planes[0], planes[1], planes[2], step_buffer, out, band, shortened ? 1 : 0);
   device.read(out, nodes.data(), out.byte_count());
   std::vector<std::vector<float>> coefficients(normals.size(), std::vector<float>(count));
   for (std::size_t n = 0; n < normals.size(); ++n)
@@ -115,6 +117,42 @@ std::vector<glm::vec3> all_directions() {
 void basis_to_order_20(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> normals = all_directions();
   for (const int order : {1, 4, 8, 20}) add_basis(device, order, normals, as_double(normals), worst);
+}
+
+constexpr double kMeanCosines[] = {0.5, 0.51, 0.6, 0.8, 0.95, 0.99, 0.9999, 0.999999};
+
+// Normals that a BRDF's width has shortened, from the widest to the sharpest that is no single direction.
+void rough_normals(Device& device, WorstError& worst) {
+  constexpr int kOrder = 20;
+  SplitMix64 random(21);
+  std::vector<glm::vec3> normals;
+  for (const double c : kMeanCosines) normals.push_back(static_cast<float>(c) * random_direction(random));
+  const std::vector<std::vector<float>> found = project_sh(device, kOrder, normals, true);
+  for (std::size_t n = 0; n < normals.size(); ++n) {
+    const glm::dvec3 exact(normals[n]);
+    const ZonalCoefficients zonal = zonal_vmf(kOrder, glm::length(exact));
+    for (int l = 1; l <= kOrder; ++l)
+      for (int m = -l; m <= l; ++m)
+        worst.add(static_cast<double>(found[n][static_cast<std::size_t>(sh_coefficient(l, m))]),
+                  zonal[static_cast<std::size_t>(l)] * reference::sh_basis(l, m, exact), bound_of_band(l),
+                  fmt::format("mean cosine {:.6g}, l {}, m {}", glm::length(exact), l, m));
+  }
+}
+
+// a_(l+1) = a_(l-1) - (2l + 1) / kappa a_l, from a_0 = 1 and a_1 = c upwards, in float.
+void upward_zonal(WorstError& worst) {
+  for (const double c : kMeanCosines) {
+    const ZonalCoefficients exact = zonal_vmf(20, c);
+    const auto kappa = static_cast<float>(kappa_of_mean_cosine(c, HUGE_VAL));
+    float before = 1.0f, a = static_cast<float>(c);
+    for (int l = 1; l < 20; ++l) {
+      const float next = before - static_cast<float>(2 * l + 1) / kappa * a;
+      before = a;
+      a = next;
+      worst.add(static_cast<double>(a), exact[static_cast<std::size_t>(l) + 1], 1.0,
+                fmt::format("mean cosine {:.6g}, l {}", c, l + 1));
+    }
+  }
 }
 
 // P_lm by its textbook recurrence, and then sqrt((2l+1)/(4 pi) (l-m)!/(l+m)!), all in float.
@@ -282,6 +320,12 @@ std::vector<NumericalCase> sh_cases() {
         1e-6, unit, "a pole: z and 1 are exact"},
        no_direction,
        {direction_edit("if (!(largest > 0.0f && largest < INFINITY) || isnan(x + y + z))", "if (0)")}},
+      {{"harmonics-of-rough-normals", "sh_project",
+        "the vMF's zonal coefficients from the first two upwards: they cancel",
+        "ratios, from an asymptotic one well above downwards", 5e-5, unit, "kappa of a mean cosine is within 3.3e-5"},
+       rough_normals,
+       {},
+       upward_zonal},
       {{"harmonics-ring-below-0", "sh_shade", "a series that ends rings: light below 0 darkens what is beside it",
         "clamped at 0", kNothingWrong, "absolute, of what is below 0", "nothing may be"},
        ringing,

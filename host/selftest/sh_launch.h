@@ -10,8 +10,10 @@
 
 namespace multum {
 
-/// Coefficients of each normal [normal][l*l + l + m - 1], as sh_project writes them.
-std::vector<std::vector<float>> project_sh(Device& device, int order, const std::vector<glm::vec3>& normals);
+/// Coefficients of each normal [normal][l*l + l + m - 1], as sh_project writes them; `shortened`: lengths are a BRDF's
+/// width.
+std::vector<std::vector<float>> project_sh(Device& device, int order, const std::vector<glm::vec3>& normals,
+                                           bool shortened = false);
 
 /// Blinn-Phong of exponent s at each of the unit half vectors, or Lambert at lights where s is 0, of the same
 /// coefficients: [direction]. `share` is that of stored levels; no level is left to the normal map.

@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
+#include "host/asset/gmm_quantize.h"
 #include "host/asset/moment_mipmap.h"
 #include "host/base/error.h"
 #include "runtime_gl/materials/mip_texture.h"
@@ -61,8 +62,10 @@ NormalImage finest_normals(const MovmfMipmap& mipmap) {
     glm::vec3 normal(0.0f);
     glm::vec3 colour(0.0f);
     for (const auto& lobe : level.lobes) normal += glm::vec3(lobe[i]);
-    // Of Gaussians the third is x^2 + y^2.
-    if (mipmap.representation == Representation::kGmm) normal.z = std::sqrt(std::max(0.0f, 1.0f - normal.z));
+    // Of Gaussians the third is x^2 + y^2, with roughness and what facets scatter.
+    if (mipmap.representation == Representation::kGmm)
+      normal = mipmap.has_roughness ? shortened_normal(normal)
+                                    : glm::vec3(normal.x, normal.y, std::sqrt(std::max(0.0f, 1.0f - normal.z)));
     for (const auto& lobe_colour : level.colours) colour += lobe_colour[i];
     image.normals.push_back(finest_normal(normal, mipmap.has_roughness));
     if (mipmap.has_colours()) image.albedo.push_back(colour);
@@ -93,9 +96,11 @@ NormalImage finest_normals(const ShMipmap& mipmap) {
   NormalImage image{level.width, level.height, {}, level.colours, mipmap.header.wrap_s, mipmap.header.wrap_t};
   for (const glm::vec4& band : level.parts[0]) {  // of l = 1: y, z, x
     const glm::vec3 n(band.z, band.x, band.y);
-    const float size = glm::length(n);
-    image.normals.push_back(size > 0.0f ? n / size : glm::vec3(0.0f, 0.0f, 1.0f));
+    image.normals.push_back(finest_normal(n / kShNormalFactor, mipmap.header.has_roughness));
   }
+  image.has_roughness = mipmap.header.has_roughness;
+  image.weight_count = mipmap.header.weight_count;
+  image.weights = level.weights;
   return image;
 }
 

@@ -4,11 +4,14 @@
 #include <cstdio>
 #include <vector>
 
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
 #include "host/base/error.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/texture_binder.h"
+#include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
@@ -22,7 +25,8 @@ void check_levels(const ShMipmap& mipmap) {
     const auto index = static_cast<std::size_t>(l);
     bool good = index < mipmap.levels.size() &&
                 mipmap.levels[index].parts.size() == static_cast<std::size_t>(sh_part_count(mipmap.order)) &&
-                mipmap.levels[index].colours.size() == (header.has_colours ? texels : 0);
+                mipmap.levels[index].colours.size() == (header.has_colours ? texels : 0) &&
+                mipmap.levels[index].weights.size() == texels * static_cast<std::size_t>(header.weight_count);
     for (std::size_t part = 0; good && part < mipmap.levels[index].parts.size(); ++part)
       good = mipmap.levels[index].parts[part].size() == texels;
     if (!good)
@@ -66,6 +70,14 @@ ShMaterial::ShMaterial(const GlFunctions& gl, const ShMipmap& mipmap, float anis
     for (const glm::vec3& colour : level.colours) rgba.emplace_back(colour, 1.0f);
     if (colours_) colours_->upload_level(l, &rgba[0].x);
   }
+  weight_count_ = header.weight_count;
+  if (header.has_roughness) mean_cosine_ = header.mean_cosine;
+  if (weight_count_ > 0) {
+    std::vector<const std::vector<float>*> levels;
+    for (int l = header.first_level; l < header.level_count(); ++l)
+      levels.push_back(&mipmap.levels[static_cast<std::size_t>(l)].weights);
+    weights_.emplace(upload_weights(gl, "weights", shape, sampler, weight_count_, levels));
+  }
   if (header.first_level == 0) return;
   const LeftOutLevels left_out{header.width, header.height, header.first_level, header.has_colours};
   normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
@@ -82,6 +94,8 @@ ShaderParts ShMaterial::shader_parts() const {
   if (colours_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
   if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
   if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  if (mean_cosine_) parts.flags.push_back("MULTUM_ROUGHNESS");
+  add_basis_flag(parts);
   return parts;
 }
 
@@ -89,6 +103,14 @@ int ShMaterial::bind(const ShaderProgram& shader) const {
   TextureBinder binder(shader);
   binder.bind("u_harmonics", harmonics_);
   binder.bind("u_colours", colours_);
+  if (is_of_basis()) binder.bind("u_weights", weights_);
+  if (mean_cosine_) {
+    shader.set("u_mean_cosine", *mean_cosine_);
+    std::vector<glm::vec3> diffuse;
+    for (const double a : zonal_lambert_of_rough(order_, static_cast<double>(*mean_cosine_)))
+      diffuse.emplace_back(static_cast<float>(a));
+    shader.set_vec3("u_diffuse_zonal", glm::value_ptr(diffuse[0]), order_ + 1);
+  }
   binder.bind("u_normal_map", normal_map_);
   binder.bind("u_albedo_map", albedo_map_);
   return binder.next_unit();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked file of spherical harmonics on the GPU (docs/FORMAT.md, "Spherical harmonics"): one array of textures, four
-// coefficients a layer, and a texture of colours if the file has them. An array, since a shader has 16 samplers for
-// sure and order 8 takes 20. Level for level as they are in the file. Levels that the file leaves to the normal map are
-// textures of that map.
+// coefficients a layer, and textures of colours and of weights of basis BRDFs if the file has them. An array, since a
+// shader has 16 samplers for sure and order 8 takes 20. Level for level as they are in the file. Levels that the file
+// leaves to the normal map are textures of that map.
 #pragma once
 
 #include <optional>
@@ -36,11 +36,14 @@ class ShMaterial : public Material {
   ShaderParts shader_parts() const override;
   int bind(const ShaderProgram& shader) const override;
   int zonal_order() const override { return order_; }
+  int weight_count() const override { return weight_count_; }
 
  private:
   const int order_;
   const WrapMode wrap_s_, wrap_t_;
-  std::optional<Texture> harmonics_, colours_, normal_map_, albedo_map_;
+  std::optional<Texture> harmonics_, colours_, weights_, normal_map_, albedo_map_;
+  int weight_count_ = 0;
+  std::optional<float> mean_cosine_;  // where a BRDF's width is in
   ShCosine cosine_ = ShCosine::kIrradiance;
 };
 

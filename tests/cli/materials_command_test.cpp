@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --roughness and --weights: what the file holds, what it is recognised by, in manifests and for both
-// representations.
+// multum bake --roughness and --weights: what the file holds, what it is recognised by, in manifests and for every
+// representation.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -33,6 +33,17 @@ class MaterialsCommandTest : public CliTest {
     if (channels == 4) image.alpha_channel = 3;
     write_test_image(path(name), image);
   }
+  // None but for one texel.
+  void write_rough_texel(float value) const {
+    TestImage image{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT};
+    image.values.assign(64 * 64, 0.0f);
+    image.values[64 + 5] = value;
+    write_test_image(path("rough.exr"), image);
+  }
+  static void append_options_of(const std::string& ndf, std::vector<std::string>& options) {
+    if (ndf == "vmf" || ndf == "gmm") options.insert(options.end(), {"--no-rehearsal", "--lobes", "2"});
+    if (ndf == "sh") options.insert(options.end(), {"--sh-order", "2"});
+  }
   ProgramResult bake(const std::string& output, std::vector<std::string> more = {}) const {
     more.insert(more.begin(), {"bake", path("map_normal.png"), "-o", path(output)});
     return multum(more);
@@ -40,11 +51,11 @@ class MaterialsCommandTest : public CliTest {
 };
 
 TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
-  for (const char* ndf : {"vmf", "moments"}) {
+  for (const char* ndf : {"vmf", "moments", "gmm", "sh"}) {
     SCOPED_TRACE(ndf);
     std::vector<std::string> options = {
         "--ndf", ndf, "--roughness", path("orm.png"), "--weights", path("weights.png"), "--report", path("a.json")};
-    if (ndf == std::string("vmf")) options.insert(options.end(), {"--no-rehearsal", "--lobes", "2"});
+    append_options_of(ndf, options);
     const ProgramResult result = bake("a.ndf.exr", options);
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(contains(result.out, "roughness")) << result.out;
@@ -81,11 +92,11 @@ TEST_F(MaterialsCommandTest, TheirContentsAreWhatAFileIsRecognisedBy) {
 }
 
 TEST_F(MaterialsCommandTest, ThreadsAndMemoryChangeNoByte) {
-  for (const char* ndf : {"vmf", "moments"}) {
+  for (const char* ndf : {"vmf", "moments", "gmm", "sh"}) {
     std::vector<std::string> options = {
         "--ndf",        ndf,         "--roughness", path("orm.png"), "--weights", path("weights.png"),
         "--no-measure", "--threads", "1",           "--memory",      "1G"};
-    if (ndf == std::string("vmf")) options.insert(options.end(), {"--no-rehearsal", "--lobes", "2"});
+    append_options_of(ndf, options);
     ASSERT_EQ(bake("a.ndf.exr", options).exit_code, 0);
     options[8] = "2";
     options[10] = "289M";
@@ -110,20 +121,30 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   // What is read must not be written over, whatever its channel.
   result = multum({"bake", path("map_normal.png"), "-o", path("b.exr"), "--roughness", path("b.exr") + ":R"});
   EXPECT_EQ(result.exit_code, 2) << result.err;
-  for (const char* ndf : {"gmm", "sh"}) {
-    result = bake("a.ndf.exr", {"--ndf", ndf, "--roughness", path("orm.png")});
-    EXPECT_EQ(result.exit_code, 2) << result.err;
-    EXPECT_TRUE(contains(result.err, std::string("--roughness is for --ndf vmf and moments, found --ndf ") + ndf));
-    result = bake("a.ndf.exr", {"--ndf", ndf, "--weights", path("weights.png")});
-    EXPECT_EQ(result.exit_code, 2) << result.err;
-    EXPECT_TRUE(contains(result.err, std::string("--weights is for --ndf vmf and moments, found --ndf ") + ndf));
-    std::ofstream(path("maps.toml")) << "[defaults]\nweights = \"weights.png\"\n[[map]]\ninput = \"map_normal.png\"\n"
-                                     << "output = \"a.ndf.exr\"\nndf = \"" << ndf << "\"\n";
-    result = multum({"bake", "--manifest", path("maps.toml")});
+  // Of every representation: not even one texel.
+  write_rough_texel(NAN);
+  for (const char* ndf : {"vmf", "gmm", "sh", "moments"}) {
+    result = bake("a.ndf.exr", {"--ndf", ndf, "--roughness", path("rough.exr")});
     EXPECT_EQ(result.exit_code, 3) << result.err;
-    EXPECT_TRUE(contains(result.err, "is for ndf = \"vmf\" and \"moments\"")) << result.err;
+    EXPECT_TRUE(contains(result.err, "rough.exr: texel (5, 1): found nan in channel")) << result.err;
   }
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
+}
+
+// No roughness, and all of it: single directions, and the widest lobes.
+TEST_F(MaterialsCommandTest, NoneAndAllOfIt) {
+  for (const char* ndf : {"gmm", "sh"})
+    for (const float value : {0.0f, 1.0f}) {
+      TestImage image{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT};
+      image.values.assign(64 * 64, value);
+      write_test_image(path("rough.exr"), image);
+      std::vector<std::string> options = {"--ndf", ndf, "--roughness", path("rough.exr"), "--force"};
+      append_options_of(ndf, options);
+      const ProgramResult result = bake("a.ndf.exr", options);
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      EXPECT_EQ(read_baked_header(path("a.ndf.exr")).mean_cosine, value == 0.0f ? 1.0f : 0.5f);
+      EXPECT_EQ(multum({"verify", path("a.ndf.exr")}).exit_code, 0) << ndf << " " << value;
+    }
 }
 
 TEST_F(MaterialsCommandTest, ManifestsHaveTheSameKeys) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "host/asset/filter_matrix.h"
+#include "host/asset/gmm_quantize.h"
 #include "host/asset/inferred_texture.h"
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_mipmap.h"
@@ -26,6 +27,10 @@ class OtherReadersTest : public CliTest {
     arguments.insert(arguments.end(), options.begin(), options.end());
     const ProgramResult result = multum(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  // The colours again, as roughness and as three weights.
+  void append_materials(std::vector<std::string>& options) const {
+    options.insert(options.end(), {"--roughness", path("map_albedo.png") + ":G", "--weights", path("map_albedo.png")});
   }
 };
 
@@ -130,7 +135,9 @@ class FloatStream {
 };
 
 // What a level's arrays of read_lobes() must hold, from the lobes that host/asset reads.
-void expect_level(const MovmfLevel& level, bool is_half, FloatStream& python) {
+void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStream& python) {
+  const bool is_half = header.encoding == StorageEncoding::kHalf,
+             planar = header.representation == Representation::kGmm;
   const std::size_t texels = level.lobes[0].size(), lobes = level.lobes.size();
   std::vector<double> sums(texels, 0.0);
   for (const auto& lobe : level.lobes)
@@ -144,7 +151,8 @@ void expect_level(const MovmfLevel& level, bool is_half, FloatStream& python) {
     for (std::size_t i = 0; i < texels; ++i) {
       const glm::dvec4 stored(level.lobes[j][i]);
       glm::dvec3 mean = stored.w > 0.0 ? glm::dvec3(stored) / stored.w : glm::dvec3(0.0);
-      mean /= std::max(1.0, glm::length(mean));
+      if (planar) mean.z = static_cast<double>(gmm_variance(level.lobes[j][i]));
+      else mean /= std::max(1.0, glm::length(mean));
       // The page divides by 1e-20 at least: a share below that, which only floats can store, shows nowhere.
       for (int c = 0; c < 3; ++c) {
         const auto found = static_cast<double>(python.next());
@@ -152,14 +160,17 @@ void expect_level(const MovmfLevel& level, bool is_half, FloatStream& python) {
         ASSERT_NEAR(found, mean[c], 1e-6);
       }
     }
-  for (std::size_t j = 0; j < lobes; ++j)
-    for (std::size_t i = 0; i < texels; ++i) {
-      const double a = std::max(static_cast<double>(level.lobes[j][i].w), 1e-20);
-      for (int c = 0; c < 3; ++c) {
-        const double colour = static_cast<double>(level.colours[j][i][c]) / a;
-        ASSERT_NEAR(static_cast<double>(python.next()), colour, 1e-6 * std::max(1.0, colour));
-      }
-    }
+  const auto expect_feature = [&](std::size_t lobe, std::size_t texel, float stored) {
+    const double value = static_cast<double>(stored) / std::max(static_cast<double>(level.lobes[lobe][texel].w), 1e-20);
+    ASSERT_NEAR(static_cast<double>(python.next()), value, 1e-6 * std::max(1.0, value));
+  };
+  for (std::size_t j = 0; j < level.colours.size(); ++j)
+    for (std::size_t i = 0; i < texels; ++i)
+      for (int c = 0; c < 3; ++c) ASSERT_NO_FATAL_FAILURE(expect_feature(j, i, level.colours[j][i][c]));
+  const auto weights = static_cast<std::size_t>(header.weight_count);
+  for (std::size_t j = 0; j < level.weights.size(); ++j)
+    for (std::size_t i = 0; i < texels * weights; ++i)
+      ASSERT_NO_FATAL_FAILURE(expect_feature(j, i / weights, level.weights[j][i]));
 }
 
 TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
@@ -171,11 +182,19 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
   ASSERT_NE(code.find("def read_lobes("), std::string::npos);
   ASSERT_NE(code.find("def content_hash("), std::string::npos);
   write_bytes(path("read.py"), code + kDriver);
-  using Case = std::pair<const char*, const char*>;
-  for (const auto& [encoding, first_level] :
-       {Case{"snorm16", "0"}, Case{"half", "0"}, Case{"float", "0"}, Case{"snorm16", "2"}, Case{"half", "6"}}) {
-    SCOPED_TRACE(std::string(encoding) + ", from level " + first_level);
-    bake({"--data-format", encoding, "--first-level", first_level, "--no-measure"});
+  struct Case {
+    const char *encoding, *first_level, *ndf;
+    bool has_materials;
+  };
+  for (const auto& [encoding, first_level, ndf, has_materials] :
+       {Case{"snorm16", "0", "vmf", false}, Case{"half", "0", "vmf", true}, Case{"float", "0", "vmf", false},
+        Case{"snorm16", "2", "vmf", true}, Case{"half", "6", "vmf", false}, Case{"snorm16", "0", "gmm", false},
+        Case{"half", "0", "gmm", false}, Case{"snorm16", "0", "gmm", true}, Case{"float", "1", "gmm", true}}) {
+    SCOPED_TRACE(fmt::format("{} {}, from level {}, {}", ndf, encoding, first_level, has_materials));
+    std::vector<std::string> options = {"--ndf",         ndf,         "--data-format", encoding,
+                                        "--first-level", first_level, "--no-measure",  "--no-rehearsal"};
+    if (has_materials) append_materials(options);
+    bake(options);
     const MovmfMipmap mipmap = read_movmf_mipmap(path("map.ndf.exr"));
     const ProgramResult read = run_program({python, path("read.py"), path("map.ndf.exr"), path("values"), first_level,
                                             std::to_string(mipmap.levels.size())});
@@ -185,7 +204,7 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
     EXPECT_EQ(read.out, hash + "\n" + hash + "\n");
     FloatStream values(read_bytes(path("values")));
     for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l)
-      ASSERT_NO_FATAL_FAILURE(expect_level(mipmap.levels[l], mipmap.encoding == StorageEncoding::kHalf, values));
+      ASSERT_NO_FATAL_FAILURE(expect_level(mipmap.levels[l], mipmap, values));
     EXPECT_EQ(values.left(), 0u);
     const ProgramResult finer = run_program(
         {python, path("read.py"), path("map.ndf.exr"), path("values"), std::to_string(mipmap.first_level - 1), "7"});
@@ -194,7 +213,7 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
   }
 }
 
-// Of a file of moments, the three arrays of every level.
+// Of a file of moments, the arrays of every level.
 constexpr char kMomentDriver[] = R"(
 import sys
 path, output, first_level, levels = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
@@ -210,7 +229,10 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsMoments) {
   if (python.empty()) GTEST_SKIP() << "no Python that imports OpenImageIO and numpy when this was configured";
   write_bytes(path("read.py"), python_of_format_page() + kMomentDriver);
   for (const int first_level : {0, 2}) {
-    bake({"--ndf", "moments", "--first-level", std::to_string(first_level), "--no-measure"});
+    std::vector<std::string> options = {"--ndf", "moments", "--first-level", std::to_string(first_level),
+                                        "--no-measure"};
+    if (first_level == 2) append_materials(options);
+    bake(options);
     const MomentMipmap mipmap = read_moment_mipmap(path("map.ndf.exr"));
     const ProgramResult read =
         run_program({python, path("read.py"), path("map.ndf.exr"), path("values"), std::to_string(first_level), "7"});
@@ -224,12 +246,13 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsMoments) {
       for (const std::vector<glm::vec3>* plane : {&level.normals, &level.colours})
         for (const glm::vec3& texel : *plane)
           for (int c = 0; c < 3; ++c) ASSERT_EQ(values.next(), texel[c]);
+      for (const float weight : level.weights) ASSERT_EQ(values.next(), weight);
     }
     EXPECT_EQ(values.left(), 0u);
   }
 }
 
-// Of a file of spherical harmonics, coefficients and colours of every level.
+// Of a file of spherical harmonics, coefficients, colours and weights of every level.
 constexpr char kHarmonicsDriver[] = R"(
 import sys
 path, output, levels = sys.argv[1], sys.argv[2], int(sys.argv[3])
@@ -244,19 +267,24 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsHarmonics) {
   const std::string python = MULTUM_OIIO_PYTHON;
   if (python.empty()) GTEST_SKIP() << "no Python that imports OpenImageIO and numpy when this was configured";
   write_bytes(path("read.py"), python_of_format_page() + kHarmonicsDriver);
-  bake({"--ndf", "sh", "--sh-order", "3", "--no-measure"});
-  const ShMipmap mipmap = read_sh_mipmap(path("map.ndf.exr"));
-  const ProgramResult read = run_program({python, path("read.py"), path("map.ndf.exr"), path("values"), "7"});
-  ASSERT_EQ(read.exit_code, 0) << read.err;
-  EXPECT_EQ(read.out, mipmap.header.provenance.content_hash + "\n");
-  FloatStream values(read_bytes(path("values")));
-  for (const ShLevel& level : mipmap.levels) {
-    for (std::size_t i = 0; i < level.parts[0].size(); ++i)
-      for (int k = 0; k < sh_coefficient_count(3); ++k) ASSERT_EQ(values.next(), level.value(k, i));
-    for (const glm::vec3& texel : level.colours)
-      for (int c = 0; c < 3; ++c) ASSERT_EQ(values.next(), texel[c]);
+  for (const bool has_materials : {false, true}) {
+    std::vector<std::string> options = {"--ndf", "sh", "--sh-order", "3", "--no-measure"};
+    if (has_materials) append_materials(options);
+    bake(options);
+    const ShMipmap mipmap = read_sh_mipmap(path("map.ndf.exr"));
+    const ProgramResult read = run_program({python, path("read.py"), path("map.ndf.exr"), path("values"), "7"});
+    ASSERT_EQ(read.exit_code, 0) << read.err;
+    EXPECT_EQ(read.out, mipmap.header.provenance.content_hash + "\n");
+    FloatStream values(read_bytes(path("values")));
+    for (const ShLevel& level : mipmap.levels) {
+      for (std::size_t i = 0; i < level.parts[0].size(); ++i)
+        for (int k = 0; k < sh_coefficient_count(3); ++k) ASSERT_EQ(values.next(), level.value(k, i));
+      for (const glm::vec3& texel : level.colours)
+        for (int c = 0; c < 3; ++c) ASSERT_EQ(values.next(), texel[c]);
+      for (const float weight : level.weights) ASSERT_EQ(values.next(), weight);
+    }
+    EXPECT_EQ(values.left(), 0u);
   }
-  EXPECT_EQ(values.left(), 0u);
 }
 
 TEST_F(OtherReadersTest, OiiotoolFindsThePartsAndAttributesOfMoments) {

@@ -67,8 +67,9 @@ std::vector<std::string> fuzz::seeds() {
   add('\1');
   write_inferred_manifest(small_manifest(), path);
   add('\2');
-  seeds.push_back("\3{\"bump_format\":\"normal\",\"green\":\"down\",\"signed\":true,\"height_scale\":2.5,"
-                  "\"normal_scale\":0.5,\"wrap\":[\"clamp\",\"mirror\"],\"fixnan\":\"box3\"}");
+  seeds.push_back(
+      "\3{\"bump_format\":\"normal\",\"green\":\"down\",\"signed\":true,\"height_scale\":2.5,"
+      "\"normal_scale\":0.5,\"wrap\":[\"clamp\",\"mirror\"],\"fixnan\":\"box3\"}");
   NumericalRun run;
   seeds.push_back("\4" + case_json(run));
   seeds.push_back("\5rough.png:G");
@@ -88,7 +89,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         fuzz::may_refuse([&] { filter_matrix_key(path); });
         const FilterMatrix matrix = read_filter_matrix(path);
         // What its users rely on without looking.
-        MULTUM_CHECK(matrix.row_begin.size() == matrix.row_count() + 1 && matrix.row_begin.back() == matrix.columns.size());
+        MULTUM_CHECK(matrix.row_begin.size() == matrix.row_count() + 1 &&
+                     matrix.row_begin.back() == matrix.columns.size());
         for (const std::uint32_t column : matrix.columns)
           MULTUM_CHECK(column < static_cast<std::uint32_t>(matrix.layout().texel_count));
         for (const std::uint32_t pixel : matrix.pixels)

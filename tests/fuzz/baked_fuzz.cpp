@@ -52,8 +52,7 @@ void write_lobes(const std::string& path, Representation representation, const s
     const float third = representation == Representation::kGmm ? 0.0f : 1.0f;
     const glm::vec4 single(0.0f, 0.0f, third, 1.0f);
     level.lobes.push_back(std::vector<glm::vec4>(texels(l), is_finest ? single : 0.5f * single));
-    level.lobes.push_back(
-        std::vector<glm::vec4>(texels(l), is_finest ? glm::vec4(0) : glm::vec4(.25, 0, .4, .5)));
+    level.lobes.push_back(std::vector<glm::vec4>(texels(l), is_finest ? glm::vec4(0) : glm::vec4(.25, 0, .4, .5)));
     level.colours.assign(2, std::vector<glm::vec3>(texels(l), glm::vec3(is_finest ? 0.0f : 0.25f)));
     if (is_finest) level.colours[0].assign(texels(l), glm::vec3(0.5f));
     mipmap.levels.push_back(level);
@@ -74,7 +73,8 @@ void write_moments(const std::string& path) {
 void write_harmonics(const std::string& path) {
   ShMipmap mipmap{header_for(Representation::kSh, StorageEncoding::kHalf), 2, empty_sh_levels(kWidth, kHeight)};
   for (int l = 0; l < mipmap.header.level_count(); ++l)
-    mipmap.levels[static_cast<std::size_t>(l)].parts.assign(3, std::vector<glm::vec4>(texels(l), glm::vec4(0.25f)));
+    mipmap.levels[static_cast<std::size_t>(l)].parts.assign(static_cast<std::size_t>(sh_part_count(mipmap.order)),
+                                                            std::vector<glm::vec4>(texels(l), glm::vec4(0.25f)));
   write_sh_mipmap(path, mipmap, options_with("zips"));
 }
 
@@ -82,8 +82,8 @@ void write_pyramid(const std::string& path) {
   PyramidHeader header{PyramidKind::kColour, header_for(Representation::kMovmf, StorageEncoding::kHalf)};
   PyramidWriter writer(path, header, options_with("rle"));
   for (int l = 0; l < header.level_count(); ++l)
-    writer.write_level(l, 0, {mip_level_size(kWidth, l), mip_level_size(kHeight, l),
-                              std::vector<float>(3 * texels(l), 0.5f)});
+    writer.write_level(
+        l, 0, {mip_level_size(kWidth, l), mip_level_size(kHeight, l), std::vector<float>(3 * texels(l), 0.5f)});
   writer.commit(nullptr);
 }
 
@@ -97,14 +97,13 @@ void write_texture(const std::string& path) {
 
 std::vector<std::string> fuzz::seeds() {
   const std::string path = scratch_folder() + "/seed.ndf.exr";
-  const std::vector<std::function<void()>> writers = {
-      [&] { write_lobes(path, Representation::kMovmf, "none"); },
-      [&] { write_lobes(path, Representation::kMovmf, "zip:1"); },
-      [&] { write_lobes(path, Representation::kGmm, "piz"); },
-      [&] { write_moments(path); },
-      [&] { write_harmonics(path); },
-      [&] { write_pyramid(path); },
-      [&] { write_texture(path); }};
+  const std::vector<std::function<void()>> writers = {[&] { write_lobes(path, Representation::kMovmf, "none"); },
+                                                      [&] { write_lobes(path, Representation::kMovmf, "zip:1"); },
+                                                      [&] { write_lobes(path, Representation::kGmm, "piz"); },
+                                                      [&] { write_moments(path); },
+                                                      [&] { write_harmonics(path); },
+                                                      [&] { write_pyramid(path); },
+                                                      [&] { write_texture(path); }};
   std::vector<std::string> seeds;
   for (const std::function<void()>& write : writers) {
     write();

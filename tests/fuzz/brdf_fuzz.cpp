@@ -13,8 +13,8 @@ constexpr const char* kNames[] = {"input.brdf", "input.binary", "input.json"};
 std::string table() {
   std::string text = "3\n400 550 700\n";
   for (int i = 0; i < 40; ++i)
-    text += std::to_string(0.03 * i) + " 0 " + std::to_string(0.03 * (40 - i)) + " 3.1 " + std::to_string(0.2 + 0.01 * i) +
-            " 0.3 0.1\n";
+    text += std::to_string(0.03 * i) + " 0 " + std::to_string(0.03 * (40 - i)) + " 3.1 " +
+            std::to_string(0.2 + 0.01 * i) + " 0.3 0.1\n";
   return text;
 }
 

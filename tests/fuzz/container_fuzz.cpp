@@ -36,16 +36,19 @@ std::string exr(std::uint32_t version, const std::string& attributes) {
 // Containers without a picture in them: no library looks.
 std::vector<std::string> fuzz::seeds() {
   using namespace std::string_literals;
-  const std::string png = "\x89PNG\r\n\x1a\n"s +
-                          chunk("IHDR", big_endian(8) + big_endian(4) + "\x8\2\0\0\0"s) +
+  const std::string png = "\x89PNG\r\n\x1a\n"s + chunk("IHDR", big_endian(8) + big_endian(4) + "\x8\2\0\0\0"s) +
                           chunk("tEXt", "Title\0much"s) + chunk("IDAT", std::string(30, 'x')) + chunk("IEND", "");
   const std::string jpeg =
       "\xFF\xD8\xFF\xE0\0\x4JF\xFF\xE1\0\x6"s + "Exif\xFF\xC0\0\xB\x8\0\x8\0\x8\1\1\x11\0\xFF\xDA\0\2data\xFF\xD9"s;
   const std::string window = little_endian(0) + little_endian(0) + little_endian(7) + little_endian(3);
   const std::string tiles = exr_attribute("tiles", "tiledesc", little_endian(4) + little_endian(4) + '\0');
   const std::string data_window = exr_attribute("dataWindow", "box2i", window);
-  std::vector<std::string> seeds = {png, jpeg, exr(2, data_window), exr(0x202, data_window + tiles),
-                                    exr(0x1002, data_window + '\0' + data_window), "II*\0\x8\0\0\0"s};
+  std::vector<std::string> seeds = {png,
+                                    jpeg,
+                                    exr(2, data_window),
+                                    exr(0x202, data_window + tiles),
+                                    exr(0x1002, data_window + '\0' + data_window),
+                                    "II*\0\x8\0\0\0"s};
   const auto webp = [&](const std::string& picture) {
     return "RIFF" + little_endian(static_cast<std::uint32_t>(picture.size() + 4)) + "WEBP" + picture;
   };

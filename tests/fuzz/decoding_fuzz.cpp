@@ -43,8 +43,8 @@ class MadFile : public ImageFile {
     MULTUM_CHECK(offset <= memory_.size() && size <= memory_.size() - offset);
     if (pixels_.empty()) return "no pixels";
     for (std::size_t i = 0; i < size; ++i)
-      memory_[offset + i] = static_cast<std::byte>(pixels_[(i + static_cast<std::size_t>(block.y_begin - part().y)) %
-                                                           pixels_.size()]);
+      memory_[offset + i] =
+          static_cast<std::byte>(pixels_[(i + static_cast<std::size_t>(block.y_begin - part().y)) % pixels_.size()]);
     return "";
   }
 

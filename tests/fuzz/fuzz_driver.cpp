@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a fuzzer without libFuzzer, under any compiler: its seeds, the inputs of findings that were mended, and mutations
-// of both that depend on a printed seed alone. Coverage does not guide it: tools/fuzz does that.
+// Runs a fuzzer without libFuzzer, under any compiler: its seeds, the inputs of findings that were mended, and
+// mutations of both that depend on a printed seed alone. Coverage does not guide it: tools/fuzz does that.
 //   fuzz_NAME FOLDER_OF_FINDINGS [SECONDS] [SEED]
 #include <algorithm>
 #include <chrono>
@@ -51,10 +51,9 @@ class Mutator {
   }
 
   void absurd_number(std::string& input, std::size_t at) {
-    constexpr std::uint64_t kNumbers[] = {0,          1,          0x7f,       0x80,
-                                          0xff,       0x7fff,     0xffff,     0x7fffffff,
-                                          0x80000000, 0xffffffff, 0x40000000, 0x7fffffffffffffff,
-                                          ~0ull,      0x7f800000, 0x7fc00000, 1ull << 62};
+    constexpr std::uint64_t kNumbers[] = {0,      1,          0x7f,       0x80,       0xff,       0x7fff,
+                                          0xffff, 0x7fffffff, 0x80000000, 0xffffffff, 0x40000000, 0x7fffffffffffffff,
+                                          ~0ull,  0x7f800000, 0x7fc00000, 1ull << 62};
     std::uint64_t number = kNumbers[below(std::size(kNumbers))];
     if (below(2) == 0) number = __builtin_bswap64(number) >> (below(2) * 32);
     const std::size_t width = std::min<std::size_t>(std::size_t{1} << below(4), input.size() - at);

@@ -42,8 +42,8 @@ std::string base64(const std::string& bytes) {
 std::string gltf(const std::string& uri) {
   return fmt::format(
       R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"name":"thing","mesh":0,)"
-      R"("translation":[0,0,1]}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"indices":2,)"
-      R"("material":0}}]}}],"materials":[{{"name":"brick","normalTexture":{{"index":0,"scale":0.5}},)"
+      R"("translation":[0,0,1]}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},)"
+      R"("indices":2,"material":0}}]}}],"materials":[{{"name":"brick","normalTexture":{{"index":0,"scale":0.5}},)"
       R"("pbrMetallicRoughness":{{"roughnessFactor":0.5}}}}],"textures":[{{"source":0}}],"images":[{{"uri":"n.png"}}],)"
       R"("accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}},)"
       R"({{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}},)"

@@ -96,8 +96,7 @@ priority = -3
 
 std::vector<std::string> fuzz::seeds() {
   const std::string checkpoint = "key\n0 0 4 0123456789abcdef\n0 4 4 0123456789abcdef\n1 0 2 0123456789abcdef\n";
-  return {std::string(1, '\0') + kManifest, std::string("\1") + kJob, std::string("\2") + kSettings,
-          "\3" + checkpoint};
+  return {std::string(1, '\0') + kManifest, std::string("\1") + kJob, std::string("\2") + kSettings, "\3" + checkpoint};
 }
 
 }  // namespace multum

@@ -162,6 +162,20 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   EXPECT_GT(error(EnvironmentMode::kHarmonics, sharp), error(EnvironmentMode::kPrefiltered, sharp));
 }
 
+// The BRDF's width is in the lengths of rough normals, and no matter of diffuse light.
+TEST_P(EnvironmentTest, DiffuseLightIsWithoutRoughness) {
+  scene_.environment = make_environment_light(make_sky(64, 0.3));
+  scene_.brdf.specular = glm::vec3(0.0f);
+  const TestMap smooth = make_flat_map(4);
+  TestMap rough = smooth;
+  rough.mipmap.has_roughness = true;
+  rough.mipmap.mean_cosine = 0.6f;
+  for (MovmfLevel& level : rough.mipmap.levels)
+    for (glm::vec4& lobe : level.lobes[0]) lobe.z *= rough.mipmap.mean_cosine;
+  const FloatImage expected = lobes(smooth, EnvironmentMode::kPrefiltered);
+  EXPECT_LT(picture_error(lobes(rough, EnvironmentMode::kPrefiltered), expected).relative_l1, 1e-4);
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, EnvironmentTest, testing::Values(ContextBackend::kOsmesa, ContextBackend::kEgl),
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 

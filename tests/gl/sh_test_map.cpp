@@ -5,7 +5,7 @@
 
 namespace multum::gl {
 
-ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding encoding) {
+ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding encoding, double mean_cosine) {
   ShMipmap mipmap;
   mipmap.header.representation = Representation::kSh;
   mipmap.header.encoding = encoding;
@@ -14,10 +14,18 @@ ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding enc
   mipmap.header.width = image.width;
   mipmap.header.height = image.height;
   mipmap.header.has_colours = !image.albedo.empty();
+  mipmap.header.has_roughness = mean_cosine < 1.0;
+  mipmap.header.mean_cosine = static_cast<float>(mean_cosine);
   mipmap.order = order;
+  const ZonalCoefficients zonal = zonal_vmf(order, mean_cosine);
   mipmap.levels = empty_sh_levels(image.width, image.height);
   std::vector<std::vector<double>> basis;
-  for (const glm::vec3& n : image.normals) basis.push_back(reference::sh_basis_to(order, glm::dvec3(n)));
+  for (const glm::vec3& n : image.normals) {
+    basis.push_back(reference::sh_basis_to(order, glm::dvec3(n)));
+    for (int l = 1; l <= order; ++l)
+      for (int m = -l; m <= l; ++m)
+        basis.back()[static_cast<std::size_t>(sh_coefficient(l, m))] *= zonal[static_cast<std::size_t>(l)];
+  }
   for (ShLevel& level : mipmap.levels) {
     const int across = image.width / level.width, down = image.height / level.height;
     const auto texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);

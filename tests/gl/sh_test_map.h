@@ -7,7 +7,8 @@
 
 namespace multum::gl {
 
-/// Of the image's normals, every level the mean of the finest. The sides are powers of two.
-ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding encoding);
+/// Of the image's normals, every level the mean of the finest. The sides are powers of two. Below 1: with a BRDF's
+/// width in, of that mean cosine everywhere.
+ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding encoding, double mean_cosine = 1.0);
 
 }  // namespace multum::gl

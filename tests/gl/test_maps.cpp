@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/gmm_quantize.h"
 #include "host/base/split_mix.h"
 
 namespace multum::gl {
@@ -160,7 +161,10 @@ MovmfMipmap as_gaussians(MovmfMipmap mipmap) {
   mipmap.representation = Representation::kGmm;
   for (MovmfLevel& level : mipmap.levels)
     for (auto& lobes : level.lobes)
-      for (glm::vec4& lobe : lobes) lobe.z = lobe.w > 0.0f ? (lobe.x * lobe.x + lobe.y * lobe.y) / lobe.w : 0.0f;
+      for (glm::vec4& lobe : lobes)
+        if (lobe.w > 0.0f && mipmap.has_roughness)
+          lobe = lobe.w * glm::vec4(rough_point(glm::vec3(lobe) / lobe.w), 1.0f);
+        else lobe.z = lobe.w > 0.0f ? (lobe.x * lobe.x + lobe.y * lobe.y) / lobe.w : 0.0f;
   quantize_movmf(mipmap, 1);
   return mipmap;
 }

@@ -36,7 +36,8 @@ TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encodi
 /// A baked file of moments of the same normals, every level the mean of the finest. The sides are powers of two.
 MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
 
-/// The same map's lobes, each a single direction, as planar Gaussians of no variance.
+/// The same map's lobes, each a single direction, as planar Gaussians of no variance; with roughness, each of its
+/// facets'.
 MovmfMipmap as_gaussians(MovmfMipmap mipmap);
 
 /// From far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.

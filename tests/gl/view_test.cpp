@@ -158,14 +158,21 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   const double without = error_of({"--brdf", "blinn-phong:30"});
   write_movmf_mipmap(path("map.ndf.exr"), with_roughness(31.0f / 32.0f).mipmap, {});
   EXPECT_LT(error_of({}), without + 0.01);
+  write_movmf_mipmap(path("map.ndf.exr"), gl::as_gaussians(with_roughness(31.0f / 32.0f).mipmap), {});
+  EXPECT_LT(error_of({}), without + 0.06) << "Gaussians of a tilt of 20 degrees";
+  write_sh_mipmap(path("map.ndf.exr"),
+                  gl::make_harmonics(with_roughness(31.0f / 32.0f).image, 12, StorageEncoding::kFloat, 31.0 / 32.0),
+                  {});
+  EXPECT_LT(error_of({}), without + 0.03) << "harmonics";
+  write_movmf_mipmap(path("map.ndf.exr"), with_roughness(31.0f / 32.0f).mipmap, {});
   fs::remove(path("out.png"));
   expect_refusal({"-o", path("out.png"), "--brdf", "blinn-phong:30"}, 2, "has its BRDF's width in");
   expect_refusal({"-o", path("out.png"), "--compare", "truth,mip"}, 2, "the baselines know nothing of");
   expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, "--roughness goes with --source");
 }
 
+// Weights of 1/4 and 3/4 everywhere: what is drawn is that much of each BRDF.
 TEST_F(ViewTest, BlendsBasisBrdfsByWeights) {
-  write_movmf_mipmap(path("map.ndf.exr"), with_weights().mipmap, {});
   const auto draw = [&](const std::vector<std::string>& brdfs) {
     std::vector<std::string> arguments = {"-o", path("out.exr"), "--size", "48x32", "--context", "osmesa"};
     for (const std::string& brdf : brdfs) arguments.insert(arguments.end(), {"--brdf", brdf});
@@ -173,15 +180,27 @@ TEST_F(ViewTest, BlendsBasisBrdfsByWeights) {
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return read_albedo_map(path("out.exr"), 48, 32, 1);
   };
-  const ColourMap blended = draw({"blinn-phong:20", "ggx:0.3"}), broad = draw({"blinn-phong:20"}),
-                  sharp = draw({"ggx:0.3"});
-  double difference = 0.0;
-  for (std::size_t i = 0; i < blended.g.size(); ++i) {
-    const double expected = 0.25 * static_cast<double>(broad.g[i]) + 0.75 * static_cast<double>(sharp.g[i]);
-    EXPECT_NEAR(static_cast<double>(blended.g[i]), expected, 2e-3 * expected + 1e-5) << i;
-    difference = std::max(difference, std::abs(static_cast<double>(broad.g[i] - sharp.g[i])));
-  }
-  EXPECT_GT(difference, 0.02) << "the basis is of two BRDFs";
+  const auto expect_blend = [&](const std::string& other, const char* what) {
+    const ColourMap blended = draw({"blinn-phong:20", other}), broad = draw({"blinn-phong:20"}), sharp = draw({other});
+    double difference = 0.0;
+    for (std::size_t i = 0; i < blended.g.size(); ++i) {
+      const double expected = 0.25 * static_cast<double>(broad.g[i]) + 0.75 * static_cast<double>(sharp.g[i]);
+      EXPECT_NEAR(static_cast<double>(blended.g[i]), expected, 2e-3 * expected + 1e-5) << what << ": " << i;
+      difference = std::max(difference, std::abs(static_cast<double>(broad.g[i] - sharp.g[i])));
+    }
+    EXPECT_GT(difference, 0.02) << what << ": the basis is of two BRDFs";
+  };
+  const gl::TestMap map = with_weights();
+  write_movmf_mipmap(path("map.ndf.exr"), gl::as_gaussians(map.mipmap), {});
+  expect_blend("cook-torrance:0.1", "Gaussians");
+  ShMipmap harmonics = gl::make_harmonics(map.image, 4, StorageEncoding::kHalf);
+  harmonics.header.weight_count = 2;
+  for (ShLevel& level : harmonics.levels)
+    for (int i = 0; i < level.width * level.height; ++i) level.weights.insert(level.weights.end(), {0.25f, 0.75f});
+  write_sh_mipmap(path("map.ndf.exr"), harmonics, {});
+  expect_blend("ggx:0.5", "harmonics");
+  write_movmf_mipmap(path("map.ndf.exr"), map.mipmap, {});
+  expect_blend("ggx:0.3", "lobes");
   const ChildResult truth = view({"-o", path("out.exr"), "--size", "32x24", "--samples", "16", "--context", "osmesa",
                                   "--brdf", "blinn-phong:20", "--brdf", "ggx:0.3", "--compare", "truth,mip"});
   EXPECT_EQ(truth.exit_code, 0) << truth.output;

@@ -76,9 +76,9 @@ void append_start(const MultumVmfLobe& from, double alignment, std::vector<refer
   options.prior.push_back(alignment * a * (mu + glm::dvec3(0.0, 0.0, 1.0)));
 }
 
-// Normals as points of the plane, none of which scatters.
-std::vector<reference::Sample> as_points(std::vector<reference::Sample> samples) {
-  for (reference::Sample& s : samples) s.normal.z = 0.0;
+// Normals as points of the plane.
+std::vector<reference::Sample> as_points(std::vector<reference::Sample> samples, bool shortened) {
+  for (reference::Sample& s : samples) s.normal = reference::planar_sample(s.normal, shortened);
   return samples;
 }
 
@@ -188,9 +188,9 @@ std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const s
         options.prior.push_back(static_cast<double>(how.alignment) * static_cast<double>(from.amplitude) * mu);
       }
       const std::vector<reference::Sample> samples = covered_samples(map, how.level, x, y);
-      const std::vector<reference::Moments> moments = gaussians
-                                                          ? reference::fit_planar(as_points(samples), lobes, options)
-                                                          : reference::fit(samples, lobes, options);
+      const std::vector<reference::Moments> moments =
+          gaussians ? reference::fit_planar(as_points(samples, how.shortened), lobes, options)
+                    : reference::fit(samples, lobes, options);
       for (int j = 0; j < lobe_count; ++j)
         result[static_cast<std::size_t>(j) * texels + static_cast<std::size_t>(y * width + x)] =
             moments[static_cast<std::size_t>(j)];

@@ -100,7 +100,8 @@ TEST(HelperProcessTest, NothingStays) {
   end_of("anything");
   const int before = open_files();
   for (const char* request : {"anything", "exit", "announce"}) end_of(request);
-  expect_error(ErrorCode::kEnvironment, {"/none: cannot be started: No such file"}, [] { HelperProcess none("/none"); });
+  expect_error(ErrorCode::kEnvironment, {"/none: cannot be started: No such file"},
+               [] { HelperProcess none("/none"); });
   EXPECT_EQ(open_files(), before);
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD);

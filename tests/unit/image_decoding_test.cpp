@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Image files decoded in a child: the same numbers and the same refusals as in this process, and whatever ends the child
-// is a refusal that names the file.
+// Image files decoded in a child: the same numbers and the same refusals as in this process, and whatever ends the
+// child is a refusal that names the file.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -89,10 +89,12 @@ TEST_F(ImageDecodingTest, FilesReadAsInThisProcess) {
   for (const std::string& path : paths) {
     SCOPED_TRACE(path);
     const Picture there = read_picture(path);
-    const auto channels_there = path.ends_with(".exr") ? read_exr_channels(path, {"G"}).channels : decltype(ExrLayers::channels){};
+    const auto channels_there =
+        path.ends_with(".exr") ? read_exr_channels(path, {"G"}).channels : decltype(ExrLayers::channels){};
     set_image_opener(open_in_this_process);
     const Picture here = read_picture(path);
-    const auto channels_here = path.ends_with(".exr") ? read_exr_channels(path, {"G"}).channels : decltype(ExrLayers::channels){};
+    const auto channels_here =
+        path.ends_with(".exr") ? read_exr_channels(path, {"G"}).channels : decltype(ExrLayers::channels){};
     set_image_opener(open_in_child(child_of("multum-decode")));
     EXPECT_EQ(there.format, here.format);
     EXPECT_TRUE(there.samples == here.samples);
@@ -167,14 +169,15 @@ TEST_F(ImageDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
   drill.time_base_ms = 700;
   set_image_opener(open_in_child(drill));
   const TestImage image = normal_image(8, 8);
-  for (const auto& [name, reason] : std::vector<std::pair<std::string, std::string>>{
+  for (const auto& [name, reason] : std::vector<std::pair<std::string, std::string>> {
 #if !defined(__SANITIZE_ADDRESS__)
-           {"abort", "was ended by signal 6 (Aborted): a library's last words"},
-           {"segfault", "was ended by signal 11 (Segmentation fault)"},
+         {"abort", "was ended by signal 6 (Aborted): a library's last words"},
+             {"segfault", "was ended by signal 11 (Segmentation fault)"},
 #endif
-           {"hang", "took more than 700 ms and was ended"},
-           {"exit", "ended with exit code 7"},
-           {"nonsense", "8 bytes that are no answer"}}) {
+             {"hang", "took more than 700 ms and was ended"}, {"exit", "ended with exit code 7"}, {
+           "nonsense", "8 bytes that are no answer"
+         }
+       }) {
     const std::string refusal = refusal_of(write(name + ".png", image));
     EXPECT_NE(refusal.find(reason), std::string::npos) << refusal;
     EXPECT_NE(refusal.find("expected"), std::string::npos) << refusal;
@@ -197,14 +200,46 @@ TEST_F(ImageDecodingTest, DescriptionsAreChecked) {
     expect_error(ErrorCode::kInput, {"a.png: ", why}, [&] { check_described("a.png", {"png", 100, {wrong}}, 1000); });
   };
   EXPECT_NO_THROW(check_described("a.png", {"png", 100, {part}}, 1000));
-  refused("found 0 channels", [&] { auto p = part; p.channel_names.clear(); return p; }());
-  refused("found 8 x -1 texels", [&] { auto p = part; p.height = -1; return p; }());
-  refused("expected at most 1000 in all", [&] { auto p = part; p.width = 500; return p; }());
-  refused("expected places within 2^30", [&] { auto p = part; p.y = -2000000000; return p; }());
-  refused("in tiles of 8 x -8", [&] { auto p = part; p.tile_width = 8, p.tile_height = -8; return p; }());
-  refused("types of other channels", [&] { auto p = part; p.channel_types = {2, 2}; return p; }());
-  refused("its alpha", [&] { auto p = part; p.alpha_channel = 1; return p; }());
-  refused("found samples of type", [&] { auto p = part; p.base_type = 1000; return p; }());
+  refused("found 0 channels", [&] {
+    auto p = part;
+    p.channel_names.clear();
+    return p;
+  }());
+  refused("found 8 x -1 texels", [&] {
+    auto p = part;
+    p.height = -1;
+    return p;
+  }());
+  refused("expected at most 1000 in all", [&] {
+    auto p = part;
+    p.width = 500;
+    return p;
+  }());
+  refused("expected places within 2^30", [&] {
+    auto p = part;
+    p.y = -2000000000;
+    return p;
+  }());
+  refused("in tiles of 8 x -8", [&] {
+    auto p = part;
+    p.tile_width = 8, p.tile_height = -8;
+    return p;
+  }());
+  refused("types of other channels", [&] {
+    auto p = part;
+    p.channel_types = {2, 2};
+    return p;
+  }());
+  refused("its alpha", [&] {
+    auto p = part;
+    p.alpha_channel = 1;
+    return p;
+  }());
+  refused("found samples of type", [&] {
+    auto p = part;
+    p.base_type = 1000;
+    return p;
+  }());
 }
 
 TEST_F(ImageDecodingTest, DamagedFilesOfTheSharedData) {

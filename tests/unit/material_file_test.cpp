@@ -6,8 +6,10 @@
 #include <cmath>
 #include <random>
 
+#include "host/asset/gmm_quantize.h"
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/movmf_verify.h"
+#include "host/asset/sh_mipmap.h"
 #include "tests/unit/movmf_test_mipmap.h"
 #include "tests/unit/test_folder.h"
 
@@ -21,6 +23,7 @@ struct Case {
   StorageEncoding encoding;
   bool has_colours, has_roughness;
   int weight_count;
+  Representation lobes = Representation::kMovmf;
 };
 
 std::set<std::string> failed(const std::string& path) {
@@ -36,6 +39,7 @@ class MaterialFileTest : public ::testing::TestWithParam<Case> {
     const Case& c = GetParam();
     MovmfMipmap mipmap = testing::random_mipmap(19, 13, 3, c.has_colours, c.encoding, 8);
     std::mt19937 random(9);
+    mipmap.representation = c.lobes;
     mipmap.weight_count = c.weight_count;
     mipmap.has_roughness = c.has_roughness;
     mipmap.mean_cosine = c.has_roughness ? 0.75f : 1.0f;
@@ -45,6 +49,7 @@ class MaterialFileTest : public ::testing::TestWithParam<Case> {
         for (glm::vec4& lobe : level.lobes[j]) {
           if (c.has_roughness)
             lobe = glm::vec4(glm::vec3(lobe) * (1.0f - 0.5f * static_cast<float>(uniform(random))), lobe.w);
+          if (c.lobes == Representation::kGmm && lobe.w > 0.0f) lobe = as_gaussian(lobe);
           for (int k = 0; k < c.weight_count; ++k)
             level.weights[j].push_back(lobe.w * static_cast<float>(uniform(random)));
         }
@@ -54,6 +59,11 @@ class MaterialFileTest : public ::testing::TestWithParam<Case> {
     return mipmap;
   }
 
+  // Of a mean vector (a r, a), as a rough normal's point.
+  static glm::vec4 as_gaussian(const glm::vec4& lobe) {
+    return lobe.w * glm::vec4(rough_point(glm::vec3(lobe) / lobe.w), 1.0f);
+  }
+
   const TemporaryFolder folder_;
 };
 
@@ -61,7 +71,10 @@ INSTANTIATE_TEST_SUITE_P(Files, MaterialFileTest,
                          ::testing::Values(Case{StorageEncoding::kSnorm16, false, true, 0},
                                            Case{StorageEncoding::kSnorm16, true, false, 1},
                                            Case{StorageEncoding::kHalf, true, true, 4},
-                                           Case{StorageEncoding::kFloat, false, true, 3}));
+                                           Case{StorageEncoding::kFloat, false, true, 3},
+                                           Case{StorageEncoding::kSnorm16, true, true, 2, Representation::kGmm},
+                                           Case{StorageEncoding::kHalf, false, true, 0, Representation::kGmm},
+                                           Case{StorageEncoding::kFloat, false, true, 3, Representation::kGmm}));
 
 TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
   const MovmfMipmap mipmap = lobes();
@@ -76,7 +89,7 @@ TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
     EXPECT_EQ(found.levels[l].weights, mipmap.levels[l].weights) << l;
   EXPECT_EQ(found.provenance.content_hash, movmf_content_hash(mipmap, 2));
   EXPECT_EQ(failed(path), std::set<std::string>{});
-  EXPECT_EQ(read_baked_header(path).format_version(), 4);
+  EXPECT_EQ(read_baked_header(path).format_version(), GetParam().lobes == Representation::kGmm ? 2 : 4);
   // A length of the finest level, or a weight, changes the checksum.
   MovmfMipmap other = mipmap;
   if (mipmap.weight_count > 0) other.levels[2].weights[1][0] += 0.5f;
@@ -85,7 +98,8 @@ TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
 }
 
 TEST_P(MaterialFileTest, RoughFinestNormalsKeepTheirLengths) {
-  if (!GetParam().has_roughness) GTEST_SKIP() << "of files with roughness";
+  if (!GetParam().has_roughness || GetParam().lobes != Representation::kMovmf)
+    GTEST_SKIP() << "of files of lobes with roughness";
   std::mt19937 random(3);
   MovmfFinest rows = testing::random_finest(random, 64, 8, 2, false);
   rows.has_roughness = true;
@@ -98,6 +112,74 @@ TEST_P(MaterialFileTest, RoughFinestNormalsKeepTheirLengths) {
     EXPECT_NEAR(glm::length(glm::dvec3(rows.normals[i])), glm::length(glm::dvec3(exact[i])), step);
     EXPECT_LT(glm::length(rows.normals[i] - exact[i]), 2.0 * step);
   }
+}
+
+// As points of the plane: what facets scatter, and what comes back as a normal's length.
+TEST_P(MaterialFileTest, RoughFinestPointsKeepWhatTheyScatter) {
+  if (GetParam().lobes != Representation::kGmm) GTEST_SKIP() << "of files of Gaussians with roughness";
+  std::mt19937 random(3);
+  MovmfFinest rows = testing::random_finest(random, 64, 8, 2, false);
+  rows.has_roughness = true;
+  rows.representation = Representation::kGmm;
+  std::vector<glm::vec3> exact, lengths;
+  for (glm::vec3& n : rows.normals) {
+    lengths.push_back(n *= 1.0f - 0.5f * static_cast<float>(std::pow(uniform(random), 4.0)));
+    exact.push_back(n = rough_point(n));
+    EXPECT_LE(n.z, 1.0f);
+  }
+  quantize_movmf(rows, GetParam().encoding, 2);
+  const float step = GetParam().encoding == StorageEncoding::kHalf ? 1.0f / 1024.0f : 1.5f / 32767.0f;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const glm::vec3 difference = glm::abs(rows.normals[i] - exact[i]);
+    EXPECT_LT(difference.x, step);
+    EXPECT_LT(difference.y, step);
+    const auto scatter = [](const glm::vec3& p) { return p.z - p.x * p.x - p.y * p.y; };
+    EXPECT_NEAR(scatter(rows.normals[i]), scatter(exact[i]), 2.0f * step);
+    EXPECT_LE(rows.normals[i].z, 1.0f);
+    // Where nothing was cut off at the rim.
+    const glm::vec3 back = shortened_normal(exact[i]);
+    const bool is_whole = exact[i].z < 0.999f;
+    EXPECT_TRUE(!is_whole || glm::length(back - lengths[i]) < 2e-3f) << i;
+  }
+}
+
+TEST_P(MaterialFileTest, HarmonicsComeBackAsTheyWere) {
+  const Case& c = GetParam();
+  if (c.encoding == StorageEncoding::kSnorm16) GTEST_SKIP() << "harmonics have no snorm";
+  ShMipmap mipmap;
+  mipmap.header = header_of(lobes());
+  mipmap.header.representation = Representation::kSh;
+  mipmap.order = 1;
+  mipmap.levels = empty_sh_levels(19, 13);
+  std::mt19937 random(5);
+  for (ShLevel& level : mipmap.levels) {
+    level.parts.resize(1);
+    for (int i = 0; i < level.width * level.height; ++i) {
+      level.parts[0].emplace_back(kShNormalFactor * glm::vec3(0.2f, 0.6f, 0.1f), 0.0f);
+      if (c.has_colours) level.colours.emplace_back(uniform(random));
+      for (int k = 0; k < c.weight_count; ++k) level.weights.push_back(static_cast<float>(uniform(random)));
+    }
+    quantize_sh(level, c.encoding, 2);
+  }
+  const std::string path = folder_ / "s.exr";
+  write_sh_mipmap(path, mipmap, {});
+  const ShMipmap found = read_sh_mipmap(path);
+  EXPECT_EQ(found.header.weight_count, c.weight_count);
+  EXPECT_EQ(found.header.has_roughness, c.has_roughness);
+  for (std::size_t l = 0; l < mipmap.levels.size(); ++l) {
+    EXPECT_EQ(found.levels[l].parts, mipmap.levels[l].parts) << l;
+    EXPECT_EQ(found.levels[l].weights, mipmap.levels[l].weights) << l;
+    EXPECT_EQ(found.levels[l].colours, mipmap.levels[l].colours) << l;
+  }
+  EXPECT_EQ(failed(path), c.has_roughness ? std::set<std::string>{} : std::set<std::string>{"level 0"});
+  EXPECT_EQ(read_baked_header(path).format_version(), 2);
+  mipmap.levels[0].parts[0][7] *= 0.5f;  // shorter than the roughest lobe
+  write_sh_mipmap(path, mipmap, {});
+  EXPECT_EQ(failed(path), std::set<std::string>{"level 0"});
+  if (c.weight_count == 0) return;
+  mipmap.levels[1].weights[3] = 1.5f;
+  write_sh_mipmap(path, mipmap, {});
+  EXPECT_EQ(failed(path), (std::set<std::string>{"level 0", "weights"}));
 }
 
 TEST_P(MaterialFileTest, MomentsComeBackAsTheyWere) {

@@ -6,17 +6,21 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <optional>
 
 #include "host/asset/gpu_bytes.h"
 #include "host/bake/accuracy_baselines.h"
 #include "host/bake/movmf_bake.h"
+#include "host/bake/tradeoff_page.h"
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
 #include "tools/bench/formula_document.h"
 #include "tools/bench/machine.h"
+#include "tools/bench/markdown_table.h"
+#include "tools/bench/scratch_folder.h"
 
 namespace multum::bench {
 namespace {
@@ -180,7 +184,7 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
       colours += " " + errors.three_levels(AccuracyPoint::kCentre, brdf) + " |";
     colours += "\n";
   }
-  return "## The four-quarter map\n\nLevels 3 / 5 / 7, all texels, white; the time is that of one fit on this machine, "
+  return "Levels 3 / 5 / 7, all texels, white; the time is that of one fit on this machine, "
          "start included:\n\n" +
          summary +
          fmt::format(
@@ -294,7 +298,7 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   MapTable tables[2];
   for (const std::string& path : paths) add_map(device, path, options, tables);
   std::string text =
-      "\n## Real normal maps\n\nEvery file of the test folder that `multum bake` takes for a normal map, texel "
+      "Every file of the test folder that `multum bake` takes for a normal map, texel "
       "centres, all texels of "
       "every level, in %: this bake / the best of Toksvig, LEAN and LEAN with its Jacobian. Bold: worse than the "
       "baseline by more "
@@ -311,25 +315,95 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   return text;
 }
 
+// A row a setting, an error a BRDF.
+std::string errors_table(const TradeoffResult& result) {
+  MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, ms", "GPU, MB"});
+  for (const TradeoffRow& row : result.rows) {
+    if (!row.is_measured) continue;
+    std::vector<std::string> cells = {"`" + row.options + "`",
+                                      row.view.empty() ? "" : row.view.substr(row.view.find(' '))};
+    for (const char* brdf : {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert"}) {
+      const ReachedError one = reached_error(row.errors, parse_target_brdf(brdf));
+      cells.push_back(fmt::format("{:.2f} ± {:.2f}", 100.0 * one.error, 100.0 * one.confidence));
+    }
+    cells.push_back(fmt::format("{:.0f}", 1e3 * row.bake_seconds));
+    cells.push_back(fmt::format("{:.2f}", static_cast<double>(row.gpu_bytes) / 1e6));
+    table.add(std::move(cells));
+  }
+  return table.text();
+}
+
+// Every representation, baked and measured by the code of `multum tradeoff`.
+std::string representations_section(Device& device, const AccuracyDocumentOptions& options) {
+  const ScratchFolder scratch("");
+  TradeoffJob job;
+  job.scratch = scratch / "sweep";
+  job.bake.threads = options.threads;
+  const auto sweep = [&](const std::string& name, const std::string& path) {
+    std::printf("%s, every representation\n", name.c_str());
+    job.bake.input = path;
+    const TradeoffResult result = run_tradeoff(job, device, nullptr);
+    return fmt::format("\n### Every representation: {}, {} x {}\n\n", name, result.width, result.height) +
+           errors_table(result);
+  };
+  job.bake.reading.green = GreenAxis::kUp;
+  write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
+  std::string text =
+      "Settings that `multum tradeoff` sweeps. One figure a BRDF: relative L1 in %, texel centres and midpoints of "
+      "levels "
+      "2 and up, each level weighing the same, with half of its 95 % interval (docs/ALGORITHMS.md, \"Measured "
+      "error\").\n" +
+      sweep("four-quarter map", scratch / "quarters_normal.png");
+  job.bake.reading.green.reset();
+  job.length = SweepLength::kQuick;
+  if (!options.maps.empty())
+    for (const char* map : {"gd_aluminium_normal.png", "pm_0007.webp", "re_cyberhandwoven_n.png"})
+      if (const std::string path = options.maps + "/normal/" + map; std::filesystem::exists(path))
+        text += sweep(map, path);
+  return text;
+}
+
+// The sections of a document that is there: from each heading of the second order to the next; the head by "".
+std::map<std::string, std::string> sections_of(const std::string& path) {
+  std::map<std::string, std::string> sections;
+  std::ifstream file(path);
+  std::string heading;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("## ")) heading = line.substr(3);
+    sections[heading] += line + "\n";
+  }
+  return sections;
+}
+
 }  // namespace
 
 int write_accuracy_document(const AccuracyDocumentOptions& options) {
   Device device = Device::open("");
-  std::string text = fmt::format(
-      "# Accuracy\n\nGenerated by `multum-bench accuracy -o docs/ACCURACY.md` (commit {}); {}, {}, device {}. Do not "
-      "edit.\n\n"
+  const std::map<std::string, std::string> there = sections_of(options.output);
+  const std::string made_by = fmt::format("Made at commit {} on {}, {}, device {}.\n\n", options.commit,
+                                          processor_name(), system_name(), device.info().name);
+  std::string text =
+      "# Accuracy\n\nGenerated by `multum-bench accuracy -o docs/ACCURACY.md`, sections by themselves by --section. Do "
+      "not edit.\n\n"
       "Relative L1 error in %: sum |model - truth| / sum truth, over all texels of a level and 12 half vectors (lights "
       "(.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)); for Lambert the four "
-      "lights. The "
-      "BRDF is (s+1)/(2 pi) t^s, the convolution alone, without n . l. Truth: the average over every finest normal "
-      "that a texel "
-      "covers, in double. Model: the lobes as stored (snorm16 unless said), filtered as hardware filters, shaded as "
-      "the runtime "
-      "shades.\n\n",
-      options.commit, processor_name(), system_name(), device.info().name);
-  text += formula_section(device, options.brdfs) + "\n";
-  text += quarters_section(device, options) + first_level_section(device, options);
-  if (!options.maps.empty()) text += maps_section(device, options);
+      "lights. The BRDF is (s+1)/(2 pi) t^s, the convolution alone, without n . l. Truth: the average over every "
+      "finest "
+      "normal that a texel covers, in double. Model: the lobes as stored (snorm16 unless said), filtered as hardware "
+      "filters, shaded as the runtime shades.\n\n";
+  const auto add = [&](const std::string& name, const std::string& heading, const auto& make) {
+    const bool is_asked = options.sections.empty() ||
+                          std::find(options.sections.begin(), options.sections.end(), name) != options.sections.end();
+    const auto old = there.find(heading);
+    if (is_asked) text += "## " + heading + "\n\n" + made_by + make() + "\n";
+    else if (old != there.end()) text += old->second;
+  };
+  add("quarters", "The four-quarter map",
+      [&] { return quarters_section(device, options) + first_level_section(device, options); });
+  add("representations", "Every representation", [&] { return representations_section(device, options); });
+  add("formulas", "The formulas alone", [&] { return formula_section(device, options.brdfs); });
+  add("maps", "Real normal maps", [&] { return options.maps.empty() ? "" : maps_section(device, options); });
+  while (text.ends_with("\n\n")) text.pop_back();
   write_text_file(options.output, text);
   std::printf("%s: written\n", options.output.c_str());
   return 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace multum::bench {
 
@@ -10,10 +11,14 @@ struct AccuracyDocumentOptions {
   std::string output;  // Markdown file
   std::string maps;    // folder of real maps; empty: none
   std::string brdfs;   // folder of measured BRDFs; empty: none
+  // Of kSections: these alone are made, and take the place of those of a document that is there; empty: all are.
+  std::vector<std::string> sections;
   std::string commit;  // named in the document
   int size = 1024;     // side of the four-quarter map
   int threads = 2;
 };
+
+constexpr const char* kSections[] = {"quarters", "representations", "formulas", "maps"};
 
 int write_accuracy_document(const AccuracyDocumentOptions& options);
 

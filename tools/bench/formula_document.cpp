@@ -390,8 +390,7 @@ std::string formula_section(Device& device, const std::string& brdfs) {
   add_blinn_phong(lobes, kernels, round);
   add_lambert(lobes, kernels, round);
   add_facets(lobes, round, brdfs);
-  return "## The formulas alone\n\n"
-         "Each formula on a distribution of the very shape that it is for, so that only the formula is off: relative "
+  return "Each formula on a distribution of the very shape that it is for, so that only the formula is off: relative "
          "L1 over the hemisphere against quadrature in double, in %. The shape of the convolution is what is compared, "
          "without n . l, Fresnel and visibility. Rows of Blinn-Phong, Lambert, Gaussians and moments are computed by "
          "the kernels that measure a bake (the runtime's GLSL equals them, tests/agreement), the others in "

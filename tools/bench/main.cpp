@@ -143,6 +143,10 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
   command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
   command->add_option("--maps", accuracy.maps, "folder of real maps")->check(CLI::ExistingDirectory);
   command->add_option("--brdfs", accuracy.brdfs, "folder of measured BRDFs")->check(CLI::ExistingDirectory);
+  command
+      ->add_option("--section", accuracy.sections,
+                   "make these alone, and keep the others of a document that is there (default: all)")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kSections), std::end(kSections))));
   command->add_option("--size", accuracy.size, "side of the four-quarter map")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();

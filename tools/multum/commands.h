@@ -30,12 +30,16 @@ std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 /// the progress. Throws Error, Cancelled.
 int run_command(std::vector<std::string> arguments, const Progress::Callback& callback);
 
+/// multum-view lies beside multum, in the build folder and when installed; else the one in PATH.
+std::string find_viewer();
+
 void add_animation_command(CLI::App& app, int* exit_code);
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_infer_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
 void add_selftest_command(CLI::App& app, int* exit_code);
+void add_tradeoff_command(CLI::App& app, int* exit_code);
 void add_verify_command(CLI::App& app, int* exit_code);
 void add_testmap_command(CLI::App& app, int* exit_code);
 void add_plan_command(CLI::App& app, int* exit_code);

@@ -45,13 +45,12 @@ std::string size_text(std::uint64_t bytes) {
   return kib < 1024.0 ? fmt::format("{:.1f} KiB", kib) : fmt::format("{:.1f} MiB", kib / 1024.0);
 }
 
-// What a file says that others do not: its texels, what survives its encoding, what it takes on a GPU. A row a
+// What a file says that others do not: its texels, and what survives its encoding. A row a
 // representation.
 struct InfoKind {
   Representation representation;
   std::string (*texels)(const std::string& path, const BakedHeader& file);
   std::string (*survives)(const BakedHeader& file);
-  std::uint64_t (*gpu_bytes)(const std::string& path, const BakedHeader& file);
 };
 
 std::string material_texts(const BakedHeader& file) {
@@ -70,18 +69,16 @@ constexpr InfoKind kInfoKinds[] = {
      },
      [](const BakedHeader& file) {
        return fmt::format("kappa up to {:.0f} survives it", static_cast<double>(storage_kappa_max(file.encoding)));
-     },
-     [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
+     }},
     {Representation::kGmm,
      [](const std::string& path, const BakedHeader& file) {
-       return fmt::format("{} planar Gaussians a texel{}", read_movmf_header(path).lobe_count(),
-                          file.has_colours ? ", with a colour each" : "");
+       return fmt::format("{} planar Gaussians a texel{}{}", read_movmf_header(path).lobe_count(),
+                          file.has_colours ? ", with a colour each" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
        return fmt::format("variances down to {:.1e} survive it",
                           1.0 / static_cast<double>(storage_kappa_max(file.representation, file.encoding)));
-     },
-     [](const std::string& path, const BakedHeader&) { return movmf_gpu_bytes(read_movmf_header(path)); }},
+     }},
     {Representation::kMoments,
      [](const std::string&, const BakedHeader& file) {
        return fmt::format("mean normal, first and second moments of slopes{}{}",
@@ -90,19 +87,18 @@ constexpr InfoKind kInfoKinds[] = {
      [](const BakedHeader& file) {
        return fmt::format("at a slope b, deviations of slopes down to {:.4f} b survive it",
                           static_cast<double>(least_slope_deviation(file.encoding)));
-     },
-     [](const std::string&, const BakedHeader& file) { return moment_gpu_bytes(file); }},
+     }},
     {Representation::kSh,
      [](const std::string& path, const BakedHeader& file) {
        const int order = read_sh_header(path).order;
-       return fmt::format("spherical harmonics to order {}: {} coefficients in {} textures{}", order,
-                          sh_coefficient_count(order), sh_part_count(order), file.has_colours ? ", mean colour" : "");
+       return fmt::format("spherical harmonics to order {}: {} coefficients in {} textures{}{}", order,
+                          sh_coefficient_count(order), sh_part_count(order), file.has_colours ? ", mean colour" : "",
+                          material_texts(file));
      },
      [](const BakedHeader& file) {
        return std::string(file.encoding == StorageEncoding::kHalf ? "2^-11 of each coefficient is lost at most"
                                                                   : "nothing is lost");
-     },
-     [](const std::string& path, const BakedHeader&) { return sh_gpu_bytes(read_sh_header(path)); }},
+     }},
 };
 
 const InfoKind& info_kind(Representation representation) {
@@ -151,7 +147,7 @@ int run_info(const std::string& path) {
                       wrap_mode_name(file.wrap_t));
   text += fmt::format("encoding        {}; {}\n", storage_encoding_name(file.encoding), kind.survives(file));
   text += fmt::format("on disk         {}\n", size_text(std::filesystem::file_size(path)));
-  text += on_the_gpu(kind.gpu_bytes(path, file), file);
+  text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);

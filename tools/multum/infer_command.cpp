@@ -27,14 +27,6 @@ struct InferOptions {
   bool no_comparison = false;
 };
 
-// multum-view lies beside multum, in the build folder and when installed.
-std::string find_viewer() {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path beside = self.parent_path() / "multum-view";
-  return !error && std::filesystem::exists(beside, error) ? beside.string() : "multum-view";
-}
-
 std::vector<int> all_samples(const AnimationJob& job) {
   std::vector<int> samples(job.samples.size());
   std::iota(samples.begin(), samples.end(), 0);
@@ -85,6 +77,13 @@ int run_infer(InferOptions& o) {
 }
 
 }  // namespace
+
+std::string find_viewer() {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path beside = self.parent_path() / "multum-view";
+  return !error && std::filesystem::exists(beside, error) ? beside.string() : "multum-view";
+}
 
 void add_infer_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<InferOptions>();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-decode: the child of multum and multum-view that reads image files for them (host/image/child_image_file.cpp). It
-// is no command: its requests come over a socket that it is given.
+// multum-decode: the child of multum and multum-view that reads image files for them (host/image/child_image_file.cpp).
+// It is no command: its requests come over a socket that it is given.
 #include <cstdio>
 
 #include "host/base/error.h"
@@ -12,8 +12,8 @@ namespace {
 
 int run(int, char**) {
   ImageDecoder decoder;
-  const int exit_code = serve_helper(
-      [&](std::string_view request, SharedMemory& memory) { return decoder.answer(request, memory); });
+  const int exit_code =
+      serve_helper([&](std::string_view request, SharedMemory& memory) { return decoder.answer(request, memory); });
   if (exit_code != 0)
     std::fputs("multum-decode: multum and multum-view start it, to read images for them; by itself it does nothing\n",
                stderr);

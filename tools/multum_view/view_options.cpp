@@ -14,6 +14,7 @@
 #include "host/base/choices.h"
 #include "host/base/error.h"
 #include "host/brdf/measured_file.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
 

@@ -36,6 +36,10 @@ uniform vec3 u_facet_total;  // the integral of f: 1, but for GGX and what was m
 uniform vec3 u_zonal[MULTUM_ZONAL_ORDER + 1];
 #endif
 
+#ifdef MULTUM_ROUGHNESS
+uniform float u_mean_cosine;  // of the roughness that is in the lengths of normals: diffuse light is without
+#endif
+
 #ifdef MULTUM_TRUTH
 uniform int u_sample;
 #endif

@@ -35,7 +35,13 @@ MultumReflection multum_environment_lobe(vec4 lobe, vec3 v) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return reflection;
   float d = multum_movmf_spread(lobe);
   vec3 mu = multum_movmf_mean_direction(lobe);
-  reflection.diffuse = lobe.w * multum_irradiance(mu, 1.0 - d, multum_vmf_second_zonal(1.0 - d, multum_vmf_kappa(d)));
+  float smooth_d = d;
+#ifdef MULTUM_ROUGHNESS
+  smooth_d = multum_movmf_spread(multum_movmf_without_roughness(lobe, u_mean_cosine));
+#endif
+  reflection.diffuse =
+      lobe.w *
+      multum_irradiance(mu, 1.0 - smooth_d, multum_vmf_second_zonal(1.0 - smooth_d, multum_vmf_kappa(smooth_d)));
 #ifdef MULTUM_FRESNEL_DIFFUSE
   float fresnel = multum_reflection_entry(MULTUM_ENVIRONMENT_TERMS, dot(mu, v), d).x;
   reflection.diffuse *= (vec3(1.0) - u_f0) * (1.0 - fresnel);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lobes of a texel, trilinear: textures and MultumSurface of movmf.glsl and gmm.glsl, which stand behind.
-// MULTUM_COLOURS: lobes have colours; MULTUM_MEAN_COLOURS: all have the same, of a texture of its own; MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map,
-// as one more lobe (a r, a) of a mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times
-// weight k of the lobes. MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes
-// before filtering: what lobes that are not aligned need.
+// MULTUM_COLOURS: lobes have colours; MULTUM_MEAN_COLOURS: all have the same, of a texture of its own;
+// MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a
+// mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times weight k of the lobes.
+// MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes before filtering: what
+// lobes that are not aligned need.
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours[MULTUM_LOBE_COUNT];

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A mixture of MULTUM_LOBE_COUNT vMF lobes, fetched by lobes.glsl. MULTUM_ROUGHNESS: the BRDF's width is in the lobes;
 // MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular alike.
-#ifdef MULTUM_ROUGHNESS
-uniform float u_mean_cosine;
-#endif
 
 #ifdef MULTUM_VISIBILITY
 // The normals that reflect towards v are those of the lobe that are near h: their mean lies between the two, nearer to

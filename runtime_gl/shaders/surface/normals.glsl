@@ -15,9 +15,6 @@ uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_albedo;
 #endif
-#ifdef MULTUM_ROUGHNESS
-uniform float u_mean_cosine;
-#endif
 #ifdef MULTUM_BASIS
 uniform sampler2D u_weights;
 #endif

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spherical harmonics of the normals, in an array of textures, trilinear (common/sh_shading.glsl). MULTUM_COLOURS: the
 // map has colours; MULTUM_NORMAL_MAP: levels finer than those that are stored come from the normal map, as a lobe;
-// MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BLACK_S, MULTUM_BLACK_T: beyond that border there is no material.
+// MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BLACK_S, MULTUM_BLACK_T: beyond that border there is no material;
+// MULTUM_ROUGHNESS: the BRDF's width is in the coefficients; MULTUM_BASIS k: all is times weight k.
 //
 // The highlight's cosine max(n . l, 0) depends on n too. Taken is one of
 //   MULTUM_SH_IRRADIANCE  its mean over all normals
@@ -10,6 +11,12 @@
 uniform sampler2DArray u_harmonics;
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours;
+#endif
+#ifdef MULTUM_ROUGHNESS
+uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // of max(n . l, 0), the mean roughness divided out
+#endif
+#ifdef MULTUM_BASIS
+uniform sampler2D u_weights;
 #endif
 #ifdef MULTUM_NORMAL_MAP
 uniform sampler2D u_normal_map;  // mean normals of the levels finer than those that are stored; w = 1
@@ -21,7 +28,7 @@ uniform sampler2D u_albedo_map;
 struct MultumSurface {
   vec4 parts[MULTUM_SH_PARTS];
   float share;  // of the stored levels; their coefficients are not multiplied by it
-  float material;  // 0 beyond a black border
+  float material;  // times the weight; 0 beyond a black border
   vec3 albedo;
 #ifdef MULTUM_NORMAL_MAP
   vec4 finest;  // a lobe, its share in
@@ -38,6 +45,9 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #endif
 #ifdef MULTUM_BLACK_T
   surface.material *= step(abs(st.y - 0.5), 0.5);
+#endif
+#ifdef MULTUM_BASIS
+  surface.material *= texture(u_weights, st)[MULTUM_BASIS];
 #endif
   surface.albedo = vec3(1.0);
 #ifdef MULTUM_COLOURS
@@ -56,7 +66,11 @@ MultumSurface multum_fetch_surface(vec2 st) {
 }
 
 MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
+#ifdef MULTUM_ROUGHNESS
+  float diffuse = multum_sh_facets(surface.parts, 1.0, l, u_diffuse_zonal).x;
+#else
   float diffuse = multum_sh_lambert(surface.parts, 1.0, l);
+#endif
   MultumReflection sum = MultumReflection(surface.share * surface.albedo * diffuse, vec3(0.0));
 #ifndef MULTUM_LAMBERT
   vec3 mean = multum_sh_mean_normal(surface.parts);
@@ -75,7 +89,11 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #endif
 #ifdef MULTUM_NORMAL_MAP
   vec4 lobe = surface.material * surface.finest;
+#ifdef MULTUM_ROUGHNESS
+  float finest_diffuse = multum_movmf_lambert(multum_movmf_without_roughness(lobe, u_mean_cosine), l);
+#else
   float finest_diffuse = multum_movmf_lambert(lobe, l);
+#endif
   sum.diffuse += surface.finest_albedo * finest_diffuse;
 #ifndef MULTUM_LAMBERT
   float finest_cosine = finest_diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
@@ -94,15 +112,23 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_ENVIRONMENT
 // The light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all
 // normals: E[n] and E[n n^T] are what is needed, and there. Exact up to l = 2, where Lambert's light ends but for 1 %.
+// The quadratic part has no trace: of rough normals bands 1 and 2 are taken as for other light.
 vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);
   mat3 second = multum_environment_frame * multum_sh_second_moments(parts) * transpose(multum_environment_frame);
-  vec3 sum = u_smooth_mean;
+#if defined(MULTUM_ROUGHNESS) && MULTUM_SH_ORDER >= 2
+  float linear = u_diffuse_zonal[1].x, quadratic = u_diffuse_zonal[2].x;
+#elif defined(MULTUM_ROUGHNESS)
+  float linear = u_diffuse_zonal[1].x, quadratic = 0.0;
+#else
+  float linear = 2.0 / 3.0 * MULTUM_PI, quadratic = 0.25 * MULTUM_PI;
+#endif
+  vec3 sum = MULTUM_PI * u_smooth_mean;
   for (int c = 0; c < 3; ++c) {
-    sum[c] += 2.0 / 3.0 * dot(u_smooth_linear[c], mean);
-    for (int row = 0; row < 3; ++row) sum[c] += 0.25 * dot(u_smooth_quadratic[3 * c + row], second[row]);
+    sum[c] += linear * dot(u_smooth_linear[c], mean);
+    for (int row = 0; row < 3; ++row) sum[c] += quadratic * dot(u_smooth_quadratic[3 * c + row], second[row]);
   }
-  return max(MULTUM_PI * sum, vec3(0.0));
+  return max(sum, vec3(0.0));
 }
 
 // The highlight as that of a lobe of the mean normal.

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bytes of a file by position, for a look at it before a library sees it. A read past the end is an error that says
+// what was being read.
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+
+namespace multum {
+
+class ByteFile {
+ public:
+  /// Throws Error(kInput): not there, no file, not to be read.
+  explicit ByteFile(const std::string& path);
+  std::int64_t size() const { return size_; }
+
+  // Of `count` bytes there; `what` is what they are, for the message. Throw Error(kInput) where the file is cut.
+  std::string bytes(std::int64_t position, std::int64_t count, const char* what);
+  std::int64_t big_endian(std::int64_t position, int count, const char* what);
+  std::int64_t little_endian(std::int64_t position, int count, const char* what);
+
+ private:
+  std::string path_;
+  std::ifstream stream_;
+  std::int64_t size_ = 0;
+};
+
+}  // namespace multum

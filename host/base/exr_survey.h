@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// A look at an OpenEXR file's headers ("OpenEXR file layout") by our own few lines: the library believes what they say
+// of their lengths, and takes gigabytes for an attribute of a file of 30 KiB.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/base/byte_file.h"
+
+namespace multum {
+
+struct ExrPartSize {
+  std::int64_t width = 0, height = 0;  // of the data window, at least 1
+};
+
+/// At least one part. Throws Error(kInput): deep, cut, attributes beyond the end of the file, sizes whose table of
+/// chunks does not fit into it.
+std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file);
+
+/// The same, before a library opens the file; what is no OpenEXR file, or not there, is left to the library to refuse.
+void check_exr_headers(const std::string& path);
+
+}  // namespace multum

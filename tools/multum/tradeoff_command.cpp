@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum tradeoff: what accuracy costs in time, for one map on this machine.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "host/bake/tradeoff_page.h"
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/machine.h"
+#include "host/base/output_paths.h"
+#include "tools/command_line/choices.h"
+#include "tools/command_line/reading_options.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+struct TradeoffOptions {
+  CommonOptions common;
+  TradeoffJob job;
+  ReadingOptions reading;
+  std::optional<WrapMode> wrap;
+  std::optional<double> budget_ms;
+  std::string brdf = TargetBrdf().name, output, json, markdown, device;
+  bool quick = false, full = false, no_pictures = false;
+};
+
+int run_tradeoff_command(TradeoffOptions& o) {
+  TradeoffJob& job = o.job;
+  job.bake.threads = job.bake.writing.threads = apply(o.common);
+  keep_freed_memory();
+  apply(o.reading, job.bake.reading);
+  if (o.wrap) job.bake.reading.wrap_s = job.bake.reading.wrap_t = *o.wrap;
+  job.brdf = parse_target_brdf(o.brdf);
+  if (o.budget_ms) job.bake_seconds = *o.budget_ms / 1e3;
+  job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kUsual;
+  if (!o.no_pictures) job.viewer = find_viewer();
+  const std::vector<std::string> outputs = {o.output, o.json, o.markdown};
+  check_paths_differ({job.bake.input}, outputs);
+  for (const std::string& path : outputs)
+    if (!path.empty()) check_writable(path);
+  job.scratch = o.output + ".sweep";
+  if (std::filesystem::exists(job.scratch))
+    throw Error(ErrorCode::kEnvironment, job.scratch + ": is there already, expected no file or folder of that name");
+  Device device = Device::open(o.device);
+  const auto progress = make_progress(o.common);
+  const TradeoffResult result = run_tradeoff(job, device, progress.get());
+  write_text_file(o.output, tradeoff_page(job, result));
+  if (!o.json.empty()) write_text_file(o.json, tradeoff_json(job, result));
+  if (!o.markdown.empty()) write_text_file(o.markdown, tradeoff_markdown(result));
+  if (!o.common.quiet)
+    std::printf("%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.rows.size(), result.seconds,
+                tradeoff_text(job, result).c_str());
+  const bool is_asked = job.error || job.bake_seconds;
+  return is_asked && !result.chosen ? exit_code(ErrorCode::kVerification) : 0;
+}
+
+}  // namespace
+
+void add_tradeoff_command(CLI::App& app, int* exit_code) {
+  auto o = std::make_shared<TradeoffOptions>();
+  CLI::App* command = app.add_subcommand(
+      "tradeoff", "bake a map with every kind of setting: error against time and memory, as a page to choose from");
+  command->add_option("input", o->job.bake.input, "normal map or height field")->required();
+  command->add_option("-o,--output", o->output, "page to write, *.html: one file, pictures and all")->required();
+  command->add_option("--json", o->json, "write every figure here too");
+  command->add_option("--markdown", o->markdown, "write the table here too");
+  CLI::Option* error =
+      command
+          ->add_option("--target-error", o->job.error, "pick the cheapest settings that come within this relative L1")
+          ->check(CLI::PositiveNumber);
+  command->add_option("--budget-ms", o->budget_ms, "pick the most accurate settings that bake in this time")
+      ->check(CLI::PositiveNumber)
+      ->excludes(error);
+  command->add_option("--brdf", o->brdf, "lambert or blinn-phong:S")->capture_default_str();
+  CLI::Option* quick = command->add_flag("--quick", o->quick, "ten bakes in the place of some thirty-five");
+  command->add_flag("--full", o->full, "some sixty bakes: harmonics to order 20, every number of lobes fitted longer")
+      ->excludes(quick);
+  command->add_flag("--no-pictures", o->no_pictures, "draw nothing: no frame times, no rendered errors");
+  command->add_option("--context", o->job.context, "GL to draw with: auto, osmesa or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->capture_default_str();
+  command->add_option("--device", o->device, "OpenCL device: a number of `multum devices` or part of a name");
+  add_choice(*command, "--wrap", o->wrap, kWrapModes, "beyond the border (default: periodic)");
+  add_reading_options(*command, o->reading);
+  add_common_options(*command, o->common);
+  command->callback([o, exit_code] { *exit_code = run_tradeoff_command(*o); });
+}
+
+}  // namespace multum
