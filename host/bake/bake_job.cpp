@@ -26,16 +26,17 @@ void check_output_name(const std::string& path) {
                 path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
 }
 
-// What has been launched since `before`, by kernel.
-std::map<std::string, std::uint64_t> launches_since(const std::map<std::string, std::uint64_t>& before,
-                                                    const Device& device) {
-  std::map<std::string, std::uint64_t> launches;
-  for (const auto& [kernel, count] : device.launch_counts()) {
+// What has been counted since `before`, by kernel.
+template <typename Count>
+std::map<std::string, Count> counted_since(const std::map<std::string, Count>& before,
+                                           const std::map<std::string, Count>& now) {
+  std::map<std::string, Count> counts;
+  for (const auto& [kernel, count] : now) {
     const auto earlier = before.find(kernel);
-    const std::uint64_t more = count - (earlier == before.end() ? 0 : earlier->second);
-    if (more > 0) launches[kernel] = more;
+    const Count more = count - (earlier == before.end() ? 0 : earlier->second);
+    if (more > 0) counts[kernel] = more;
   }
-  return launches;
+  return counts;
 }
 
 // What the process takes whatever the map: the program, the OpenCL driver with its compiler, and the rows that wait to
@@ -104,13 +105,13 @@ void bake_read_source(const BakeJob& job, const std::string& settings, const Bak
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
   const std::uint64_t memory_bytes = window_bytes(job);
   const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
-  const int programs_before = device.program_count();
+  const std::map<std::string, int> builds_before = device.build_counts();
   BakedHeader header = baked_header_of(job, source);
   header.provenance = make_provenance(job, report.source, settings);
   report.first_level = header.first_level;
   ndf_bake(job.representation).bake({job, device, source, header, memory_bytes, clock}, report, progress);
-  report.launches = launches_since(launches_before, device);
-  report.programs_built = device.program_count() - programs_before;
+  report.launches = counted_since(launches_before, device.launch_counts());
+  report.builds = counted_since(builds_before, device.build_counts());
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);
 }
@@ -127,6 +128,10 @@ BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& dev
 }
 
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
+  return bake_file(job, nullptr, device, progress);
+}
+
+BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device, Progress* progress) {
   window_bytes(job);  // too little memory is told first
   check_job(job);
   BakeReport report;
@@ -138,9 +143,11 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
     return report;
   }
   StageClock clock(report);
-  const BakeSource source = read_source(job, report, progress);
+  std::optional<BakeSource> read;
+  if (given == nullptr) read = read_source(job, report, progress);
+  else report.input = given->map.report;
   clock.finish("read");
-  bake_read_source(job, settings, source, clock, device, report, progress);
+  bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);
   return report;
 }
 

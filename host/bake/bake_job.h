@@ -17,6 +17,8 @@
 
 namespace multum {
 
+struct BakeSource;
+
 struct BakeJob {
   std::string input;      // a normal map or height field
   std::string albedo;     // empty: no colours
@@ -30,7 +32,8 @@ struct BakeJob {
   MovmfSettings fitting;  // of lobes; its first level is that of every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
-  bool measure = true;  // measure the error of what is written
+  bool measure = true;                                            // measure the error of what is written
+  std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // of highlights, Blinn-Phong s; Lambert always is
   // Blinn-Phong s, none of the usual ones, that is measured besides them for the report alone; 0: none.
   double exponent = 0.0;
   bool force = false;              // bake even if the output is from the same file and settings
@@ -52,8 +55,9 @@ std::vector<std::string> input_files(const BakeJob& job);
 /// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
 /// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
+/// The same of what read_bake_source() has read of the job already; null: it is read here.
+BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
 
-struct BakeSource;
 /// Reads what the job names, and says what was found. Fills BakeReport::input.
 BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progress);
 /// Bakes, whatever is there, of a source that has been read (host/bake/bake_source.h).

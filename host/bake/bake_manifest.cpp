@@ -13,6 +13,7 @@
 
 #include "host/bake/bake_batch.h"
 #include "host/bake/map_options.h"
+#include "host/bake/source_keys.h"
 #include "host/bake/strict_toml.h"
 
 namespace multum {
@@ -42,47 +43,14 @@ struct ManifestOptions {
   std::optional<double> error_max;
 };
 
-template <typename Value>
-void read_choice(const StrictTable& table, const std::string& key, const Choices<Value>& choices,
-                 std::optional<Value>& value) {
-  if (!table.has(key)) return;
-  const std::string name = table.text(key, "");
-  value = find_choice(choices, name);
-  if (!value) table.refuse(key, fmt::format("is \"{}\", expected {}", name, fmt::join(choice_names(choices), ", ")));
-}
-
 void read_whole(const StrictTable& table, const std::string& key, const SettingRange<int>& range,
                 std::optional<int>& value) {
   if (table.has(key)) value = table.whole(key, range.low, range.high);
 }
 
-void read_number(const StrictTable& table, const std::string& key, const NumberRange& range,
-                 std::optional<float>& value) {
-  if (table.has(key)) value = static_cast<float>(table.number(key, range, 0.0));
-}
-
 NumberRange number_range(const SettingRange<float>& range) {
   return {static_cast<double>(range.low), static_cast<double>(range.high), false, false,
           fmt::format("a number from {} to {}", range.low, range.high)};
-}
-
-void read_reading(const StrictTable& table, ReadingOptions& reading) {
-  read_choice(table, "bumpformat", kBumpFormats, reading.bump_format);
-  read_choice(table, "green", kGreenAxes, reading.green);
-  // One question with two answers: what a map says of it replaces all that [defaults] say.
-  if (table.has("signed") || table.has("unsigned")) {
-    reading.is_signed = table.boolean("signed", false);
-    reading.is_unsigned = table.boolean("unsigned", false);
-    if (reading.is_signed && reading.is_unsigned) table.refuse("unsigned", "is true, and signed is too: expected one");
-  }
-  reading.two_channel = table.boolean("two_channel", reading.two_channel);
-  constexpr double kFloatMax = std::numeric_limits<float>::max();
-  read_number(table, "height_scale", {-kFloatMax, kFloatMax, false, false, "a number other than 0"},
-              reading.height_scale);
-  if (reading.height_scale == 0.0f) table.refuse("height_scale", "is 0, expected a number other than 0");
-  read_number(table, "normal_scale", {-kFloatMax, kFloatMax, false, false, "a number"}, reading.normal_scale);
-  read_choice(table, "fixnan", kFixNans, reading.fix_nan);
-  read_number(table, "repair_max", {0.0, 1.0, false, false, "a number from 0 to 1"}, reading.repair_share_max);
 }
 
 // The material's maps: keys and where they go.
@@ -93,14 +61,7 @@ void read_options(const StrictTable& table, ManifestOptions& options) {
   MapOptions& map = options.map;
   if (table.has("error_max"))
     options.error_max = table.number("error_max", {0.0, kInfinity, true, true, "a number above 0"}, 0.0);
-  read_reading(table, map.reading);
-  map.check_nan = table.boolean("checknan", map.check_nan);
-  read_choice(table, "wrap", kWrapModes, map.wrap);
-  read_choice(table, "swrap", kWrapModes, map.wrap_s);
-  read_choice(table, "twrap", kWrapModes, map.wrap_t);
-  for (const auto& [key, value] :
-       {std::pair{"albedo", &map.albedo}, std::pair{"roughness", &map.roughness}, std::pair{"weights", &map.weights}})
-    if (table.has(key)) *value = table.text(key, "");
+  read_source_keys(table, map);
   read_choice(table, "ndf", kNdfs, map.ndf);
   read_whole(table, "lobes", kLobeCounts, map.lobes);
   read_whole(table, "sh_order", {kShOrderMin, kShOrderMax}, map.sh_order);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "host/bake/accuracy_table.h"
 
@@ -86,7 +87,9 @@ std::string BakeReport::to_json() const {
                               {"seconds", level.seconds},
                               {"launches", level.launches}});
   json["launches"] = launches;
-  json["programs"] = programs_built;
+  json["builds"] = builds;
+  json["programs"] =
+      std::accumulate(builds.begin(), builds.end(), 0, [](int sum, const auto& build) { return sum + build.second; });
   json["counts"] = {{"lobes", lobe_count_total},
                     {"nonfinite", nonfinite},
                     {"kappa_clamped", kappa_clamped},

@@ -41,7 +41,7 @@ struct BakeReport {
   int starts_rehearsed = 0;                       // candidates whose pyramid was tried on a small likeness of the map
   std::vector<LevelReport> levels;                // finest first
   std::map<std::string, std::uint64_t> launches;  // by kernel
-  int programs_built = 0;
+  std::map<std::string, int> builds;              // programs built or loaded from the cache, by kernels/FILE.cl
   // Rare numerical events, over all texels and lobes of all levels.
   std::uint64_t lobe_count_total = 0;
   std::uint64_t nonfinite = 0;      // must be 0

@@ -52,10 +52,11 @@ inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_by
   return inputs;
 }
 
-/// How a bake's error is measured; BakeJob::exponent comes behind the usual ones.
+/// How a bake's error is measured; BakeJob::exponent comes behind those that are measured of every map.
 inline AccuracySettings accuracy_settings(const BakeJob& job) {
   AccuracySettings settings;
   settings.threads = job.threads;
+  settings.exponents = job.measured_exponents;
   if (job.exponent > 0.0) settings.exponents.push_back(job.exponent);
   return settings;
 }

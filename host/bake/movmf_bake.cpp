@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
 
 #include "host/bake/accuracy.h"
 #include "host/bake/mip_schedule.h"
+#include "host/bake/movmf_average.h"
 #include "host/bake/movmf_fit.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/error.h"
@@ -53,6 +55,9 @@ class MipmapSink : public MovmfSink {
   MovmfMipmap mipmap_;
 };
 
+// Of the likeness's levels that are compared: finer ones hold too few normals.
+constexpr int kSideMax = 16;
+
 // One bake of a small likeness after another, each from another start: what they share is made once.
 class Rehearsal {
  public:
@@ -69,7 +74,6 @@ class Rehearsal {
   // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
   // them came 14th by error). 4096 normals take some 50 ms a candidate.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
-    constexpr int kSideMax = 16;  // of the levels that are compared: finer ones of the likeness hold too few normals
     BakeReport ignored;
     MipmapSink sink(likeness_.width, likeness_.height, settings_, {}, has_roughness_);
     fit_movmf(device_, {&planes_, {}, has_roughness_, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
@@ -123,6 +127,10 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
     MovmfSettings whole = settings;
     whole.first_level = 0;  // of the likeness, which has fewer levels than the map
     const NormalMap likeness = sample_likeness(normals, kLikenessSide, search.seed);
+    // Where the finest levels are not asked for, their kernels are not either.
+    while (settings.first_level > 0 && std::max(mip_level_size(likeness.width, whole.first_level),
+                                                mip_level_size(likeness.height, whole.first_level)) > kSideMax)
+      ++whole.first_level;
     const Rehearsal rehearsal(device, likeness, whole, schedule);  // the map's own kernels: no second set of programs
     double least = HUGE_VAL;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -157,6 +165,10 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   validate(settings, normals.width(), normals.height());
   const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
+  if (averages_suffice(inputs, settings)) {
+    average_movmf(device, inputs, settings, sink, report, progress);
+    return;
+  }
   MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
   if (inputs.has_roughness) make_shortened(schedule);
   const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(),

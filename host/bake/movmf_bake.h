@@ -3,7 +3,7 @@
 // planar Gaussians (Tan et al. 2005; MovmfSettings::representation): every level is
 // fitted to all normals that its texels cover, from the coarsest level to the finest, each texel started from its
 // parent's lobes and held to its done neighbours' by the alignment prior, so that hardware filtering mixes lobes of one
-// kind.
+// kind. One lobe a texel is its mean normal: averaged, not fitted (host/bake/movmf_average.h).
 #pragma once
 
 #include "host/asset/movmf_mipmap.h"

@@ -35,9 +35,10 @@ class MovmfFitter {
         report_(report),
         progress_(progress),
         em_step_(device, settings, schedule.weighted),
-        level_zero_kernel_(device.kernel(
-            "movmf_level_zero", "movmf_level_zero",
-            {settings.lobe_count, 1, schedule.weighted, settings.representation == Representation::kGmm})),
+        level_zero_kernel_(settings.first_level > 0 ? Kernel()
+                                                    : device.kernel("movmf_level_zero", "movmf_level_zero",
+                                                                    {settings.lobe_count, 1, schedule.weighted,
+                                                                     settings.representation == Representation::kGmm})),
         map_width_(inputs.normals->width()),
         map_height_(inputs.normals->height()) {
     for (int l = settings.first_level; l < mip_level_count(map_width_, map_height_); ++l)

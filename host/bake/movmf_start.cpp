@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "host/bake/mip_schedule.h"
+#include "host/bake/normal_mixture.h"
 #include "host/base/mean_cosine.h"
 #include "host/base/parallel.h"
 #include "host/base/split_mix.h"
@@ -17,7 +18,8 @@
 namespace multum {
 namespace {
 
-using Normals = std::vector<glm::dvec3>;
+using Lobe = MixtureLobe;
+using Fit = MixtureFit;
 
 // A position in cell `cell` of `cells` that divide `size` texels, at random.
 int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
@@ -42,89 +44,6 @@ Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, doubl
       normals.emplace_back(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
     }
   return normals;
-}
-
-struct Lobe {
-  glm::dvec3 mu;
-  double mean_length;
-  double kappa;
-  double amplitude;
-};
-
-struct Fit {
-  std::vector<Lobe> lobes;
-  double log_likelihood = -HUGE_VAL;
-  double error = HUGE_VAL;
-};
-
-Fit start_from(const Normals& normals, const std::vector<std::size_t>& chosen, bool has_roughness) {
-  Fit fit;
-  for (std::size_t i : chosen) {
-    Lobe lobe{normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())};
-    if (has_roughness) {  // as wide as that normal's own lobe: on a flat surface nothing else tells lobes apart
-      const double length = glm::length(normals[i]);
-      lobe = {normals[i] / length, 0.95 * length, kappa_of_mean_cosine(0.95 * length, 30.0), lobe.amplitude};
-    }
-    fit.lobes.push_back(lobe);
-  }
-  return fit;
-}
-
-// EM in double, Han et al. 2007, section 7, Algorithm 1, without alignment; of shortened normals, `copies` of each
-// (kernels/device/movmf_em.clh).
-void iterate(Fit& fit, const Normals& normals, int iterations, double kappa_max, double copies) {
-  const std::size_t count = fit.lobes.size();
-  for (int iteration = 0; iteration < iterations; ++iteration) {
-    std::array<double, 8> constant{}, weight{};
-    std::array<glm::dvec3, 8> sum{};
-    for (std::size_t j = 0; j < count; ++j) {
-      const Lobe& lobe = fit.lobes[j];
-      const double peak = lobe.kappa / (1.0 - std::exp(-2.0 * lobe.kappa));
-      constant[j] = std::log(std::max(lobe.amplitude, 1e-6) * lobe.kappa / (1.0 - std::exp(-2.0 * lobe.kappa))) +
-                    (copies - 1.0) * std::log(peak);
-    }
-    double log_likelihood = 0.0;
-    for (const glm::dvec3& n : normals) {
-      std::array<double, 8> e{};
-      double largest = -HUGE_VAL, total = 0.0;
-      for (std::size_t j = 0; j < count; ++j) {
-        e[j] = constant[j] + copies * fit.lobes[j].kappa * (glm::dot(fit.lobes[j].mu, n) - 1.0);
-        largest = std::max(largest, e[j]);
-      }
-      for (std::size_t j = 0; j < count; ++j) total += e[j] = std::exp(e[j] - largest);
-      log_likelihood += largest + std::log(total);
-      for (std::size_t j = 0; j < count; ++j) {
-        weight[j] += e[j] / total;
-        sum[j] += e[j] / total * n;
-      }
-    }
-    fit.log_likelihood = log_likelihood / static_cast<double>(normals.size());
-    for (std::size_t j = 0; j < count; ++j) {
-      Lobe& lobe = fit.lobes[j];
-      lobe.amplitude = weight[j] / static_cast<double>(normals.size());
-      const double length = glm::length(sum[j]);
-      if (weight[j] < 1e-9 || length < 1e-9) continue;
-      lobe.mu = sum[j] / length;
-      lobe.mean_length = std::min(length / weight[j], 1.0);
-      lobe.kappa = kappa_of_mean_cosine(lobe.mean_length, kappa_max);
-    }
-  }
-}
-
-std::vector<std::size_t> farthest_first(const Normals& normals, int count) {
-  const glm::dvec3 mean = std::accumulate(normals.begin(), normals.end(), glm::dvec3(0.0));
-  // closest[i] = cosine between normal i and the nearest choice so far; at first, the mean stands for the choices.
-  std::vector<double> closest(normals.size());
-  for (std::size_t i = 0; i < normals.size(); ++i) closest[i] = glm::dot(normals[i], mean);
-  std::vector<std::size_t> chosen;
-  for (int j = 0; j < count; ++j) {
-    chosen.push_back(static_cast<std::size_t>(std::min_element(closest.begin(), closest.end()) - closest.begin()));
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-      const double cosine = glm::dot(normals[i], normals[chosen.back()]);
-      closest[i] = j == 0 ? cosine : std::max(closest[i], cosine);
-    }
-  }
-  return chosen;
 }
 
 // What candidates are ranked by: the highlights that it gives against those of the normals themselves, for a broad, a
@@ -207,7 +126,7 @@ std::vector<Fit> finalists(std::vector<Fit> fits, const HighlightError& error, i
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count) {
   const Normals normals = sample_normals(map, where, 16384.0);
   std::vector<MultumVmfLobe> lobes;
-  for (std::size_t i : farthest_first(normals, lobe_count)) {
+  for (std::size_t i : farthest_first_normals(normals, lobe_count)) {
     const glm::vec3 r(normals[i] * 0.95);  // A(20)
     lobes.push_back({r.x, r.y, r.z, 1.0f / static_cast<float>(lobe_count)});
   }
@@ -241,15 +160,16 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
   for_each_item(kTrials, search.threads, [&](int row) {
     const auto trial = static_cast<std::size_t>(row);
     std::vector<std::size_t> chosen;
-    if (trial == 0) chosen = farthest_first(normals, search.lobe_count);
+    if (trial == 0) chosen = farthest_first_normals(normals, search.lobe_count);
     for (std::size_t j = chosen.size(); j < lobe_count; ++j)
       chosen.push_back(split_mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
-    fits[trial] = start_from(normals, chosen, search.has_roughness);
-    iterate(fits[trial], normals, kShortIterations, cap, copies);
+    fits[trial] = start_mixture(normals, chosen, search.has_roughness);
+    iterate_mixture(fits[trial], normals, kShortIterations, cap, copies);
   });
   fits = finalists(std::move(fits), error, search.threads);
-  for_each_item(static_cast<int>(fits.size()), search.threads,
-                [&](int i) { iterate(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap, copies); });
+  for_each_item(static_cast<int>(fits.size()), search.threads, [&](int i) {
+    iterate_mixture(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap, copies);
+  });
   rate(fits, error, search.threads);
   std::stable_sort(fits.begin(), fits.end(), less_error);
   fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());

@@ -135,13 +135,28 @@ int StrictTable::whole(const std::string& key, int low, int high, std::optional<
 
 double StrictTable::number(const std::string& key, const NumberRange& range, double fallback) const {
   const toml::node* node = find(key, false);
-  if (node == nullptr) return fallback;
-  const std::optional<double> value = number_of(*node);
+  return node == nullptr ? fallback : number_in(key, *node, range);
+}
+
+double StrictTable::number_in(const std::string& key, const toml::node& node, const NumberRange& range) const {
+  const std::optional<double> value = number_of(node);
   const bool is_inside = value && std::isfinite(*value) &&
                          (range.low_open ? *value > range.low : *value >= range.low) &&
                          (range.high_open ? *value < range.high : *value <= range.high);
-  if (!is_inside) refuse_value(key, *node, range.text);
+  if (!is_inside) refuse_value(key, node, range.text);
   return *value;
+}
+
+std::vector<double> StrictTable::numbers(const std::string& key, const NumberRange& range,
+                                         std::size_t count_max) const {
+  const toml::node* node = find(key, false);
+  if (node == nullptr) return {};
+  if (!node->is_array()) return {number_in(key, *node, range)};
+  std::vector<double> result;
+  for (const toml::node& item : *node->as_array())
+    result.push_back(number_in(fmt::format("{}[{}]", key, result.size()), item, range));
+  if (result.empty() || result.size() > count_max) refuse_value(key, *node, fmt::format("1 to {} numbers", count_max));
+  return result;
 }
 
 std::vector<std::string> StrictTable::texts(const std::string& key, bool is_required) const {
@@ -196,8 +211,9 @@ const toml::table& StrictTable::table(const std::string& key) const {
   return *node->as_table();
 }
 
-std::vector<const toml::table*> StrictTable::tables(const std::string& key) const {
-  const toml::node* node = find(key, true);
+std::vector<const toml::table*> StrictTable::tables(const std::string& key, bool is_required) const {
+  const toml::node* node = find(key, is_required);
+  if (node == nullptr) return {};
   if (!node->is_array() || node->as_array()->empty()) refuse_value(key, *node, "tables, as [[" + key + "]]");
   std::vector<const toml::table*> result;
   for (const toml::node& item : *node->as_array()) {

@@ -40,20 +40,23 @@ class StrictTable {
   bool boolean(const std::string& key, bool fallback) const;
   int whole(const std::string& key, int low, int high, std::optional<int> fallback = {}) const;
   double number(const std::string& key, const NumberRange& range, double fallback) const;
+  /// One number, or a list of at most `count_max`; none where the key is missing.
+  std::vector<double> numbers(const std::string& key, const NumberRange& range, std::size_t count_max) const;
   std::vector<std::string> texts(const std::string& key, bool is_required) const;
   std::vector<int> wholes(const std::string& key) const;
   /// Four rows of four finite numbers, for column vectors.
   glm::dmat4 matrix(const std::string& key) const;
   /// The table of this key; empty where there is none.
   const toml::table& table(const std::string& key) const;
-  /// The tables of [[key]]: at least one.
-  std::vector<const toml::table*> tables(const std::string& key) const;
+  /// The tables of [[key]]: at least one, unless the key itself may be missing.
+  std::vector<const toml::table*> tables(const std::string& key, bool is_required = true) const;
 
   /// Throws Error(kInput): "FILE:LINE: KEY is WHAT"; `key` may be empty, for the table itself.
   [[noreturn]] void refuse(const std::string& key, const std::string& what) const;
 
  private:
   [[noreturn]] void refuse_value(const std::string& key, const toml::node& value, const std::string& expected) const;
+  double number_in(const std::string& key, const toml::node& node, const NumberRange& range) const;
   std::string full_name(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
   const toml::node* find(const std::string& key, bool is_required) const;
 

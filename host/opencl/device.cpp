@@ -144,6 +144,12 @@ std::uint64_t Device::launch_total() const {
 }
 int Device::program_count() const { return static_cast<int>(state_->programs.size()); }
 
+std::map<std::string, int> Device::build_counts() const {
+  std::map<std::string, int> counts;
+  for (const auto& [key, program] : state_->programs) ++counts[key.substr(0, key.find(' '))];
+  return counts;
+}
+
 namespace {
 
 std::shared_ptr<void> create_memory(const DeviceState& state, cl_mem_flags flags, std::size_t byte_count, void* host,

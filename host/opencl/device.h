@@ -115,6 +115,8 @@ class Device {
   const std::map<std::string, std::uint64_t>& launch_counts() const;
   std::uint64_t launch_total() const;
   int program_count() const;
+  /// Of these, by kernels/FILE.cl.
+  std::map<std::string, int> build_counts() const;
 
  private:
   std::shared_ptr<DeviceState> state_;

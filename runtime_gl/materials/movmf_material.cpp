@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime_gl/materials/movmf_material.h"
 
+#include <utility>
+
 #include "host/base/error.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/texture_binder.h"
@@ -103,9 +105,15 @@ void MovmfMaterial::set_shade_first(bool shade_first) {
   shade_first_ = shade_first;
 }
 
+void MovmfMaterial::set_mean_colours(Texture colours) {
+  MULTUM_CHECK(colours_.empty());
+  mean_colours_.emplace(std::move(colours));
+}
+
 ShaderParts MovmfMaterial::fetch_parts() const {
   ShaderParts parts{{"MULTUM_LOBE_COUNT " + std::to_string(lobe_count())}, {shader_surface_lobes_glsl}};
   if (!colours_.empty()) parts.flags.push_back("MULTUM_COLOURS");
+  if (mean_colours_.has_value()) parts.flags.push_back("MULTUM_MEAN_COLOURS");
   if (shade_first_) parts.flags.push_back("MULTUM_SHADE_FIRST");
   if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
   if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
@@ -129,6 +137,7 @@ int MovmfMaterial::bind(const ShaderProgram& shader) const {
   if (mean_cosine_) shader.set("u_mean_cosine", *mean_cosine_);
   binder.bind("u_normal_map", normal_map_);
   binder.bind("u_albedo_map", albedo_map_);
+  binder.bind("u_mean_colours", mean_colours_);
   return binder.next_unit();
 }
 

@@ -35,6 +35,9 @@ class MovmfMaterial : public Material {
   /// lobes that are not aligned. Of files that begin at level 0.
   void set_shade_first(bool shade_first);
 
+  /// Linear colours of the map's texels, filtered plainly, for all lobes alike: of mipmaps without colours.
+  void set_mean_colours(Texture colours);
+
   const char* name() const override { return "movmf"; }
   ShaderParts shader_parts() const override;
   int bind(const ShaderProgram& shader) const override;
@@ -54,6 +57,7 @@ class MovmfMaterial : public Material {
   std::optional<float> mean_cosine_;   // with roughness in
   std::optional<Texture> normal_map_;  // (mean normal, 1), levels 0 to the first that is stored less one
   std::optional<Texture> albedo_map_;
+  std::optional<Texture> mean_colours_;
   LobeFormula formula_ = LobeFormula::kProduct;
   bool shade_first_ = false;
 };

@@ -236,11 +236,11 @@ TEST_F(RefusalTest, ABakedFileWithAnyByteFlippedNeverCrashesVerify) {
 }
 
 TEST_F(RefusalTest, WrongCommandLines) {
-  expect_failure(
-      multum({}), kUsage,
-      {"no command given",
-       "bake info verify devices selftest testmap mip reflectance lod materials animation infer serve submit",
-       "--help"});
+  expect_failure(multum({}), kUsage,
+                 {"no command given",
+                  "bake plan tradeoff info verify devices selftest testmap mip reflectance lod materials animation "
+                  "infer serve submit",
+                  "--help"});
   expect_failure(multum({"cook"}), kUsage, {"'cook' is no command", "expected one of: bake"});
   expect_failure(multum({"bake"}), kUsage, {"input is required", "multum bake --help"});
   expect_failure(multum({"bake", path("map_normal.png")}), kUsage, {"--output is required", "multum bake --help"});

@@ -16,6 +16,7 @@
 #include "tools/multum/bake_print.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/map_options.h"
+#include "tools/multum/scene_mode.h"
 
 namespace multum {
 namespace {
@@ -160,11 +161,14 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
 int run_bake(const CLI::App& bake, BakeOptions& o) {
   BakeJob& job = o.job;
   const bool has_manifest = !o.manifest.manifest.empty();
+  const bool has_scene = o.inputs.size() == 1 && o.inputs[0].ends_with(".toml");
   if (has_manifest) check_no_map_is_given(bake, o.manifest);
   else if (o.inputs.empty() || job.output.empty()) throw CLI::RequiredError(o.inputs.empty() ? "input" : "--output");
+  if (has_scene) check_no_map_option_is_given(bake, o.inputs[0]);
   job.threads = job.writing.threads = apply(o.common);
   keep_freed_memory();
   if (has_manifest) return run_manifest(o.manifest, job, o.device, printing(o));
+  if (has_scene) return run_scene(o.inputs[0], job, o.device, o.common, printing(o));
   check_options_of_ndf(o.map);
   check_target_options(o);
   apply(o.map, job);
@@ -184,8 +188,10 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
   CLI::App* bake =
       app.add_subcommand("bake", "bake a normal map or height field into a mipmap of normal distributions");
-  bake->add_option("input", options->inputs,
-                   "PNG, TIFF, EXR, JPEG or WebP, sides to 32768; several maps, or sets as rock_<UDIM>.png");
+  bake->add_option(
+      "input", options->inputs,
+      "PNG, TIFF, EXR, JPEG or WebP, sides to 32768; several maps, or sets as rock_<UDIM>.png; or a scene.toml, "
+      "of whose maps only what it shows is baked, into the folder --output (docs/SCENE.md)");
   add_output_options(*bake, *options);
   add_target_options(*bake, *options);
   add_manifest_options(*bake, options->manifest);

@@ -42,6 +42,7 @@ void add_selftest_command(CLI::App& app, int* exit_code);
 void add_tradeoff_command(CLI::App& app, int* exit_code);
 void add_verify_command(CLI::App& app, int* exit_code);
 void add_testmap_command(CLI::App& app, int* exit_code);
+void add_plan_command(CLI::App& app, int* exit_code);
 /// mip, reflectance, lod.
 void add_pyramid_commands(CLI::App& app, int* exit_code);
 void add_materials_command(CLI::App& app, int* exit_code);

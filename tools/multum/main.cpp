@@ -43,6 +43,7 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
       "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
       "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
       "  multum bake --manifest maps.toml --check            bake what changed of a project, and say what it was\n"
+      "  multum plan scene.toml                              what a scene needs; bake scene.toml: that alone\n"
       "  multum tradeoff bricks_normal.png -o costs.html     what accuracy costs in time and memory, as a page\n"
       "  multum-view bricks.ndf.exr -o frame.png             render it\n"
       "  multum info bricks.ndf.exr                          look inside\n"
@@ -58,6 +59,7 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   app.failure_message(usage_error);
   int exit_code = 0;
   add_bake_command(app, &exit_code);
+  add_plan_command(app, &exit_code);
   add_tradeoff_command(app, &exit_code);
   add_info_command(app, &exit_code);
   add_verify_command(app, &exit_code);

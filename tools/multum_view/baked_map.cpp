@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include "host/asset/pyramid_file.h"
 #include "host/base/error.h"
 #include "runtime_gl/materials/gmm_material.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/sh_material.h"
+#include "runtime_gl/pyramid/pyramid_renderer.h"
 
 namespace multum {
 
@@ -22,6 +24,34 @@ BakedMap read_baked_map(const std::string& path) {
   return map;
 }
 
+namespace {
+
+template <typename Level>
+void drop_left_out(std::vector<Level>& levels, int first_level) {
+  levels.erase(levels.begin(), levels.begin() + first_level);
+}
+
+void begin_at_first_level(BakedHeader& header) {
+  header.width = mip_level_size(header.width, header.first_level);
+  header.height = mip_level_size(header.height, header.first_level);
+  header.first_level = 0;
+}
+
+}  // namespace
+
+void keep_stored_levels(BakedMap& map) {
+  if (map.lobes) {
+    drop_left_out(map.lobes->levels, map.lobes->first_level);
+    map.lobes->first_level = 0;
+  } else if (map.moments) {
+    drop_left_out(map.moments->levels, map.moments->header.first_level);
+    begin_at_first_level(map.moments->header);
+  } else {
+    drop_left_out(map.harmonics->levels, map.harmonics->header.first_level);
+    begin_at_first_level(map.harmonics->header);
+  }
+}
+
 gl::NormalImage finest_normals(const BakedMap& map) {
   if (map.lobes) return gl::finest_normals(*map.lobes);
   return map.moments ? gl::finest_normals(*map.moments) : gl::finest_normals(*map.harmonics);
@@ -33,6 +63,9 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
     std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, *map.lobes, options.anisotropy, &source);
     material->set_formula(options.formula);
     material->set_shade_first(options.shade_first);
+    if (!options.colour_map.empty())
+      material->set_mean_colours(gl::make_pyramid_texture(gl, read_pyramid(options.colour_map, PyramidKind::kColour),
+                                                          gl::PyramidLookup::kDriver, options.anisotropy));
     return material;
   }
   if (map.harmonics) return std::make_unique<gl::ShMaterial>(gl, *map.harmonics, options.anisotropy, &source);
@@ -84,6 +117,9 @@ void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
     throw Error(ErrorCode::kUsage,
                 options.input + ": holds " + held + ", found " + option + ", expected it for " + expected);
   };
+  if (!holds_lobes(baked.representation) && !options.colour_map.empty()) refuse("--colour-map", "files of lobes");
+  if (baked.has_colours && !options.colour_map.empty())
+    throw Error(ErrorCode::kUsage, options.input + ": has colours, found --colour-map, expected one of them");
   if (baked.representation == Representation::kGmm) check_options_of_gaussians(options);
   if (baked.representation != Representation::kMoments && options.moments) refuse("--moments", "files of moments");
   if (baked.representation != Representation::kMovmf && options.formula == gl::LobeFormula::kPaper)

@@ -23,6 +23,8 @@ struct BakedMap {
 };
 
 BakedMap read_baked_map(const std::string& path);
+/// The levels that are stored, as if the map had no finer ones; the header stays.
+void keep_stored_levels(BakedMap& map);
 
 /// Level 0, which must be stored, as normals.
 gl::NormalImage finest_normals(const BakedMap& map);

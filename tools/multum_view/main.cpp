@@ -9,6 +9,7 @@
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum_view/animated_view.h"
 #include "tools/multum_view/modes.h"
+#include "tools/multum_view/scene_arguments.h"
 #include "tools/multum_view/view_drawing.h"
 #include "tools/multum_view/view_inputs.h"
 #include "tools/multum_view/view_outputs.h"
@@ -28,16 +29,21 @@ int run(int argc, char** argv) {
   if (has_option(argc, argv, "--thumbnails")) return run_thumbnails(argc, argv);
   if (has_option(argc, argv, "--sample")) return run_inferred(argc, argv);
   int exit_code = 0;
-  std::optional<ViewOptions> options = parse_view_options(argc, argv, &exit_code);
+  const std::vector<std::string> arguments = with_scene({argv, argv + argc});
+  std::vector<char*> pointers;
+  for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
+  std::optional<ViewOptions> options =
+      parse_view_options(static_cast<int>(pointers.size()), pointers.data(), &exit_code);
   if (!options.has_value()) return exit_code;
   check_outputs(*options);
   if (!options->mip.empty() || !options->reflectance.empty()) return run_pyramid(*options);
   if (!options->lod.empty()) return run_lod(*options);
   if (!options->materials.empty()) return run_model(*options);
-  const BakedMap map = read_baked_map(options->input);
+  BakedMap map = read_baked_map(options->input);
   check_options_of(*options, map.header);
   if (map.header.has_roughness) options->scene.brdf.exponent = options->last_scene.brdf.exponent = kRoughnessExponent;
   warn_of_sources(*options, map.header);
+  if (options->stored_only) keep_stored_levels(map);
   const gl::MeshData mesh_data = make_mesh(*options);
   const gl::NormalImage source = needs_source(*options, map.header) ? read_source(*options, map) : gl::NormalImage{};
   options->scene.environment = options->last_scene.environment = read_environment(*options);

@@ -121,7 +121,7 @@ gl::MeshData make_mesh(ViewOptions& options) {
 }
 
 bool needs_source(const ViewOptions& options, const BakedHeader& baked) {
-  return !options.compare.empty() || baked.first_level > 0;
+  return !options.compare.empty() || (baked.first_level > 0 && !options.stored_only);
 }
 
 gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map) {
@@ -160,7 +160,7 @@ std::shared_ptr<const EnvironmentLight> read_environment(const ViewOptions& opti
 void warn_of_sources(const ViewOptions& options, const BakedHeader& baked) {
   if (!needs_source(options, baked) && !options.source.empty())
     log_warning(options.source + ": is not read without --compare: the baked map's picture does not need it");
-  if (baked.first_level > 0 && baked.has_colours && options.albedo.empty())
+  if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.albedo.empty())
     log_warning(
         fmt::format("{}: has colours from level {} on; without --albedo the finer levels have those of level "
                     "{}, blurred",

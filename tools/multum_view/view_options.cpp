@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/view_options.h"
+#include "tools/command_line/decoding_option.h"
 
 #include <fmt/format.h>
 
@@ -361,6 +362,11 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--source", o.source,
                  "normal map that the file was baked from, for the truth and the baselines (default: level 0 of the "
                  "file) and, in files baked with --first-level, for the finest levels");
+  app.add_option("--colour-map", o.colour_map,
+                 "colours for a file of lobes that has none: a pyramid of multum mip, as a scene's bake leaves it");
+  app.add_flag("--stored-only", o.stored_only,
+               "of a file baked with --first-level: draw its finest level where a finer one is asked for, without "
+               "--source");
   app.add_option("--albedo", o.albedo, "the source's colours");
   app.add_option("--roughness", o.roughness, "the source's roughness, FILE or FILE:CHANNEL, as the bake had it");
   app.add_option("--weights", o.weights, "the source's weights of basis BRDFs");
@@ -456,6 +462,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
       "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean-jacobian -o sheet.png\n"
       "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
       "  multum-view bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 --animate frames/ --frames 60\n"
+      "  multum-view --scene out/plan.json --object wall -o wall.png           what multum bake scene.toml made\n"
       "  multum-view out/ --sample 3,5 -o frame.png          textures of `multum infer`; --sample --help says more\n\n"
       "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.",
       "multum-view");

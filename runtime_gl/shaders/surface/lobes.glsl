@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lobes of a texel, trilinear: textures and MultumSurface of movmf.glsl and gmm.glsl, which stand behind.
-// MULTUM_COLOURS: lobes have colours; MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map,
-// as one more lobe (a r, a) of a mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times
-// weight k of the lobes. MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes
-// before filtering: what lobes that are not aligned need.
+// MULTUM_COLOURS: lobes have colours; MULTUM_MEAN_COLOURS: all have the same, of a texture of its own;
+// MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a
+// mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times weight k of the lobes.
+// MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes before filtering: what
+// lobes that are not aligned need.
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours[MULTUM_LOBE_COUNT];
+#endif
+#ifdef MULTUM_MEAN_COLOURS
+uniform sampler2D u_mean_colours;
 #endif
 #if defined(MULTUM_SHADE_FIRST)
 #define MULTUM_PART_COUNT (8 * MULTUM_LOBE_COUNT)
@@ -28,9 +32,19 @@ struct MultumSurface {
   vec3 albedos[MULTUM_PART_COUNT];
 };
 
+// Of all lobes alike.
+vec3 multum_mean_albedo(vec2 st) {
+#ifdef MULTUM_MEAN_COLOURS
+  return texture(u_mean_colours, st).rgb;
+#else
+  return vec3(1.0);
+#endif
+}
+
 #ifdef MULTUM_SHADE_FIRST
 MultumSurface multum_fetch_surface(vec2 st) {
   MultumSurface surface;
+  vec3 mean_albedo = multum_mean_albedo(st);
   ivec2 size = textureSize(u_lobes[0], 0);
   int level_max = textureQueryLevels(u_lobes[0]) - 1;
   float lod = clamp(textureQueryLod(u_lobes[0], st).y, 0.0, float(level_max));
@@ -44,7 +58,7 @@ MultumSurface multum_fetch_surface(vec2 st) {
     vec2 middle = (floor(place) + corner + 0.5) / level_size;  // where no filter mixes
     for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
       vec4 lobe = textureLod(u_lobes[j], middle, float(level));
-      surface.albedos[k * MULTUM_LOBE_COUNT + j] = vec3(1.0);
+      surface.albedos[k * MULTUM_LOBE_COUNT + j] = mean_albedo;
 #ifdef MULTUM_COLOURS
       vec3 colour = textureLod(u_colours[j], middle, float(level)).rgb;
       surface.albedos[k * MULTUM_LOBE_COUNT + j] = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
@@ -61,6 +75,7 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #else
 MultumSurface multum_fetch_surface(vec2 st) {
   MultumSurface surface;
+  vec3 mean_albedo = multum_mean_albedo(st);
   float share = 1.0;  // of the stored lobes
 #ifdef MULTUM_NORMAL_MAP
   vec4 normal = texture(u_normal_map, st);
@@ -72,7 +87,7 @@ MultumSurface multum_fetch_surface(vec2 st) {
   float mean_weight = 0.0;
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
     vec4 lobe = texture(u_lobes[j], st);
-    surface.albedos[j] = vec3(1.0);
+    surface.albedos[j] = mean_albedo;
 #ifdef MULTUM_COLOURS
     // Colours are premultiplied: T(a c) / T(a) is the lobe's colour.
     vec3 colour = texture(u_colours[j], st).rgb;
@@ -97,7 +112,7 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #elif defined(MULTUM_COLOURS)
   surface.albedos[MULTUM_LOBE_COUNT] = mean_colour;  // of the first stored level, the finest that is known
 #else
-  surface.albedos[MULTUM_LOBE_COUNT] = vec3(1.0);
+  surface.albedos[MULTUM_LOBE_COUNT] = mean_albedo;
 #endif
 #endif
   return surface;

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scene/lobe_errors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "host/asset/moment_mipmap.h"
+#include "host/asset/spherical_harmonics.h"
+#include "host/base/mean_cosine.h"
+#include "host/bake/movmf_start.h"
+#include "host/base/parallel.h"
+#include "host/base/split_mix.h"
+
+namespace multum {
+namespace {
+
+constexpr int kDirections = 32;
+constexpr int kIterations = 15;
+constexpr double kKappaMax = 1e6;
+constexpr double kCapInEm = 5e3, kCapAtTop = 500.0;
+constexpr double kStartKappaFactor = 0.5, kStartAmplitudeMin = 0.02;  // MovmfSettings has them
+constexpr double kSingleDirection = 1e-7;  // 1 - |r| of normals that are alike, in single precision
+
+double density(double kappa, double t) { return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0)); }
+
+// Of one normal, perhaps shortened by a BRDF's width.
+double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w) {
+  const double length = glm::length(n), t = glm::dot(n, w) / length;
+  if (!by.exponent) return std::max(t, 0.0);
+  const double width = 1.0 - 1.0 / *by.exponent;
+  return density(kappa_of_mean_cosine(length > 1.0 - 1e-6 ? width : length * width, kKappaMax), t);
+}
+
+// Of a lobe: mean cosines multiply under convolution (docs/ALGORITHMS.md, "Shading a filtered lobe").
+double shade_lobe(const MixtureLobe& lobe, const ShadedBy& by, const glm::dvec3& w) {
+  if (!by.exponent) return lobe_lambert(lobe.mean_length * lobe.mu, w);
+  return density(kappa_of_mean_cosine(lobe.mean_length * (1.0 - 1.0 / *by.exponent), kKappaMax), glm::dot(lobe.mu, w));
+}
+
+glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
+  if (colours == ColourModel::kNone || texel.colours.empty()) return glm::dvec3(1.0);
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& colour : texel.colours) mean += colour / static_cast<double>(texel.colours.size());
+  return mean;
+}
+
+struct ErrorSums {
+  double difference = 0.0, truth = 0.0;
+};
+
+}  // namespace
+
+double lobe_lambert(const glm::dvec3& mean, const glm::dvec3& light) {
+  const double r = std::min(glm::length(mean), 1.0), d = 1.0 - r;
+  const double m = glm::dot(mean, light);
+  const double v = d * (0.25 + r * (0.2343 + r * 0.15232));
+  const double x = std::min(m * m / std::max(v, 1e-20), 200.0);
+  const double g = x * (0.4117 + r * (0.2857 - r * 0.3658) + 0.0080 * x);
+  return 0.5 * (m + std::sqrt(m * m + v * std::exp(-g)));
+}
+
+std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
+  constexpr int kTrials = 48;
+  const Normals& normals = survey_.texels.back().normals;
+  std::vector<MixtureFit> fits(kTrials);
+  for_each_item(kTrials, settings_.threads, [&](int trial) {
+    std::vector<std::size_t> chosen;
+    for (int j = 0; j < lobe_count; ++j)
+      chosen.push_back(split_mix(static_cast<std::uint64_t>(trial * 8 + j)) % normals.size());
+    if (trial == 0) chosen = farthest_first_normals(normals, lobe_count);
+    MixtureFit& fit = fits[static_cast<std::size_t>(trial)];
+    fit = start_mixture(normals, chosen, false);
+    iterate_mixture(fit, normals, kIterations, kCapAtTop, 1.0);
+  });
+  return std::max_element(fits.begin(), fits.end(),
+                          [](const MixtureFit& a, const MixtureFit& b) { return a.log_likelihood < b.log_likelihood; })
+      ->lobes;
+}
+
+// As the bake: from the coarser texel's lobes, made broader and none too small, or from normals far apart where these
+// fit better.
+LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count,
+                                     const std::vector<MixtureLobe>& top) const {
+  const Normals& normals = texel.normals;
+  const auto count = static_cast<double>(normals.size());
+  TexelFit out;
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& n : normals) mean += n / count;
+  const double length = glm::length(mean);
+  if (lobe_count <= 1 || length < 1e-9) {
+    const glm::dvec3 mu = length > 1e-9 ? mean / length : glm::dvec3(0.0, 0.0, 1.0);
+    out.lobes = {{mu, lobe_count == 0 ? 1.0 : std::min(length, 1.0), 1.0, 1.0}};
+  } else {
+    const int lobes = std::min(lobe_count, static_cast<int>(normals.size()));
+    MixtureFit mixture = start_mixture(normals, farthest_first_normals(normals, lobes), false);
+    MixtureFit inherited{top, 0.0, 0.0};
+    for (MixtureLobe& lobe : inherited.lobes) {
+      lobe.kappa *= kStartKappaFactor;
+      lobe.amplitude = std::max(lobe.amplitude, kStartAmplitudeMin);
+    }
+    for (MixtureFit* one : {&mixture, &inherited}) iterate_mixture(*one, normals, kIterations, kCapInEm, 1.0);
+    if (inherited.log_likelihood > mixture.log_likelihood) mixture = inherited;
+    out.lobes = mixture.lobes;
+  }
+  if (texel.colours.empty()) return out;
+  for (const glm::dvec3& colour : texel.colours) out.mean_colour += colour / count;
+  std::vector<double> weights(out.lobes.size(), 0.0);
+  out.colours.assign(out.lobes.size(), glm::dvec3(0.0));
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    std::array<double, 8> share{};
+    double total = 0.0;
+    for (std::size_t j = 0; j < out.lobes.size(); ++j) {
+      const MixtureLobe& lobe = out.lobes[j];
+      const double kappa = kappa_of_mean_cosine(lobe.mean_length, kCapInEm);
+      total += share[j] = std::max(lobe.amplitude * density(kappa, glm::dot(lobe.mu, normals[i])), 1e-300);
+    }
+    for (std::size_t j = 0; j < out.lobes.size(); ++j) {
+      weights[j] += share[j] / total;
+      out.colours[j] += share[j] / total * texel.colours[i];
+    }
+    const glm::dvec3 off = texel.colours[i] - out.mean_colour;
+    out.colour_within += glm::dot(off, off);
+  }
+  for (std::size_t j = 0; j < out.lobes.size(); ++j) {
+    out.colours[j] = weights[j] > 1e-9 ? out.colours[j] / weights[j] : out.mean_colour;
+    const glm::dvec3 off = out.colours[j] - out.mean_colour;
+    out.colour_between += weights[j] * glm::dot(off, off);
+  }
+  return out;
+}
+
+const std::vector<LobeErrors::TexelFit>& LobeErrors::fits(int lobe_count) {
+  const auto index = static_cast<std::size_t>(lobe_count);
+  if (fits_.size() <= index) fits_.resize(index + 1);
+  if (!fits_[index].empty()) return fits_[index];
+  fits_[index].resize(survey_.texels.size());
+  const std::vector<MixtureLobe> top =
+      lobe_count > 1 && !survey_.texels.empty() ? fit_top(lobe_count) : std::vector<MixtureLobe>{};
+  for_each_item(static_cast<int>(survey_.texels.size()), settings_.threads, [&](int i) {
+    const auto t = static_cast<std::size_t>(i);
+    if (survey_.texels[t].level >= settings_.first_level) fits_[index][t] = fit(survey_.texels[t], lobe_count, top);
+  });
+  return fits_[index];
+}
+
+double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& shadings, ColourModel colours) const {
+  static const std::vector<glm::dvec3> directions = spread_half_vectors(kDirections);
+  std::vector<std::vector<ErrorSums>> sums(survey_.texels.size(), std::vector<ErrorSums>(shadings.size()));
+  for_each_item(static_cast<int>(survey_.texels.size()), settings_.threads, [&](int i) {
+    const auto t = static_cast<std::size_t>(i);
+    const SurveyedTexel& texel = survey_.texels[t];
+    if (texel.level < settings_.first_level) return;
+    const bool coloured = colours != ColourModel::kNone && !texel.colours.empty();
+    for (std::size_t s = 0; s < shadings.size(); ++s)
+      for (const glm::dvec3& w : directions) {
+        glm::dvec3 truth(0.0);
+        for (std::size_t n = 0; n < texel.normals.size(); ++n)
+          truth += shade_normal(texel.normals[n], shadings[s], w) * (coloured ? texel.colours[n] : glm::dvec3(1.0));
+        truth /= static_cast<double>(texel.normals.size());
+        const glm::dvec3 off = glm::abs(model(t, shadings[s], w) - truth);
+        sums[t][s].difference += off.x + off.y + off.z;
+        sums[t][s].truth += truth.x + truth.y + truth.z;
+      }
+  });
+  double worst = 0.0;
+  for (std::size_t s = 0; s < shadings.size(); ++s) {
+    std::map<int, ErrorSums> levels;
+    for (std::size_t t = 0; t < sums.size(); ++t) {
+      if (survey_.texels[t].level < settings_.first_level) continue;
+      ErrorSums& level = levels[survey_.texels[t].level];
+      level.difference += sums[t][s].difference;
+      level.truth += sums[t][s].truth;
+    }
+    double of_levels = 0.0;
+    for (const auto& [level, sum] : levels)
+      if (sum.truth > 0.0) of_levels += sum.difference / sum.truth / static_cast<double>(levels.size());
+    worst = std::max(worst, of_levels);
+  }
+  return worst;
+}
+
+double LobeErrors::error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours) {
+  const std::vector<TexelFit>& fitted = fits(lobe_count);
+  return error_of(
+      [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
+        const TexelFit& fit = fitted[t];
+        const bool coloured = colours != ColourModel::kNone && !fit.colours.empty();
+        glm::dvec3 sum(0.0);
+        for (std::size_t j = 0; j < fit.lobes.size(); ++j)
+          sum += fit.lobes[j].amplitude * shade_lobe(fit.lobes[j], by, w) *
+                 (!coloured                        ? glm::dvec3(1.0)
+                  : colours == ColourModel::kLobes ? fit.colours[j]
+                                                   : fit.mean_colour);
+        return sum;
+      },
+      shadings, colours);
+}
+
+double LobeErrors::sh_error(int order, const std::vector<ShadedBy>& shadings, ColourModel colours) const {
+  // By the addition theorem a band of the coefficients, summed over m, is the mean of (2l + 1)/4 pi P_l(n . w).
+  return error_of(
+      [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
+        const Normals& normals = survey_.texels[t].normals;
+        const ZonalCoefficients zonal = by.exponent ? zonal_blinn_phong(order, *by.exponent) : zonal_lambert(order);
+        // A density in shade_normal()'s unit, 1/2 pi.
+        const double unit = by.exponent ? 2.0 * std::numbers::pi : 1.0;
+        double sum = 0.0;
+        for (const glm::dvec3& n : normals) {
+          const double x = glm::dot(n, w);
+          double before = 0.0, p = 1.0;
+          for (int l = 0; l <= order; ++l) {
+            sum += zonal[static_cast<std::size_t>(l)] * (2 * l + 1) / (4.0 * std::numbers::pi) * p;
+            before = std::exchange(p, ((2 * l + 1) * x * p - l * before) / (l + 1));
+          }
+        }
+        const double value = unit * std::max(sum / static_cast<double>(normals.size()), 0.0);
+        return value * mean_colour(survey_.texels[t], colours);
+      },
+      shadings, colours);
+}
+
+double LobeErrors::lean_error(const std::vector<ShadedBy>& shadings, ColourModel colours) const {
+  return error_of(
+      [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
+        const Normals& normals = survey_.texels[t].normals;
+        const auto count = static_cast<double>(normals.size());
+        glm::dvec3 mean(0.0);
+        double s = 0.0, u = 0.0, ss = 0.0, uu = 0.0, su = 0.0;
+        for (const glm::dvec3& n : normals) {
+          const double z = std::max(n.z, static_cast<double>(kSlopeZMin)), x = -n.x / z, y = -n.y / z;
+          mean += n / count;
+          s += x / count, u += y / count;
+          ss += x * x / count, uu += y * y / count, su += x * y / count;
+        }
+        const glm::dvec3 colour = mean_colour(survey_.texels[t], colours);
+        if (!by.exponent) return std::max(glm::dot(mean, w), 0.0) * colour;
+        if (w.z <= 1e-4) return glm::dvec3(0.0);
+        const double base = 1.0 / *by.exponent, a = ss - s * s + base, c = uu - u * u + base, b = su - s * u;
+        const double x = -w.x / w.z - s, y = -w.y / w.z - u, determinant = a * c - b * b;
+        const double distance = (c * x * x - 2.0 * b * x * y + a * y * y) / determinant;
+        // A density in shade_normal()'s unit, 1/2 pi.
+        return std::exp(-0.5 * distance) / std::sqrt(determinant) / (w.z * w.z * w.z) * colour;
+      },
+      shadings, colours);
+}
+
+double LobeErrors::colour_correlation(int lobe_count) {
+  double within = 0.0, between = 0.0;
+  const std::vector<TexelFit>& fitted = fits(lobe_count);
+  for (std::size_t t = 0; t < fitted.size(); ++t) {
+    const auto count = static_cast<double>(survey_.texels[t].normals.size());
+    const auto lobes = static_cast<double>(fitted[t].lobes.size());
+    if (count < 8.0 * std::max(lobes, 1.0)) continue;  // of few normals each, lobes explain everything
+    // Of colours that know nothing of the lobes, a share (lobes - 1) / (count - 1) lies between them.
+    within += fitted[t].colour_within;
+    between += fitted[t].colour_between - fitted[t].colour_within * (lobes - 1.0) / (count - 1.0);
+  }
+  return within > 0.0 ? std::clamp(between / within, 0.0, 1.0) : 0.0;
+}
+
+double LobeErrors::share_sharper(int lobe_count, double kappa) {
+  double sharper = 0.0, all = 0.0;
+  for (const TexelFit& fit : fits(lobe_count))
+    for (const MixtureLobe& lobe : fit.lobes) {
+      const double spread = 1.0 - lobe.mean_length;
+      all += lobe.amplitude;
+      if (spread > kSingleDirection && spread < 1.0 / kappa) sharper += lobe.amplitude;
+    }
+  return all > 0.0 ? sharper / all : 0.0;
+}
+
+}  // namespace multum

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scene/plan_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// Words in lines of at most `width`.
+std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
+  std::vector<std::string> lines(1);
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > width) lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+  }
+  return lines;
+}
+
+std::string effect_rows(const std::vector<PlannedEffect>& effects, int width) {
+  constexpr int kEffect = 25, kNeeded = 4, kTime = 9, kBytes = 10;
+  constexpr int kWhy = 2 + kEffect + 1 + kNeeded + 1 + kTime + 1 + kBytes + 2;
+  // Beside the numbers where there is room, else below them.
+  const bool beside = width - kWhy >= 40;
+  const int indent = beside ? kWhy : 8;
+  std::string text;
+  for (const PlannedEffect& e : effects) {
+    const auto cost = [&](double value, std::string (*text_of)(double)) {
+      const double more = e.needed ? value : -value;
+      return e.has_cost ? (more < 0.0 ? "-" : "+") + text_of(std::abs(more)) : std::string();
+    };
+    const std::string ms = cost(e.cost.ms, time_text), bytes = cost(e.cost.bytes, bytes_text);
+    std::string line = fmt::format("  {:<{}} {:<{}} {:>{}} {:>{}}", e.effect, kEffect, e.needed ? "yes" : "no", kNeeded,
+                                   ms, kTime, bytes, kBytes);
+    const std::vector<std::string> why = wrapped(e.why, static_cast<std::size_t>(width - indent));
+    if (!beside) line.erase(line.find_last_not_of(' ') + 1);
+    for (std::size_t i = 0; i < why.size(); ++i)
+      line += i == 0 && beside ? "  " + why[i] : "\n" + std::string(static_cast<std::size_t>(indent), ' ') + why[i];
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string head(const std::string& last) {
+  return fmt::format("  {:<25} {:<4} {:>9} {:>10}  {}\n", "effect", "need", "bake", "textures", last);
+}
+
+// What is left out, as a share.
+std::string saved(double from, double to) {
+  return from > 0.0 ? fmt::format("{:.0f} %", 100.0 * (1.0 - to / from)) : "0 %";
+}
+
+Json effects_json(const std::vector<PlannedEffect>& effects) {
+  Json rows = Json::array();
+  for (const PlannedEffect& e : effects) {
+    Json row = {{"effect", e.effect}, {"needed", e.needed}, {"why", e.why}};
+    if (e.has_cost) row["bake_ms"] = e.cost.ms, row["bytes"] = e.cost.bytes;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json candidate_json(const BakeCandidate& c) {
+  Json json = {{"name", c.name},
+               {"ndf", representation_info(c.shape.representation).option},
+               {"first_level", c.shape.first_level},
+               {"data_format", storage_encoding_name(c.shape.encoding)},
+               {"colours", c.shape.has_colours    ? "in the file"
+                           : c.shape.mean_colours ? "beside it"
+                                                  : "none"},
+               {"error", c.error.worst()},
+               {"error_diffuse", c.error.diffuse},
+               {"error_highlights", c.error.specular},
+               {"bake_ms", c.cost.ms},
+               {"bytes", c.cost.bytes}};
+  if (holds_lobes(c.shape.representation)) json["lobes"] = c.shape.lobe_count;
+  if (c.shape.representation == Representation::kSh) json["sh_order"] = c.shape.sh_order;
+  return json;
+}
+
+Json map_json(const MapPlan& map, const SceneFiles& files) {
+  Json candidates = Json::array();
+  for (const BakeCandidate& c : map.candidates) candidates.push_back(candidate_json(c));
+  Json json = {{"name", map.name},
+               {"input", map.job.input},
+               {"width", map.width},
+               {"height", map.height},
+               {"seen_levels", {map.first_seen, map.last_seen}},
+               {"chosen", candidate_json(map.chosen)},
+               {"default", candidate_json(map.usual)},
+               {"stated_difference", map.stated_difference},
+               {"candidates", candidates},
+               {"effects", effects_json(map.effects)},
+               {"file", fs::path(files.baked(map)).filename().string()}};
+  if (map.mean_colours) json["colour_file"] = fs::path(files.colours(map)).filename().string();
+  return json;
+}
+
+std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
+
+// As --brdf of multum-view has it.
+std::string brdf_text(const Brdf& brdf, const std::string& measured_file) {
+  switch (brdf.kind) {
+    case BrdfKind::kLambert: return "lambert";
+    case BrdfKind::kBlinnPhong: return fmt::format("blinn-phong:{:.7g}", brdf.exponent);
+    case BrdfKind::kTorranceSparrow: return fmt::format("torrance-sparrow:{:.7g}", brdf.sigma);
+    case BrdfKind::kCookTorrance: return fmt::format("cook-torrance:{:.7g},{}", brdf.sigma, colour_text(brdf.f0));
+    case BrdfKind::kGgx: return fmt::format("ggx:{:.7g},{}", brdf.roughness, colour_text(brdf.f0));
+    case BrdfKind::kMeasured: return measured_file;
+  }
+  return "";
+}
+
+// Against the folder of results; empty stays empty.
+std::string relative(const std::string& path, const SceneFiles& files) {
+  if (path.empty()) return "";
+  return fs::absolute(path).lexically_proximate(fs::absolute(files.folder)).generic_string();
+}
+
+// The object on multum-view's plane, at its nearest, seen as steeply as 45 degrees allow: 10 units away, a unit being
+// the right number of metres.
+Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& plan, const MapPlan& map,
+               const SceneFiles& files) {
+  constexpr double kUnits = 10.0, kPlaneSize = 60.0;
+  const double width = object.width > 0.0 ? object.width : map.width / object.texels_per_metre;
+  const double tilt = std::min(object.tilt_max, 45.0) * 0.017453292519943295;
+  // The picture's lowest point is nearest.
+  const double below = std::max(tilt - 0.5 * scene.camera.fov_degrees * 0.017453292519943295, 0.0);
+  const double nearest = kUnits * std::cos(tilt) / std::cos(below);
+  Json view = {{"file", fs::path(files.baked(map)).filename().string()},
+               {"size", fmt::format("{}x{}", scene.camera.width, scene.camera.height)},
+               {"camera", fmt::format("0,{:.6g},{:.6g},0,30,0,{:.6g}", 30.0 - kUnits * std::sin(tilt),
+                                      kUnits * std::cos(tilt), scene.camera.fov_degrees)},
+               {"repeat", kPlaneSize * object.distance_min / nearest / width}};
+  if (map.mean_colours) view["colour_map"] = fs::path(files.colours(map)).filename().string();
+  if (map.job.fitting.first_level > 0) view["stored_only"] = true;
+  Json brdfs = Json::array();
+  for (const std::size_t m : object.materials) {
+    const SceneMaterial& material = scene.materials[m];
+    const std::string measured = relative(material.measured_file, files);
+    if (!material.width_in_map) brdfs.push_back(brdf_text(material.brdfs.front(), measured));
+    if (!measured.empty()) view["measured"] = true;
+  }
+  if (!brdfs.empty()) view["brdf"] = brdfs;
+  const Brdf& first = scene.materials[object.materials.front()].brdfs.front();
+  view["diffuse"] = colour_text(first.diffuse);
+  view["specular"] = colour_text(first.specular);
+  Json lights = Json::array(), point_lights = Json::array();
+  for (const SceneLight& light : scene.lights) {
+    const std::string place = fmt::format("{:.7g},{:.7g},{:.7g}", light.place.x, light.place.y, light.place.z);
+    if (light.is_point)
+      point_lights.push_back(place + "," +
+                             fmt::format("{:.7g},{:.7g},{:.7g}", light.power.x, light.power.y, light.power.z));
+    else lights.push_back(place + fmt::format(",{:.7g}", light.power.x));
+  }
+  view["light"] = lights;
+  view["point_light"] = point_lights;
+  if (!scene.environment.empty()) {
+    view["environment"] = relative(scene.environment, files);
+    view["environment_mode"] = plan.environment_by_harmonics ? "sh" : "prefiltered";
+  }
+  return view;
+}
+
+}  // namespace
+
+std::string time_text(double ms) {
+  return ms < 999.5 ? fmt::format("{:.0f} ms", ms) : fmt::format("{:.2f} s", 1e-3 * ms);
+}
+
+std::string bytes_text(double bytes) {
+  if (bytes < 1024.0) return fmt::format("{:.0f} B", bytes);
+  if (bytes < 1048576.0) return fmt::format("{:.1f} KiB", bytes / 1024.0);
+  return fmt::format("{:.1f} MiB", bytes / 1048576.0);
+}
+
+std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
+  width = std::max(width, 60);
+  std::string text;
+  const auto add = [&](const std::string& words) {
+    for (const std::string& line : wrapped(words, static_cast<std::size_t>(width))) text += line + "\n";
+  };
+  for (const MapPlan& map : plan.maps) {
+    add(fmt::format("map {}: {} x {}, levels {} to {} are seen; {} from level {} in place of {}", map.name, map.width,
+                    map.height, map.first_seen, map.last_seen, map.chosen.name, map.chosen.shape.first_level,
+                    map.usual.name));
+    text += head("why");
+    text += effect_rows(map.effects, width);
+    add(fmt::format(
+        "  bake {} in place of {} ({} less), textures {} in place of {} ({} less); estimated error {:.3g} % "
+        "beside {:.3g} %, at most {:.3g} % from the default bake's pictures",
+        time_text(map.chosen.cost.ms), time_text(map.usual.cost.ms), saved(map.usual.cost.ms, map.chosen.cost.ms),
+        bytes_text(map.chosen.cost.bytes), bytes_text(map.usual.cost.bytes),
+        saved(map.usual.cost.bytes, map.chosen.cost.bytes), 100.0 * map.chosen.error.worst(),
+        100.0 * map.usual.error.worst(), 100.0 * map.stated_difference));
+    text += "\n";
+  }
+  for (const ObjectPlan& object : plan.objects) {
+    add(fmt::format("object {}: map {}, levels {} to {}; in its shader:", object.name, plan.maps[object.map].name,
+                    object.first_level, object.last_level));
+    text += effect_rows(object.effects, width);
+    text += "\n";
+  }
+  add(fmt::format("in all: bake {} in place of {}, textures {} in place of {}; planned in {}{}",
+                  time_text(plan.cost.ms), time_text(plan.usual_cost.ms), bytes_text(plan.cost.bytes),
+                  bytes_text(plan.usual_cost.bytes), time_text(1e3 * plan.plan_seconds),
+                  scene.budget.bytes ? fmt::format("; budget {}", bytes_text(*scene.budget.bytes)) : ""));
+  return text;
+}
+
+Json plan_json(const Scene& scene, const ScenePlan& plan, const SceneFiles& files) {
+  Json json = {{"software", std::string("multum ") + MULTUM_VERSION},
+               {"bake_ms", plan.cost.ms},
+               {"default_bake_ms", plan.usual_cost.ms},
+               {"bytes", plan.cost.bytes},
+               {"default_bytes", plan.usual_cost.bytes},
+               {"maps", Json::array()},
+               {"objects", Json::array()}};
+  for (const MapPlan& map : plan.maps) json["maps"].push_back(map_json(map, files));
+  for (std::size_t o = 0; o < plan.objects.size(); ++o) {
+    const ObjectPlan& object = plan.objects[o];
+    const MapPlan& map = plan.maps[object.map];
+    json["objects"].push_back({{"name", object.name},
+                               {"map", map.name},
+                               {"seen_levels", {object.first_level, object.last_level}},
+                               {"effects", effects_json(object.effects)},
+                               {"view", view_json(scene, scene.objects[o], object, map, files)}});
+  }
+  return json;
+}
+
+}  // namespace multum

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// A plan as people read it, a table a map and an object, and as programs do.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/scene/scene_plan.h"
+
+namespace multum {
+
+/// Lines of at most `width` characters, 60 at least.
+std::string plan_text(const Scene& scene, const ScenePlan& plan, int width);
+
+/// Where a scene's files are: those of a map in `folder`, by its name.
+struct SceneFiles {
+  std::string folder;
+  std::string baked(const MapPlan& map) const { return folder + "/" + map.name + ".ndf.exr"; }
+  std::string colours(const MapPlan& map) const { return folder + "/" + map.name + ".colours.exr"; }
+  std::string plan() const { return folder + "/plan.json"; }
+  std::string report() const { return folder + "/report.json"; }
+};
+
+/// Decisions with their numbers, and how multum-view draws each object: `multum-view --scene plan.json` reads it.
+/// Files are named against the folder of results.
+nlohmann::json plan_json(const Scene& scene, const ScenePlan& plan, const SceneFiles& files);
+
+/// "1.2 s", "34 ms"; "5.3 MiB", "812 B".
+std::string time_text(double ms);
+std::string bytes_text(double bytes);
+
+}  // namespace multum

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scene/scene_bake.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host/bake/bake_job.h"
+#include "host/bake/chosen_bake.h"
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::uint64_t bytes_of(const std::string& path) {
+  std::error_code none;
+  const auto bytes = std::filesystem::file_size(path, none);
+  return none ? 0 : bytes;
+}
+
+MipJob colour_job(const MapPlan& map, const std::string& output) {
+  MipJob job;
+  job.input = map.colour_file;
+  job.output = output;
+  job.wrap_s = map.job.reading.wrap_s;
+  job.wrap_t = map.job.reading.wrap_t;
+  job.writing = map.job.writing;
+  job.threads = map.job.threads;
+  job.force = map.job.force;
+  return job;
+}
+
+// Several lobes and a target: how many, and how long they are fitted, is found by trials (host/bake/chosen_bake.h).
+BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, Device& device, Progress* progress,
+                                std::string& options) {
+  BakeTarget target;
+  target.error = target_error;
+  target.only = job.representation;
+  if (!job.roughness.empty()) target.brdf = parse_target_brdf("roughness");
+  else if (job.measured_exponents.empty()) target.brdf = parse_target_brdf("lambert");
+  else target.brdf = parse_target_brdf(fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
+  ChosenBake chosen = bake_to_target(job, target, device, progress);
+  if (!chosen.met)
+    throw Error(ErrorCode::kVerification,
+                fmt::format("{}: no settings reach target_error {:g}, the best are {} with {:.3g}", job.input,
+                            target_error, chosen.options, chosen.reached.error));
+  options = chosen.options;
+  return std::move(chosen.report);
+}
+
+SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles& files, Device& device,
+                        Progress* progress) {
+  const auto start = Clock::now();
+  SceneMapReport report;
+  report.name = map.name;
+  BakeJob job = map.job;
+  job.output = files.baked(map);
+  if (scene.budget.target_error && holds_lobes(job.representation) && job.fitting.lobe_count > 1)
+    report.bake = bake_lobes_to_target(job, *scene.budget.target_error, device, progress, report.options);
+  else report.bake = bake_file(job, map.source.get(), device, progress);
+  report.file_bytes = bytes_of(job.output);
+  report.has_colours = map.mean_colours;
+  if (map.mean_colours) {
+    report.colours = bake_mip(colour_job(map, files.colours(map)), device, progress);
+    report.file_bytes += bytes_of(files.colours(map));
+  }
+  report.seconds = seconds_since(start);
+  return report;
+}
+
+}  // namespace
+
+SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
+                       const SceneMapDone& done, Progress* progress) {
+  const auto start = Clock::now();
+  write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
+  SceneReport report;
+  for (const MapPlan& map : plan.maps) {
+    report.maps.push_back(bake_map(scene, map, files, device, progress));
+    if (done) done(map, report.maps.back());
+  }
+  report.launches = device.launch_counts();
+  report.builds = device.build_counts();
+  report.seconds = seconds_since(start);
+  write_text_file(files.report(), report.to_json(plan).dump(2) + "\n");
+  return report;
+}
+
+nlohmann::json SceneReport::to_json(const ScenePlan& plan) const {
+  nlohmann::json json = {{"seconds", seconds},
+                         {"plan_seconds", plan.plan_seconds},
+                         {"default_estimate_ms", plan.usual_cost.ms},
+                         {"bytes", plan.cost.bytes},
+                         {"bytes_saved", plan.usual_cost.bytes - plan.cost.bytes},
+                         {"ms_saved_estimate", plan.usual_cost.ms - plan.cost.ms},
+                         {"launches", launches},
+                         {"builds", builds},
+                         {"maps", nlohmann::json::array()}};
+  for (std::size_t m = 0; m < maps.size(); ++m) {
+    const SceneMapReport& map = maps[m];
+    const MapPlan& planned = plan.maps[m];
+    nlohmann::json row = {{"name", map.name},
+                          {"seconds", map.seconds},
+                          {"file_bytes", map.file_bytes},
+                          {"estimate_ms", planned.chosen.cost.ms},
+                          {"default_estimate_ms", planned.usual.cost.ms},
+                          {"bytes", planned.chosen.cost.bytes},
+                          {"bytes_saved", planned.usual.cost.bytes - planned.chosen.cost.bytes},
+                          {"ms_saved_estimate", planned.usual.cost.ms - planned.chosen.cost.ms},
+                          {"bake", nlohmann::json::parse(map.bake.to_json())}};
+    if (!map.options.empty()) row["options"] = map.options;
+    if (map.has_colours) row["colours"] = nlohmann::json::parse(map.colours.to_json());
+    json["maps"].push_back(std::move(row));
+  }
+  return json;
+}
+
+std::string SceneReport::to_text(const ScenePlan& plan) const {
+  std::string text;
+  std::string kernels;
+  for (const auto& [kernel, count] : launches) kernels += fmt::format("  {:<28} {:>8} launches\n", kernel, count);
+  for (const auto& [file, count] : builds)
+    kernels += fmt::format("  {:<28} {:>8} program{} built\n", file + ".cl", count, count == 1 ? "" : "s");
+  text += kernels;
+  text += fmt::format(
+      "baked in {} and planned in {}, the default bake's estimate is {}; textures {}, {} less than the default "
+      "bake's\n",
+      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(plan.usual_cost.ms),
+      bytes_text(plan.cost.bytes), bytes_text(plan.usual_cost.bytes - plan.cost.bytes));
+  return text;
+}
+
+}  // namespace multum

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes what a plan asks for into a folder: a file a map, NAME.ndf.exr, its mean colours in NAME.colours.exr where the
+// plan has them, plan.json, and report.json. Each file appears whole or not at all; what is there already from the same
+// sources with the same settings stays, so that a killed run goes on where it was.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/bake/bake_report.h"
+#include "host/scene/plan_text.h"
+#include "host/scene/scene_plan.h"
+
+namespace multum {
+
+struct SceneMapReport {
+  std::string name;
+  BakeReport bake;
+  std::string options;       // chosen for the scene's target error; empty: as planned
+  bool has_colours = false;  // in a file of their own:
+  MipReport colours;
+  double seconds = 0.0;
+  std::uint64_t file_bytes = 0;
+};
+
+struct SceneReport {
+  std::vector<SceneMapReport> maps;
+  double seconds = 0.0;  // of the bakes; ScenePlan::plan_seconds comes before
+  // Of all maps together.
+  std::map<std::string, std::uint64_t> launches;  // by kernel
+  std::map<std::string, int> builds;              // by kernels/FILE.cl
+
+  nlohmann::json to_json(const ScenePlan& plan) const;
+  /// Some lines for a terminal.
+  std::string to_text(const ScenePlan& plan) const;
+};
+
+using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&)>;
+
+/// The folder must be there. Throws Error for the first map that fails, Cancelled; maps before it stay.
+SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
+                       const SceneMapDone& done, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Decides which effects a scene needs of its maps, from the scene and from the maps themselves, and with that how each
+// map is baked: the cheapest of all candidates whose estimated error stays within a tolerance of the default bake's
+// (docs/SCENE.md has the rules).
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/bake/bake_source.h"
+#include "host/bake/mip_bake.h"
+#include "host/scene/bake_cost.h"
+#include "host/scene/scene_file.h"
+
+namespace multum {
+
+/// A row of the plan's table.
+struct PlannedEffect {
+  std::string effect;
+  bool needed = false;
+  std::string why;        // with the number that was measured
+  bool has_cost = false;  // of the bake; others are code in a shader alone
+  BakeCost cost;          // that it takes, or saves where it is not needed
+};
+
+/// Estimated, relative L1, of diffuse light and of highlights.
+struct PartErrors {
+  double diffuse = 0.0, specular = 0.0;
+  double worst() const { return std::max(diffuse, specular); }
+  bool within(const PartErrors& limit) const { return diffuse <= limit.diffuse && specular <= limit.specular; }
+};
+
+/// A way to bake a map, and what is expected of it.
+struct BakeCandidate {
+  std::string name;  // "vmf, 2 lobes", "moments"
+  BakeShape shape;
+  bool lobe_colours = false;  // not one mean colour a texel
+  PartErrors error;
+  BakeCost cost;
+};
+
+struct MapPlan {
+  std::string name;
+  BakeJob job;                // all but where the output goes
+  bool mean_colours = false;  // of colour_file, in a file of their own
+  std::string colour_file;    // the albedo, where mean_colours
+  int width = 0, height = 0, level_count = 0;
+  int first_seen = 0, last_seen = 0;      // levels
+  bool is_constant = false;               // every normal stands for all: the coarsest level is enough
+  BakeCandidate chosen, usual;            // the default bake
+  PartErrors limit;                       // that candidates were held to
+  std::vector<BakeCandidate> candidates;  // by textures, then time
+  double stated_difference = 0.0;         // from pictures of the default bake, relative L1, at most
+  std::vector<PlannedEffect> effects;
+  std::shared_ptr<BakeSource> source;  // what the job reads, where it is kept
+};
+
+struct ObjectPlan {
+  std::string name;
+  std::size_t map = 0;
+  int first_level = 0, last_level = 0;  // seen
+  std::vector<PlannedEffect> effects;   // of its shader
+  bool environment_by_harmonics = false;
+};
+
+struct ScenePlan {
+  std::vector<MapPlan> maps;
+  std::vector<ObjectPlan> objects;
+  BakeCost cost, usual_cost;
+  double plan_seconds = 0.0;
+};
+
+struct PlanSettings {
+  int threads = 1;
+  // Maps stay read for the bake up to so many bytes together; beyond, they are read again.
+  std::uint64_t kept_bytes_max = std::uint64_t{4} << 30;
+};
+
+/// Reads every map once. Throws Error(kInput) for maps that cannot be used, Error(kVerification) where no candidate
+/// reaches the scene's target error or its budgets, saying what the nearest does.
+ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress* progress);
+
+}  // namespace multum

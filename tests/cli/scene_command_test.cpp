@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum plan and multum bake scene.toml: six scenes whose pictures are held to those of the default bake, and whose
+// launches and builds to what the plan says.
+#include <fmt/format.h>
+
+#include <OpenImageIO/imageio.h>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace multum::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr char kHead[] = "[camera]\nresolution = [96, 72]\n[[map]]\nname = \"wall\"\nnormal = \"{}_normal.png\"\n{}\n";
+constexpr char kObject[] =
+    "[[object]]\nname = \"front\"\nmap = \"wall\"\nmaterial = \"paint\"\nwidth = 2.0\ndistance = [{}]\n";
+constexpr char kSun[] = "[[light]]\ndirection = [0.3, 0.8, 0.5]\n";
+
+struct SceneCase {
+  std::string name;
+  std::string normal = "map";  // NORMAL_normal.png
+  std::string map = "";        // more keys
+  std::string material = "brdf = \"blinn-phong\"\nexponent = 100\n";
+  std::string distance = "0.4, 20";
+  std::string light = kSun;
+};
+
+class SceneCommandTest : public CliTest {
+ protected:
+  void SetUp() override { make_map("map", 64); }
+
+  std::string write_scene(const SceneCase& c) const {
+    const std::string text = fmt::format(kHead, c.normal, c.map) + "[[material]]\nname = \"paint\"\n" + c.material +
+                             fmt::format(kObject, c.distance) + c.light;
+    write_bytes(path(c.name + ".toml"), text);
+    return path(c.name + ".toml");
+  }
+  Json json(const std::string& name) const { return Json::parse(read_bytes(path(name))); }
+  // Three channels of bytes, or of floats.
+  void write_image(const std::string& name, int size, const std::function<float(int x, int y, int c)>& value,
+                   bool half_as_high = false) const {
+    const int height = half_as_high ? size / 2 : size;
+    std::vector<float> values;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < size; ++x)
+        for (int c = 0; c < 3; ++c) values.push_back(value(x, y, c));
+    const auto out = OIIO::ImageOutput::create(path(name));
+    const bool is_exr = name.ends_with(".exr");
+    ASSERT_TRUE(out && out->open(path(name), OIIO::ImageSpec(size, height, 3,
+                                                             is_exr ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8)));
+    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, values.data()));
+    ASSERT_TRUE(out->close());
+  }
+  std::vector<float> draw(const std::string& plan) const {
+    const ProgramResult drawn = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "--scene", plan, "--context",
+                                             "osmesa", "-o", path("picture.exr")});
+    EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+    const auto in = OIIO::ImageInput::open(path("picture.exr"));
+    if (!in) return {};
+    std::vector<float> values(static_cast<std::size_t>(in->spec().width) * static_cast<std::size_t>(in->spec().height) *
+                              3);
+    EXPECT_TRUE(in->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, values.data()));
+    return values;
+  }
+
+  // Bakes and draws; the pictures must be as near as the plan states. Returns the report.
+  Json hold_to_default(const SceneCase& c) const {
+    SCOPED_TRACE(c.name);
+    const ProgramResult baked = multum({"bake", write_scene(c), "-o", path(c.name)});
+    EXPECT_EQ(baked.exit_code, 0) << baked.err;
+    Json plan = json(c.name + "/plan.json");
+    const double stated = plan["maps"][0]["stated_difference"];
+    const std::vector<float> picture = draw(path(c.name + "/plan.json"));
+    std::vector<std::string> command = {"bake", path(c.normal + "_normal.png"), "-o",
+                                        path(c.name + "/default.ndf.exr")};
+    const std::size_t quote = c.map.find('"');
+    if (quote != std::string::npos)
+      command.insert(command.end(), {"--albedo", path(c.map.substr(quote + 1, c.map.rfind('"') - quote - 1))});
+    EXPECT_EQ(multum(command).exit_code, 0);
+    Json& view = plan["objects"][0]["view"];
+    view["file"] = "default.ndf.exr";
+    view.erase("colour_map");
+    view.erase("stored_only");
+    write_bytes(path(c.name + "/default.json"), plan.dump());
+    const std::vector<float> expected = draw(path(c.name + "/default.json"));
+    double off = 0.0, all = 0.0;
+    for (std::size_t i = 0; i < picture.size() && i < expected.size(); ++i) {
+      off += static_cast<double>(std::abs(picture[i] - expected[i]));
+      all += static_cast<double>(expected[i]);
+    }
+    EXPECT_GT(all, 0.0);
+    EXPECT_EQ(picture.size(), expected.size());
+    EXPECT_LE(off, (stated + 1e-6) * all) << 100.0 * off / all << " %, stated " << 100.0 * stated;
+    RecordProperty(c.name, fmt::format("{:.3g} of {:.3g} %", 100.0 * off / all, 100.0 * stated));
+    return json(c.name + "/report.json");
+  }
+  static bool has_em(const Json& report) {
+    bool launched = false, built = false;
+    for (const auto& [kernel, count] : report["launches"].items())
+      launched |= kernel.find("_em_") != std::string::npos || kernel == "movmf_start" || kernel == "movmf_level_zero";
+    for (const auto& [file, count] : report["builds"].items())
+      built |= file.find("_em_") != std::string::npos || file == "movmf_start" || file == "movmf_level_zero";
+    EXPECT_EQ(launched, built);
+    return launched;
+  }
+  static std::vector<std::string> names(const Json& counts) {
+    std::vector<std::string> found;
+    for (const auto& [name, count] : counts.items()) found.push_back(name);
+    return found;
+  }
+};
+
+const std::vector<std::string> kAverageKernels = {"mip_blocks", "mip_features", "mip_levels", "movmf_shade"};
+const std::vector<std::string> kAveragePrograms = {"mip_box", "movmf_shade"};
+
+TEST_F(SceneCommandTest, AFlatWallIsOneTexel) {
+  write_image("flat_normal.png", 64, [](int, int, int c) { return c == 2 ? 1.0f : 128.0f / 255.0f; });
+  const Json report = hold_to_default({.name = "flat", .normal = "flat"});
+  EXPECT_EQ(names(report["launches"]), (std::vector<std::string>{"mip_blocks", "mip_features", "mip_levels"}));
+  EXPECT_EQ(names(report["builds"]), std::vector<std::string>{"mip_box"});
+  EXPECT_EQ(report["bytes"], 8.0);
+}
+
+TEST_F(SceneCommandTest, DiffuseLightFitsNothing) {
+  const Json report = hold_to_default({.name = "diffuse", .material = "brdf = \"lambert\"\n"});
+  EXPECT_EQ(names(report["launches"]), kAverageKernels);
+  EXPECT_EQ(names(report["builds"]), kAveragePrograms);
+}
+
+TEST_F(SceneCommandTest, OneFarObjectFitsNoFineLevels) {
+  const Json report = hold_to_default({.name = "far", .distance = "60, 80"});
+  EXPECT_TRUE(has_em(report));
+  for (const auto& [kernel, count] : report["launches"].items()) EXPECT_NE(kernel, "movmf_level_zero");
+  EXPECT_FALSE(report["builds"].contains("movmf_level_zero"));
+  EXPECT_GT(report["bytes_saved"], 0.0);
+}
+
+TEST_F(SceneCommandTest, ColoursThatKnowNoSlopesAreOneATexel) {
+  write_image("smooth.png", 64, [](int x, int y, int c) {
+    return 0.5f + 0.3f * std::sin(6.2831853f / 64.0f * static_cast<float>(c == 0 ? x : c == 1 ? y : x + y));
+  });
+  const Json report = hold_to_default(
+      {.name = "colour", .map = "albedo = \"smooth.png\"", .material = "brdf = \"blinn-phong\"\nexponent = 20\n"});
+  EXPECT_TRUE(has_em(report));
+  EXPECT_FALSE(report["builds"].contains("movmf_features")) << "no colours are shared out among lobes";
+  EXPECT_TRUE(fs::exists(path("colour/wall.colours.exr")));
+}
+
+TEST_F(SceneCommandTest, AnEnvironmentNeedsNoLights) {
+  write_image(
+      "sky.exr", 32, [](int, int y, int c) { return y < 8 ? 1.0f + static_cast<float>(c) : 0.1f; }, true);
+  SceneCase scene{.name = "sky", .material = "brdf = \"lambert\"\n"};
+  scene.light = "[environment]\nfile = \"sky.exr\"\n";
+  const Json report = hold_to_default(scene);
+  EXPECT_FALSE(has_em(report));
+  const Json plan = json("sky/plan.json");
+  for (const Json& effect : plan["objects"][0]["effects"]) {
+    const bool is_light = effect["effect"] == "distant lights" || effect["effect"] == "environment, highlight";
+    if (is_light || effect["effect"] == "environment, diffuse") {
+      EXPECT_EQ(effect["needed"], !is_light) << effect;
+    }
+  }
+}
+
+// Four directions, each with its own colour, from near: the very file of the default bake.
+TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
+  write_image("four_normal.png", 64, [](int x, int y, int c) {
+    return c == 0 ? (x % 2 == 0 ? 0.2f : 0.8f) : c == 1 ? (y % 2 == 0 ? 0.2f : 0.8f) : 0.7646f;
+  });
+  write_image("four_albedo.png", 64, [](int x, int y, int c) {
+    return c == 0 ? static_cast<float>(x % 2) : c == 1 ? static_cast<float>(y % 2) : 0.3f;
+  });
+  const Json report = hold_to_default({.name = "every", .normal = "four", .map = "albedo = \"four_albedo.png\""});
+  EXPECT_TRUE(has_em(report));
+  EXPECT_TRUE(report["builds"].contains("movmf_features"));
+  EXPECT_EQ(json("every/plan.json")["maps"][0]["stated_difference"], 0.0);
+}
+
+TEST_F(SceneCommandTest, ARunGoesOnWhereItWas) {
+  const std::string scene = write_scene({.name = "diffuse", .material = "brdf = \"lambert\"\n"});
+  ASSERT_EQ(multum({"bake", scene, "-o", path("out"), "-q"}).exit_code, 0);
+  const auto time = fs::last_write_time(path("out/wall.ndf.exr"));
+  ASSERT_EQ(multum({"bake", scene, "-o", path("out"), "-q"}).exit_code, 0);
+  EXPECT_EQ(fs::last_write_time(path("out/wall.ndf.exr")), time);
+  EXPECT_EQ(json("out/report.json")["launches"], Json::object());
+  ASSERT_EQ(multum({"bake", scene, "-o", path("out"), "-q", "--force"}).exit_code, 0);
+  EXPECT_NE(fs::last_write_time(path("out/wall.ndf.exr")), time);
+}
+
+TEST_F(SceneCommandTest, PlansArePrintedAndWritten) {
+  const std::string scene = write_scene({.name = "diffuse", .material = "brdf = \"lambert\"\n"});
+  const ProgramResult table = multum({"plan", scene, "--width", "80", "-o", path("plan.json")});
+  ASSERT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_NE(table.out.find("several lobes, EM         no"), std::string::npos) << table.out;
+  const ProgramResult printed = multum({"plan", scene, "--json"});
+  EXPECT_EQ(Json::parse(printed.out)["maps"][0]["chosen"]["lobes"], 1);
+  EXPECT_EQ(json("plan.json")["maps"][0]["chosen"], Json::parse(printed.out)["maps"][0]["chosen"]);
+}
+
+TEST_F(SceneCommandTest, WhatIsWrongIsRefused) {
+  const std::string scene = write_scene({.name = "s"});
+  ProgramResult result = multum({"bake", scene, "-o", path("out"), "--lobes", "2"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("--lobes is given beside"), std::string::npos) << result.err;
+  result = multum({"bake", scene});
+  EXPECT_EQ(result.exit_code, 2);
+  write_bytes(path("bad.toml"), "[scene]\n");
+  result = multum({"plan", path("bad.toml")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find("bad.toml:1: scene is no key"), std::string::npos) << result.err;
+  result = multum({"plan", path("none.toml")});
+  EXPECT_EQ(result.exit_code, 3);
+  result =
+      run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "--scene", path("bad.toml"), "-o", path("x.png")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find("is no plan"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace multum::testing

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes: each refusal by line, the survey of a map against sums texel by texel, estimates of lobes against maps whose
+// answer is known, levels that are seen, and what is decided of generated maps.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <map>
+#include <random>
+
+#include "host/asset/baked_file.h"
+#include "host/reference/shading.h"
+#include "host/scene/lobe_errors.h"
+#include "host/scene/plan_text.h"
+#include "host/scene/scene_plan.h"
+#include "host/scene/seen_levels.h"
+#include "tests/unit/image_test_files.h"
+
+namespace multum::testing {
+namespace {
+
+const std::string kScene =
+    "[camera]\n"
+    "fov = 60\n"
+    "resolution = [320, 240]\n"
+    "[budget]\n"
+    "tolerance = 0.05\n"
+    "[[map]]\n"
+    "name = \"wall\"\n"
+    "normal = \"wall.exr\"\n"
+    "green = \"up\"\n"
+    "[[material]]\n"
+    "name = \"paint\"\n"
+    "brdf = \"blinn-phong\"\n"
+    "exponent = [20, 100]\n"
+    "[[object]]\n"
+    "name = \"front\"\n"
+    "map = \"wall\"\n"
+    "material = \"paint\"\n"
+    "width = 2.0\n"
+    "distance = [1, 20]\n"
+    "[[light]]\n"
+    "direction = [0.3, 0.8, 0.5]\n";
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+class SceneTest : public ::testing::Test {
+ protected:
+  Scene read(const std::string& text) const {
+    write_bytes(path(), text);
+    return read_scene(path(), pattern_);
+  }
+  std::string path() const { return folder_ / "scene.toml"; }
+  /// wall.exr: signed normals.
+  void write_map(int size, const std::function<glm::dvec3(int x, int y)>& normal) const {
+    TestImage image{size, size, 3, std::vector<float>(static_cast<std::size_t>(3 * size * size))};
+    image.type = OIIO::TypeDesc::FLOAT;
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        const glm::dvec3 n = glm::normalize(normal(x, y));
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(n[c]);
+      }
+    write_test_image(folder_ / "wall.exr", image);
+  }
+  ScenePlan plan(const std::string& text) const { return plan_scene(read(text), {2}, nullptr); }
+  static const PlannedEffect& effect(const std::vector<PlannedEffect>& effects, const std::string& name) {
+    const auto found =
+        std::find_if(effects.begin(), effects.end(), [&](const PlannedEffect& e) { return e.effect == name; });
+    EXPECT_NE(found, effects.end()) << name;
+    return *found;
+  }
+
+  TemporaryFolder folder_;
+  BakeJob pattern_;
+};
+
+TEST_F(SceneTest, IsRead) {
+  const Scene scene = read(kScene);
+  EXPECT_EQ(scene.camera.width, 320);
+  EXPECT_EQ(scene.camera.fov_degrees, 60.0);
+  EXPECT_EQ(scene.budget.tolerance, 0.05);
+  ASSERT_EQ(scene.maps.size(), 1u);
+  EXPECT_EQ(scene.maps[0].job.input, folder_ / "wall.exr");
+  EXPECT_EQ(scene.maps[0].job.reading.green, GreenAxis::kUp);
+  ASSERT_EQ(scene.materials[0].brdfs.size(), 2u);
+  EXPECT_EQ(scene.materials[0].brdfs[0].exponent, 20.0f);
+  EXPECT_EQ(scene.materials[0].brdfs[1].exponent, 100.0f);
+  EXPECT_EQ(scene.objects[0].distance_max, 20.0);
+  EXPECT_EQ(scene.lights.size(), 1u);
+}
+
+TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
+  struct Case {
+    const char *from, *to;
+    int line;
+    std::vector<std::string> parts;
+  };
+  const Case cases[] = {
+      {"fov = 60", "fow = 60", 2, {"camera.fow is no key of the scene", "did you mean camera.fov?"}},
+      {"fov = 60", "fov = 200", 2, {"camera.fov is 200", "1 to 170"}},
+      {"resolution = [320, 240]", "resolution = [320]", 3, {"camera.resolution", "[1920, 1080]"}},
+      {"tolerance = 0.05", "tolerance = 0", 5, {"budget.tolerance is 0"}},
+      {"tolerance = 0.05", "target_error = -1", 5, {"budget.target_error is -1", "above 0"}},
+      {"name = \"wall\"", "name = \"../wall\"", 7, {"map.name is \"../wall\"", "letters"}},
+      {"normal = \"wall.exr\"\n", "", 6, {"map has no normal"}},
+      {"green = \"up\"", "green = \"left\"", 9, {"map.green is \"left\"", "up, down"}},
+      {"brdf = \"blinn-phong\"", "brdf = \"phong\"", 12, {"material.brdf is \"phong\"", "lambert, blinn-phong"}},
+      {"exponent = [20, 100]", "exponent = [100, 20]", 13, {"material.exponent is [100, 20]", "lower end first"}},
+      {"exponent = [20, 100]", "exponent = 0.5", 13, {"material.exponent is 0.5", "1 to 100000"}},
+      {"exponent = [20, 100]", "sigma = 0.1", 13, {"material.sigma is for another brdf"}},
+      {"exponent = [20, 100]", "exponent = 20\nf0 = 0.1", 14, {"material.f0 is for brdf = \"cook-torrance\""}},
+      {"map = \"wall\"", "map = \"wal\"", 16, {"object.map is \"wal\"", "did you mean \"wall\"?"}},
+      {"material = \"paint\"", "material = \"gold\"", 17, {"object.material is \"gold\"", "no [[material]]"}},
+      {"material = \"paint\"", "materials = [\"paint\", \"paint\"]", 17, {"has 2 materials", "no weights"}},
+      {"width = 2.0", "width = 2.0\ntexels_per_metre = 3", 14, {"both texels_per_metre and width"}},
+      {"distance = [1, 20]", "distance = [20, 1]", 19, {"object.distance is [20, 1]", "nearest first"}},
+      {"distance = [1, 20]", "distance = [0, 1]", 19, {"object.distance[0] is 0", "above 0"}},
+      {"direction = [0.3, 0.8, 0.5]", "direction = [0, 0, 0]", 21, {"light.direction is 0"}},
+      {"direction = [0.3, 0.8, 0.5]", "direction = [0.3, 0.8]", 21, {"light.direction has not 3 numbers"}},
+      {"direction = [0.3, 0.8, 0.5]", "position = [0, 0, 1]\nirradiance = 3", 22, {"irradiance does not go with"}},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.to);
+    std::vector<std::string> parts = c.parts;
+    parts.insert(parts.begin(), path() + ":" + std::to_string(c.line) + ": ");
+    expect_error(ErrorCode::kInput, parts, [&] { read(with(kScene, c.from, c.to)); });
+  }
+  expect_error(ErrorCode::kInput, {"the scene has no light"},
+               [&] { read(kScene.substr(0, kScene.find("[[light]]"))); });
+}
+
+// Sides that are no powers of two, too: each finest texel has one parent, and theirs have one, up to the coarsest.
+TEST_F(SceneTest, TheSurveyIsWhatSumsSay) {
+  for (const auto& [width, height] : {std::pair{64, 64}, std::pair{37, 75}, std::pair{1, 9}}) {
+    SCOPED_TRACE(width);
+    std::mt19937 random(7);
+    std::normal_distribution<double> slope(0.0, 0.3);
+    std::array<std::vector<float>, 3> planes;
+    for (int i = 0; i < width * height; ++i) {
+      const glm::dvec3 n = glm::normalize(glm::dvec3(2.0 * slope(random), slope(random), 1.0));
+      for (std::size_t c = 0; c < 3; ++c) planes[c].push_back(static_cast<float>(n[static_cast<int>(c)]));
+    }
+    const PlaneStore normals(width, height, {planes[0].data(), planes[1].data(), planes[2].data()});
+    const MapSurvey survey = survey_map(normals, nullptr, {});
+    ASSERT_EQ(static_cast<int>(survey.levels.size()), mip_level_count(width, height) - 1);
+    for (const LevelStatistics& level : survey.levels) {
+      std::map<std::pair<int, int>, std::vector<glm::dvec3>> texels;
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          int column = x, row = y;
+          for (int l = 1; l <= level.level; ++l) {
+            column = column * mip_level_size(width, l) / mip_level_size(width, l - 1);
+            row = row * mip_level_size(height, l) / mip_level_size(height, l - 1);
+          }
+          const auto i = static_cast<std::size_t>(y * width + x);
+          texels[{row, column}].emplace_back(planes[0][i], planes[1][i], planes[2][i]);
+        }
+      double spread = 0.0, most = 0.0, difference = 0.0, variance = 0.0;
+      for (const auto& [place, of] : texels) {
+        const auto count = static_cast<double>(of.size());
+        glm::dvec3 mean(0.0);
+        for (const glm::dvec3& n : of) mean += n / count;
+        double xx = 0.0, yy = 0.0, xy = 0.0;
+        for (const glm::dvec3& n : of) {
+          const glm::dvec3 off = n - mean;
+          xx += off.x * off.x / count, yy += off.y * off.y / count, xy += off.x * off.y / count;
+        }
+        spread += 1.0 - glm::length(mean);
+        most = std::max(most, 1.0 - glm::length(mean));
+        difference += std::hypot(xx - yy, 2.0 * xy);
+        variance += xx + yy;
+      }
+      EXPECT_EQ(level.texel_count, static_cast<double>(texels.size()));
+      EXPECT_NEAR(level.spread_mean, spread / level.texel_count, 1e-6);
+      EXPECT_NEAR(level.spread_max, most, 1e-6);
+      EXPECT_NEAR(level.anisotropy, difference / variance, 1e-6);
+    }
+    SurveySettings many;
+    many.threads = 3;
+    const MapSurvey again = survey_map(normals, nullptr, many);
+    for (std::size_t t = 0; t < survey.texels.size(); ++t) EXPECT_EQ(again.texels[t].normals, survey.texels[t].normals);
+  }
+}
+
+// The shader's formula, which is within 0.22 % of the exact mean over the sphere of lights.
+TEST_F(SceneTest, LambertOfALobeIsTheShaders) {
+  for (const double kappa : {0.5, 3.0, 20.0, 300.0})
+    for (const double theta : {0.0, 0.5, 1.2, 1.6, 2.2}) {
+      const double r = 1.0 / std::tanh(kappa) - 1.0 / kappa;
+      const double exact = reference::convolved_lambert(kappa, theta);
+      EXPECT_NEAR(lobe_lambert({0.0, 0.0, r}, {std::sin(theta), 0.0, std::cos(theta)}), exact, 0.006)
+          << kappa << " " << theta;
+    }
+}
+
+// Two directions: one lobe is far off a highlight, two are exact; harmonics of low order and moments are not.
+TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
+  std::vector<float> x, y, z;
+  for (int i = 0; i < 64 * 64; ++i) {
+    const float side = (i % 64 + i / 64) % 2 == 0 ? 0.5f : -0.5f;
+    x.push_back(side), y.push_back(0.0f), z.push_back(std::sqrt(0.75f));
+  }
+  const PlaneStore normals(64, 64, {x.data(), y.data(), z.data()});
+  const MapSurvey survey = survey_map(normals, nullptr, {});
+  EXPECT_NEAR(survey.levels[0].anisotropy, 1.0, 1e-6);
+  LobeErrors errors(survey, {});
+  const std::vector<ShadedBy> sharp = {{100.0}}, lambert = {ShadedBy{}};
+  EXPECT_GT(errors.error(1, sharp, ColourModel::kNone), 0.5);
+  EXPECT_LT(errors.error(2, sharp, ColourModel::kNone), 0.01);
+  EXPECT_GT(errors.sh_error(4, sharp, ColourModel::kNone), 0.3);
+  EXPECT_GT(errors.lean_error(sharp, ColourModel::kNone), 0.3);
+  EXPECT_LT(errors.error(1, lambert, ColourModel::kNone), 0.05);
+  EXPECT_LT(errors.error(2, lambert, ColourModel::kNone), 1e-3);
+  // Harmonics to order 20 follow s = 8: what is left is the estimate's vMF for Blinn-Phong.
+  EXPECT_LT(errors.sh_error(20, {{8.0}}, ColourModel::kNone), 0.15);
+}
+
+// Facets at x = +-0.6 that are red and blue: lobes need their own. As many of each colour on both sides: one will do.
+TEST_F(SceneTest, ColoursThatGoWithSlopesAreFound) {
+  for (const bool correlated : {true, false}) {
+    std::vector<float> x, y, z, r, g, b;
+    for (int i = 0; i < 64 * 64; ++i) {
+      const bool right = i % 2 == 0, red = correlated ? right : i / 64 % 2 == 0;
+      x.push_back(right ? 0.6f : -0.6f), y.push_back(0.0f), z.push_back(0.8f);
+      r.push_back(red ? 1.0f : 0.0f), g.push_back(0.0f), b.push_back(red ? 0.0f : 1.0f);
+    }
+    const PlaneStore normals(64, 64, {x.data(), y.data(), z.data()}), albedo(64, 64, {r.data(), g.data(), b.data()});
+    const MapSurvey survey = survey_map(normals, &albedo, {});
+    EXPECT_EQ(survey.colour_range, 1.0);
+    LobeErrors errors(survey, {2, 1});
+    const double one = errors.error(2, {ShadedBy{}}, ColourModel::kMean);
+    EXPECT_LT(errors.error(2, {ShadedBy{}}, ColourModel::kLobes), 0.01);
+    if (correlated) {
+      EXPECT_GT(errors.colour_correlation(2), 0.95);
+      EXPECT_GT(one, 0.2);
+    } else {
+      EXPECT_LT(errors.colour_correlation(2), 0.05);
+      EXPECT_LT(one, 0.05);
+    }
+  }
+}
+
+TEST_F(SceneTest, LevelsAreThoseOfPixels) {
+  SceneCamera camera{90.0, 100, 100};  // a pixel is 0.02 m a metre away
+  SceneObject object;
+  object.texels_per_metre = 800.0;  // 16 texels
+  object.distance_min = object.distance_max = 1.0;
+  object.tilt_max = 0.0;
+  EXPECT_EQ(seen_levels(camera, object, 1024, 11).first, 3) << "a corner is sqrt(3) times nearer along the axis";
+  EXPECT_EQ(seen_levels(camera, object, 1024, 11).last, 4);
+  object.distance_max = 8.0;
+  object.tilt_max = 60.0;
+  EXPECT_EQ(seen_levels(camera, object, 1024, 11).last, 8);
+  object.distance_min = 1e-3;
+  object.distance_max = 1e9;
+  const SeenLevels all = seen_levels(camera, object, 1024, 11);
+  EXPECT_EQ(all.first, 0);
+  EXPECT_EQ(all.last, 10);
+  object.texels_per_metre = 0.0;
+  object.width = 1024.0 / 800.0;
+  object.distance_min = 1.0;
+  EXPECT_EQ(seen_levels(camera, object, 1024, 11).first, 3);
+}
+
+glm::dvec3 noise(int x, int y) {
+  std::mt19937 random(static_cast<unsigned>(y * 4096 + x));
+  std::uniform_real_distribution<double> slope(-0.4, 0.4);
+  return {slope(random), slope(random), 1.0};
+}
+
+TEST_F(SceneTest, AFlatMapIsOneTexel) {
+  write_map(32, [](int, int) { return glm::dvec3(0.0, 0.0, 1.0); });
+  const MapPlan map = plan(kScene).maps[0];
+  EXPECT_TRUE(map.is_constant);
+  EXPECT_EQ(map.job.fitting.lobe_count, 1);
+  EXPECT_EQ(map.job.fitting.first_level, 5);
+  EXPECT_FALSE(effect(map.effects, "normals under texels").needed);
+  EXPECT_FALSE(effect(map.effects, "several lobes, EM").needed);
+  EXPECT_LT(map.chosen.cost.bytes, 0.01 * map.usual.cost.bytes);
+}
+
+TEST_F(SceneTest, DiffuseLightTakesOneLobe) {
+  write_map(64, noise);
+  const ScenePlan found = plan(with(kScene, "brdf = \"blinn-phong\"\nexponent = [20, 100]\n", "brdf = \"lambert\"\n"));
+  const MapPlan& map = found.maps[0];
+  EXPECT_EQ(map.job.fitting.lobe_count, 1);
+  EXPECT_EQ(map.job.fitting.first_level, 0);
+  EXPECT_TRUE(map.job.measured_exponents.empty());
+  EXPECT_TRUE(effect(map.effects, "normals under texels").needed);
+  EXPECT_FALSE(effect(map.effects, "measuring highlights").needed);
+  EXPECT_FALSE(effect(found.objects[0].effects, "highlight").needed);
+  EXPECT_FALSE(effect(found.objects[0].effects, "environment, diffuse").needed);
+}
+
+TEST_F(SceneTest, FarAwayTheFinestLevelsAreLeftOut) {
+  write_map(64, noise);
+  const MapPlan map = plan(with(kScene, "distance = [1, 20]", "distance = [100, 200]")).maps[0];
+  EXPECT_GE(map.first_seen, 3);
+  EXPECT_EQ(map.job.fitting.first_level, map.first_seen);
+  EXPECT_FALSE(effect(map.effects, "finest levels").needed);
+}
+
+// Four directions and a sharp highlight: all of the default's lobes, and then its very settings.
+TEST_F(SceneTest, WhereAllIsNeededThePlanIsTheDefault) {
+  write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
+  const MapPlan map = plan(kScene).maps[0];
+  EXPECT_EQ(map.job.fitting.lobe_count, 4);
+  EXPECT_EQ(map.chosen.name, map.usual.name);
+  EXPECT_EQ(map.stated_difference, 0.0);
+  EXPECT_TRUE(effect(map.effects, "several lobes, EM").needed);
+  EXPECT_TRUE(effect(map.effects, "aligned lobes").needed);
+}
+
+TEST_F(SceneTest, BudgetsAndTargetsAreKeptOrRefused) {
+  write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
+  const MapPlan map = plan(with(kScene, "tolerance = 0.05", "bytes = 50000")).maps[0];
+  EXPECT_LE(map.chosen.cost.bytes, 50000.0);
+  EXPECT_LT(map.job.fitting.lobe_count, 4);
+  expect_error(ErrorCode::kVerification, {"no settings keep to the budget's bytes of 100"},
+               [&] { plan(with(kScene, "tolerance = 0.05", "bytes = 100")); });
+  write_map(64, noise);
+  expect_error(ErrorCode::kVerification, {"wall.exr", "target_error 0.0001"},
+               [&] { plan(with(kScene, "tolerance = 0.05", "target_error = 0.0001")); });
+}
+
+TEST_F(SceneTest, TheTableKeepsToItsWidth) {
+  write_map(64, noise);
+  const Scene scene = read(kScene);
+  const ScenePlan found = plan_scene(scene, {1}, nullptr);
+  for (const int width : {80, 120}) {
+    std::istringstream lines(plan_text(scene, found, width));
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_LE(line.size(), static_cast<std::size_t>(width)) << line;
+      EXPECT_FALSE(line.ends_with(' ')) << line;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace multum::testing

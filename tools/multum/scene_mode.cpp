@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum plan, and the scene mode of multum bake.
+#include "tools/multum/scene_mode.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/output_paths.h"
+#include "host/scene/scene_bake.h"
+#include "tools/multum/map_options.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWidthUsual = 100;
+
+// Of the terminal that stdout is, if it is one.
+int terminal_width() {
+  winsize size{};
+  return isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col
+                                                                                                       : kWidthUsual;
+}
+
+struct PlanOptions {
+  CommonOptions common;
+  std::string scene, output;
+  bool json = false;
+  int width = 0;
+};
+
+int run_plan(const PlanOptions& o) {
+  BakeJob pattern;
+  pattern.threads = pattern.writing.threads = apply(o.common);
+  const Scene scene = read_scene(o.scene, pattern);
+  if (!o.output.empty()) check_writable(o.output);
+  const auto progress = make_progress(o.common);
+  PlanSettings settings;
+  settings.threads = pattern.threads;
+  settings.kept_bytes_max = 0;  // no bake comes after
+  const ScenePlan plan = plan_scene(scene, settings, progress.get());
+  progress_finish(progress.get());
+  const fs::path folder = fs::path(o.output).parent_path();
+  const auto json = [&] { return plan_json(scene, plan, {folder.empty() ? "." : folder.string()}).dump(2) + "\n"; };
+  if (!o.output.empty()) write_text_file(o.output, json());
+  const std::string text = o.json ? json() : plan_text(scene, plan, o.width > 0 ? o.width : terminal_width());
+  std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
+// Nothing that is read may be written.
+void check_outputs(const std::string& scene_file, const Scene& scene, const SceneFiles& files) {
+  std::vector<std::string> inputs = {scene_file}, outputs = {files.plan(), files.report()};
+  for (const SceneMap& map : scene.maps) {
+    for (const std::string& input : input_files(map.job)) inputs.push_back(input);
+    outputs.push_back(files.folder + "/" + map.name + ".ndf.exr");
+    outputs.push_back(files.folder + "/" + map.name + ".colours.exr");
+  }
+  check_paths_differ(inputs, outputs);
+}
+
+}  // namespace
+
+void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene) {
+  static const std::array<std::string, 8> kOfOneMap = {"--report",       "--region",    "--onto", "--no-measure",
+                                                       "--target-error", "--budget-ms", "--brdf", "--best-effort"};
+  for (const CLI::Option* option : bake.get_options()) {
+    if (option->count() == 0) continue;
+    const std::string name = option->get_name();
+    if (option->get_group() == kMapOptionGroup ||
+        std::find(kOfOneMap.begin(), kOfOneMap.end(), name) != kOfOneMap.end())
+      throw Error(ErrorCode::kUsage, name + " is given beside " + scene + ", which says itself how its maps are baked");
+  }
+}
+
+int run_scene(const std::string& scene_file, BakeJob pattern, const std::string& device_name,
+              const CommonOptions& common, const BakePrinting& printing) {
+  const SceneFiles files{pattern.output};
+  pattern.output.clear();
+  if (pattern.scratch_folder.empty()) pattern.scratch_folder = files.folder;
+  const Scene scene = read_scene(scene_file, pattern);
+  check_outputs(scene_file, scene, files);
+  std::error_code failed;
+  fs::create_directories(files.folder, failed);
+  if (failed) throw Error(ErrorCode::kEnvironment, files.folder + ": cannot be made: " + failed.message());
+  const auto progress = make_progress(common);
+  PlanSettings settings;
+  settings.threads = pattern.threads;
+  const ScenePlan plan = plan_scene(scene, settings, progress.get());
+  progress_finish(progress.get());
+  if (!printing.quiet) std::fputs(plan_text(scene, plan, terminal_width()).c_str(), printing.out);
+  Device device = Device::open(device_name);
+  const auto done = [&](const MapPlan& map, const SceneMapReport& report) {
+    BakeJob job = map.job;
+    job.output = files.baked(map);
+    print_report(job, printing, report.bake);
+  };
+  const SceneReport report = bake_scene(scene, plan, files, device, done, progress.get());
+  if (printing.quiet) return 0;
+  std::fputs(report.to_text(plan).c_str(), printing.out);
+  for (const ObjectPlan& object : plan.objects)
+    std::fprintf(printing.out, "multum-view --scene %s --object %s -o %s.png\n", files.plan().c_str(),
+                 object.name.c_str(), object.name.c_str());
+  return 0;
+}
+
+void add_plan_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<PlanOptions>();
+  CLI::App* plan = app.add_subcommand("plan", "say which effects a scene needs of its maps, and why (docs/SCENE.md)");
+  plan->add_option("scene", options->scene, "scene.toml: maps, materials, objects, lights, camera")->required();
+  plan->add_option("-o,--output", options->output, "write the plan as JSON");
+  plan->add_flag("--json", options->json, "print it as JSON");
+  plan->add_option("--width", options->width, "of the table, characters (default: the terminal's)")
+      ->check(CLI::Range(60, 1000));
+  add_common_options(*plan, options->common);
+  plan->callback([options, exit_code] { *exit_code = run_plan(*options); });
+}
+
+}  // namespace multum
