@@ -11,8 +11,8 @@
 
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/spherical_harmonics.h"
-#include "host/base/mean_cosine.h"
 #include "host/bake/movmf_start.h"
+#include "host/base/mean_cosine.h"
 #include "host/base/parallel.h"
 #include "host/base/split_mix.h"
 
