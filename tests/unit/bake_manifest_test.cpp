@@ -139,7 +139,7 @@ TEST_F(BakeManifestTest, WhatMustBeThere) {
   expect_error(ErrorCode::kInput, {path() + ":2: map has no input"}, [&] { read("\n[[map]]\noutput = \"a.exr\"\n"); });
   expect_error(ErrorCode::kInput, {path() + ":2: is no TOML"}, [&] { read("[defaults]\nlobes = = 3\n"); });
   expect_error(ErrorCode::kInput, {folder_ / "none.toml", "cannot be read, expected a manifest as docs/CI.md"},
-               [&] { read_bake_manifest(folder_ / "none.toml", {}); });
+               [&] { read_bake_manifest(folder_ / "none.toml", pattern_); });
 }
 
 TEST_F(BakeManifestTest, WrongTypesAndRanges) {
