@@ -26,7 +26,7 @@ void read_checkpoint(const std::string& path) {
 }
 
 const std::vector<std::function<void(const std::string&)>> kReaders = {
-    [](const std::string& path) { read_bake_manifest(path, {}); },
+    [](const std::string& path) { read_bake_manifest(path, BakeJob()); },
     [](const std::string& path) { read_animation_job(path); },
     [](const std::string& path) {
       ServiceSettings settings;
