@@ -19,7 +19,7 @@ int thread_count(int threads) {
 }  // namespace
 
 BakedReader::BakedReader(const std::string& path, int threads) : path_(path), threads_(thread_count(threads)) {
-  check_exr_headers(path);
+  check_exr_headers(path, "not a readable baked file");
   guarded([&] { file_ = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), threads_); });
 }
 

@@ -21,6 +21,8 @@
 namespace multum {
 namespace {
 
+constexpr char kUnreadable[] = "cannot be read as a tiled EXR";
+
 constexpr const char* kProvenance = "multum:provenance";
 constexpr int kTile = 64;
 constexpr int kSideMax = 16384;
@@ -105,7 +107,7 @@ void round_to_half(std::vector<float>& values) {
 
 InferredTexture read_inferred_texture(const std::string& path) {
   try {
-    check_exr_headers(path);
+    check_exr_headers(path, kUnreadable);
     Imf::TiledInputFile file(path.c_str());
     check_is_texture(file, path);
     InferredTexture texture;
@@ -128,7 +130,7 @@ InferredTexture read_inferred_texture(const std::string& path) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    refuse(path, std::string("cannot be read as a tiled EXR: ") + error.what());
+    refuse(path, std::string(kUnreadable) + ": " + error.what());
   }
 }
 
@@ -136,7 +138,7 @@ std::string read_texture_provenance(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return "";
   try {
-    check_exr_headers(path);
+    check_exr_headers(path, kUnreadable);
     const Imf::TiledInputFile file(path.c_str());
     if (!file.isComplete()) return "";
     const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>(kProvenance);

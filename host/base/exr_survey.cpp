@@ -144,11 +144,17 @@ std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
   return parts;
 }
 
-void check_exr_headers(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return;
-  ByteFile file(path);
-  if (file.size() >= 8 && file.little_endian(0, 4, "the first bytes") == 0x01312f76) survey_exr(path, file);
+void check_exr_headers(const std::string& path, const std::string& otherwise) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return;
+  try {
+    ByteFile file(path);
+    if (file.size() >= 8 && file.little_endian(0, 4, "the first bytes") == 0x01312f76) survey_exr(path, file);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInput) throw;
+    const std::string words = error.what(), name = path + ": ";
+    refuse(path, otherwise + ": " + (words.starts_with(name) ? words.substr(name.size()) : words));
+  }
 }
 
 }  // namespace multum

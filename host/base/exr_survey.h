@@ -20,6 +20,7 @@ struct ExrPartSize {
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file);
 
 /// The same, before a library opens the file; what is no OpenEXR file, or not there, is left to the library to refuse.
-void check_exr_headers(const std::string& path);
+/// `otherwise`: what the refusal says first, as "not a readable baked file".
+void check_exr_headers(const std::string& path, const std::string& otherwise);
 
 }  // namespace multum

@@ -44,7 +44,10 @@ void SharedMemory::map(std::size_t byte_count) {
 
 std::byte* SharedMemory::reserve(std::size_t byte_count) {
   if (byte_count > byte_count_) {
-    if (::ftruncate(descriptor_, static_cast<off_t>(byte_count)) != 0) fail("ftruncate");
+    if (::ftruncate(descriptor_, static_cast<off_t>(byte_count)) != 0)
+      throw Error(ErrorCode::kEnvironment,
+                  "shared memory of " + std::to_string(byte_count) + " bytes: " + std::strerror(errno) +
+                      (errno == EFBIG ? "; expected a limit of file sizes (ulimit -f) above that" : ""));
     map(byte_count);
   }
   return data_;

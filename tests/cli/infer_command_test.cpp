@@ -190,7 +190,8 @@ TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
   write_scene({});
   // A viewer that ends as Ctrl-C ends it, and tells multum of it as the terminal would.
   fs::create_directory(path("bin"));
-  fs::copy_file(std::string(MULTUM_BIN_DIR) + "/multum", path("bin/multum"));
+  for (const char* program : {"multum", "multum-decode"})
+    fs::copy_file(std::string(MULTUM_BIN_DIR) + "/" + program, path("bin/") + program);
   write_bytes(path("bin/multum-view"), "#!/bin/sh\nkill -INT $PPID\nkill -INT $$\n");
   fs::permissions(path("bin/multum-view"), fs::perms::owner_all);
   const ProgramResult result = run_program({path("bin/multum"), "infer", path("animation.toml"), "-o", path("out")});
@@ -203,7 +204,8 @@ TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
 TEST_F(InferCommandTest, AViewerThatCrashesIsAnErrorThatSaysSo) {
   write_scene({});
   fs::create_directory(path("bin"));
-  fs::copy_file(std::string(MULTUM_BIN_DIR) + "/multum", path("bin/multum"));
+  for (const char* program : {"multum", "multum-decode"})
+    fs::copy_file(std::string(MULTUM_BIN_DIR) + "/" + program, path("bin/") + program);
   write_bytes(path("bin/multum-view"), "#!/bin/sh\necho the driver is unwell\nkill -SEGV $$\n");
   fs::permissions(path("bin/multum-view"), fs::perms::owner_all);
   expect_refused(run_program({path("bin/multum"), "infer", path("animation.toml"), "-o", path("out")}), kEnvironment,

@@ -35,9 +35,16 @@ TEST_F(LimitsTest, FilesThatCannotGrow) {
     SCOPED_TRACE(std::to_string(kibibytes) + " KiB");
     std::vector<std::string> shell = {"bash", "-c",
                                       "trap '' XFSZ; ulimit -f " + std::to_string(kibibytes) + "; exec \"$@\"", "bash"};
-    for (const std::string& word : bake()) shell.push_back(word);
+    for (const std::string& word : bake({"--decode", "here"})) shell.push_back(word);
     expect_failed(run_program(shell), {path("out"), "File too large"});
   }
+}
+
+// The memory that the decoding child shares counts as a file.
+TEST_F(LimitsTest, SharedMemoryThatCannotGrow) {
+  std::vector<std::string> shell = {"bash", "-c", "trap '' XFSZ; ulimit -f 16; exec \"$@\"", "bash"};
+  for (const std::string& word : bake()) shell.push_back(word);
+  expect_failed(run_program(shell), {"shared memory of", "File too large", "ulimit -f"});
 }
 
 TEST_F(LimitsTest, ADiskThatIsFull) {

@@ -125,7 +125,8 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   const ColourMap colours = random_colours(width, height, 24);
   WeightMap weights;
   weights.count = 2;
-  weights.triples.push_back(planes_of(random_colours(width, height, 25)));
+  const ColourMap weighted = random_colours(width, height, 25);  // which its planes point into
+  weights.triples.push_back(planes_of(weighted));
   AverageInputs inputs;
   inputs.weights = &weights;
   inputs.has_roughness = true;

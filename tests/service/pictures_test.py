@@ -32,6 +32,7 @@ class PicturesTest(ServiceCase):
             multum = os.path.join(self.folder, "bin", "multum")
             os.makedirs(os.path.dirname(multum))
             shutil.copy(MULTUM, multum)
+            shutil.copy(MULTUM + "-decode", multum + "-decode")
             if viewer:
                 with open(multum + "-view", "w", encoding="utf-8") as file:
                     file.write("#!/bin/sh\n" + viewer)

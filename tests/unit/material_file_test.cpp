@@ -26,6 +26,12 @@ struct Case {
   Representation lobes = Representation::kMovmf;
 };
 
+// Without it the test's name would be the bytes, holes among them.
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << representation_info(c.lobes).option << " as " << static_cast<int>(c.encoding)
+       << (c.has_colours ? " colours" : "") << (c.has_roughness ? " roughness" : "") << " weights " << c.weight_count;
+}
+
 std::set<std::string> failed(const std::string& path) {
   std::set<std::string> names;
   for (const VerifyFinding& finding : verify_baked(path, 2))
