@@ -15,6 +15,7 @@
 #include <cstring>
 
 #include "host/base/error.h"
+#include "host/base/sanitizers.h"
 
 namespace multum {
 namespace {
@@ -49,7 +50,7 @@ pid_t spawn(const std::vector<std::string>& arguments, int output, bool has_own_
 // From outside, at once after its start: before it has read anything that it was told to.
 void hold_to(pid_t pid, const ChildLimits& limits) {
   if (limits.niceness > 0) ::setpriority(PRIO_PROCESS, static_cast<id_t>(pid), limits.niceness);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory needs terabytes
+#ifndef MULTUM_SHADOW_MEMORY  // their shadow memory needs terabytes
   if (limits.memory_max > 0) {
     const rlimit memory = {limits.memory_max, limits.memory_max};
     ::prlimit(pid, RLIMIT_DATA, &memory, nullptr);

@@ -23,6 +23,7 @@
 
 #include "host/base/error.h"
 #include "host/base/helper_service.h"
+#include "host/base/sanitizers.h"
 
 namespace multum {
 namespace {
@@ -176,7 +177,7 @@ void HelperProcess::hold_to(const HelperLimits& limits) {
   const auto seconds = static_cast<rlim_t>(limits.time_max.count()) / 1000 + 1;
   processor.rlim_cur = std::min(processor.rlim_max, static_cast<rlim_t>(used.tv_sec) + 1 + seconds * cores);
   ::prlimit(pid_, RLIMIT_CPU, &processor, nullptr);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory needs terabytes
+#ifndef MULTUM_SHADOW_MEMORY  // their shadow memory needs terabytes
   if (memory_max_ == limits.memory_max) return;
   rlimit memory = {};
   ::prlimit(pid_, RLIMIT_DATA, nullptr, &memory);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every way in which a child can fail is told apart, and nothing of it stays: no process, no file descriptor.
 #include "host/base/helper_process.h"
+#include "host/base/sanitizers.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -45,7 +46,7 @@ TEST(HelperProcessTest, EndsAreToldApart) {
   EXPECT_NE(end_of("exit").find("ended with exit code 7"), std::string::npos);
   EXPECT_NE(end_of("announce").find("announced an answer of 18446744073709551615 bytes"), std::string::npos);
   EXPECT_NE(end_of("chatter").find("said more than it was asked"), std::string::npos);
-#if !defined(__SANITIZE_ADDRESS__)  // which has its own words for signals
+#ifndef MULTUM_SHADOW_MEMORY  // which has its own words for signals
   EXPECT_EQ(end_of("abort"), "was ended by signal 6 (Aborted): a library's last words");
   EXPECT_EQ(end_of("segfault"), "was ended by signal 11 (Segmentation fault)");
 #endif
@@ -62,7 +63,7 @@ TEST(HelperProcessTest, TimeIsLimited) {
 
 TEST(HelperProcessTest, MemoryIsLimited) {
   const std::string end = end_of("eat");
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef MULTUM_SHADOW_MEMORY
   EXPECT_NE(end.find("bytes of memory and was ended"), std::string::npos) << end;
 #else
   EXPECT_EQ(end, "answered full");  // its allocations failed

@@ -12,6 +12,7 @@
 #include <iostream>
 #include <optional>
 
+#include "host/base/sanitizers.h"
 #include "tests/unit/image_test_files.h"
 
 namespace multum::testing {
@@ -139,7 +140,7 @@ TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
 
 // Runs in a process of its own, which is why it may end: with 4 GB of address space and 20 s.
 [[noreturn]] void read_under_limits(const std::string& path) {
-#if !defined(__SANITIZE_ADDRESS__)  // the sanitizer's shadow memory needs terabytes of addresses
+#ifndef MULTUM_SHADOW_MEMORY  // the sanitizer's shadow memory needs terabytes of addresses
   const rlimit limit{rlim_t{4} << 30, rlim_t{4} << 30};
   if (setrlimit(RLIMIT_AS, &limit) != 0) _exit(3);
 #endif

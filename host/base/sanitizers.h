@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// MULTUM_SHADOW_MEMORY: a sanitizer is compiled in whose shadow memory takes terabytes of addresses, so that no limit
+// of memory can be set, and which has words of its own for signals. GCC says so by macros, clang by features.
+#pragma once
+
+#ifdef __has_feature
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define MULTUM_SHADOW_MEMORY
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define MULTUM_SHADOW_MEMORY
+#endif
