@@ -88,6 +88,8 @@ void EnvironmentShading::set_map(const Scene& scene) {
 void EnvironmentShading::set_tables(const Brdf& brdf) {
   if (brdf_.has_value() && same_reflection(*brdf_, brdf)) return;
   brdf_ = brdf;
+  term_spreads_.clear();
+  for (const VmfTerm& term : vmf_terms(brdf)) term_spreads_.push_back(static_cast<float>(term.spread));
   // Lambert has no terms, and its Fresnel part is not read.
   const auto tables = reflection_tables(brdf);
   std::vector<glm::vec4> texels;
@@ -152,10 +154,8 @@ void EnvironmentShading::set(const ShaderProgram& shader, const Scene& scene, bo
   set_smooth(shader, light_->smooth);
   set_tables(scene.brdf);
   binder.bind("u_reflection_table", tables_);
-  std::vector<float> term_spreads;
-  for (const VmfTerm& term : vmf_terms(scene.brdf)) term_spreads.push_back(static_cast<float>(term.spread));
-  if (!term_spreads.empty())
-    shader.set_floats("u_environment_spreads", term_spreads.data(), static_cast<int>(term_spreads.size()));
+  if (!term_spreads_.empty())
+    shader.set_floats("u_environment_spreads", term_spreads_.data(), static_cast<int>(term_spreads_.size()));
   std::vector<float> spreads;
   for (const double spread : light_->levels.spreads) spreads.push_back(static_cast<float>(spread));
   shader.set_floats("u_level_spreads", spreads.data(), static_cast<int>(spreads.size()));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/material.h"
@@ -34,7 +35,8 @@ class EnvironmentShading {
   const GlFunctions* gl_;
   std::shared_ptr<const EnvironmentLight> light_;  // what map_ holds
   std::optional<Texture> map_;
-  std::optional<Brdf> brdf_;  // what tables_ are of
+  std::optional<Brdf> brdf_;         // what tables_ are of
+  std::vector<float> term_spreads_;  // of its terms
   std::optional<Texture> tables_;
   std::optional<Texture> half_vector_light_;
 };
