@@ -210,13 +210,20 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
     throw Error(ErrorCode::kUsage, "--region, --onto and --resume go on with a file's settings: none can be chosen");
 }
 
-ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, Device& device, Progress* progress) {
+ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress) {
+  return bake_to_target(job, target, nullptr, device, progress);
+}
+
+ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, const BakeSource* given_source, Device& device,
+                          Progress* progress) {
   check_target(given, job);
   check_job(job);
   BakeTarget target = given;
   BakeReport choosing;
   StageClock clock(choosing);
-  const BakeSource source = read_source(job, choosing, progress);
+  std::optional<BakeSource> read;
+  if (given_source == nullptr) read = read_source(job, choosing, progress);
+  const BakeSource& source = given_source != nullptr ? *given_source : *read;
   clock.finish("read");
   if (source.has_roughness && target.brdf.name != "lambert") target.brdf = {"roughness", 0.0};
   std::vector<SettingCandidate> candidates = setting_candidates(target.only);

@@ -34,5 +34,8 @@ void check_target(const BakeTarget& target, const BakeJob& job);
 /// JOB's own representation, lobes, order and effort do not count. Always bakes: JOB.force is taken as set. JOB.output
 /// appears when the target is met, or with `best_effort`. Throws as bake_file() does.
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress);
+/// The same of what read_bake_source() has read of the job already; null: it is read here.
+ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, const BakeSource* source, Device& device,
+                          Progress* progress);
 
 }  // namespace multum

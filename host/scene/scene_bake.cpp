@@ -38,15 +38,15 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
 }
 
 // Several lobes and a target: how many, and how long they are fitted, is found by trials (host/bake/chosen_bake.h).
-BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, Device& device, Progress* progress,
-                                std::string& options) {
+BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const BakeSource* source, Device& device,
+                                Progress* progress, std::string& options) {
   BakeTarget target;
   target.error = target_error;
   target.only = job.representation;
   if (!job.roughness.empty()) target.brdf = parse_target_brdf("roughness");
   else if (job.measured_exponents.empty()) target.brdf = parse_target_brdf("lambert");
   else target.brdf = parse_target_brdf(fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
-  ChosenBake chosen = bake_to_target(job, target, device, progress);
+  ChosenBake chosen = bake_to_target(job, target, source, device, progress);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
                 fmt::format("{}: no settings reach target_error {:g}, the best are {} with {:.3g}", job.input,
@@ -63,7 +63,8 @@ SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles
   BakeJob job = map.job;
   job.output = files.baked(map);
   if (scene.budget.target_error && holds_lobes(job.representation) && job.fitting.lobe_count > 1)
-    report.bake = bake_lobes_to_target(job, *scene.budget.target_error, device, progress, report.options);
+    report.bake =
+        bake_lobes_to_target(job, *scene.budget.target_error, map.source.get(), device, progress, report.options);
   else report.bake = bake_file(job, map.source.get(), device, progress);
   report.file_bytes = bytes_of(job.output);
   report.has_colours = map.mean_colours;
