@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <glm/vec3.hpp>
 
@@ -30,6 +31,8 @@ struct Brdf {
   int term_count = 4;        // vMFs that f of kGgx and kMeasured is a sum of, over lobes: 1..4
   glm::vec3 diffuse{0.5f};   // k_d
   glm::vec3 specular{0.1f};  // k_s
+  // In the place of F: of surfaces whose v.h differs little (host/brdf/fresnel.h). Lights alone, no environment.
+  std::optional<glm::vec3> fixed_fresnel = {};
   std::shared_ptr<const MeasuredBrdf> measured;
 };
 

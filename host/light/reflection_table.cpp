@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/brdf/facet_distribution.h"
+#include "host/brdf/fresnel.h"
 #include "host/brdf/measured_brdf.h"
 #include "host/brdf/vmf_terms.h"
 
@@ -37,15 +38,6 @@ glm::dvec3 sample_vmf(const glm::dvec3& axis, double kappa, double u, double w) 
   const glm::dvec3 side = glm::normalize(std::abs(axis.z) < 0.9 ? glm::cross(axis, glm::dvec3(0.0, 0.0, 1.0))
                                                                 : glm::cross(axis, glm::dvec3(1.0, 0.0, 0.0)));
   return (1.0 - e) * axis + sine * (std::cos(phi) * side + std::sin(phi) * glm::cross(axis, side));
-}
-
-double schlick_part(double v_h) { return std::pow(std::clamp(1.0 - v_h, 0.0, 1.0), 5.0); }
-
-glm::dvec3 fresnel(const Brdf& brdf, double v_h) {
-  if (brdf.kind == BrdfKind::kMeasured) return glm::dvec3(measured_differences(*brdf.measured, v_h));
-  if (brdf.kind != BrdfKind::kCookTorrance && brdf.kind != BrdfKind::kGgx) return glm::dvec3(1.0);
-  const glm::dvec3 f0(brdf.f0);
-  return f0 + (glm::dvec3(1.0) - f0) * schlick_part(v_h);
 }
 
 // V of shaders/brdf, with the same bounds at grazing angles.

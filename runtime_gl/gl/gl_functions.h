@@ -61,6 +61,7 @@ namespace multum::gl {
   X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                       \
   X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                               \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                                     \
+  X(PFNGLGETACTIVEUNIFORMPROC, GetActiveUniform)                         \
   X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                     \
   X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                         \
   X(PFNGLPROGRAMUNIFORM1IVPROC, ProgramUniform1iv)                       \

@@ -83,6 +83,23 @@ ShaderProgram::ShaderProgram(const GlFunctions& gl, const ShaderSources& sources
 
 ShaderProgram::~ShaderProgram() { gl_->DeleteProgram(id_); }
 
+std::vector<std::string> ShaderProgram::active_uniforms() const {
+  GLint count = 0, longest = 0;
+  gl_->GetProgramiv(id_, GL_ACTIVE_UNIFORMS, &count);
+  gl_->GetProgramiv(id_, GL_ACTIVE_UNIFORM_MAX_LENGTH, &longest);
+  std::vector<std::string> names;
+  for (GLint i = 0; i < count; ++i) {
+    std::string name(static_cast<std::size_t>(longest), '\0');
+    GLsizei length = 0;
+    GLint size = 0;
+    GLenum type = 0;
+    gl_->GetActiveUniform(id_, static_cast<GLuint>(i), longest, &length, &size, &type, name.data());
+    name.resize(static_cast<std::size_t>(length));
+    names.push_back(name.substr(0, name.find('[')));
+  }
+  return names;
+}
+
 void ShaderProgram::set(const char* uniform, int value) const { gl_->ProgramUniform1i(id_, location(uniform), value); }
 
 void ShaderProgram::set(const char* uniform, float value) const {

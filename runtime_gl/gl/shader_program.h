@@ -26,6 +26,8 @@ class ShaderProgram {
   ShaderProgram(const ShaderProgram&) = delete;
   ShaderProgram& operator=(const ShaderProgram&) = delete;
 
+  /// What is left of its uniforms when what no output depends on is gone; arrays without their brackets.
+  std::vector<std::string> active_uniforms() const;
   void use() const { gl_->UseProgram(id_); }
   // A uniform that the variant does not use is ignored, as GL does for location -1.
   void set(const char* uniform, int value) const;

@@ -4,6 +4,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/brdf/facet_distribution.h"
+#include "host/brdf/fresnel.h"
 #include "host/brdf/measured_brdf.h"
 #include "host/brdf/vmf_terms.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -27,30 +28,40 @@ void set_terms(const ShaderProgram& shader, const Brdf& brdf) {
   shader.set_floats("u_term_spreads", spreads.data(), count);
 }
 
-}  // namespace
-
-ShaderParts brdf_shader_parts(const Brdf& brdf) {
+ShaderParts parts_of_kind(const Brdf& brdf) {
   switch (brdf.kind) {
     case BrdfKind::kLambert: return {{"MULTUM_LAMBERT"}, {}};
     case BrdfKind::kBlinnPhong: return {{"MULTUM_BLINN_PHONG"}, {shader_brdf_blinn_phong_glsl}};
     case BrdfKind::kTorranceSparrow: return {{"MULTUM_TORRANCE_SPARROW"}, {shader_brdf_torrance_sparrow_glsl}};
     case BrdfKind::kCookTorrance:
-      return {{"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY", "MULTUM_FRESNEL",
-               "MULTUM_FRESNEL_DIFFUSE"},
+      return {{"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"},
               {shader_brdf_torrance_sparrow_glsl, shader_brdf_cook_torrance_glsl}};
     case BrdfKind::kGgx:
-      return {{"MULTUM_GGX", terms_flag(brdf), "MULTUM_VISIBILITY", "MULTUM_FRESNEL", "MULTUM_FRESNEL_DIFFUSE"},
+      return {{"MULTUM_GGX", terms_flag(brdf), "MULTUM_VISIBILITY"},
               {shader_brdf_cook_torrance_glsl, shader_brdf_ggx_glsl, shader_brdf_terms_glsl}};
     case BrdfKind::kMeasured:
-      return {{"MULTUM_MEASURED", terms_flag(brdf), "MULTUM_FRESNEL"},
-              {shader_brdf_measured_glsl, shader_brdf_terms_glsl}};
+      return {{"MULTUM_MEASURED", terms_flag(brdf)}, {shader_brdf_measured_glsl, shader_brdf_terms_glsl}};
   }
   return {};
 }
 
+}  // namespace
+
+ShaderParts brdf_shader_parts(const Brdf& brdf) {
+  ShaderParts parts = parts_of_kind(brdf);
+  if (brdf.fixed_fresnel) return parts;
+  if (has_fresnel(brdf)) parts.flags.push_back("MULTUM_FRESNEL");
+  if (has_diffuse_fresnel(brdf)) parts.flags.push_back("MULTUM_FRESNEL_DIFFUSE");
+  return parts;
+}
+
 void set_brdf(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
-  shader.set_vec3("u_diffuse", glm::value_ptr(brdf.diffuse), 1);
-  shader.set_vec3("u_specular", glm::value_ptr(brdf.specular), 1);
+  const glm::vec3 fixed = has_fresnel(brdf) ? brdf.fixed_fresnel.value_or(glm::vec3(1.0f)) : glm::vec3(1.0f);
+  const bool dims_diffuse = brdf.fixed_fresnel && has_diffuse_fresnel(brdf);
+  const glm::vec3 diffuse = brdf.diffuse * (dims_diffuse ? 1.0f - fixed : glm::vec3(1.0f));
+  const glm::vec3 specular = brdf.specular * fixed;
+  shader.set_vec3("u_diffuse", glm::value_ptr(diffuse), 1);
+  shader.set_vec3("u_specular", glm::value_ptr(specular), 1);
   shader.set("u_exponent", static_cast<float>(equivalent_exponent(brdf)));
   const glm::vec3 total(facet_total(brdf));
   shader.set_vec3("u_facet_total", glm::value_ptr(total), 1);

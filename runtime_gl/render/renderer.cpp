@@ -55,9 +55,21 @@ const ShaderProgram& Renderer::program(const Material& material, const Scene& sc
   const ShaderSources sources = scene_shader_sources(material, scene);
   std::string key = sources.name;
   for (const std::string& flag : sources.flags) key += "|" + flag;
-  std::unique_ptr<ShaderProgram>& entry = programs_[key];
-  if (entry == nullptr) entry = std::make_unique<ShaderProgram>(gl_, sources);
-  return *entry;
+  std::unique_ptr<Variant>& entry = programs_[key];
+  if (entry == nullptr) entry.reset(new Variant{sources, {gl_, sources}});
+  return entry->program;
+}
+
+std::vector<ShaderVariant> Renderer::variants() const {
+  std::vector<ShaderVariant> variants;
+  for (const auto& [key, entry] : programs_) {
+    ShaderVariant& variant = variants.emplace_back();
+    variant.flags = entry->sources.flags;
+    for (const std::string& flag : variant.flags) variant.fragment += "#define " + flag + "\n";
+    for (const std::string& text : entry->sources.fragment) variant.fragment += text;
+    variant.uniforms = entry->program.active_uniforms();
+  }
+  return variants;
 }
 
 void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) {

@@ -29,6 +29,13 @@ struct SceneObject {
   Brdf brdf;  // in the place of the scene's
 };
 
+/// A shader that was compiled, and what of it the driver kept.
+struct ShaderVariant {
+  std::vector<std::string> flags;
+  std::string fragment;  // the flags as #define, then every text
+  std::vector<std::string> uniforms;
+};
+
 /// The fragment shader of a material, a BRDF and lights: each text once, and the flags of all.
 ShaderSources scene_shader_sources(const Material& material, const Scene& scene);
 
@@ -42,8 +49,14 @@ class Renderer {
   /// The mean of `sample_count` pictures, each shifted by a fraction of a pixel (low-discrepancy
   /// sequence, box filter of one pixel). Of the finest map's normals: the BRDF at every sample's own normal.
   Picture draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count);
+  /// Of all that was drawn, but for how pictures are added up.
+  std::vector<ShaderVariant> variants() const;
 
  private:
+  struct Variant {
+    ShaderSources sources;
+    ShaderProgram program;
+  };
   const ShaderProgram& program(const Material& material, const Scene& scene);
   void accumulate(const ShaderProgram& adder) const;
   void set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene);
@@ -54,7 +67,7 @@ class Renderer {
   Framebuffer sum_;
   EmptyMesh full_screen_;
   EnvironmentShading environment_;
-  std::map<std::string, std::unique_ptr<ShaderProgram>> programs_;
+  std::map<std::string, std::unique_ptr<Variant>> programs_;
   std::unique_ptr<ShaderProgram> adder_;
 };
 

@@ -60,6 +60,7 @@ int run(int argc, char** argv) {
   } else {
     rows = draw_animation(*options, drawer);
   }
+  if (!options->shaders.empty()) write_shaders(*options, drawer.variants());
   if (!options->report.empty()) write_report(*options, context->description(), rows);
   if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return 0;

@@ -65,7 +65,7 @@ std::vector<std::string> arguments_of(const Json& view, const fs::path& folder, 
   }
   for (const Json& brdf : view.value("brdf", Json::array()))
     add("--brdf", view.contains("measured") ? resolved(brdf) : brdf.get<std::string>());
-  for (const char* key : {"diffuse", "specular", "size", "camera"})
+  for (const char* key : {"diffuse", "specular", "fixed-fresnel", "size", "camera"})
     if (view.contains(key)) add(std::string("--") + key, view[key]);
   add("--repeat", fmt::format("{:.9g}", view.at("repeat").get<double>()));
   for (const Json& light : view.at("light")) add("--light", light);

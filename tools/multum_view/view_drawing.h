@@ -23,6 +23,7 @@ class PictureDrawer {
                 const gl::NormalImage& source);
   /// The truth first, where it is asked for, then the baked map, then the baselines.
   std::vector<NamedPicture> draw(const gl::Scene& scene);
+  std::vector<gl::ShaderVariant> variants() const { return renderer_.variants(); }
 
  private:
   const ViewOptions& options_;

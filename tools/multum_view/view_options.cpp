@@ -34,6 +34,7 @@ struct RawOptions {
   std::vector<std::string> brdfs;
   std::string diffuse;
   std::string specular;
+  std::string fixed_fresnel;
   std::string size = "640x480";
   std::string context = "auto";
   std::string formula = "product";
@@ -235,9 +236,10 @@ void check_subject(const RawOptions& raw, const ViewOptions& o) {
     throw Error(ErrorCode::kUsage, "--reflectance and --material are for a surface, expected --mesh");
   if ((!o.mip.empty() || !o.lod.empty()) && !o.mesh.empty())
     throw Error(ErrorCode::kUsage, "--mip lies on the plane and --lod is a surface itself, found --mesh");
-  if (others > 0 && (!raw.compare.empty() || !o.source.empty() || !o.frames_folder.empty()))
+  if (others > 0 &&
+      (!raw.compare.empty() || !o.source.empty() || !o.frames_folder.empty() || !o.shaders.empty()))
     throw Error(ErrorCode::kUsage,
-                "--compare, --source and --animate are for baked maps; --lookup has what pyramids compare");
+                "--compare, --source, --animate and --shaders are for baked maps; --lookup has what pyramids compare");
 }
 
 std::vector<std::string> parse_lookups(const std::string& text) {
@@ -320,8 +322,11 @@ void finish(const RawOptions& raw, ViewOptions& options) {
     Brdf brdf = parse_brdf(text, scene.brdf.term_count);
     if (!raw.diffuse.empty()) brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
     if (!raw.specular.empty()) brdf.specular = parse_colour("--specular", raw.specular);
+    if (!raw.fixed_fresnel.empty()) brdf.fixed_fresnel = parse_colour("--fixed-fresnel", raw.fixed_fresnel);
     options.basis.push_back(brdf);
   }
+  if (!raw.fixed_fresnel.empty() && !options.environment.empty())
+    throw Error(ErrorCode::kUsage, "--fixed-fresnel: is for lights alone; found --environment, expected none");
   scene.brdf = options.basis[0];
   parse_size(raw.size, options);
   options.context = gl::parse_context_backend(raw.context).value();
@@ -402,6 +407,9 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b (default: 0.5, or what was measured)");
   app.add_option("--specular", raw.specular,
                  "specular factor, grey or r,g,b (default: 0.1; 1 where Fresnel or a measurement is in it)");
+  app.add_option("--fixed-fresnel", raw.fixed_fresnel,
+                 "grey or r,g,b in the place of the BRDF's Fresnel term at every angle, as a scene's plan may have it; "
+                 "its code is left out");
   app.add_option("--formula", raw.formula, "lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)")
       ->check(CLI::IsMember({"product", "paper"}))
       ->capture_default_str();
@@ -446,6 +454,9 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
       ->capture_default_str();
   app.option_defaults()->group("Options");
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
+  app.add_option("--shaders", o.shaders,
+                 "of a baked map: write the shader variants that were drawn with as JSON: flags, text, and the uniforms "
+                 "that the driver kept");
   app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
   add_reading_options(app, o.reading);
   add_decoding_option(app);

@@ -28,6 +28,7 @@ struct ViewOptions {
   std::string mesh;          // empty: the plane
   std::string environment;   // over latitude and longitude; empty: none
   std::string report;        // JSON; empty: none
+  std::string shaders;       // JSON of the variants that were drawn with; empty: none
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
   std::vector<Brdf> basis;  // what --brdf says, more than one: blended by the file's weights

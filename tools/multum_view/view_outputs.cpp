@@ -89,7 +89,8 @@ void check_outputs(const ViewOptions& options) {
     make_folder(options.frames_folder);
     for (int frame = 0; frame < options.frame_count; ++frame) outputs.push_back(frame_path(options, frame));
   }
-  if (!options.report.empty()) outputs.push_back(options.report);
+  for (const std::string& path : {options.report, options.shaders})
+    if (!path.empty()) outputs.push_back(path);
   if (!options.pictures.empty()) {
     const bool compares_truth =
         std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
@@ -149,6 +150,13 @@ void write_report(const ViewOptions& options, const std::string& context, const 
     report["environment_mode"] =
         options.scene.environment_mode == gl::EnvironmentMode::kHarmonics ? "sh" : "prefiltered";
   write_text_file(options.report, report.dump(2) + "\n");
+}
+
+void write_shaders(const ViewOptions& options, const std::vector<gl::ShaderVariant>& variants) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const gl::ShaderVariant& variant : variants)
+    rows.push_back({{"flags", variant.flags}, {"fragment", variant.fragment}, {"uniforms", variant.uniforms}});
+  write_text_file(options.shaders, rows.dump(2) + "\n");
 }
 
 }  // namespace multum

@@ -21,4 +21,7 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures);
 /// `context`: how GL describes itself.
 void write_report(const ViewOptions& options, const std::string& context, const nlohmann::json& pictures);
 
+/// To options.shaders.
+void write_shaders(const ViewOptions& options, const std::vector<gl::ShaderVariant>& variants);
+
 }  // namespace multum

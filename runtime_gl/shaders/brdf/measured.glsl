@@ -16,9 +16,11 @@ vec3 multum_facets(vec3 n, vec3 h) {
   return mix(u_facets[i], u_facets[i + 1], min(x - float(i), 1.0));
 }
 
+#ifdef MULTUM_FRESNEL
 vec3 multum_fresnel(float v_h) {
   float x = acos(clamp(v_h, 0.0, 1.0)) / (0.5 * MULTUM_PI) * float(MULTUM_DIFFERENCE_TABLE_SIZE - 1);
   int i = clamp(int(x), 0, MULTUM_DIFFERENCE_TABLE_SIZE - 2);
   return vec3(mix(u_differences[i], u_differences[i + 1], min(x - float(i), 1.0)));
 }
+#endif
 #endif

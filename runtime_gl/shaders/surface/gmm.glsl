@@ -19,14 +19,14 @@ float multum_gmm_visibility(vec4 lobe, float n_l, vec3 v, vec3 h) {
 
 MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
   MultumReflection sum = MultumReflection(vec3(0.0), vec3(0.0));
-  for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
+  MULTUM_EACH_PART(j) {
     vec4 lobe = surface.lobes[j];
 #ifdef MULTUM_NORMAL_MAP
     if (j == MULTUM_LOBE_COUNT) lobe = multum_gmm_normal_map(lobe);
 #endif
     float diffuse = multum_gmm_lambert(lobe, l);
     float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
-    sum.diffuse += surface.albedos[j] * diffuse;
+    sum.diffuse += MULTUM_TINTED(surface, j, vec3(diffuse));
 #ifndef MULTUM_LAMBERT
     sum.specular += vec3(multum_gmm_density(lobe, h, u_exponent) * cosine * multum_gmm_visibility(lobe, cosine, v, h));
 #endif

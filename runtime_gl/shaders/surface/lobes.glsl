@@ -27,24 +27,42 @@ uniform sampler2D u_albedo_map;
 uniform sampler2D u_weights[MULTUM_LOBE_COUNT];
 #endif
 
+// One lobe takes no loop.
+#if MULTUM_LOBE_COUNT == 1
+#define MULTUM_EACH_LOBE(j) const int j = 0;
+#else
+#define MULTUM_EACH_LOBE(j) for (int j = 0; j < MULTUM_LOBE_COUNT; ++j)
+#endif
+#if MULTUM_PART_COUNT == 1
+#define MULTUM_EACH_PART(j) const int j = 0;
+#else
+#define MULTUM_EACH_PART(j) for (int j = 0; j < MULTUM_PART_COUNT; ++j)
+#endif
+
 struct MultumSurface {
   vec4 lobes[MULTUM_PART_COUNT];  // the normal map's last
+#if defined(MULTUM_COLOURS)
   vec3 albedos[MULTUM_PART_COUNT];
+#elif defined(MULTUM_MEAN_COLOURS)
+  vec3 albedo;
+#endif
 };
 
-// Of all lobes alike.
-vec3 multum_mean_albedo(vec2 st) {
-#ifdef MULTUM_MEAN_COLOURS
-  return texture(u_mean_colours, st).rgb;
+// Of part j, before its BRDF's diffuse reflectance.
+#if defined(MULTUM_COLOURS)
+#define MULTUM_TINTED(surface, j, light) ((surface).albedos[j] * (light))
+#elif defined(MULTUM_MEAN_COLOURS)
+#define MULTUM_TINTED(surface, j, light) ((surface).albedo * (light))
 #else
-  return vec3(1.0);
+#define MULTUM_TINTED(surface, j, light) (light)
 #endif
-}
 
 #ifdef MULTUM_SHADE_FIRST
 MultumSurface multum_fetch_surface(vec2 st) {
   MultumSurface surface;
-  vec3 mean_albedo = multum_mean_albedo(st);
+#ifdef MULTUM_MEAN_COLOURS
+  surface.albedo = texture(u_mean_colours, st).rgb;
+#endif
   ivec2 size = textureSize(u_lobes[0], 0);
   int level_max = textureQueryLevels(u_lobes[0]) - 1;
   float lod = clamp(textureQueryLod(u_lobes[0], st).y, 0.0, float(level_max));
@@ -56,9 +74,8 @@ MultumSurface multum_fetch_surface(vec2 st) {
     vec2 weights = mix(1.0 - fract(place), fract(place), corner);
     float weight = weights.x * weights.y * (k < 4 ? 1.0 - fract(lod) : fract(lod));
     vec2 middle = (floor(place) + corner + 0.5) / level_size;  // where no filter mixes
-    for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
+    MULTUM_EACH_LOBE(j) {
       vec4 lobe = textureLod(u_lobes[j], middle, float(level));
-      surface.albedos[k * MULTUM_LOBE_COUNT + j] = mean_albedo;
 #ifdef MULTUM_COLOURS
       vec3 colour = textureLod(u_colours[j], middle, float(level)).rgb;
       surface.albedos[k * MULTUM_LOBE_COUNT + j] = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
@@ -75,19 +92,24 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #else
 MultumSurface multum_fetch_surface(vec2 st) {
   MultumSurface surface;
-  vec3 mean_albedo = multum_mean_albedo(st);
-  float share = 1.0;  // of the stored lobes
+#ifdef MULTUM_MEAN_COLOURS
+  surface.albedo = texture(u_mean_colours, st).rgb;
+#endif
 #ifdef MULTUM_NORMAL_MAP
+  float share = 1.0;  // of the stored lobes
   vec4 normal = texture(u_normal_map, st);
   vec4 finest = multum_movmf_normal_map(normal.xyz, textureQueryLod(u_lobes[0], st).y);
   share -= finest.w;
   finest.w *= normal.w;  // beyond a black border there is no material
 #endif
+#ifdef MULTUM_COLOURS
   vec3 mean_colour = vec3(0.0);
+#endif
+#ifdef MULTUM_BASIS
   float mean_weight = 0.0;
-  for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) {
+#endif
+  MULTUM_EACH_LOBE(j) {
     vec4 lobe = texture(u_lobes[j], st);
-    surface.albedos[j] = mean_albedo;
 #ifdef MULTUM_COLOURS
     // Colours are premultiplied: T(a c) / T(a) is the lobe's colour.
     vec3 colour = texture(u_colours[j], st).rgb;
@@ -100,7 +122,10 @@ MultumSurface multum_fetch_surface(vec2 st) {
     mean_weight += weight;
     lobe *= weight / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
-    surface.lobes[j] = share * lobe;
+#ifdef MULTUM_NORMAL_MAP
+    lobe *= share;
+#endif
+    surface.lobes[j] = lobe;
   }
 #ifdef MULTUM_NORMAL_MAP
 #ifdef MULTUM_BASIS
@@ -111,8 +136,6 @@ MultumSurface multum_fetch_surface(vec2 st) {
   surface.albedos[MULTUM_LOBE_COUNT] = texture(u_albedo_map, st).rgb;
 #elif defined(MULTUM_COLOURS)
   surface.albedos[MULTUM_LOBE_COUNT] = mean_colour;  // of the first stored level, the finest that is known
-#else
-  surface.albedos[MULTUM_LOBE_COUNT] = mean_albedo;
 #endif
 #endif
   return surface;

@@ -14,7 +14,7 @@ float multum_lobe_visibility(vec4 lobe, float n_l, vec3 v, vec3 h) {
 
 MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
   MultumReflection sum = MultumReflection(vec3(0.0), vec3(0.0));
-  for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
+  MULTUM_EACH_PART(j) {
     vec4 lobe = surface.lobes[j];
 #ifdef MULTUM_PAPER
     float cosine = max(dot(multum_movmf_mean_direction(lobe), l), 0.0);
@@ -27,7 +27,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #endif
     float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
-    sum.diffuse += surface.albedos[j] * diffuse;
+    sum.diffuse += MULTUM_TINTED(surface, j, vec3(diffuse));
 #ifndef MULTUM_LAMBERT
     vec3 specular = multum_lobe_facets(lobe, h) * cosine;
 #ifdef MULTUM_VISIBILITY
@@ -42,9 +42,9 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_ENVIRONMENT
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   MultumReflection sum = MultumReflection(vec3(0.0), vec3(0.0));
-  for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
+  MULTUM_EACH_PART(j) {
     MultumReflection part = multum_environment_lobe(surface.lobes[j], v);
-    sum.diffuse += surface.albedos[j] * part.diffuse;
+    sum.diffuse += MULTUM_TINTED(surface, j, part.diffuse);
     sum.specular += part.specular;
   }
   return sum;
