@@ -40,4 +40,9 @@ constexpr int kBrdfTermCountMax = 4;
 
 inline float ggx_alpha(const Brdf& brdf) { return brdf.roughness * brdf.roughness; }
 
+/// Its specular part is not black.
+inline bool has_highlight(const Brdf& brdf) {
+  return brdf.kind != BrdfKind::kLambert && brdf.specular != glm::vec3(0.0f);
+}
+
 }  // namespace multum

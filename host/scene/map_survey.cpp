@@ -123,7 +123,7 @@ class Survey {
     std::vector<Band> done(size_of(bands));
     for_each_item(bands, settings_.threads, [&](int b) { run_band(b, done[size_of(b)]); });
     std::vector<LevelSums> levels(size_of(level_count_));
-    std::array<Range, 5> ranges;
+    std::array<Range, 6> ranges;
     std::vector<SumRow> rows;
     for (Band& band : done) {
       for (std::size_t l = 0; l < band.levels.size(); ++l) levels[l].add(band.levels[l]);
@@ -140,8 +140,9 @@ class Survey {
                                 s.variance > 0.0 ? std::min(s.difference / s.variance, 1.0) : 0.0});
     }
     survey_.normal_range = std::max(ranges[0].size(), ranges[1].size());
+    survey_.z_min = ranges[2].low;
     if (albedo_ != nullptr)
-      for (std::size_t c = 2; c < ranges.size(); ++c)
+      for (std::size_t c = 3; c < ranges.size(); ++c)
         survey_.colour_range = std::max(survey_.colour_range, ranges[c].size());
     return std::move(survey_);
   }
@@ -150,7 +151,7 @@ class Survey {
   struct Band {
     SumRow row;  // of band_level_
     std::vector<LevelSums> levels;
-    std::array<Range, 5> ranges;  // x, y, red, green, blue
+    std::array<Range, 6> ranges;  // x, y, z, red, green, blue
   };
 
   int width_of(int level) const { return mip_level_size(survey_.width, level); }
@@ -202,7 +203,7 @@ class Survey {
     if (albedo_ != nullptr) read(*albedo_, c);
     take_picks(first, count, n, c);
     for (std::size_t r = 0; r < band.ranges.size(); ++r)
-      for (const float value : r < 2 ? n[r] : c[r - 2]) band.ranges[r].add(static_cast<double>(value));
+      for (const float value : r < 3 ? n[r] : c[r - 3]) band.ranges[r].add(static_cast<double>(value));
     band.levels.resize(size_of(band_level_ + 1));
     std::vector<SumRow> rows;
     for (int y = 0; y < count; ++y) rows.push_back(finest_row(n, size_of(y) * width));

@@ -37,6 +37,7 @@ struct MapSurvey {
   std::vector<SurveyedTexel> texels;    // level by level, from level 1 on
   double normal_range = 0.0;            // the largest difference of x or of y between two normals of the map
   double colour_range = 0.0;            // the same of red, green or blue
+  double z_min = 0.0;                   // of all normals
 };
 
 struct SurveySettings {

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "host/brdf/fresnel.h"
+
 namespace multum {
 namespace {
 
@@ -109,6 +111,7 @@ std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},
 
 // As --brdf of multum-view has it.
 std::string brdf_text(const Brdf& brdf, const std::string& measured_file) {
+  if (!has_highlight(brdf) && !has_fresnel(brdf)) return "lambert";
   switch (brdf.kind) {
     case BrdfKind::kLambert: return "lambert";
     case BrdfKind::kBlinnPhong: return fmt::format("blinn-phong:{:.7g}", brdf.exponent);
@@ -154,6 +157,7 @@ Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& 
   const Brdf& first = scene.materials[object.materials.front()].brdfs.front();
   view["diffuse"] = colour_text(first.diffuse);
   view["specular"] = colour_text(first.specular);
+  if (plan.fixed_fresnel) view["fixed-fresnel"] = colour_text(glm::vec3(*plan.fixed_fresnel));
   Json lights = Json::array(), point_lights = Json::array();
   for (const SceneLight& light : scene.lights) {
     const std::string place = fmt::format("{:.7g},{:.7g},{:.7g}", light.place.x, light.place.y, light.place.z);
@@ -233,6 +237,7 @@ Json plan_json(const Scene& scene, const ScenePlan& plan, const SceneFiles& file
                                {"map", map.name},
                                {"seen_levels", {object.first_level, object.last_level}},
                                {"effects", effects_json(object.effects)},
+                               {"stated_difference", object.stated_difference},
                                {"view", view_json(scene, scene.objects[o], object, map, files)}});
   }
   return json;

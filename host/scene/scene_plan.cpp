@@ -8,9 +8,11 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "host/base/error.h"
 #include "host/brdf/facet_distribution.h"
+#include "host/brdf/fresnel.h"
 #include "host/scene/lobe_errors.h"
 #include "host/scene/seen_levels.h"
 
@@ -51,8 +53,6 @@ struct MapNeeds {
 };
 
 bool is_black(const glm::vec3& colour) { return colour == glm::vec3(0.0f); }
-
-bool has_highlight(const Brdf& brdf) { return brdf.kind != BrdfKind::kLambert && !is_black(brdf.specular); }
 
 MapNeeds needs_of(const Scene& scene, std::size_t map, int width, int level_count) {
   MapNeeds needs;
@@ -97,6 +97,7 @@ class MapPlanner {
     survey.texels_per_level =
         std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
     survey_ = survey_map(normals, source_->colours(), survey);
+    plan_.z_min = survey_.z_min;
     errors_.emplace(
         survey_, LobeErrorSettings{std::max(1, std::min(needs_.first_seen, plan_.level_count - 1)), settings.threads});
   }
@@ -547,13 +548,44 @@ void add_row(ObjectPlan& object, const std::string& effect, bool needed, const s
   object.effects.push_back({effect, needed, why, false, {}});
 }
 
+// How near to 0 v.h comes: half the angle between the line of sight, within `tilt` of the surface, and light that
+// reaches the steepest normal from its horizon.
+double least_half_cosine(double tilt_degrees, double z_min) {
+  const double steepest = std::acos(std::clamp(z_min, 0.0, 1.0));
+  const double between = tilt_degrees * std::numbers::pi / 180.0 + 0.5 * std::numbers::pi + steepest;
+  return std::cos(0.5 * std::min(between, std::numbers::pi));
+}
+
+void add_fresnel(const Scene& scene, const SceneObject& object, const MapPlan& map, ObjectPlan& plan) {
+  const auto brdf_of = [&](std::size_t m) -> const Brdf& { return scene.materials[m].brdfs.front(); };
+  const bool has_any = std::any_of(object.materials.begin(), object.materials.end(),
+                                   [&](std::size_t m) { return has_fresnel(brdf_of(m)); });
+  if (!has_any) return add_row(plan, "Fresnel", false, "the BRDF has none");
+  if (!scene.environment.empty()) return add_row(plan, "Fresnel", true, "an environment's light comes from everywhere");
+  if (object.materials.size() > 1) return add_row(plan, "Fresnel", true, "one of several BRDFs has one");
+  const double v_h = least_half_cosine(object.tilt_max, map.z_min), tolerance = scene.budget.tolerance;
+  const FixedFresnel fixed = fixed_fresnel(brdf_of(object.materials.front()), v_h);
+  const bool needed = fixed.change > tolerance;
+  const std::string bound = fmt::format("v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): a number in "
+                                        "its place is at most {} off, tolerance {}",
+                                        v_h, object.tilt_max,
+                                        std::acos(std::clamp(map.z_min, 0.0, 1.0)) * 180.0 / std::numbers::pi,
+                                        percent(fixed.change), percent(tolerance));
+  add_row(plan, "Fresnel", needed, bound);
+  if (needed) return;
+  plan.fixed_fresnel = fixed.value;
+  plan.stated_difference += fixed.change;
+}
+
 // What an object's shader holds.
 ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapPlan& map) {
-  ObjectPlan plan{object.name, object.map, 0, 0, {}, false};
+  ObjectPlan plan;
+  plan.name = object.name;
+  plan.map = object.map;
   const SeenLevels seen = seen_levels(scene.camera, object, map.width, map.level_count);
   plan.first_level = seen.first;
   plan.last_level = seen.last;
-  bool highlight = false, fresnel = false, dynamic = false;
+  bool highlight = false, dynamic = false;
   double exponent = 0.0;
   for (const std::size_t m : object.materials) {
     const SceneMaterial& material = scene.materials[m];
@@ -561,15 +593,14 @@ ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapP
     for (const Brdf& brdf : material.brdfs) {
       highlight |= has_highlight(brdf);
       if (has_highlight(brdf)) exponent = std::max(exponent, equivalent_exponent(brdf));
-      fresnel |=
-          brdf.kind == BrdfKind::kCookTorrance || brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured;
     }
   }
   const bool environment = !scene.environment.empty();
   plan.environment_by_harmonics = environment && highlight && exponent <= kHarmonicsExponentMax;
   add_row(plan, "highlight", highlight,
           highlight ? fmt::format("as sharp as Blinn-Phong of s = {:.4g}", exponent) : "the material is diffuse");
-  add_row(plan, "Fresnel", fresnel, fresnel ? "the BRDF has one" : "the BRDF has none");
+  plan.stated_difference = map.stated_difference;
+  add_fresnel(scene, object, map, plan);
   add_row(plan, "width as a uniform", dynamic, dynamic ? "the material changes at run time" : "the material is fixed");
   const auto points = std::count_if(scene.lights.begin(), scene.lights.end(), [](const auto& l) { return l.is_point; });
   const auto distant = static_cast<std::ptrdiff_t>(scene.lights.size()) - points;

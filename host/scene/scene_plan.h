@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ struct MapPlan {
   std::string colour_file;    // the albedo, where mean_colours
   int width = 0, height = 0, level_count = 0;
   int first_seen = 0, last_seen = 0;      // levels
+  double z_min = 0.0;                     // of the map's normals
   bool is_constant = false;               // every normal stands for all: the coarsest level is enough
   BakeCandidate chosen, usual;            // the default bake
   PartErrors limit;                       // that candidates were held to
@@ -63,6 +65,8 @@ struct ObjectPlan {
   int first_level = 0, last_level = 0;  // seen
   std::vector<PlannedEffect> effects;   // of its shader
   bool environment_by_harmonics = false;
+  std::optional<glm::dvec3> fixed_fresnel;  // a number does for F
+  double stated_difference = 0.0;           // its map's, and what the shader adds
 };
 
 struct ScenePlan {

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// What code a shader variant holds: its text as the preprocessor leaves it, of functions that main() reaches.
+#pragma once
+
+#include <string>
+
+namespace multum::testing {
+
+/// `fragment`: flags as #define and all texts, as multum-view --shaders writes them. `scratch`: a file to write.
+std::string reached_code(const std::string& fragment, const std::string& scratch);
+
+}  // namespace multum::testing
