@@ -7,8 +7,10 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "tests/cli/program.h"
+#include "tests/cli/shader_text.h"
 
 namespace multum::testing {
 namespace {
@@ -19,6 +21,7 @@ using Json = nlohmann::json;
 constexpr char kHead[] = "[camera]\nresolution = [96, 72]\n[[map]]\nname = \"wall\"\nnormal = \"{}_normal.png\"\n{}\n";
 constexpr char kObject[] =
     "[[object]]\nname = \"front\"\nmap = \"wall\"\nmaterial = \"paint\"\nwidth = 2.0\ndistance = [{}]\n";
+constexpr char kSky[] = "[environment]\nfile = \"sky.exr\"\n";
 constexpr char kSun[] = "[[light]]\ndirection = [0.3, 0.8, 0.5]\n";
 
 struct SceneCase {
@@ -28,6 +31,27 @@ struct SceneCase {
   std::string material = "brdf = \"blinn-phong\"\nexponent = 100\n";
   std::string distance = "0.4, 20";
   std::string light = kSun;
+  std::string object = "";  // more keys
+};
+
+// What a shader's code and active uniforms have where an effect is needed, and only there.
+struct EffectMark {
+  const char *effect, *mark;
+};
+const EffectMark kMarks[] = {
+    {"highlight", "u_specular|multum_(lobe_|sh_)?facets|multum_environment_specular"},
+    {"Fresnel", "multum_fresnel|multum_schlick|u_f0"},
+    {"distant lights", "u_light_directions"},
+    {"point lights", "u_point_positions"},
+    {"environment, diffuse", "multum_irradiance|u_smooth_mean"},
+    {"environment, highlight", "multum_environment_specular|u_environment_map"},
+    {"several lobes, EM", R"(for\s*\(int j)"},
+    {"colours", "u_(mean_)?colours|albedo"},
+    {"colours of each lobe", "u_colours"},
+    {"roughness in normals", "u_mean_cosine|without_roughness"},
+    {"weights of BRDFs", "u_weights"},
+    {"moments of slopes (LEAN)", "u_slopes|multum_moments"},
+    {"spherical harmonics", "u_harmonics|multum_sh_"},
 };
 
 class SceneCommandTest : public CliTest {
@@ -36,7 +60,7 @@ class SceneCommandTest : public CliTest {
 
   std::string write_scene(const SceneCase& c) const {
     const std::string text = fmt::format(kHead, c.normal, c.map) + "[[material]]\nname = \"paint\"\n" + c.material +
-                             fmt::format(kObject, c.distance) + c.light;
+                             fmt::format(kObject, c.distance) + c.object + c.light;
     write_bytes(path(c.name + ".toml"), text);
     return path(c.name + ".toml");
   }
@@ -56,9 +80,13 @@ class SceneCommandTest : public CliTest {
     ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, values.data()));
     ASSERT_TRUE(out->close());
   }
+  void write_sky() const {
+    write_image(
+        "sky.exr", 32, [](int, int y, int c) { return y < 8 ? 1.0f + static_cast<float>(c) : 0.1f; }, true);
+  }
   std::vector<float> draw(const std::string& plan) const {
     const ProgramResult drawn = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "--scene", plan, "--context",
-                                             "osmesa", "-o", path("picture.exr")});
+                                             "osmesa", "-o", path("picture.exr"), "--shaders", path("shaders.json")});
     EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
     const auto in = OIIO::ImageInput::open(path("picture.exr"));
     if (!in) return {};
@@ -68,14 +96,36 @@ class SceneCommandTest : public CliTest {
     return values;
   }
 
+  // Of the picture that was drawn last.
+  void hold_shader_to_plan(const Json& plan) const {
+    const Json variants = json("shaders.json");
+    ASSERT_EQ(variants.size(), 1u);
+    std::string held = reached_code(variants[0]["fragment"], path("fragment.c"));
+    EXPECT_NE(held.find("multum_fetch_surface"), std::string::npos);
+    for (const Json& uniform : variants[0]["uniforms"]) held += uniform.get<std::string>() + "\n";
+    Json effects = plan["objects"][0]["effects"];
+    for (const Json& effect : plan["maps"][0]["effects"]) effects.push_back(effect);
+    std::size_t decided = 0;
+    for (const Json& effect : effects)
+      for (const EffectMark& mark : kMarks) {
+        if (effect["effect"] != mark.effect) continue;
+        ++decided;
+        EXPECT_EQ(std::regex_search(held, std::regex(mark.mark)), effect["needed"].get<bool>()) << effect << held;
+      }
+    EXPECT_GE(decided, std::size(kMarks) - 1);  // colours of lobes: where there are colours
+    // Levels that are not stored are never seen.
+    EXPECT_EQ(held.find("normal_map"), std::string::npos);
+  }
+
   // Bakes and draws; the pictures must be as near as the plan states. Returns the report.
   Json hold_to_default(const SceneCase& c) const {
     SCOPED_TRACE(c.name);
     const ProgramResult baked = multum({"bake", write_scene(c), "-o", path(c.name)});
     EXPECT_EQ(baked.exit_code, 0) << baked.err;
     Json plan = json(c.name + "/plan.json");
-    const double stated = plan["maps"][0]["stated_difference"];
+    const double stated = plan["objects"][0]["stated_difference"];
     const std::vector<float> picture = draw(path(c.name + "/plan.json"));
+    hold_shader_to_plan(plan);
     std::vector<std::string> command = {"bake", path(c.normal + "_normal.png"), "-o",
                                         path(c.name + "/default.ndf.exr")};
     const std::size_t quote = c.map.find('"');
@@ -86,6 +136,7 @@ class SceneCommandTest : public CliTest {
     view["file"] = "default.ndf.exr";
     view.erase("colour_map");
     view.erase("stored_only");
+    view.erase("fixed-fresnel");
     write_bytes(path(c.name + "/default.json"), plan.dump());
     const std::vector<float> expected = draw(path(c.name + "/default.json"));
     double off = 0.0, all = 0.0;
@@ -152,10 +203,9 @@ TEST_F(SceneCommandTest, ColoursThatKnowNoSlopesAreOneATexel) {
 }
 
 TEST_F(SceneCommandTest, AnEnvironmentNeedsNoLights) {
-  write_image(
-      "sky.exr", 32, [](int, int y, int c) { return y < 8 ? 1.0f + static_cast<float>(c) : 0.1f; }, true);
+  write_sky();
   SceneCase scene{.name = "sky", .material = "brdf = \"lambert\"\n"};
-  scene.light = "[environment]\nfile = \"sky.exr\"\n";
+  scene.light = kSky;
   const Json report = hold_to_default(scene);
   EXPECT_FALSE(has_em(report));
   const Json plan = json("sky/plan.json");
@@ -175,10 +225,29 @@ TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
   write_image("four_albedo.png", 64, [](int x, int y, int c) {
     return c == 0 ? static_cast<float>(x % 2) : c == 1 ? static_cast<float>(y % 2) : 0.3f;
   });
-  const Json report = hold_to_default({.name = "every", .normal = "four", .map = "albedo = \"four_albedo.png\""});
+  write_sky();
+  const Json report = hold_to_default({.name = "every",
+                                       .normal = "four",
+                                       .map = "albedo = \"four_albedo.png\"",
+                                       .material = "brdf = \"ggx\"\nroughness = [0.3, 0.6]\n",
+                                       .light = std::string(kSun) + "[[light]]\nposition = [0, 30, 2]\n" + kSky});
   EXPECT_TRUE(has_em(report));
   EXPECT_TRUE(report["builds"].contains("movmf_features"));
   EXPECT_EQ(json("every/plan.json")["maps"][0]["stated_difference"], 0.0);
+}
+
+// A metal that is seen from nearly above: F differs too little to be code. Of what is no metal, it does not.
+TEST_F(SceneCommandTest, FresnelIsANumberWhereItDiffersLittle) {
+  SceneCase scene{.name = "metal", .material = "brdf = \"ggx\"\nroughness = 0.4\nf0 = 0.9\ndiffuse = 0\n"};
+  scene.object = "tilt = 20\n";
+  hold_to_default(scene);
+  const Json plan = json("metal/plan.json");
+  EXPECT_TRUE(plan["objects"][0]["view"].contains("fixed-fresnel"));
+  EXPECT_GT(plan["objects"][0]["stated_difference"], plan["maps"][0]["stated_difference"]);
+  scene.name = "dielectric";
+  scene.material = "brdf = \"ggx\"\nroughness = 0.4\n";
+  EXPECT_EQ(multum({"plan", write_scene(scene), "-o", path("dielectric.json")}).exit_code, 0);
+  EXPECT_FALSE(json("dielectric.json")["objects"][0]["view"].contains("fixed-fresnel"));
 }
 
 TEST_F(SceneCommandTest, ARunGoesOnWhereItWas) {
