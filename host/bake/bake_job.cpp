@@ -45,7 +45,8 @@ constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
 constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
 
 std::uint64_t window_bytes(const BakeJob& job) {
-  const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : machine_memory_bytes() / 4;
+  // A quarter of the machine, of which three maps may take 3/32 (host/bake/bake_source.cpp).
+  const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : machine_memory_bytes() / 32 * 5;
   constexpr std::uint64_t kTaken = kProcessBytes + kQueueBytes, kLeast = std::uint64_t{8} << 20;
   if (memory < kTaken + kLeast)
     throw Error(ErrorCode::kUsage,

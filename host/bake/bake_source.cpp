@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bake/bake_source.h"
 
+#include <algorithm>
 #include <filesystem>
 
+#include "host/base/machine.h"
 #include "host/image/colour_map.h"
 
 namespace multum {
 namespace {
 
-// Maps of up to so many bytes stay in memory.
-constexpr std::int64_t kMapBytesInMemory = std::int64_t{16} << 20;
+// A map stays in memory up to so many bytes: of what a job is held to, little; else a part of the quarter of the
+// machine that it may take. A map of 4096 x 4096 is 192 MiB, and a scratch file of it a fifth of a plan's time.
+std::int64_t map_bytes_in_memory(const BakeJob& job) {
+  constexpr std::int64_t kLittle = std::int64_t{16} << 20;
+  return job.memory_bytes > 0 ? kLittle : std::max(kLittle, static_cast<std::int64_t>(machine_memory_bytes() / 32));
+}
 
 }  // namespace
 
@@ -36,7 +42,7 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
 }
 
 BakeSource read_bake_source(const BakeJob& job, Progress* progress) {
-  const ReadingPlace place = {scratch_folder(job), kMapBytesInMemory};
+  const ReadingPlace place = {scratch_folder(job), map_bytes_in_memory(job)};
   BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt,
                     std::nullopt};
   const int width = source.map.normals.width(), height = source.map.normals.height();

@@ -2,12 +2,17 @@
 // What the machine has, and how a program uses its memory.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace multum {
 
 /// Bytes of physical memory.
 std::uint64_t machine_memory_bytes();
+
+/// Before memory of many megabytes is touched for the first time: pages of 2 MB, where the system grants them on
+/// demand, are a 512th of the page faults. A hint.
+void prefer_large_pages(void* memory, std::size_t bytes);
 
 /// Keeps freed blocks of up to 32 MB for the next that ask, up to 64 MB in all, where the C library would give each
 /// back to the system and have the next one's pages cleared: 4 % of a bake in bands, whose blocks come and go. For

@@ -5,13 +5,15 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/machine.h"
 
 namespace multum {
 
 PlaneStore::PlaneStore(int width, int height) : width_(width), height_(height) {
   for (std::size_t p = 0; p < 3; ++p) {
-    owned_[p].resize(offset(height));
-    planes_[p] = owned_[p].data();
+    owned_[p] = std::make_unique_for_overwrite<float[]>(offset(height));
+    prefer_large_pages(owned_[p].get(), offset(height) * sizeof(float));
+    planes_[p] = owned_[p].get();
   }
 }
 
@@ -22,9 +24,14 @@ PlaneStore::PlaneStore(int width, int height, const std::array<const float*, 3>&
     : width_(width), height_(height), planes_(planes) {}
 
 std::array<std::vector<float>, 3> PlaneStore::take_planes() {
-  MULTUM_CHECK(!file_ && planes_[0] == owned_[0].data());
+  MULTUM_CHECK(!file_ && planes_[0] == owned_[0].get());
+  std::array<std::vector<float>, 3> planes;
+  for (std::size_t p = 0; p < 3; ++p) {
+    planes[p].assign(planes_[p], planes_[p] + offset(height_));
+    owned_[p].reset();
+  }
   height_ = 0;
-  return std::move(owned_);
+  return planes;
 }
 
 void PlaneStore::check_rows(int first_row, int row_count) const {
@@ -38,8 +45,8 @@ void PlaneStore::write_rows(int first_row, int row_count, const std::array<const
     if (file_) {
       file_->write((p * offset(height_) + offset(first_row)) * sizeof(float), planes[p], count * sizeof(float));
     } else {
-      MULTUM_CHECK(planes_[p] == owned_[p].data());
-      std::copy_n(planes[p], count, owned_[p].begin() + static_cast<std::ptrdiff_t>(offset(first_row)));
+      MULTUM_CHECK(planes_[p] == owned_[p].get());
+      std::copy_n(planes[p], count, owned_[p].get() + offset(first_row));
     }
   }
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,7 +24,7 @@ class PlaneStore {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// The planes themselves; the store must be in memory, and is empty after.
+  /// The store must be in memory, and is empty after.
   std::array<std::vector<float>, 3> take_planes();
 
   /// Rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) when the disk refuses. Threads may
@@ -40,7 +41,8 @@ class PlaneStore {
 
   int width_;
   int height_;
-  std::array<std::vector<float>, 3> owned_;
+  // Not set to 0: the threads that write touch them first.
+  std::array<std::unique_ptr<float[]>, 3> owned_;
   std::array<const float*, 3> planes_{};  // null: in the file
   std::optional<ScratchFile> file_;
 };

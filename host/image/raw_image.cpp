@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/machine.h"
 
 namespace multum {
 
@@ -13,7 +14,8 @@ RawImage::RawImage(RawImageInfo info, const ReadingPlace& place) : info_(std::mo
   if (static_cast<std::int64_t>(byte_count) > place.memory_bytes) {
     file_.emplace(place.scratch_folder);
   } else {
-    samples_.resize(byte_count);
+    samples_ = std::make_unique_for_overwrite<std::byte[]>(byte_count);
+    prefer_large_pages(samples_.get(), byte_count);
   }
 }
 
@@ -24,7 +26,7 @@ void RawImage::write(const RawBand& band) {
   if (file_) {
     file_->write(offset, band.samples, byte_count);
   } else {
-    std::memcpy(samples_.data() + offset, band.samples, byte_count);
+    std::memcpy(samples_.get() + offset, band.samples, byte_count);
   }
 }
 
@@ -37,7 +39,7 @@ void RawImage::read_rows(int first_row, int row_count, RawRows& rows) const {
     rows.samples.resize(info_.row_bytes * static_cast<std::size_t>(row_count));
     file_->read(offset, rows.samples.data(), rows.samples.size());
   }
-  const std::byte* samples = file_ ? rows.samples.data() : samples_.data() + offset;
+  const std::byte* samples = file_ ? rows.samples.data() : samples_.get() + offset;
   converter_.convert(samples, value_count, rows.values.data());
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,7 +64,7 @@ class RawImage {
  private:
   RawImageInfo info_;
   SampleConverter converter_;
-  std::vector<std::byte> samples_;
+  std::unique_ptr<std::byte[]> samples_;  // not set to 0
   std::optional<ScratchFile> file_;
 };
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "host/asset/baked_file.h"
 #include "host/base/parallel.h"
@@ -19,6 +20,9 @@ namespace multum {
 namespace {
 
 constexpr int kBandLevel = 5;
+// Of larger maps, sums are of every fourth band; ranges are of every texel.
+constexpr std::int64_t kSummedTexels = std::int64_t{1} << 22;
+constexpr int kBandStride = 4;
 
 std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
@@ -33,6 +37,10 @@ struct Sums {
   }
 };
 using SumRow = std::vector<Sums>;
+struct NumberedRow {
+  int number;  // in its level
+  SumRow sums;
+};
 
 // Of a level, while its texels come.
 struct LevelSums {
@@ -46,7 +54,8 @@ struct LevelSums {
       texels += 1.0;
       spread += here;
       spread_max = std::max(spread_max, here);
-      difference += std::hypot(xx - yy, 2.0 * (s.xy / s.count - x * y));
+      const double along = xx - yy, across = 2.0 * (s.xy / s.count - x * y);  // |.| <= 2: hypot()'s care is not needed
+      difference += std::sqrt(along * along + across * across);
       variance += xx + yy;
     }
   }
@@ -66,9 +75,23 @@ int parent_of(int index, int size, int parent_size) {
 
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
-  void add(double value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
+  // Side by side, so that it is one instruction for many.
+  void add(const std::vector<float>& values) {
+    constexpr std::size_t kLanes = 16;
+    std::array<float, kLanes> lows{}, highs{};
+    lows.fill(values.front());
+    highs.fill(values.front());
+    for (std::size_t i = 0; i + kLanes <= values.size(); i += kLanes)
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        lows[k] = std::min(lows[k], values[i + k]);
+        highs[k] = std::max(highs[k], values[i + k]);
+      }
+    for (std::size_t i = values.size() / kLanes * kLanes; i < values.size(); ++i) {
+      lows[0] = std::min(lows[0], values[i]);
+      highs[0] = std::max(highs[0], values[i]);
+    }
+    low = std::min(low, static_cast<double>(*std::min_element(lows.begin(), lows.end())));
+    high = std::max(high, static_cast<double>(*std::max_element(highs.begin(), highs.end())));
   }
   void add(const Range& other) {
     low = std::min(low, other.low);
@@ -124,15 +147,15 @@ class Survey {
     for_each_item(bands, settings_.threads, [&](int b) { run_band(b, done[size_of(b)]); });
     std::vector<LevelSums> levels(size_of(level_count_));
     std::array<Range, 6> ranges;
-    std::vector<SumRow> rows;
+    std::vector<NumberedRow> rows;
     for (Band& band : done) {
       for (std::size_t l = 0; l < band.levels.size(); ++l) levels[l].add(band.levels[l]);
       for (std::size_t r = 0; r < ranges.size(); ++r) ranges[r].add(band.ranges[r]);
-      rows.push_back(std::move(band.row));
+      if (band.row) rows.push_back(std::move(*band.row));
     }
     for (int l = band_level_ + 1; l < level_count_; ++l) {
       rows = coarser(rows, l);
-      for (const SumRow& row : rows) levels[size_of(l)].add(row);
+      for (const NumberedRow& row : rows) levels[size_of(l)].add(row.sums);
     }
     for (int l = 1; l < level_count_; ++l) {
       const LevelSums& s = levels[size_of(l)];
@@ -149,7 +172,7 @@ class Survey {
 
  private:
   struct Band {
-    SumRow row;  // of band_level_
+    std::optional<NumberedRow> row;  // of band_level_, where it is summed
     std::vector<LevelSums> levels;
     std::array<Range, 6> ranges;  // x, y, z, red, green, blue
   };
@@ -202,16 +225,15 @@ class Survey {
     read(normals_, n);
     if (albedo_ != nullptr) read(*albedo_, c);
     take_picks(first, count, n, c);
-    for (std::size_t r = 0; r < band.ranges.size(); ++r)
-      for (const float value : r < 3 ? n[r] : c[r - 3]) band.ranges[r].add(static_cast<double>(value));
+    for (std::size_t r = 0; r < (albedo_ != nullptr ? 6 : 3); ++r) band.ranges[r].add(r < 3 ? n[r] : c[r - 3]);
+    const bool is_large = std::int64_t{survey_.width} * survey_.height > kSummedTexels;
+    if (is_large && number % kBandStride != 0) return;
     band.levels.resize(size_of(band_level_ + 1));
-    std::vector<SumRow> rows;
-    for (int y = 0; y < count; ++y) rows.push_back(finest_row(n, size_of(y) * width));
-    int level_first = first;
+    std::vector<NumberedRow> rows;
+    for (int y = 0; y < count; ++y) rows.push_back({first + y, finest_row(n, size_of(y) * width)});
     for (int l = 1; l <= band_level_; ++l) {
-      rows = coarser(rows, l, level_first);
-      level_first = parent_of(level_first, height_of(l - 1), height_of(l));
-      for (const SumRow& row : rows) band.levels[size_of(l)].add(row);
+      rows = coarser(rows, l);
+      for (const NumberedRow& row : rows) band.levels[size_of(l)].add(row.sums);
     }
     band.row = std::move(rows.front());
   }
@@ -230,16 +252,15 @@ class Survey {
     return row;
   }
 
-  // Rows of level l from consecutive rows of the level before; those of level 0 have the columns of level 1 already.
-  std::vector<SumRow> coarser(const std::vector<SumRow>& rows, int l, int level_first = 0) const {
-    std::vector<SumRow> out;
-    int last = -1;
-    for (std::size_t y = 0; y < rows.size(); ++y) {
-      const int parent = parent_of(level_first + static_cast<int>(y), height_of(l - 1), height_of(l));
-      if (parent != last) out.emplace_back(size_of(width_of(l)));
-      last = parent;
-      const int from = static_cast<int>(rows[y].size());
-      for (int x = 0; x < from; ++x) out.back()[size_of(parent_of(x, from, width_of(l)))].add(rows[y][size_of(x)]);
+  // Rows of level l from rows of the level before, from the top; those of level 0 have the columns of level 1 already.
+  std::vector<NumberedRow> coarser(const std::vector<NumberedRow>& rows, int l) const {
+    std::vector<NumberedRow> out;
+    for (const NumberedRow& row : rows) {
+      const int parent = parent_of(row.number, height_of(l - 1), height_of(l));
+      if (out.empty() || out.back().number != parent) out.push_back({parent, SumRow(size_of(width_of(l)))});
+      const int from = static_cast<int>(row.sums.size());
+      for (int x = 0; x < from; ++x)
+        out.back().sums[size_of(parent_of(x, from, width_of(l)))].add(row.sums[size_of(x)]);
     }
     return out;
   }

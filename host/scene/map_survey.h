@@ -13,7 +13,8 @@
 
 namespace multum {
 
-/// Of all texels of a level, which for this purpose share out the finest ones whole: where the map's sides are no
+/// Of all texels of a level (of maps above 4 million texels, of every fourth row of level 5 and what is in it), which
+/// for this purpose share out the finest ones whole: where the map's sides are no
 /// powers of two, a texel on a border counts for one side alone.
 struct LevelStatistics {
   int level = 0;

@@ -238,7 +238,7 @@ TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
 
 // A metal that is seen from nearly above: F differs too little to be code. Of what is no metal, it does not.
 TEST_F(SceneCommandTest, FresnelIsANumberWhereItDiffersLittle) {
-  SceneCase scene{.name = "metal", .material = "brdf = \"ggx\"\nroughness = 0.4\nf0 = 0.9\ndiffuse = 0\n"};
+  SceneCase scene{.name = "metal", .material = "brdf = \"ggx\"\nroughness = 0.4\nf0 = 0.97\ndiffuse = 0\n"};
   scene.object = "tilt = 20\n";
   hold_to_default(scene);
   const Json plan = json("metal/plan.json");
