@@ -347,6 +347,69 @@ std::vector<AccuracyRow> AccuracyMeter::run(Device& device, const PlaneStore& no
   return comparison.rows();
 }
 
+std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual, Device& device,
+                                                            const PlaneStore& normals, const PlaneStore* albedo,
+                                                            Progress* progress) {
+  const int level_count = static_cast<int>(points_.texels().sizes().size());
+  MULTUM_CHECK(model().first_level() == usual.model().first_level());
+  const TexelAverages finest(points_.texels(), model().first_level()), all(points_.texels(), level_count);
+  PlaneAverages finest_lobes(finest, albedo != nullptr), means(all, albedo != nullptr);
+  stream_rows({normals, albedo}, {settings_.threads}, {&finest_lobes, &means}, progress);
+  const bool has_highlights = !settings_.exponents.empty();
+  const ShadingDirections directions{has_highlights ? settings_.directions.half_vectors : std::vector<glm::dvec3>{},
+                                     settings_.directions.lights, settings_.exponents,
+                                     settings_.has_roughness ? settings_.mean_cosine : 0.0f};
+  const std::size_t half_count = directions.half_vectors.size(), light_count = directions.lights.size();
+  const std::size_t exponent_count = settings_.exponents.size();
+  const std::size_t value_count = half_count * exponent_count + light_count;
+  std::vector<SamplePoint> points;
+  for (std::size_t i = 0; i < points_.samples().size(); ++i) points_.append_points(i, points);
+
+  const auto index = [&](int level, std::size_t brdf) {
+    return static_cast<std::size_t>(level) * (exponent_count + 1) + brdf;
+  };
+  std::vector<LevelDifference> sums;
+  for (int l = 0; l < level_count; ++l) {
+    for (const double exponent : settings_.exponents)
+      sums.push_back({l, settings_.has_roughness ? "roughness" : blinn_phong_name(exponent)});
+    sums.push_back({l, "lambert"});
+  }
+  // Values [point][exponent, half vector; then light] of a channel; -1: without colours.
+  const auto shaded = [&](AccuracyMeter& meter, int channel) {
+    AccuracyModel& shown = meter.model();
+    shown.set_map_averages(&finest_lobes);
+    const bool takes_mean = channel >= 0 && !shown.has_colours();
+    const std::unique_ptr<PointShading> shading = shown.make_shading(device, directions);
+    std::vector<float> values;
+    // Of several ways to shade, the last is the runtime's usual one.
+    shading->shade(points, static_cast<int>(shown.shadings().size()) - 1, takes_mean ? -1 : channel, settings_.threads,
+                   values);
+    for (std::size_t i = 0; takes_mean && i < points.size(); ++i) {
+      double colour = 0.0;
+      for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
+        colour += points[i].weights[t] * means.at(points[i].slots[t], static_cast<std::size_t>(3 + channel));
+      for (std::size_t v = 0; v < value_count; ++v) values[i * value_count + v] *= static_cast<float>(colour);
+    }
+    shown.set_map_averages(nullptr);
+    return values;
+  };
+  for (int channel = -1; channel < (albedo != nullptr ? 3 : 0); ++channel) {
+    const std::vector<float> own = shaded(*this, channel), other = shaded(usual, channel);
+    const bool takes_lights = (channel >= 0) == (albedo != nullptr);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (std::size_t v = 0; v < value_count; ++v) {
+        const bool is_light = v >= half_count * exponent_count;
+        if (is_light ? !takes_lights : channel >= 0) continue;
+        LevelDifference& sum =
+            sums[index(points_.samples()[points[i].sample].level, is_light ? exponent_count : v / half_count)];
+        const auto a = static_cast<double>(own[i * value_count + v]), b = static_cast<double>(other[i * value_count + v]);
+        sum.difference += std::abs(a - b);
+        sum.usual += b;
+      }
+  }
+  return sums;
+}
+
 namespace {
 
 std::vector<AccuracyRow> run_on_maps(Device& device, AccuracyMeter& meter, const NormalMap& map,

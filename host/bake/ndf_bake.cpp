@@ -45,4 +45,15 @@ const NdfBake& ndf_bake(Representation representation) {
   return kMovmfBake;
 }
 
+std::unique_ptr<AccuracyMeter> rehearse_levels(Device& device, BakeJob job, const BakeSource& source,
+                                               AccuracySettings accuracy, BakeReport& report, Progress* progress) {
+  const int coarsest = mip_level_count(source.map.normals.width(), source.map.normals.height()) - 1;
+  job.fitting.first_level = std::min(std::max(job.fitting.first_level, accuracy.first_level), coarsest);
+  accuracy.threads = job.threads;
+  StageClock clock(report);
+  return ndf_bake(job.representation)
+      .rehearse({job, device, source, baked_header_of(job, source), machine_memory_bytes() / 4, clock}, accuracy,
+                report, progress);
+}
+
 }  // namespace multum

@@ -76,6 +76,11 @@ struct NdfBake {
 
 const NdfBake& ndf_bake(Representation representation);
 
+/// Rehearses a job on a map that fits into memory, from level `accuracy.first_level` on (or the job's, if that is
+/// coarser): no level depends on a finer one.
+std::unique_ptr<AccuracyMeter> rehearse_levels(Device& device, BakeJob job, const BakeSource& source,
+                                               AccuracySettings accuracy, BakeReport& report, Progress* progress);
+
 // The rows, each in a file of its own: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
 extern const NdfBake kMovmfBake;
 extern const NdfBake kGmmBake;  // movmf_file_bake.cpp: lobes of another family

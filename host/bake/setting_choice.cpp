@@ -135,28 +135,20 @@ double SettingTrials::scale() const { return scale_; }
 const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress) {
   for (const SettingTrial& trial : made_)
     if (trial.candidate == candidate) return trial;
-  BakeJob job = with_candidate(job_, candidates_.at(candidate));
-  // Only the levels that count are made: no level depends on a finer one.
-  const int coarsest = mip_level_count(mosaic_.map.normals.width(), mosaic_.map.normals.height()) - 1;
-  job.fitting.first_level = std::min(std::max(job.fitting.first_level, kSummaryLevel), coarsest);
+  const BakeJob job = with_candidate(job_, candidates_.at(candidate));
   AccuracySettings accuracy;
-  accuracy.threads = job.threads;
-  accuracy.first_level = kSummaryLevel;
+  accuracy.first_level = kSummaryLevel;  // only the levels that count are made
   accuracy.samples_per_level = 0;
   accuracy.exponents.clear();
   if (brdf_.exponent > 0.0) accuracy.exponents.push_back(brdf_.exponent);
   BakeReport report;
-  StageClock clock(report);
   Progress quiet = cancel_only(progress);
-  const std::unique_ptr<AccuracyMeter> meter =
-      ndf_bake(job.representation)
-          .rehearse({job, device_, mosaic_, baked_header_of(job, mosaic_), machine_memory_bytes() / 4, clock}, accuracy,
-                    report, &quiet);
+  const std::unique_ptr<AccuracyMeter> meter = rehearse_levels(device_, job, mosaic_, accuracy, report, &quiet);
   meter->run(device_, mosaic_.map.normals, mosaic_.colours(), &quiet);
   const ReachedError reached = reached_error(meter->summaries(), brdf_);
   double fixed_seconds = report.start_seconds;
   for (const LevelReport& level : report.levels)
-    if (level.level > job.fitting.first_level) fixed_seconds += level.seconds;
+    if (level.level > std::max(job.fitting.first_level, kSummaryLevel)) fixed_seconds += level.seconds;
   made_.push_back({candidate, reached, report.bake_seconds(), fixed_seconds});
   log_verbose(fmt::format("trial: {:<44} {} in {:.3f} s", candidates_[candidate].options,
                           error_text(reached.error, reached.confidence), report.bake_seconds()));

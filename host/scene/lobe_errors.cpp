@@ -11,6 +11,7 @@
 
 #include "host/asset/moment_mipmap.h"
 #include "host/asset/spherical_harmonics.h"
+#include "host/bake/mip_schedule.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/mean_cosine.h"
 #include "host/base/parallel.h"
@@ -37,9 +38,24 @@ double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w
 }
 
 // Of a lobe: mean cosines multiply under convolution (docs/ALGORITHMS.md, "Shading a filtered lobe").
-double shade_lobe(const MixtureLobe& lobe, const ShadedBy& by, const glm::dvec3& w) {
-  if (!by.exponent) return lobe_lambert(lobe.mean_length * lobe.mu, w);
+double shade_lobe(const MixtureLobe& lobe, const ShadedBy& by, double mean_cosine, const glm::dvec3& w) {
+  if (!by.exponent) return lobe_lambert(std::min(lobe.mean_length / mean_cosine, 1.0) * lobe.mu, w);
   return density(kappa_of_mean_cosine(lobe.mean_length * (1.0 - 1.0 / *by.exponent), kKappaMax), glm::dot(lobe.mu, w));
+}
+
+// Tan's, of runtime_gl/shaders/common/gmm_shading.glsl: `planar` is E[x], E[y], E[x^2 + y^2]. In shade_normal()'s unit.
+double shade_gaussian(const glm::dvec3& planar, const ShadedBy& by, const glm::dvec3& w) {
+  const double square = planar.x * planar.x + planar.y * planar.y;
+  const glm::dvec3 lifted(planar.x, planar.y, std::sqrt(std::max(1.0 - square, 0.0)));
+  if (!by.exponent) return std::max(glm::dot(lifted, w), 0.0);
+  const double facets = (1.0 - 0.5 * std::min(square, 1.0)) / (*by.exponent + 3.0);
+  const double variance = std::max(0.5 * (planar.z - square), 0.0) + facets, x = w.x - planar.x, y = w.y - planar.y;
+  return std::exp(-0.5 * (x * x + y * y) / variance) / variance * std::max(w.z, 0.0);
+}
+
+// What a normal counts for.
+double weight_of(const std::vector<glm::dvec4>& weights, std::size_t i, const ShadedBy& by) {
+  return by.weight < 0 || weights.empty() ? 1.0 : weights[i][by.weight];
 }
 
 glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
@@ -64,6 +80,11 @@ double lobe_lambert(const glm::dvec3& mean, const glm::dvec3& light) {
   return 0.5 * (m + std::sqrt(m * m + v * std::exp(-g)));
 }
 
+LobeErrors::LobeErrors(const MapSurvey& survey, const LobeErrorSettings& settings)
+    : survey_(survey),
+      settings_(settings),
+      copies_(settings.has_roughness ? static_cast<double>(kCopiesShortened) : 1.0) {}
+
 std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
   constexpr int kTrials = 48;
   const Normals& normals = survey_.texels.back().normals;
@@ -74,8 +95,8 @@ std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
       chosen.push_back(split_mix(static_cast<std::uint64_t>(trial * 8 + j)) % normals.size());
     if (trial == 0) chosen = farthest_first_normals(normals, lobe_count);
     MixtureFit& fit = fits[static_cast<std::size_t>(trial)];
-    fit = start_mixture(normals, chosen, false);
-    iterate_mixture(fit, normals, kIterations, kCapAtTop, 1.0);
+    fit = start_mixture(normals, chosen, settings_.has_roughness);
+    iterate_mixture(fit, normals, kIterations, kCapAtTop, copies_);
   });
   return std::max_element(fits.begin(), fits.end(),
                           [](const MixtureFit& a, const MixtureFit& b) { return a.log_likelihood < b.log_likelihood; })
@@ -97,41 +118,61 @@ LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count,
     out.lobes = {{mu, lobe_count == 0 ? 1.0 : std::min(length, 1.0), 1.0, 1.0}};
   } else {
     const int lobes = std::min(lobe_count, static_cast<int>(normals.size()));
-    MixtureFit mixture = start_mixture(normals, farthest_first_normals(normals, lobes), false);
+    MixtureFit mixture = start_mixture(normals, farthest_first_normals(normals, lobes), settings_.has_roughness);
     MixtureFit inherited{top, 0.0, 0.0};
     for (MixtureLobe& lobe : inherited.lobes) {
       lobe.kappa *= kStartKappaFactor;
       lobe.amplitude = std::max(lobe.amplitude, kStartAmplitudeMin);
     }
-    for (MixtureFit* one : {&mixture, &inherited}) iterate_mixture(*one, normals, kIterations, kCapInEm, 1.0);
+    for (MixtureFit* one : {&mixture, &inherited}) iterate_mixture(*one, normals, kIterations, kCapInEm, copies_);
     if (inherited.log_likelihood > mixture.log_likelihood) mixture = inherited;
     out.lobes = mixture.lobes;
   }
-  if (texel.colours.empty()) return out;
-  for (const glm::dvec3& colour : texel.colours) out.mean_colour += colour / count;
-  std::vector<double> weights(out.lobes.size(), 0.0);
-  out.colours.assign(out.lobes.size(), glm::dvec3(0.0));
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    std::array<double, 8> share{};
-    double total = 0.0;
-    for (std::size_t j = 0; j < out.lobes.size(); ++j) {
-      const MixtureLobe& lobe = out.lobes[j];
-      const double kappa = kappa_of_mean_cosine(lobe.mean_length, kCapInEm);
-      total += share[j] = std::max(lobe.amplitude * density(kappa, glm::dot(lobe.mu, normals[i])), 1e-300);
-    }
-    for (std::size_t j = 0; j < out.lobes.size(); ++j) {
-      weights[j] += share[j] / total;
-      out.colours[j] += share[j] / total * texel.colours[i];
-    }
-    const glm::dvec3 off = texel.colours[i] - out.mean_colour;
-    out.colour_within += glm::dot(off, off);
-  }
-  for (std::size_t j = 0; j < out.lobes.size(); ++j) {
-    out.colours[j] = weights[j] > 1e-9 ? out.colours[j] / weights[j] : out.mean_colour;
-    const glm::dvec3 off = out.colours[j] - out.mean_colour;
-    out.colour_between += weights[j] * glm::dot(off, off);
-  }
+  add_means(texel, out);
   return out;
+}
+
+void LobeErrors::add_means(const SurveyedTexel& texel, TexelFit& fit) const {
+  const Normals& normals = texel.normals;
+  const std::size_t lobe_count = fit.lobes.size();
+  const bool has_colours = !texel.colours.empty(), has_weights = !texel.weights.empty();
+  for (const glm::dvec3& colour : texel.colours) fit.mean_colour += colour / static_cast<double>(normals.size());
+  std::vector<double> totals(lobe_count, 0.0);
+  fit.planar.assign(lobe_count, glm::dvec3(0.0));
+  if (has_colours) fit.colours.assign(lobe_count, glm::dvec3(0.0));
+  if (has_weights) fit.weights.assign(lobe_count, glm::dvec4(0.0));
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const glm::dvec3& n = normals[i];
+    std::array<double, 8> share{};
+    double total = 0.0, largest = -HUGE_VAL;
+    for (std::size_t j = 0; j < lobe_count; ++j) {
+      const MixtureLobe& lobe = fit.lobes[j];
+      const double kappa = kappa_of_mean_cosine(lobe.mean_length, kCapInEm);
+      share[j] = std::log(std::max(lobe.amplitude, 1e-300)) +
+                 copies_ * (std::log(kappa / (1.0 - std::exp(-2.0 * kappa))) + kappa * (glm::dot(lobe.mu, n) - 1.0));
+      largest = std::max(largest, share[j]);
+    }
+    for (std::size_t j = 0; j < lobe_count; ++j) total += share[j] = std::exp(share[j] - largest);
+    for (std::size_t j = 0; j < lobe_count; ++j) {
+      const double part = share[j] / total;
+      totals[j] += part;
+      fit.planar[j] += part * glm::dvec3(n.x, n.y, n.x * n.x + n.y * n.y);
+      if (has_colours) fit.colours[j] += part * texel.colours[i];
+      if (has_weights) fit.weights[j] += part * texel.weights[i];
+    }
+    if (!has_colours) continue;
+    const glm::dvec3 off = texel.colours[i] - fit.mean_colour;
+    fit.colour_within += glm::dot(off, off);
+  }
+  for (std::size_t j = 0; j < lobe_count; ++j) {
+    const bool occurs = totals[j] > 1e-9;
+    if (occurs) fit.planar[j] /= totals[j];
+    if (has_weights && occurs) fit.weights[j] /= totals[j];
+    if (!has_colours) continue;
+    fit.colours[j] = occurs ? fit.colours[j] / totals[j] : fit.mean_colour;
+    const glm::dvec3 off = fit.colours[j] - fit.mean_colour;
+    fit.colour_between += totals[j] * glm::dot(off, off);
+  }
 }
 
 const std::vector<LobeErrors::TexelFit>& LobeErrors::fits(int lobe_count) {
@@ -160,7 +201,8 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& sha
       for (const glm::dvec3& w : directions) {
         glm::dvec3 truth(0.0);
         for (std::size_t n = 0; n < texel.normals.size(); ++n)
-          truth += shade_normal(texel.normals[n], shadings[s], w) * (coloured ? texel.colours[n] : glm::dvec3(1.0));
+          truth += shade_normal(texel.normals[n], shadings[s], w) * weight_of(texel.weights, n, shadings[s]) *
+                   (coloured ? texel.colours[n] : glm::dvec3(1.0));
         truth /= static_cast<double>(texel.normals.size());
         const glm::dvec3 off = glm::abs(model(t, shadings[s], w) - truth);
         sums[t][s].difference += off.x + off.y + off.z;
@@ -185,6 +227,15 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& sha
 }
 
 double LobeErrors::error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours) {
+  return lobes_error(lobe_count, false, shadings, colours);
+}
+
+double LobeErrors::gmm_error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours) {
+  return lobes_error(lobe_count, true, shadings, colours);
+}
+
+double LobeErrors::lobes_error(int lobe_count, bool planar, const std::vector<ShadedBy>& shadings,
+                               ColourModel colours) {
   const std::vector<TexelFit>& fitted = fits(lobe_count);
   return error_of(
       [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
@@ -192,7 +243,9 @@ double LobeErrors::error(int lobe_count, const std::vector<ShadedBy>& shadings, 
         const bool coloured = colours != ColourModel::kNone && !fit.colours.empty();
         glm::dvec3 sum(0.0);
         for (std::size_t j = 0; j < fit.lobes.size(); ++j)
-          sum += fit.lobes[j].amplitude * shade_lobe(fit.lobes[j], by, w) *
+          sum += fit.lobes[j].amplitude * weight_of(fit.weights, j, by) *
+                 (planar ? shade_gaussian(fit.planar[j], by, w)
+                         : shade_lobe(fit.lobes[j], by, settings_.mean_cosine, w)) *
                  (!coloured                        ? glm::dvec3(1.0)
                   : colours == ColourModel::kLobes ? fit.colours[j]
                                                    : fit.mean_colour);

@@ -15,7 +15,8 @@ namespace multum {
 /// How texels are shaded: max(n . l, 0), or normalised facets of this exponent (Blinn-Phong's; other families by the
 /// one that is as wide).
 struct ShadedBy {
-  std::optional<double> exponent;  // unset: Lambert
+  std::optional<double> exponent;  // unset: Lambert; infinite: as wide as the normals are shortened
+  int weight = -1;                 // times this one of the map's weights; -1: whole
 };
 
 enum class ColourModel {
@@ -25,7 +26,9 @@ enum class ColourModel {
 };
 
 struct LobeErrorSettings {
-  int first_level = 1;  // finer ones are not looked at
+  int first_level = 1;         // finer ones are not looked at
+  bool has_roughness = false;  // normals are shortened by it, by `mean_cosine` in the mean: not of Lambert's light
+  double mean_cosine = 1.0;
   int threads = 1;
 };
 
@@ -37,9 +40,11 @@ double lobe_lambert(const glm::dvec3& r, const glm::dvec3& light);
 class LobeErrors {
  public:
   /// `survey` must outlive it.
-  LobeErrors(const MapSurvey& survey, const LobeErrorSettings& settings) : survey_(survey), settings_(settings) {}
+  LobeErrors(const MapSurvey& survey, const LobeErrorSettings& settings);
 
   double error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours);
+  /// The same of planar Gaussians over (n_x, n_y), Tan's lobes, of as many.
+  double gmm_error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours);
   /// The same of spherical harmonics to an order, and of one Gaussian of slopes (LEAN, with the Jacobian).
   double sh_error(int order, const std::vector<ShadedBy>& shadings, ColourModel colours) const;
   double lean_error(const std::vector<ShadedBy>& shadings, ColourModel colours) const;
@@ -52,6 +57,8 @@ class LobeErrors {
   struct TexelFit {
     std::vector<MixtureLobe> lobes;
     std::vector<glm::dvec3> colours;  // mean colour of each
+    std::vector<glm::dvec4> weights;  // mean weights of each
+    std::vector<glm::dvec3> planar;   // means of n_x, of n_y, and of the sum of their squares
     glm::dvec3 mean_colour{0.0};
     double colour_within = 0.0, colour_between = 0.0;  // parts of the colours' variance
   };
@@ -59,12 +66,16 @@ class LobeErrors {
   using Model = std::function<glm::dvec3(std::size_t texel, const ShadedBy& by, const glm::dvec3& direction)>;
   double error_of(const Model& model, const std::vector<ShadedBy>& shadings, ColourModel colours) const;
   const std::vector<TexelFit>& fits(int lobe_count);
+  // Means of a fit's lobes over the normals that they share.
+  void add_means(const SurveyedTexel& texel, TexelFit& fit) const;
+  double lobes_error(int lobe_count, bool planar, const std::vector<ShadedBy>& shadings, ColourModel colours);
   TexelFit fit(const SurveyedTexel& texel, int lobe_count, const std::vector<MixtureLobe>& top) const;
   // Of the coarsest texel, the best of many starts.
   std::vector<MixtureLobe> fit_top(int lobe_count) const;
 
   const MapSurvey& survey_;
   const LobeErrorSettings settings_;
+  const double copies_;  // of shortened normals, in EM
   std::vector<std::vector<TexelFit>> fits_;  // [lobe_count][texel], where asked for
 };
 

@@ -132,8 +132,8 @@ void for_each_position(const Area& area, int count_max, std::uint64_t seed, cons
 
 class Survey {
  public:
-  Survey(const PlaneStore& normals, const PlaneStore* albedo, const SurveySettings& settings)
-      : normals_(normals), albedo_(albedo), settings_(settings) {
+  Survey(const PlaneStore& normals, const SurveyedFeatures& features, const SurveySettings& settings)
+      : normals_(normals), albedo_(features.albedo), weights_(features.weights), settings_(settings) {
     survey_.width = normals.width();
     survey_.height = normals.height();
     level_count_ = mip_level_count(survey_.width, survey_.height);
@@ -192,8 +192,9 @@ class Survey {
         for_each_position(area, settings_.normals_per_texel, seed + split_mix(texel), [&](int column, int row) {
           picks_.push_back({row, column, texel, count++});
         });
-        survey_.texels.push_back({l, Normals(count), {}});
+        survey_.texels.push_back({l, Normals(count), {}, {}});
         if (albedo_ != nullptr) survey_.texels.back().colours.resize(count);
+        if (weights_ != nullptr) survey_.texels.back().weights.resize(count);
       });
     }
     std::stable_sort(picks_.begin(), picks_.end(), [](const Pick& a, const Pick& b) { return a.row < b.row; });
@@ -275,11 +276,15 @@ class Survey {
       SurveyedTexel& texel = survey_.texels[pick->texel];
       texel.normals[pick->index] = {n[0][i], n[1][i], n[2][i]};
       if (albedo_ != nullptr) texel.colours[pick->index] = {c[0][i], c[1][i], c[2][i]};
+      for (int w = 0; weights_ != nullptr && w < weights_->count; ++w)
+        texel.weights[pick->index][w] =
+            weights_->triples[size_of(w / 3)].texel(pick->column, pick->row)[size_of(w % 3)];
     }
   }
 
   const PlaneStore& normals_;
   const PlaneStore* const albedo_;
+  const WeightMap* const weights_;
   const SurveySettings settings_;
   MapSurvey survey_;
   int level_count_ = 1, band_level_ = 0;
@@ -288,8 +293,8 @@ class Survey {
 
 }  // namespace
 
-MapSurvey survey_map(const PlaneStore& normals, const PlaneStore* albedo, const SurveySettings& settings) {
-  return Survey(normals, albedo, settings).run();
+MapSurvey survey_map(const PlaneStore& normals, const SurveyedFeatures& features, const SurveySettings& settings) {
+  return Survey(normals, features, settings).run();
 }
 
 }  // namespace multum

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include "host/bake/normal_mixture.h"
+#include "host/image/material_maps.h"
 #include "host/image/plane_store.h"
 
 namespace multum {
@@ -30,6 +32,7 @@ struct SurveyedTexel {
   int level = 0;
   Normals normals;                  // all that it covers, or a part of them at random
   std::vector<glm::dvec3> colours;  // as many, linear RGB; empty: the map has none
+  std::vector<glm::dvec4> weights;  // as many, of basis BRDFs; empty: the map has none
 };
 
 struct MapSurvey {
@@ -48,7 +51,13 @@ struct SurveySettings {
   int threads = 1;
 };
 
-/// `albedo`: null, or of the normals' size. Normals may be shortened by a roughness.
-MapSurvey survey_map(const PlaneStore& normals, const PlaneStore* albedo, const SurveySettings& settings);
+/// What goes along with the normals: null, or of their size.
+struct SurveyedFeatures {
+  const PlaneStore* albedo = nullptr;
+  const WeightMap* weights = nullptr;
+};
+
+/// Normals may be shortened by a roughness.
+MapSurvey survey_map(const PlaneStore& normals, const SurveyedFeatures& features, const SurveySettings& settings);
 
 }  // namespace multum

@@ -123,10 +123,9 @@ std::string brdf_text(const Brdf& brdf, const std::string& measured_file) {
   return "";
 }
 
-// Against the folder of results; empty stays empty.
-std::string relative(const std::string& path, const SceneFiles& files) {
-  if (path.empty()) return "";
-  return fs::absolute(path).lexically_proximate(fs::absolute(files.folder)).generic_string();
+// A service publishes the folder of results from another place: paths against it would lead elsewhere.
+std::string absolute(const std::string& path) {
+  return path.empty() ? "" : fs::absolute(path).lexically_normal().generic_string();
 }
 
 // The object on multum-view's plane, at its nearest, seen as steeply as 45 degrees allow: 10 units away, a unit being
@@ -149,7 +148,7 @@ Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& 
   Json brdfs = Json::array();
   for (const std::size_t m : object.materials) {
     const SceneMaterial& material = scene.materials[m];
-    const std::string measured = relative(material.measured_file, files);
+    const std::string measured = absolute(material.measured_file);
     if (!material.width_in_map) brdfs.push_back(brdf_text(material.brdfs.front(), measured));
     if (!measured.empty()) view["measured"] = true;
   }
@@ -169,7 +168,7 @@ Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& 
   view["light"] = lights;
   view["point_light"] = point_lights;
   if (!scene.environment.empty()) {
-    view["environment"] = relative(scene.environment, files);
+    view["environment"] = absolute(scene.environment);
     view["environment_mode"] = plan.environment_by_harmonics ? "sh" : "prefiltered";
   }
   return view;

@@ -90,6 +90,14 @@ SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFil
   report.launches = device.launch_counts();
   report.builds = device.build_counts();
   report.seconds = seconds_since(start);
+  const auto compared = Clock::now();
+  for (std::size_t m = 0; m < plan.maps.size(); ++m) {
+    const MapPlan& map = plan.maps[m];
+    if (map.mosaics == nullptr || map.stated_difference == 0.0 || !report.maps[m].options.empty()) continue;
+    progress_stage(progress, "compare with the default bake");
+    report.maps[m].difference = measure_difference(scene, map, device, progress);
+  }
+  report.compare_seconds = seconds_since(compared);
   write_text_file(files.report(), report.to_json(plan).dump(2) + "\n");
   return report;
 }
@@ -97,6 +105,7 @@ SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFil
 nlohmann::json SceneReport::to_json(const ScenePlan& plan) const {
   nlohmann::json json = {{"seconds", seconds},
                          {"plan_seconds", plan.plan_seconds},
+                         {"compare_seconds", compare_seconds},
                          {"default_estimate_ms", plan.usual_cost.ms},
                          {"bytes", plan.cost.bytes},
                          {"bytes_saved", plan.usual_cost.bytes - plan.cost.bytes},
@@ -117,6 +126,14 @@ nlohmann::json SceneReport::to_json(const ScenePlan& plan) const {
                           {"ms_saved_estimate", planned.usual.cost.ms - planned.chosen.cost.ms},
                           {"bake", nlohmann::json::parse(map.bake.to_json())}};
     if (!map.options.empty()) row["options"] = map.options;
+    if (map.difference)
+      row["difference_from_default"] = {{"brdf", map.difference->part},
+                                        {"error", map.difference->error},
+                                        {"confidence", map.difference->confidence},
+                                        {"worst_level", map.difference->worst_level},
+                                        {"worst_level_error", map.difference->worst_error},
+                                        {"worst_level_confidence", map.difference->worst_confidence},
+                                        {"at_most", map.difference->at_most()}};
     if (map.has_colours) row["colours"] = nlohmann::json::parse(map.colours.to_json());
     json["maps"].push_back(std::move(row));
   }
@@ -130,10 +147,20 @@ std::string SceneReport::to_text(const ScenePlan& plan) const {
   for (const auto& [file, count] : builds)
     kernels += fmt::format("  {:<28} {:>8} program{} built\n", file + ".cl", count, count == 1 ? "" : "s");
   text += kernels;
+  for (std::size_t m = 0; m < maps.size(); ++m) {
+    const auto& d = maps[m].difference;
+    if (d)
+      text += fmt::format("{}: {} from what the default bake shows ({}, 95 % interval); at worst {} at level {}\n",
+                          maps[m].name, error_text(d->error, d->confidence), d->part,
+                          error_text(d->worst_error, d->worst_confidence), d->worst_level);
+    else if (plan.maps[m].stated_difference == 0.0)
+      text += fmt::format("{}: as the default bake has it\n", maps[m].name);
+  }
   text += fmt::format(
-      "baked in {} and planned in {}, the default bake's estimate is {}; textures {}, {} less than the default "
+      "baked in {} and planned in {}, compared in {}; the default bake's estimate is {}; textures {}, {} less than the default "
       "bake's\n",
-      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(plan.usual_cost.ms),
+      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
+      time_text(plan.usual_cost.ms),
       bytes_text(plan.cost.bytes), bytes_text(plan.usual_cost.bytes - plan.cost.bytes));
   return text;
 }

@@ -5,11 +5,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/bake/bake_report.h"
 #include "host/scene/plan_text.h"
+#include "host/scene/scene_difference.h"
 #include "host/scene/scene_plan.h"
 
 namespace multum {
@@ -22,12 +24,15 @@ struct SceneMapReport {
   MipReport colours;
   double seconds = 0.0;
   std::uint64_t file_bytes = 0;
+  // Measured after the bakes, of maps that are baked otherwise than by default and are no single texel.
+  std::optional<SceneDifference> difference;
 };
 
 struct SceneReport {
   std::vector<SceneMapReport> maps;
   double seconds = 0.0;  // of the bakes; ScenePlan::plan_seconds comes before
-  // Of all maps together.
+  double compare_seconds = 0.0;  // of measuring differences from the default bake
+  // Of all maps together, comparisons not among them.
   std::map<std::string, std::uint64_t> launches;  // by kernel
   std::map<std::string, int> builds;              // by kernels/FILE.cl
 

@@ -305,4 +305,15 @@ Scene read_scene(const std::string& path, const BakeJob& pattern) {
   return scene;
 }
 
+std::vector<std::string> scene_files(const std::string& path) {
+  const BakeJob pattern;  // named: GCC 12 warns of an empty one in braces
+  const Scene scene = read_scene(path, pattern);
+  std::vector<std::string> files;
+  for (const SceneMap& map : scene.maps)
+    for (const std::string& file : input_files(map.job)) files.push_back(file);
+  for (const SceneMaterial& material : scene.materials)
+    if (!material.measured_file.empty()) files.push_back(material.measured_file);
+  return files;
+}
+
 }  // namespace multum

@@ -8,12 +8,14 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 
 #include "host/base/error.h"
 #include "host/brdf/facet_distribution.h"
 #include "host/brdf/fresnel.h"
 #include "host/scene/lobe_errors.h"
+#include "host/scene/scene_difference.h"
 #include "host/scene/seen_levels.h"
 
 namespace multum {
@@ -35,24 +37,52 @@ std::string percent(double share) {
 struct MapNeeds {
   bool diffuse = false, specular = false;
   bool width_in_map = false, weighted = false;
-  bool environment_highlight = false;
-  double exponent_min = 0.0, exponent_max = 0.0;  // of highlights
+  bool environment_highlight = false, takes_vmf = false;  // GGX and what was measured are sums of vMFs
+  double exponent_min = 0.0, exponent_max = 0.0;          // of highlights that have one
   int first_seen = 0, last_seen = 0;
+  std::vector<ShadedBy> diffuse_by, highlights_by;
 
-  void add_exponent(double exponent) {
-    exponent_min = specular ? std::min(exponent_min, exponent) : exponent;
-    exponent_max = specular ? std::max(exponent_max, exponent) : exponent;
-    specular = true;
+  void add_diffuse(int weight) {
+    diffuse = true;
+    add(diffuse_by, {std::nullopt, weight});
   }
-  std::vector<ShadedBy> highlights() const {
-    std::vector<ShadedBy> shadings;
-    if (specular) shadings.push_back({exponent_max});
-    if (specular && exponent_min < exponent_max) shadings.push_back({exponent_min});
-    return shadings;
+  void add_highlight(double exponent, int weight) {
+    specular = true;
+    add(highlights_by, {exponent, weight});
+    if (!std::isfinite(exponent)) return;
+    const bool is_first = exponent_max == 0.0;
+    exponent_min = is_first ? exponent : std::min(exponent_min, exponent);
+    exponent_max = is_first ? exponent : std::max(exponent_max, exponent);
+  }
+  // The sharpest and the broadest: what is measured of a bake. None where widths are the map's.
+  std::vector<double> exponents() const {
+    std::vector<double> ends;
+    if (exponent_max > 0.0) ends.push_back(exponent_max);
+    if (exponent_min < exponent_max) ends.push_back(exponent_min);
+    return ends;
+  }
+
+ private:
+  static void add(std::vector<ShadedBy>& all, const ShadedBy& one) {
+    const auto is_one = [&](const ShadedBy& by) { return by.exponent == one.exponent && by.weight == one.weight; };
+    if (std::none_of(all.begin(), all.end(), is_one)) all.push_back(one);
   }
 };
 
 bool is_black(const glm::vec3& colour) { return colour == glm::vec3(0.0f); }
+
+// `weight`: of the map's, that it is blended by; -1: none.
+void add_material(const Scene& scene, const SceneMaterial& material, int weight, MapNeeds& needs) {
+  needs.width_in_map |= material.width_in_map;
+  for (const Brdf& brdf : material.brdfs) {
+    if (!is_black(brdf.diffuse)) needs.add_diffuse(weight);
+    if (!has_highlight(brdf)) continue;
+    needs.add_highlight(
+        material.width_in_map ? std::numeric_limits<double>::infinity() : equivalent_exponent(brdf), weight);
+    needs.environment_highlight |= !scene.environment.empty();
+    needs.takes_vmf |= brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured;
+  }
+}
 
 MapNeeds needs_of(const Scene& scene, std::size_t map, int width, int level_count) {
   MapNeeds needs;
@@ -64,15 +94,9 @@ MapNeeds needs_of(const Scene& scene, std::size_t map, int width, int level_coun
     needs.last_seen = is_first ? seen.last : std::max(needs.last_seen, seen.last);
     is_first = false;
     needs.weighted |= object.materials.size() > 1;
-    for (const std::size_t m : object.materials) {
-      needs.width_in_map |= scene.materials[m].width_in_map;
-      for (const Brdf& brdf : scene.materials[m].brdfs) {
-        needs.diffuse |= !is_black(brdf.diffuse);
-        if (!has_highlight(brdf)) continue;
-        needs.add_exponent(equivalent_exponent(brdf));
-        needs.environment_highlight |= !scene.environment.empty();
-      }
-    }
+    for (std::size_t k = 0; k < object.materials.size(); ++k)
+      add_material(scene, scene.materials[object.materials[k]], object.materials.size() > 1 ? static_cast<int>(k) : -1,
+                   needs);
   }
   return needs;
 }
@@ -90,16 +114,17 @@ class MapPlanner {
     plan_.level_count = mip_level_count(plan_.width, plan_.height);
     needs_ = needs_of(scene, map, plan_.width, plan_.level_count);
     plan_.first_seen = needs_.first_seen;
+    plan_.is_diffuse = needs_.diffuse;
     plan_.last_seen = needs_.last_seen;
     SurveySettings survey;
     survey.threads = settings.threads;
     // Bakes of small maps take no longer than many fits.
     survey.texels_per_level =
         std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
-    survey_ = survey_map(normals, source_->colours(), survey);
+    survey_ = survey_map(normals, {source_->colours(), needs_.weighted ? source_->weight_map() : nullptr}, survey);
     plan_.z_min = survey_.z_min;
-    errors_.emplace(
-        survey_, LobeErrorSettings{std::max(1, std::min(needs_.first_seen, plan_.level_count - 1)), settings.threads});
+    errors_.emplace(survey_, LobeErrorSettings{std::max(1, std::min(needs_.first_seen, plan_.level_count - 1)),
+                                               source_->has_roughness, source_->mean_cosine, settings.threads});
   }
 
   MapPlan plan() {
@@ -113,7 +138,6 @@ class MapPlanner {
                       ? PartErrors{target, target}
                       : PartErrors{plan_.usual.error.diffuse + tolerance, plan_.usual.error.specular + tolerance};
     if (plan_.is_constant) add_constant();
-    else if (needs_.width_in_map || needs_.weighted) plan_.candidates = {of_materials()};
     else add_candidates();
     choose();
     source_.reset();  // large
@@ -134,7 +158,7 @@ class MapPlanner {
     s.encoding = representation_info(representation).encodings.front();
     s.first_level = plan_.is_constant ? plan_.level_count - 1 : plan_.first_seen;
     s.weight_count = source_->weights ? source_->weights->count : 0;
-    s.exponent_count = static_cast<int>(needs_.highlights().size());
+    s.exponent_count = needs_.width_in_map ? 1 : static_cast<int>(needs_.exponents().size());
     return s;
   }
 
@@ -146,8 +170,8 @@ class MapPlanner {
   template <typename Error>
   PartErrors part_errors(const Error& error, ColourModel colours) const {
     PartErrors parts;
-    if (needs_.diffuse) parts.diffuse = error({ShadedBy{}}, has_colours_ ? colours : ColourModel::kNone);
-    if (needs_.specular) parts.specular = error(needs_.highlights(), ColourModel::kNone);
+    if (needs_.diffuse) parts.diffuse = error(needs_.diffuse_by, has_colours_ ? colours : ColourModel::kNone);
+    if (needs_.specular) parts.specular = error(needs_.highlights_by, ColourModel::kNone);
     return parts;
   }
   PartErrors lobes_error(int lobes, ColourModel colours) {
@@ -162,8 +186,7 @@ class MapPlanner {
     s.has_colours = source_->albedo.has_value();
     s.exponent_count = 3;
     plan_.usual = finished({"vmf, 4 lobes", s, s.has_colours, {}, {}});
-    const bool is_estimated = !plan_.is_constant && !needs_.width_in_map && !needs_.weighted;
-    if (!is_estimated) return;
+    if (plan_.is_constant) return;
     // One lobe within the tolerance needs no comparison: the default bake is taken to be no worse.
     if (!scene_.budget.target_error) {
       const PartErrors one = lobes_error(1, ColourModel::kLobes);
@@ -180,14 +203,6 @@ class MapPlanner {
     s.mean_colours = has_colours_ && !constant_colours;
     plan_.candidates = {finished(
         {"vmf, 1 lobe, 1 texel", s, false, {0.5 * scene_.budget.tolerance, 0.5 * scene_.budget.tolerance}, {}})};
-  }
-
-  // Widths of their own, and BRDFs that are blended: the estimate knows neither.
-  BakeCandidate of_materials() const {
-    BakeShape s = shape(Representation::kMovmf, kLobesUsual);
-    s.has_colours = has_colours_;
-    s.exponent_count = needs_.width_in_map ? 1 : s.exponent_count;
-    return finished({"vmf, 4 lobes", s, s.has_colours, {}, {}});
   }
 
   void add_lobes(int lobes) {
@@ -210,6 +225,9 @@ class MapPlanner {
       if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
     }
     if (one_lobe_is_enough_) return;  // no other takes fewer textures
+    // Of widths in the map and of weights, only lobes are estimated.
+    if (needs_.width_in_map || needs_.weighted) return;
+    add_gaussians();
     // Of harmonics and moments an environment's highlight is that of one lobe of the mean normal.
     if (needs_.environment_highlight) return;
     BakeShape s = shape(Representation::kMoments, 1);
@@ -223,6 +241,21 @@ class MapPlanner {
       const auto sh = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->sh_error(order, by, c); };
       plan_.candidates.push_back(
           finished({fmt::format("sh of order {}", order), s, false, part_errors(sh, ColourModel::kMean), {}}));
+    }
+  }
+
+  // Gaussians take as many textures as vMFs, and as much time to fit: they are cheaper where fewer will do.
+  void add_gaussians() {
+    if (needs_.takes_vmf || !scene_.environment.empty()) return;
+    const BakeCandidate vmf = plan_.candidates.back();
+    const int most = vmf.shape.lobe_count - (vmf.error.within(plan_.limit) ? 1 : 0);
+    for (int lobes = 1; lobes <= most; ++lobes) {
+      BakeShape s = shape(Representation::kGmm, lobes);
+      s.has_colours = has_colours_;
+      const auto gmm = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->gmm_error(lobes, by, c); };
+      plan_.candidates.push_back(finished({fmt::format("gmm, {} lobe{}", lobes, lobes == 1 ? "" : "s"), s,
+                                           has_colours_ && lobes > 1, part_errors(gmm, ColourModel::kLobes), {}}));
+      if (plan_.candidates.back().error.within(plan_.limit)) break;
     }
   }
 
@@ -277,7 +310,7 @@ class EffectRows {
   }
 
  private:
-  bool is_estimated() const { return !plan_.is_constant && !needs_.width_in_map && !needs_.weighted; }
+  bool is_estimated() const { return !plan_.is_constant; }
   void add_row(const std::string& effect, bool needed, const std::string& why) {
     plan_.effects.push_back({effect, needed, why, false, {}});
   }
@@ -324,8 +357,8 @@ class EffectRows {
     double spread = 0.0;
     for (const LevelStatistics& level : planner_.survey().levels)
       if (level.level >= plan_.first_seen) spread = std::max(spread, level.spread_mean);
-    if (!is_estimated()) {
-      add_row("normals under texels", true, fmt::format("spread of normals up to {:.2g}", spread));
+    if (needs_.width_in_map) {
+      add_row("normals under texels", true, fmt::format("spread of normals and of their BRDFs up to {:.2g}", spread));
       return;
     }
     const double without = error_of(0);
@@ -336,9 +369,9 @@ class EffectRows {
   }
 
   double error_of(int lobes) {
-    double worst = needs_.diffuse ? planner_.errors().error(lobes, {ShadedBy{}}, ColourModel::kNone) : 0.0;
+    double worst = needs_.diffuse ? planner_.errors().error(lobes, needs_.diffuse_by, ColourModel::kNone) : 0.0;
     if (needs_.specular)
-      worst = std::max(worst, planner_.errors().error(lobes, needs_.highlights(), ColourModel::kNone));
+      worst = std::max(worst, planner_.errors().error(lobes, needs_.highlights_by, ColourModel::kNone));
     return worst;
   }
 
@@ -346,10 +379,7 @@ class EffectRows {
     const bool needed = holds_lobes(chosen_.representation) && chosen_.lobe_count > 1;
     const auto one = [](BakeShape& s) { s.lobe_count = 1; };
     if (!is_estimated()) {
-      add_row(
-          "several lobes, EM", needed,
-          needed ? "the map has a roughness or weights: the default's 4, nothing is estimated" : "nothing to share out",
-          needed ? chosen_without(one) : saved_by(one));
+      add_row("several lobes, EM", false, "nothing to share out", saved_by(one));
       return;
     }
     std::string tried;
@@ -366,19 +396,27 @@ class EffectRows {
     if (needed) add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
   }
 
+  // Why there is no candidate of it.
+  std::string why_not_tried(Representation representation) const {
+    if (plan_.is_constant) return "one lobe stands for all";
+    if (needs_.width_in_map || needs_.weighted) return "widths in the map and weights take vMF lobes";
+    if (representation == Representation::kGmm && needs_.takes_vmf) return "GGX and measured BRDFs take vMF lobes";
+    if (needs_.environment_highlight || representation == Representation::kGmm)
+      return !scene_.environment.empty() ? "an environment takes vMF lobes" : "one vMF lobe does";
+    return "one or several lobes do";
+  }
+
   void add_other_representations() {
-    for (const auto& [representation, effect] : {std::pair{Representation::kMoments, "moments of slopes (LEAN)"},
+    for (const auto& [representation, effect] : {std::pair{Representation::kGmm, "planar Gaussians"},
+                                                 std::pair{Representation::kMoments, "moments of slopes (LEAN)"},
                                                  std::pair{Representation::kSh, "spherical harmonics"}}) {
       const bool needed = chosen_.representation == representation;
       std::string tried;
       for (const BakeCandidate& c : plan_.candidates)
         if (c.shape.representation == representation)
-          tried += fmt::format("{}{} {}, {} textures", tried.empty() ? "" : "; ", c.name, parts_text(c.error),
-                               texture_count(c.shape));
-      const std::string why = !is_estimated() || plan_.candidates.size() == 1 ? "one or several lobes do"
-                              : needs_.environment_highlight && tried.empty() ? "an environment's highlight takes lobes"
-                                                                              : "off " + tried;
-      add_row(effect, needed, why);
+          tried += fmt::format("{}{} {}, {} texture{}", tried.empty() ? "" : "; ", c.name, parts_text(c.error),
+                               texture_count(c.shape), texture_count(c.shape) == 1 ? "" : "s");
+      add_row(effect, needed, tried.empty() ? why_not_tried(representation) : "off " + tried);
     }
   }
 
@@ -434,7 +472,7 @@ class EffectRows {
     if (!is_estimated()) return;
     const int lobes = std::max(chosen_.lobe_count, 2);
     const double correlation = planner_.errors().colour_correlation(lobes);
-    const auto error = [&](ColourModel model) { return planner_.errors().error(lobes, {ShadedBy{}}, model); };
+    const auto error = [&](ColourModel model) { return planner_.errors().error(lobes, needs_.diffuse_by, model); };
     add_row("colours of each lobe", plan_.chosen.lobe_colours,
             fmt::format("{} of the colours' variance lies between {} lobes; diffuse light is {} off with one colour a "
                         "texel, {} with one a lobe",
@@ -449,9 +487,10 @@ class EffectRows {
   void add_precision() {
     if (chosen_.representation != Representation::kMovmf) return;
     const auto kept = static_cast<double>(storage_kappa_max(StorageEncoding::kSnorm16));
-    if (!is_estimated() || needs_.exponent_max <= kept) {
+    if (!is_estimated() || needs_.width_in_map || needs_.exponent_max <= kept) {
       add_row("32-bit storage", false,
-              needs_.specular ? fmt::format("highlights up to s = {:.0f}, 16 bits keep lobes up to kappa {:.0f}",
+              needs_.width_in_map ? "highlights are as broad as the roughness says"
+              : needs_.specular ? fmt::format("highlights up to s = {:.0f}, 16 bits keep lobes up to kappa {:.0f}",
                                             needs_.exponent_max, kept)
                               : "no highlights");
       return;
@@ -479,13 +518,15 @@ class EffectRows {
   }
 
   void add_measurement() {
-    const auto count = needs_.highlights().size();
-    add_row("measuring highlights", count > 0,
-            count > 0 ? fmt::format("at s = {:.4g}{}", needs_.exponent_max,
-                                    count > 1 ? fmt::format(" and {:.4g}", needs_.exponent_min) : "")
-                      : "there are none",
-            count > 0 ? chosen_without([](BakeShape& s) { s.exponent_count = 0; })
-                      : saved_by([](BakeShape& s) { s.exponent_count = 0; }));
+    const auto count = needs_.exponents().size();
+    const auto none = [](BakeShape& s) { s.exponent_count = 0; };
+    const bool needed = count > 0 || needs_.width_in_map;
+    add_row("measuring highlights", needed,
+            needs_.width_in_map ? "as wide as the roughness says"
+            : needed            ? fmt::format("at s = {:.4g}{}", needs_.exponent_max,
+                                              count > 1 ? fmt::format(" and {:.4g}", needs_.exponent_min) : "")
+                                : "there are none",
+            needed ? chosen_without(none) : saved_by(none));
   }
 
   const Scene& scene_;
@@ -496,7 +537,7 @@ class EffectRows {
 };
 
 // The bake that a plan asks for.
-void fill_job(const MapNeeds& needs, double tolerance, MapPlan& plan) {
+void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   const BakeShape& s = plan.chosen.shape;
   BakeJob& job = plan.job;
   job.representation = s.representation;
@@ -510,12 +551,11 @@ void fill_job(const MapNeeds& needs, double tolerance, MapPlan& plan) {
   if (!needs.weighted) job.weights.clear();
   if (plan.source && job.albedo.empty()) plan.source->albedo.reset();
   if (plan.source && job.weights.empty()) plan.source->weights.reset();
-  job.measured_exponents.clear();
-  for (const ShadedBy& by : needs.highlights()) job.measured_exponents.push_back(*by.exponent);
-  const bool as_usual = plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
+  job.measured_exponents = needs.exponents();
+  const bool as_usual = !budget.target_error && plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
   if (plan.is_constant) job.measure = false;  // how far normals are apart is known
   plan.stated_difference =
-      as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst() + tolerance;
+      as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst() + budget.tolerance;
 }
 
 // Down to the scene's budgets, each time the step that adds the least error.
@@ -634,6 +674,7 @@ ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress*
     planners.push_back(std::make_unique<MapPlanner>(scene, m, source, settings));
     plan.maps.push_back(planners.back()->plan());
     MapPlan& map = plan.maps.back();
+    if (settings.for_bake && !map.is_constant) map.mosaics = std::make_shared<std::vector<BakeSource>>(difference_mosaics(*source));
     const std::uint64_t bytes =
         static_cast<std::uint64_t>(map.width) * static_cast<std::uint64_t>(map.height) * 12 * (source->albedo ? 2 : 1);
     if (kept + bytes <= settings.kept_bytes_max) {
@@ -645,7 +686,7 @@ ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress*
   for (std::size_t m = 0; m < plan.maps.size(); ++m) {
     MapPlan& map = plan.maps[m];
     EffectRows(scene, *planners[m], map).add();
-    fill_job(planners[m]->needs(), scene.budget.tolerance, map);
+    fill_job(planners[m]->needs(), scene.budget, map);
     plan.cost += map.chosen.cost;
     plan.usual_cost += map.usual.cost;
   }

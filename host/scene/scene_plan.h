@@ -50,13 +50,16 @@ struct MapPlan {
   int width = 0, height = 0, level_count = 0;
   int first_seen = 0, last_seen = 0;      // levels
   double z_min = 0.0;                     // of the map's normals
+  bool is_diffuse = false;                // some material is
   bool is_constant = false;               // every normal stands for all: the coarsest level is enough
   BakeCandidate chosen, usual;            // the default bake
   PartErrors limit;                       // that candidates were held to
   std::vector<BakeCandidate> candidates;  // by textures, then time
-  double stated_difference = 0.0;         // from pictures of the default bake, relative L1, at most
+  double stated_difference = 0.0;         // from pictures of the default bake, relative L1, by the estimates
   std::vector<PlannedEffect> effects;
   std::shared_ptr<BakeSource> source;  // what the job reads, where it is kept
+  // Small samples of the map, for host/scene/scene_difference.h; null: no bake comes after, or one texel stands for all.
+  std::shared_ptr<std::vector<BakeSource>> mosaics;
 };
 
 struct ObjectPlan {
@@ -78,6 +81,7 @@ struct ScenePlan {
 
 struct PlanSettings {
   int threads = 1;
+  bool for_bake = true;  // a bake comes after
   // Maps stay read for the bake up to so many bytes together; beyond, they are read again.
   std::uint64_t kept_bytes_max = std::uint64_t{4} << 30;
 };

@@ -12,6 +12,7 @@
 #include "host/bake/animation_job.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/scene/scene_file.h"
 #include "host/service/staging.h"
 
 namespace multum {
@@ -70,6 +71,21 @@ JobType bake_type() {
            {"brdf", Kind::kText, "for which settings are chosen: lambert or blinn-phong:S"},
            {"best_effort", Kind::kFlag, "write the best that was reached where nothing reaches the target"},
            {"no_measure", Kind::kFlag, "skip measuring the error of what is written"}}};
+}
+
+JobType scene_type() {
+  return {"scene",
+          "the maps of a scene, each as the scene needs it",
+          "bake",
+          "scene",
+          true,
+          true,
+          true,
+          "",
+          1024 * kMiB,
+          {{"scene", Kind::kInputFile, "scene.toml: maps, materials, objects, lights, camera"},
+           {"memory", Kind::kWhole, "bytes of resident memory to stay within", 1 << 26, 1e15},
+           {"device", Kind::kText, "OpenCL device: a number of `multum devices` or part of a name"}}};
 }
 
 JobType infer_type() {
@@ -167,7 +183,7 @@ std::string shortened(const Json& value) {
 }
 
 const std::vector<JobType>& job_types() {
-  static const std::vector<JobType> types = {bake_type(), infer_type(), drill_type()};
+  static const std::vector<JobType> types = {bake_type(), scene_type(), infer_type(), drill_type()};
   return types;
 }
 
@@ -247,8 +263,9 @@ std::vector<std::string> input_files(const JobType& type, const Json& parameters
   for (const JobParameter& parameter : type.parameters)
     if (parameter.kind == Kind::kInputFile && parameters.contains(parameter.name))
       files.push_back(parameters.at(parameter.name).get<std::string>());
-  if (type.command == "infer") {
-    const std::vector<std::string> named = animation_job_files(files.front());
+  if (type.output_is_folder) {
+    const std::vector<std::string> named =
+        type.command == "infer" ? animation_job_files(files.front()) : scene_files(files.front());
     files.insert(files.end(), named.begin(), named.end());
   }
   return files;
@@ -270,8 +287,9 @@ std::string idempotency_key(const JobType& type, const Json& parameters, const s
   for (const JobParameter& parameter : type.parameters)
     if (parameter.kind == Kind::kInputFile && without_names.contains(parameter.name))
       without_names[parameter.name] = true;
-  // A manifest of inferred textures names its scene file, and which file is which matters there.
-  if (type.command == "infer") without_names["job"] = parameters.at("job");
+  // A manifest of inferred textures names its scene file, as a plan does an environment, and which file is which matters
+  // there.
+  if (type.output_is_folder) without_names[type.input] = parameters.at(type.input);
   return hash_text(
       Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}
           .dump());

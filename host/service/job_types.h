@@ -34,7 +34,7 @@ struct JobType {
   std::vector<JobParameter> parameters;
 };
 
-/// bake, infer, and drill: a job that does nothing, or fails as asked, for trying out a set-up.
+/// bake, scene, infer, and drill: a job that does nothing, or fails as asked, for trying out a set-up.
 const std::vector<JobType>& job_types();
 /// Throws Error(kUsage) naming those that there are.
 const JobType& find_job_type(const std::string& name);
@@ -53,7 +53,8 @@ nlohmann::json parameters_schema(const JobType& type);
 std::vector<std::string> job_arguments(const JobType& type, const nlohmann::json& parameters,
                                        const std::string& output);
 
-/// Every file whose content decides the result: the parameters' own, and those that a job of inference names.
+/// Every file whose content decides the result: the parameters' own, and those that a scene or a job of inference
+/// names.
 /// Throws Error(kInput) when such a job cannot be read.
 std::vector<std::string> input_files(const JobType& type, const nlohmann::json& parameters);
 

@@ -147,7 +147,7 @@ TEST_F(SceneTest, TheSurveyIsWhatSumsSay) {
       for (std::size_t c = 0; c < 3; ++c) planes[c].push_back(static_cast<float>(n[static_cast<int>(c)]));
     }
     const PlaneStore normals(width, height, {planes[0].data(), planes[1].data(), planes[2].data()});
-    const MapSurvey survey = survey_map(normals, nullptr, {});
+    const MapSurvey survey = survey_map(normals, {}, {});
     ASSERT_EQ(static_cast<int>(survey.levels.size()), mip_level_count(width, height) - 1);
     for (const LevelStatistics& level : survey.levels) {
       std::map<std::pair<int, int>, std::vector<glm::dvec3>> texels;
@@ -183,7 +183,7 @@ TEST_F(SceneTest, TheSurveyIsWhatSumsSay) {
     }
     SurveySettings many;
     many.threads = 3;
-    const MapSurvey again = survey_map(normals, nullptr, many);
+    const MapSurvey again = survey_map(normals, {}, many);
     for (std::size_t t = 0; t < survey.texels.size(); ++t) EXPECT_EQ(again.texels[t].normals, survey.texels[t].normals);
   }
 }
@@ -207,7 +207,7 @@ TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
     x.push_back(side), y.push_back(0.0f), z.push_back(std::sqrt(0.75f));
   }
   const PlaneStore normals(64, 64, {x.data(), y.data(), z.data()});
-  const MapSurvey survey = survey_map(normals, nullptr, {});
+  const MapSurvey survey = survey_map(normals, {}, {});
   EXPECT_NEAR(survey.levels[0].anisotropy, 1.0, 1e-6);
   LobeErrors errors(survey, {});
   const std::vector<ShadedBy> sharp = {{100.0}}, lambert = {ShadedBy{}};
@@ -231,7 +231,7 @@ TEST_F(SceneTest, ColoursThatGoWithSlopesAreFound) {
       r.push_back(red ? 1.0f : 0.0f), g.push_back(0.0f), b.push_back(red ? 0.0f : 1.0f);
     }
     const PlaneStore normals(64, 64, {x.data(), y.data(), z.data()}), albedo(64, 64, {r.data(), g.data(), b.data()});
-    const MapSurvey survey = survey_map(normals, &albedo, {});
+    const MapSurvey survey = survey_map(normals, {&albedo, nullptr}, {});
     EXPECT_EQ(survey.colour_range, 1.0);
     LobeErrors errors(survey, {2, 1});
     const double one = errors.error(2, {ShadedBy{}}, ColourModel::kMean);

@@ -47,7 +47,8 @@ int run_plan(const PlanOptions& o) {
   const auto progress = make_progress(o.common);
   PlanSettings settings;
   settings.threads = pattern.threads;
-  settings.kept_bytes_max = 0;  // no bake comes after
+  settings.kept_bytes_max = 0;
+  settings.for_bake = false;
   const ScenePlan plan = plan_scene(scene, settings, progress.get());
   progress_finish(progress.get());
   const fs::path folder = fs::path(o.output).parent_path();
