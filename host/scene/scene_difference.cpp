@@ -15,8 +15,8 @@
 namespace multum {
 namespace {
 
-constexpr int kMosaicSide = 128, kMosaicBlock = 32, kMosaics = 4;
-constexpr double kStudent = 3.182;  // 95 %, of kMosaics - 1 degrees of freedom
+constexpr int kMosaicSide = 128, kMosaicBlock = 32, kMosaics = 3;
+constexpr double kStudent = 4.303;  // 95 %, of kMosaics - 1 degrees of freedom
 
 // Towards the scene's distant lights that are above the surface, the usual ones where there are none; half vectors
 // with views from above and from two tilts.
@@ -105,7 +105,8 @@ SceneDifference measure_difference(const Scene& scene, const MapPlan& map, Devic
   accuracy.exponents = map.job.measured_exponents;
   accuracy.samples_per_level = 0;
   accuracy.directions = scene_directions(scene, number);
-  const BakeJob usual = usual_job(scene, map);
+  BakeJob usual = usual_job(scene, map);
+  usual.fitting.rehearse_start = false;  // a likeness of a likeness: a second a map, and no other start on most
   std::vector<std::vector<LevelDifference>> found;  // [mosaic][level and BRDF]
   int first = 0;
   for (BakeSource& mosaic : *map.mosaics) {
@@ -114,6 +115,7 @@ SceneDifference measure_difference(const Scene& scene, const MapPlan& map, Devic
     accuracy.first_level = first;
     BakeJob own = map.job;
     own.fitting.first_level = first;
+    own.fitting.rehearse_start = false;
     const auto meter = rehearsed(device, own, mosaic, accuracy, &quiet);
     const auto other = rehearsed(device, usual, mosaic, accuracy, &quiet);
     // Where the scene shows no colours, those of the default bake are not seen either.

@@ -64,6 +64,10 @@ class SceneCommandTest : public CliTest {
     write_bytes(path(c.name + ".toml"), text);
     return path(c.name + ".toml");
   }
+  // One that says itself what it is made of.
+  static std::string with_object(const std::string& materials) {
+    return "[[object]]\nname = \"front\"\nmap = \"wall\"\n" + materials + "\nwidth = 2.0\ndistance = [0.4, 20]\n";
+  }
   Json json(const std::string& name) const { return Json::parse(read_bytes(path(name))); }
   // Three channels of bytes, or of floats.
   void write_image(const std::string& name, int size, const std::function<float(int x, int y, int c)>& value,
@@ -123,7 +127,11 @@ class SceneCommandTest : public CliTest {
     const ProgramResult baked = multum({"bake", write_scene(c), "-o", path(c.name)});
     EXPECT_EQ(baked.exit_code, 0) << baked.err;
     Json plan = json(c.name + "/plan.json");
-    const double stated = plan["objects"][0]["stated_difference"];
+    const Json report = json(c.name + "/report.json");
+    const double of_map = plan["maps"][0]["stated_difference"];
+    double stated = plan["objects"][0]["stated_difference"];
+    if (report["maps"][0].contains("difference_from_default"))
+      stated += report["maps"][0]["difference_from_default"]["at_most"].get<double>() - of_map;
     const std::vector<float> picture = draw(path(c.name + "/plan.json"));
     hold_shader_to_plan(plan);
     std::vector<std::string> command = {"bake", path(c.normal + "_normal.png"), "-o",
@@ -148,8 +156,9 @@ class SceneCommandTest : public CliTest {
     EXPECT_EQ(picture.size(), expected.size());
     EXPECT_LE(off, (stated + 1e-6) * all) << 100.0 * off / all << " %, stated " << 100.0 * stated;
     RecordProperty(c.name, fmt::format("{:.3g} of {:.3g} %", 100.0 * off / all, 100.0 * stated));
-    return json(c.name + "/report.json");
+    return report;
   }
+  static bool is_compared(const Json& report) { return report["maps"][0].contains("difference_from_default"); }
   static bool has_em(const Json& report) {
     bool launched = false, built = false;
     for (const auto& [kernel, count] : report["launches"].items())
@@ -175,17 +184,25 @@ TEST_F(SceneCommandTest, AFlatWallIsOneTexel) {
   EXPECT_EQ(names(report["launches"]), (std::vector<std::string>{"mip_blocks", "mip_features", "mip_levels"}));
   EXPECT_EQ(names(report["builds"]), std::vector<std::string>{"mip_box"});
   EXPECT_EQ(report["bytes"], 8.0);
+  EXPECT_FALSE(is_compared(report)) << "a bound of the map itself is known";
 }
 
 TEST_F(SceneCommandTest, DiffuseLightFitsNothing) {
   const Json report = hold_to_default({.name = "diffuse", .material = "brdf = \"lambert\"\n"});
   EXPECT_EQ(names(report["launches"]), kAverageKernels);
   EXPECT_EQ(names(report["builds"]), kAveragePrograms);
+  ASSERT_TRUE(is_compared(report));
+  const Json difference = report["maps"][0]["difference_from_default"];
+  EXPECT_EQ(difference["brdf"], "lambert");
+  EXPECT_GT(difference["error"], 0.0);
+  EXPECT_EQ(difference["confidence"], 0.0) << "the whole map was compared";
+  EXPECT_GE(difference["at_most"], difference["error"]);
 }
 
 TEST_F(SceneCommandTest, OneFarObjectFitsNoFineLevels) {
   const Json report = hold_to_default({.name = "far", .distance = "60, 80"});
   EXPECT_TRUE(has_em(report));
+  EXPECT_FALSE(is_compared(report)) << "levels that are left out change no other";
   for (const auto& [kernel, count] : report["launches"].items()) EXPECT_NE(kernel, "movmf_level_zero");
   EXPECT_FALSE(report["builds"].contains("movmf_level_zero"));
   EXPECT_GT(report["bytes_saved"], 0.0);
@@ -269,6 +286,54 @@ TEST_F(SceneCommandTest, PlansArePrintedAndWritten) {
   const ProgramResult printed = multum({"plan", scene, "--json"});
   EXPECT_EQ(Json::parse(printed.out)["maps"][0]["chosen"]["lobes"], 1);
   EXPECT_EQ(json("plan.json")["maps"][0]["chosen"], Json::parse(printed.out)["maps"][0]["chosen"]);
+}
+
+TEST_F(SceneCommandTest, ABudgetOfTimeIsKeptOrRefused) {
+  SceneCase scene{.name = "quick"};
+  scene.material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\nbake_ms = ";
+  const std::string material = scene.material;
+  ASSERT_EQ(multum({"plan", write_scene({.name = "free"}), "-o", path("free.json")}).exit_code, 0);
+  const double free = json("free.json")["bake_ms"];
+  scene.material = material + fmt::format("{:.6g}\n", 1.001 * free);
+  ASSERT_EQ(multum({"plan", write_scene(scene), "-o", path("quick.json")}).exit_code, 0);
+  EXPECT_EQ(json("quick.json")["maps"][0]["chosen"], json("free.json")["maps"][0]["chosen"]);
+  scene.material = material + fmt::format("{:.6g}\n", 0.999 * free);
+  ASSERT_EQ(multum({"bake", write_scene(scene), "-o", path("quick")}).exit_code, 0);
+  EXPECT_LE(json("quick/plan.json")["bake_ms"], 0.999 * free);
+  EXPECT_NE(json("quick/plan.json")["maps"][0]["chosen"], json("free.json")["maps"][0]["chosen"]);
+  scene.material = material + "1\n";
+  const ProgramResult refused = multum({"bake", write_scene(scene), "-o", path("none")});
+  EXPECT_EQ(refused.exit_code, 5);
+  EXPECT_NE(refused.err.find("no settings keep to the budget's bake_ms of 1: the least is "), std::string::npos)
+      << refused.err;
+  EXPECT_FALSE(fs::exists(path("none/plan.json")));
+}
+
+// Four directions and four BRDFs: which facets shine is in the weights. One lobe is not enough, and the plan knows.
+TEST_F(SceneCommandTest, WeightsAndRoughnessAreEstimated) {
+  write_image("four_normal.png", 64, [](int x, int y, int c) {
+    return c == 0 ? (x % 2 == 0 ? 0.2f : 0.8f) : c == 1 ? (y % 2 == 0 ? 0.2f : 0.8f) : 0.7646f;
+  });
+  write_image("flat_normal.png", 64, [](int, int, int c) { return c == 2 ? 1.0f : 128.0f / 255.0f; });
+  write_image("weights.png", 64, [](int x, int, int c) { return c == x % 2 ? 1.0f : 0.0f; });
+  write_image("rough.png", 64, [](int, int, int) { return 0.4f; });
+  const auto lobes = [&](const std::string& normal, const std::string& keys, const std::string& material,
+                         const std::string& object) {
+    const std::string text = fmt::format(kHead, normal, keys) + "[[material]]\nname = \"paint\"\n" + material +
+                             with_object(object) + kSun;
+    write_bytes(path("w.toml"), text);
+    const ProgramResult planned = multum({"plan", path("w.toml"), "-o", path("w.json")});
+    EXPECT_EQ(planned.exit_code, 0) << planned.err;
+    const Json map = json("w.json")["maps"][0];
+    EXPECT_GT(map["default"]["error"], 0.0);
+    return map["chosen"]["lobes"].get<int>();
+  };
+  const std::string rough = "brdf = \"roughness-map\"\n", keys = "roughness = \"rough.png:R\"";
+  EXPECT_EQ(lobes("flat", keys, rough, "material = \"paint\""), 1) << "of a flat map one roughness is one lobe";
+  EXPECT_GT(lobes("four", keys, rough, "material = \"paint\""), 1);
+  const std::string two = "brdf = \"lambert\"\n[[material]]\nname = \"shine\"\nbrdf = \"blinn-phong\"\nexponent = 100\n";
+  EXPECT_EQ(lobes("flat", "weights = \"weights.png\"", two, "materials = [\"paint\", \"shine\", \"paint\"]"), 1);
+  EXPECT_GT(lobes("four", "weights = \"weights.png\"", two, "materials = [\"paint\", \"shine\", \"paint\"]"), 1);
 }
 
 TEST_F(SceneCommandTest, WhatIsWrongIsRefused) {

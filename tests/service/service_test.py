@@ -79,6 +79,29 @@ class ServiceTest(ServiceCase):
         with open(self.output("a.ndf.exr"), "rb") as file:
             self.assertEqual(file.read(), data)
 
+    def test_a_scene_is_a_folder_and_its_maps_are_its_inputs(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "32", os.path.join(service.root, "q")], check=True,
+                       capture_output=True)
+        scene = self.output("scene.toml")
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write('[[map]]\nname = "wall"\nnormal = "q_normal.png"\n[[material]]\nname = "paint"\n'
+                       'brdf = "lambert"\n[[object]]\nname = "front"\nmap = "wall"\nmaterial = "paint"\n'
+                       'width = 2.0\ndistance = [1, 20]\n[[light]]\ndirection = [0.3, 0.8, 0.5]\n')
+        self.assertIn("succeeded", self.client("submit", "scene", scene, "-o", self.output("baked"), "--wait"))
+        self.assertTrue(os.path.exists(self.output("baked/wall.ndf.exr")))
+        with open(self.output("baked/plan.json"), encoding="utf-8") as file:
+            self.assertEqual(json.load(file)["maps"][0]["chosen"]["lobes"], 1)
+        again = {"type": "scene", "parameters": {"scene": scene}, "output": self.output("baked")}
+        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200, "the same is there")
+        subprocess.run([MULTUM, "testmap", "--size", "16", os.path.join(service.root, "q")], check=True,
+                       capture_output=True)
+        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 201, "a map that it names is another")
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write("[[map]]\n")
+        self.refused(400, "scene.toml:1: map has no name", "POST", "/v1/jobs",
+                     dict(again, output=self.output("other")))
+
     def test_an_input_that_changes_in_the_queue_is_no_earlier_one(self):
         service = self.start()
         for name, size in (("q", 32), ("other", 16)):

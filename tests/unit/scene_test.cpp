@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -215,6 +216,8 @@ TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
   EXPECT_LT(errors.error(2, sharp, ColourModel::kNone), 0.01);
   EXPECT_GT(errors.sh_error(4, sharp, ColourModel::kNone), 0.3);
   EXPECT_GT(errors.lean_error(sharp, ColourModel::kNone), 0.3);
+  EXPECT_GT(errors.gmm_error(1, sharp, ColourModel::kNone), 0.5);
+  EXPECT_LT(errors.gmm_error(2, sharp, ColourModel::kNone), 0.15) << "vMF facets are no Gaussians over the plane";
   EXPECT_LT(errors.error(1, lambert, ColourModel::kNone), 0.05);
   EXPECT_LT(errors.error(2, lambert, ColourModel::kNone), 1e-3);
   // Harmonics to order 20 follow s = 8: what is left is the estimate's vMF for Blinn-Phong.
@@ -244,6 +247,43 @@ TEST_F(SceneTest, ColoursThatGoWithSlopesAreFound) {
       EXPECT_LT(one, 0.05);
     }
   }
+}
+
+// As many normals of weight 1 on one side, of 0 on the other: two lobes know, one does not.
+TEST_F(SceneTest, WeightsThatGoWithSlopesAreFound) {
+  std::vector<float> x, y, z, first, second;
+  for (int i = 0; i < 64 * 64; ++i) {
+    const bool right = i % 2 == 0;
+    x.push_back(right ? 0.6f : -0.6f), y.push_back(0.0f), z.push_back(0.8f);
+    first.push_back(right ? 1.0f : 0.0f), second.push_back(right ? 0.0f : 1.0f);
+  }
+  const PlaneStore normals(64, 64, {x.data(), y.data(), z.data()});
+  WeightMap weights;
+  weights.count = 2;
+  weights.triples.emplace_back(64, 64, std::array<const float*, 3>{first.data(), second.data(), y.data()});
+  const MapSurvey survey = survey_map(normals, {nullptr, &weights}, {});
+  LobeErrors errors(survey, {});
+  for (const int weight : {0, 1}) {
+    EXPECT_GT(errors.error(1, {{100.0, weight}}, ColourModel::kNone), 0.5);
+    EXPECT_LT(errors.error(2, {{100.0, weight}}, ColourModel::kNone), 0.01);
+  }
+}
+
+// Normals of one length are as wide as their roughness: one lobe of that length is exact, and diffuse light knows none.
+TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
+  const float length = 0.9f;
+  const std::vector<float> none(64 * 64, 0.0f), z(64 * 64, length);
+  const PlaneStore normals(64, 64, {none.data(), none.data(), z.data()});
+  const MapSurvey survey = survey_map(normals, {}, {});
+  LobeErrorSettings settings;
+  settings.has_roughness = true;
+  settings.mean_cosine = 0.9;
+  LobeErrors errors(survey, settings);
+  const ShadedBy own{std::numeric_limits<double>::infinity()};
+  EXPECT_LT(errors.error(1, {own}, ColourModel::kNone), 1e-6);
+  EXPECT_LT(errors.error(1, {ShadedBy{}}, ColourModel::kNone), 1e-3);
+  LobeErrors plain(survey, {});
+  EXPECT_GT(plain.error(1, {ShadedBy{}}, ColourModel::kNone), 0.02) << "the length would dim it";
 }
 
 TEST_F(SceneTest, LevelsAreThoseOfPixels) {
@@ -322,6 +362,8 @@ TEST_F(SceneTest, BudgetsAndTargetsAreKeptOrRefused) {
   const MapPlan map = plan(with(kScene, "tolerance = 0.05", "bytes = 50000")).maps[0];
   EXPECT_LE(map.chosen.cost.bytes, 50000.0);
   EXPECT_LT(map.job.fitting.lobe_count, 4);
+  expect_error(ErrorCode::kVerification, {"no settings keep to the budget's bake_ms of 1"},
+               [&] { plan(with(kScene, "tolerance = 0.05", "bake_ms = 1")); });
   expect_error(ErrorCode::kVerification, {"no settings keep to the budget's bytes of 100"},
                [&] { plan(with(kScene, "tolerance = 0.05", "bytes = 100")); });
   write_map(64, noise);
