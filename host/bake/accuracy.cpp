@@ -402,7 +402,8 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual
         if (is_light ? !takes_lights : channel >= 0) continue;
         LevelDifference& sum =
             sums[index(points_.samples()[points[i].sample].level, is_light ? exponent_count : v / half_count)];
-        const auto a = static_cast<double>(own[i * value_count + v]), b = static_cast<double>(other[i * value_count + v]);
+        const auto a = static_cast<double>(own[i * value_count + v]),
+                   b = static_cast<double>(other[i * value_count + v]);
         sum.difference += std::abs(a - b);
         sum.usual += b;
       }

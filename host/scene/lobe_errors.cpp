@@ -243,12 +243,12 @@ double LobeErrors::lobes_error(int lobe_count, bool planar, const std::vector<Sh
         const bool coloured = colours != ColourModel::kNone && !fit.colours.empty();
         glm::dvec3 sum(0.0);
         for (std::size_t j = 0; j < fit.lobes.size(); ++j)
-          sum += fit.lobes[j].amplitude * weight_of(fit.weights, j, by) *
-                 (planar ? shade_gaussian(fit.planar[j], by, w)
-                         : shade_lobe(fit.lobes[j], by, settings_.mean_cosine, w)) *
-                 (!coloured                        ? glm::dvec3(1.0)
-                  : colours == ColourModel::kLobes ? fit.colours[j]
-                                                   : fit.mean_colour);
+          sum +=
+              fit.lobes[j].amplitude * weight_of(fit.weights, j, by) *
+              (planar ? shade_gaussian(fit.planar[j], by, w) : shade_lobe(fit.lobes[j], by, settings_.mean_cosine, w)) *
+              (!coloured                        ? glm::dvec3(1.0)
+               : colours == ColourModel::kLobes ? fit.colours[j]
+                                                : fit.mean_colour);
         return sum;
       },
       shadings, colours);

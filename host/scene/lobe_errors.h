@@ -75,7 +75,7 @@ class LobeErrors {
 
   const MapSurvey& survey_;
   const LobeErrorSettings settings_;
-  const double copies_;  // of shortened normals, in EM
+  const double copies_;                      // of shortened normals, in EM
   std::vector<std::vector<TexelFit>> fits_;  // [lobe_count][texel], where asked for
 };
 

@@ -157,11 +157,11 @@ std::string SceneReport::to_text(const ScenePlan& plan) const {
       text += fmt::format("{}: as the default bake has it\n", maps[m].name);
   }
   text += fmt::format(
-      "baked in {} and planned in {}, compared in {}; the default bake's estimate is {}; textures {}, {} less than the default "
+      "baked in {} and planned in {}, compared in {}; the default bake's estimate is {}; textures {}, {} less than the "
+      "default "
       "bake's\n",
       time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
-      time_text(plan.usual_cost.ms),
-      bytes_text(plan.cost.bytes), bytes_text(plan.usual_cost.bytes - plan.cost.bytes));
+      time_text(plan.usual_cost.ms), bytes_text(plan.cost.bytes), bytes_text(plan.usual_cost.bytes - plan.cost.bytes));
   return text;
 }
 

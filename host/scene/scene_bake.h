@@ -30,7 +30,7 @@ struct SceneMapReport {
 
 struct SceneReport {
   std::vector<SceneMapReport> maps;
-  double seconds = 0.0;  // of the bakes; ScenePlan::plan_seconds comes before
+  double seconds = 0.0;          // of the bakes; ScenePlan::plan_seconds comes before
   double compare_seconds = 0.0;  // of measuring differences from the default bake
   // Of all maps together, comparisons not among them.
   std::map<std::string, std::uint64_t> launches;  // by kernel

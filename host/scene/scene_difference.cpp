@@ -34,8 +34,8 @@ AccuracyDirections scene_directions(const Scene& scene, std::size_t map) {
     directions.half_vectors.push_back(glm::normalize(light + glm::dvec3(0.0, 0.0, 1.0)));
     for (const double t : {0.4 * tilt, 0.8 * tilt})
       for (const double phi : {0.3, 2.4, 4.5})
-        directions.half_vectors.push_back(glm::normalize(
-            light + glm::dvec3(std::sin(t) * std::cos(phi), std::sin(t) * std::sin(phi), std::cos(t))));
+        directions.half_vectors.push_back(
+            glm::normalize(light + glm::dvec3(std::sin(t) * std::cos(phi), std::sin(t) * std::sin(phi), std::cos(t))));
   }
   return directions;
 }
@@ -120,8 +120,8 @@ SceneDifference measure_difference(const Scene& scene, const MapPlan& map, Devic
     const auto other = rehearsed(device, usual, mosaic, accuracy, &quiet);
     // Where the scene shows no colours, those of the default bake are not seen either.
     const bool has_colours = !own.albedo.empty() || map.mean_colours;
-    found.push_back(meter->difference_from(*other, device, mosaic.map.normals,
-                                           has_colours ? mosaic.colours() : nullptr, &quiet));
+    found.push_back(
+        meter->difference_from(*other, device, mosaic.map.normals, has_colours ? mosaic.colours() : nullptr, &quiet));
   }
   SceneDifference worst;
   std::vector<std::string> parts;

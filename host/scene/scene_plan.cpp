@@ -77,8 +77,8 @@ void add_material(const Scene& scene, const SceneMaterial& material, int weight,
   for (const Brdf& brdf : material.brdfs) {
     if (!is_black(brdf.diffuse)) needs.add_diffuse(weight);
     if (!has_highlight(brdf)) continue;
-    needs.add_highlight(
-        material.width_in_map ? std::numeric_limits<double>::infinity() : equivalent_exponent(brdf), weight);
+    needs.add_highlight(material.width_in_map ? std::numeric_limits<double>::infinity() : equivalent_exponent(brdf),
+                        weight);
     needs.environment_highlight |= !scene.environment.empty();
     needs.takes_vmf |= brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured;
   }
@@ -253,8 +253,11 @@ class MapPlanner {
       BakeShape s = shape(Representation::kGmm, lobes);
       s.has_colours = has_colours_;
       const auto gmm = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->gmm_error(lobes, by, c); };
-      plan_.candidates.push_back(finished({fmt::format("gmm, {} lobe{}", lobes, lobes == 1 ? "" : "s"), s,
-                                           has_colours_ && lobes > 1, part_errors(gmm, ColourModel::kLobes), {}}));
+      plan_.candidates.push_back(finished({fmt::format("gmm, {} lobe{}", lobes, lobes == 1 ? "" : "s"),
+                                           s,
+                                           has_colours_ && lobes > 1,
+                                           part_errors(gmm, ColourModel::kLobes),
+                                           {}}));
       if (plan_.candidates.back().error.within(plan_.limit)) break;
     }
   }
@@ -490,9 +493,9 @@ class EffectRows {
     if (!is_estimated() || needs_.width_in_map || needs_.exponent_max <= kept) {
       add_row("32-bit storage", false,
               needs_.width_in_map ? "highlights are as broad as the roughness says"
-              : needs_.specular ? fmt::format("highlights up to s = {:.0f}, 16 bits keep lobes up to kappa {:.0f}",
-                                            needs_.exponent_max, kept)
-                              : "no highlights");
+              : needs_.specular   ? fmt::format("highlights up to s = {:.0f}, 16 bits keep lobes up to kappa {:.0f}",
+                                                needs_.exponent_max, kept)
+                                  : "no highlights");
       return;
     }
     const double share = planner_.errors().share_sharper(chosen_.lobe_count, kept);
@@ -524,7 +527,7 @@ class EffectRows {
     add_row("measuring highlights", needed,
             needs_.width_in_map ? "as wide as the roughness says"
             : needed            ? fmt::format("at s = {:.4g}{}", needs_.exponent_max,
-                                              count > 1 ? fmt::format(" and {:.4g}", needs_.exponent_min) : "")
+                                   count > 1 ? fmt::format(" and {:.4g}", needs_.exponent_min) : "")
                                 : "there are none",
             needed ? chosen_without(none) : saved_by(none));
   }
@@ -552,7 +555,8 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   if (plan.source && job.albedo.empty()) plan.source->albedo.reset();
   if (plan.source && job.weights.empty()) plan.source->weights.reset();
   job.measured_exponents = needs.exponents();
-  const bool as_usual = !budget.target_error && plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
+  const bool as_usual =
+      !budget.target_error && plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
   if (plan.is_constant) job.measure = false;  // how far normals are apart is known
   plan.stated_difference =
       as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst() + budget.tolerance;
@@ -606,11 +610,11 @@ void add_fresnel(const Scene& scene, const SceneObject& object, const MapPlan& m
   const double v_h = least_half_cosine(object.tilt_max, map.z_min), tolerance = scene.budget.tolerance;
   const FixedFresnel fixed = fixed_fresnel(brdf_of(object.materials.front()), v_h);
   const bool needed = fixed.change > tolerance;
-  const std::string bound = fmt::format("v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): a number in "
-                                        "its place is at most {} off, tolerance {}",
-                                        v_h, object.tilt_max,
-                                        std::acos(std::clamp(map.z_min, 0.0, 1.0)) * 180.0 / std::numbers::pi,
-                                        percent(fixed.change), percent(tolerance));
+  const std::string bound = fmt::format(
+      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): a number in "
+      "its place is at most {} off, tolerance {}",
+      v_h, object.tilt_max, std::acos(std::clamp(map.z_min, 0.0, 1.0)) * 180.0 / std::numbers::pi,
+      percent(fixed.change), percent(tolerance));
   add_row(plan, "Fresnel", needed, bound);
   if (needed) return;
   plan.fixed_fresnel = fixed.value;
@@ -674,7 +678,8 @@ ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress*
     planners.push_back(std::make_unique<MapPlanner>(scene, m, source, settings));
     plan.maps.push_back(planners.back()->plan());
     MapPlan& map = plan.maps.back();
-    if (settings.for_bake && !map.is_constant) map.mosaics = std::make_shared<std::vector<BakeSource>>(difference_mosaics(*source));
+    if (settings.for_bake && !map.is_constant)
+      map.mosaics = std::make_shared<std::vector<BakeSource>>(difference_mosaics(*source));
     const std::uint64_t bytes =
         static_cast<std::uint64_t>(map.width) * static_cast<std::uint64_t>(map.height) * 12 * (source->albedo ? 2 : 1);
     if (kept + bytes <= settings.kept_bytes_max) {

@@ -58,7 +58,8 @@ struct MapPlan {
   double stated_difference = 0.0;         // from pictures of the default bake, relative L1, by the estimates
   std::vector<PlannedEffect> effects;
   std::shared_ptr<BakeSource> source;  // what the job reads, where it is kept
-  // Small samples of the map, for host/scene/scene_difference.h; null: no bake comes after, or one texel stands for all.
+  // Small samples of the map, for host/scene/scene_difference.h; null: no bake comes after, or one texel stands for
+  // all.
   std::shared_ptr<std::vector<BakeSource>> mosaics;
 };
 

@@ -287,8 +287,8 @@ std::string idempotency_key(const JobType& type, const Json& parameters, const s
   for (const JobParameter& parameter : type.parameters)
     if (parameter.kind == Kind::kInputFile && without_names.contains(parameter.name))
       without_names[parameter.name] = true;
-  // A manifest of inferred textures names its scene file, as a plan does an environment, and which file is which matters
-  // there.
+  // A manifest of inferred textures names its scene file, as a plan does an environment, and which file is which
+  // matters there.
   if (type.output_is_folder) without_names[type.input] = parameters.at(type.input);
   return hash_text(
       Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}

@@ -319,8 +319,8 @@ TEST_F(SceneCommandTest, WeightsAndRoughnessAreEstimated) {
   write_image("rough.png", 64, [](int, int, int) { return 0.4f; });
   const auto lobes = [&](const std::string& normal, const std::string& keys, const std::string& material,
                          const std::string& object) {
-    const std::string text = fmt::format(kHead, normal, keys) + "[[material]]\nname = \"paint\"\n" + material +
-                             with_object(object) + kSun;
+    const std::string text =
+        fmt::format(kHead, normal, keys) + "[[material]]\nname = \"paint\"\n" + material + with_object(object) + kSun;
     write_bytes(path("w.toml"), text);
     const ProgramResult planned = multum({"plan", path("w.toml"), "-o", path("w.json")});
     EXPECT_EQ(planned.exit_code, 0) << planned.err;
@@ -331,7 +331,8 @@ TEST_F(SceneCommandTest, WeightsAndRoughnessAreEstimated) {
   const std::string rough = "brdf = \"roughness-map\"\n", keys = "roughness = \"rough.png:R\"";
   EXPECT_EQ(lobes("flat", keys, rough, "material = \"paint\""), 1) << "of a flat map one roughness is one lobe";
   EXPECT_GT(lobes("four", keys, rough, "material = \"paint\""), 1);
-  const std::string two = "brdf = \"lambert\"\n[[material]]\nname = \"shine\"\nbrdf = \"blinn-phong\"\nexponent = 100\n";
+  const std::string two =
+      "brdf = \"lambert\"\n[[material]]\nname = \"shine\"\nbrdf = \"blinn-phong\"\nexponent = 100\n";
   EXPECT_EQ(lobes("flat", "weights = \"weights.png\"", two, "materials = [\"paint\", \"shine\", \"paint\"]"), 1);
   EXPECT_GT(lobes("four", "weights = \"weights.png\"", two, "materials = [\"paint\", \"shine\", \"paint\"]"), 1);
 }

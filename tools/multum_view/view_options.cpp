@@ -236,8 +236,7 @@ void check_subject(const RawOptions& raw, const ViewOptions& o) {
     throw Error(ErrorCode::kUsage, "--reflectance and --material are for a surface, expected --mesh");
   if ((!o.mip.empty() || !o.lod.empty()) && !o.mesh.empty())
     throw Error(ErrorCode::kUsage, "--mip lies on the plane and --lod is a surface itself, found --mesh");
-  if (others > 0 &&
-      (!raw.compare.empty() || !o.source.empty() || !o.frames_folder.empty() || !o.shaders.empty()))
+  if (others > 0 && (!raw.compare.empty() || !o.source.empty() || !o.frames_folder.empty() || !o.shaders.empty()))
     throw Error(ErrorCode::kUsage,
                 "--compare, --source, --animate and --shaders are for baked maps; --lookup has what pyramids compare");
 }
@@ -454,9 +453,10 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
       ->capture_default_str();
   app.option_defaults()->group("Options");
   app.add_option("--report", o.report, "write errors, times and settings as JSON");
-  app.add_option("--shaders", o.shaders,
-                 "of a baked map: write the shader variants that were drawn with as JSON: flags, text, and the uniforms "
-                 "that the driver kept");
+  app.add_option(
+      "--shaders", o.shaders,
+      "of a baked map: write the shader variants that were drawn with as JSON: flags, text, and the uniforms "
+      "that the driver kept");
   app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
   add_reading_options(app, o.reading);
   add_decoding_option(app);
