@@ -34,8 +34,7 @@ struct BakeJob {
   BakedWriteOptions writing;
   bool measure = true;                                            // measure the error of what is written
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // of highlights, Blinn-Phong s; Lambert always is
-  // Blinn-Phong s, none of the usual ones, that is measured besides them for the report alone; 0: none.
-  double exponent = 0.0;
+  std::vector<Highlight> highlights;                              // measured besides those, for the report alone
   bool force = false;              // bake even if the output is from the same file and settings
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's
   std::string scratch_folder;      // for what does not fit; empty: the output's folder

@@ -49,7 +49,7 @@ class Attempts {
     job.report.clear();
     job.force = true;
     const TargetBrdf& brdf = trials_.brdf();
-    if (brdf.exponent > 0.0 && !is_usual_exponent(brdf.exponent)) job.exponent = brdf.exponent;
+    if (!source_.has_roughness) job.highlights = brdf.more_highlights();
     BakeReport report = bake_source(job, source_, device_, progress_);
     report.stages.insert(report.stages.begin(), {"read", read_seconds_});
     made_.push_back({trial, reached_error(report.error, brdf), report.bake_seconds(), std::move(report)});
@@ -205,6 +205,9 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
   if (target.seconds && !(*target.seconds > 0.0))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
+  if (target.brdf.is_sum() && target.only == Representation::kGmm)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--brdf {} is a sum of vMFs, which --ndf gmm cannot be shaded with", target.brdf.text));
   if (!job.measure) throw Error(ErrorCode::kUsage, "--no-measure leaves nothing to choose settings by");
   if (job.region || !job.onto.empty() || job.resume)
     throw Error(ErrorCode::kUsage, "--region, --onto and --resume go on with a file's settings: none can be chosen");
@@ -225,7 +228,7 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, const Bak
   if (given_source == nullptr) read = read_source(job, choosing, progress);
   const BakeSource& source = given_source != nullptr ? *given_source : *read;
   clock.finish("read");
-  if (source.has_roughness && target.brdf.name != "lambert") target.brdf = {"roughness", 0.0};
+  if (source.has_roughness && target.brdf.name != "lambert") target.brdf.name = "roughness";
   std::vector<SettingCandidate> candidates = setting_candidates(target.only);
   progress_stage(progress, "choose settings");
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "host/bake/highlight.h"
 #include "host/reference/shading.h"
 #include "host/selftest/case_lists.h"
 #include "host/selftest/shade_launch.h"
@@ -23,13 +24,14 @@ std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, c
   const DeviceBuffer lobes = device.wrap_buffer(&lobe, sizeof(lobe), "lobe");
   const DeviceBuffer vectors =
       device.wrap_buffer(directions.data(), directions.size() * sizeof(glm::vec4), "directions");
-  const DeviceBuffer exponent = device.wrap_buffer(&s, sizeof(s), "exponent");
+  const MultumHighlight shaded = shaded_highlight(static_cast<double>(s));
+  const DeviceBuffer highlight = device.wrap_buffer(&shaded, sizeof(shaded), "highlight");
   std::vector<float> values(directions.size(), NAN);
   DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
   device.write(out, values.data(), out.byte_count());
   const bool lambert = s == 0.0f;
   device.kernel("movmf_shade", "movmf_shade", {1, 1, false, planar})
-      .launch({1}, lobes, vectors, vectors, exponent, out, 1, lambert ? 0 : count, lambert ? count : 0,
+      .launch({1}, lobes, vectors, vectors, highlight, out, 1, lambert ? 0 : count, lambert ? count : 0,
               lambert ? 0 : 1);
   device.read(out, values.data(), out.byte_count());
   return {values.begin(), values.end()};

@@ -68,6 +68,16 @@ TEST_F(TargetCommandTest, RefusesWhatNothingReaches) {
   EXPECT_FALSE(contains(multum({"info", path("map.ndf.exr")}).out, "blinn-phong:70"));
 }
 
+TEST_F(TargetCommandTest, CountsForTheBrdfThatIsNamed) {
+  const ProgramResult met = bake({"--target-error", "0.2", "--brdf", "ggx:0.5"});
+  ASSERT_EQ(met.exit_code, 0) << met.err;
+  EXPECT_TRUE(std::regex_search(met.out, std::regex("chosen: .* % for ggx:0.5, asked for 20 %"))) << met.out;
+  EXPECT_TRUE(std::regex_search(met.out, std::regex("95 % interval: .*, ggx:0.5 [0-9.]+ \\+- [0-9.]+ %"))) << met.out;
+  const ProgramResult missing = bake({"--target-error", "0.2", "--brdf", path("none.brdf")});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_TRUE(contains(missing.err, "none.brdf': expected lambert, blinn-phong:S")) << missing.err;
+}
+
 TEST_F(TargetCommandTest, KeepsToABudget) {
   const ProgramResult plenty =
       bake({"--budget-ms", "1e6", "--ndf", "sh", "--brdf", "lambert", "--report", path("r.json")});
@@ -87,6 +97,7 @@ TEST_F(TargetCommandTest, RefusesWhatDoesNotGoTogether) {
                                              {"--target-error", "0.1", "--lobes", "3"},
                                              {"--target-error", "0.1", "--no-measure"},
                                              {"--target-error", "0.1", "--brdf", "phong:3"},
+                                             {"--target-error", "0.1", "--brdf", "ggx:0.4", "--ndf", "gmm"},
                                              {"--target-error", "0.1", "--resume"},
                                              {"--brdf", "lambert"},
                                              {"--best-effort"}}) {

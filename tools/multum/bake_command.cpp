@@ -45,7 +45,8 @@ void add_target_options(CLI::App& bake, BakeOptions& o) {
                   "choose the most accurate settings that bake in so many milliseconds: reading, fitting and writing")
       ->excludes(error);
   bake.add_option("--brdf", o.brdf,
-                  "of --target-error and --budget-ms: lambert or blinn-phong:S (default: blinn-phong:100)");
+                  "of --target-error and --budget-ms: lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA or "
+                  "a measured BRDF's file (default: blinn-phong:100)");
   bake.add_flag("--best-effort", o.best_effort,
                 "of the two: write the best that was reached, too; the exit code stays 5");
 }
