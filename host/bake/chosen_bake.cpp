@@ -9,9 +9,12 @@
 #include <map>
 
 #include "host/bake/ndf_bake.h"
+#include "host/bake/output_state.h"
 #include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/brdf/brdf_text.h"
 
 namespace multum {
 namespace {
@@ -43,8 +46,10 @@ class Attempts {
     std::filesystem::remove(scratch_, ignored);
   }
 
-  const Attempt& bake(const SettingTrial& trial) {
+  /// A file that will be kept though it misses the target must not be recognised as one that meets it.
+  const Attempt& bake(const SettingTrial& trial, bool may_meet = true) {
     BakeJob job = with_candidate(job_, trials_.candidates()[trial.candidate]);
+    if (!may_meet) job.chosen_for.clear();
     job.output = scratch_;
     job.report.clear();
     job.force = true;
@@ -217,10 +222,32 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& 
   return bake_to_target(job, target, nullptr, device, progress);
 }
 
-ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, const BakeSource* given_source, Device& device,
-                          Progress* progress) {
-  check_target(given, job);
-  check_job(job);
+std::string target_text(const BakeTarget& target) {
+  std::string text = target.error ? fmt::format("an error of {:g}", *target.error)
+                                  : fmt::format("a bake of {:g} ms", 1e3 * *target.seconds);
+  text += fmt::format(" for {}", target.brdf.name);
+  if (target.only) text += fmt::format(" by {}", representation_info(*target.only).option);
+  return text;
+}
+
+std::string target_key(const BakeJob& job, const BakeTarget& target) {
+  std::string rest = all_settings_json(job);
+  if (is_brdf_file(target.brdf.text)) rest += hash_file(target.brdf.text);
+  return fmt::format("{}, {}", target_text(target), hash_text(rest).substr(0, 16));
+}
+
+ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, const BakeSource* given_source,
+                          Device& device, Progress* progress) {
+  check_target(given, given_job);
+  check_job(given_job);
+  BakeJob job = given_job;
+  job.chosen_for = target_key(given_job, given);
+  if (!job.force && find_output_state(job, all_settings_json(job)).finding == OutputFinding::kInPlace) {
+    ChosenBake in_place;
+    in_place.report = unchanged_report(job);
+    in_place.met = in_place.written = true;
+    return in_place;
+  }
   BakeTarget target = given;
   BakeReport choosing;
   StageClock clock(choosing);
@@ -246,8 +273,8 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, const Bak
     };
     best = static_cast<std::size_t>(std::min_element(attempts.made().begin(), attempts.made().end(), better) -
                                     attempts.made().begin());
-    if (target.best_effort && best + 1 != attempts.made().size())
-      attempts.bake(SettingTrial(attempts.made()[best].trial)), best = attempts.made().size() - 1;
+    if (target.best_effort)
+      attempts.bake(SettingTrial(attempts.made()[best].trial), false), best = attempts.made().size() - 1;
   }
   if ((target.error && chosen.met) || (!chosen.met && target.best_effort)) attempts.keep();
   const Attempt& attempt = attempts.made()[best];

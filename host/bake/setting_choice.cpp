@@ -73,8 +73,8 @@ std::vector<SettingCandidate> setting_candidates(std::optional<Representation> o
   return candidates;
 }
 
-TargetBrdf parse_target_brdf(const std::string& text) {
-  TargetBrdf target{text, text, parse_brdf("--brdf", text, Brdf().term_count)};
+TargetBrdf parse_target_brdf(const std::string& text, const std::string& option) {
+  TargetBrdf target{text, text, parse_brdf(option, text, Brdf().term_count)};
   if (target.brdf.kind == BrdfKind::kBlinnPhong)
     target.name = blinn_phong_name(std::stod(text.substr(text.find(':') + 1)));
   std::replace(target.name.begin(), target.name.end(), ' ', '_');  // after a space comes the way to shade it

@@ -38,8 +38,8 @@ struct TargetBrdf {
   /// Its highlight, unless every bake measures it.
   std::vector<Highlight> more_highlights() const;
 };
-/// As parse_brdf() reads it; the highlight alone counts. Throws Error(kUsage), Error(kInput).
-TargetBrdf parse_target_brdf(const std::string& text);
+/// As parse_brdf() reads it; the highlight alone counts. Throws Error(kUsage) naming `option`, Error(kInput).
+TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
 /// The least error of `brdf` among the ways to shade a file; with colours where the file has them.
 struct ReachedError {

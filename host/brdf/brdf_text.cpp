@@ -70,6 +70,8 @@ const Family* find_family(std::string_view text) {
 
 }  // namespace
 
+bool is_brdf_file(const std::string& text) { return text != "lambert" && find_family(text) == nullptr; }
+
 Brdf parse_brdf(const std::string& option, const std::string& text, int term_count) {
   Brdf brdf;
   brdf.term_count = term_count;

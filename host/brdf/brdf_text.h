@@ -13,4 +13,7 @@ namespace multum {
 /// Schlick's F a specular of 1, of Lambert none. Throws Error(kUsage) naming `option`, Error(kInput) for a file.
 Brdf parse_brdf(const std::string& option, const std::string& text, int term_count);
 
+/// Does `text` name a file?
+bool is_brdf_file(const std::string& text);
+
 }  // namespace multum
