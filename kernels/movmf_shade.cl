@@ -3,6 +3,7 @@
 // convolution alone, without n . l.
 
 #include "device/numerics.clh"
+#include "shared/highlight.h"
 
 #ifndef MULTUM_PLANAR
 #define MULTUM_PLANAR 0
@@ -21,6 +22,8 @@
 #define SHADE_LAMBERT(lobe, light) shade_lambert(without_roughness(lobe, (light).w), (light).xyz)
 #endif
 
+#define HAS_TERMS (!MULTUM_PLANAR)
+
 #if MULTUM_VECTOR_WIDTH != 1
 #error "movmf_shade has only a scalar variant"
 #endif
@@ -33,23 +36,37 @@
 //                                             gmm_shading.clh has them
 //   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine, of
 //                                             MULTUM_PLANAR unused
-//   exponents  [exponent_count]               Blinn-Phong s
-//   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
+//   highlights [highlight_count]              of MULTUM_PLANAR the exponent and the total alone count
+//   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
 // Compute bound.
 __kernel void movmf_shade(__global const float4* lobes, __global const float4* half_vectors,
-                          __global const float4* lights, __global const float* exponents, __global float* values,
-                          int sample_count, int half_count, int light_count, int exponent_count) {
+                          __global const float4* lights, __global const MultumHighlight* highlights,
+                          __global float* values, int sample_count, int half_count, int light_count,
+                          int highlight_count) {
   const int sample = (int)get_global_id(0);
   if (sample >= sample_count) return;
-  __global float* out = values + (size_t)sample * (exponent_count * half_count + light_count);
-  for (int e = 0; e < exponent_count; ++e) {
+  __global float* out = values + (size_t)sample * (highlight_count * half_count + light_count);
+  for (int e = 0; e < highlight_count; ++e) {
+#if HAS_TERMS
+    if (highlights[e].term_count > 0) {
+      for (int d = 0; d < half_count; ++d) out[d] = 0.0f;
+      for (int j = 0; j < MULTUM_LOBES; ++j) {
+        const float4 lobe = lobes[(size_t)sample * MULTUM_LOBES + j];
+        const TermsLobe terms = terms_lobe(lobe, highlights + e);
+        for (int d = 0; d < half_count; ++d) out[d] += shade_terms(&terms, one_minus_cosine(lobe, half_vectors[d].xyz));
+      }
+      out += half_count;
+      continue;
+    }
+#endif
     SHAPE shapes[MULTUM_LOBES];
-    for (int j = 0; j < MULTUM_LOBES; ++j) shapes[j] = SHAPE_OF(lobes[(size_t)sample * MULTUM_LOBES + j], exponents[e]);
+    for (int j = 0; j < MULTUM_LOBES; ++j)
+      shapes[j] = SHAPE_OF(lobes[(size_t)sample * MULTUM_LOBES + j], highlights[e].exponent);
     for (int d = 0; d < half_count; ++d) {
       float sum = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j)
         sum += SHADE_HIGHLIGHT(shapes[j], lobes[(size_t)sample * MULTUM_LOBES + j], half_vectors[d].xyz);
-      *out++ = sum;
+      *out++ = sum * highlights[e].total;
     }
   }
   for (int d = 0; d < light_count; ++d) {

@@ -5,6 +5,7 @@
 #include "device/spherical_harmonics.clh"
 #include "device/vmf_shading.clh"
 #include "shared/filtered_sh.h"
+#include "shared/highlight.h"
 
 #if MULTUM_VECTOR_WIDTH != 1
 #error "sh_shade has only a scalar variant"
@@ -17,38 +18,44 @@ static float weighted_bands(const float* bands, __global const float* zonal) {
   return max(sum, 0.0f);
 }
 
+static float shade_map(float4 lobe, __global const MultumHighlight* f, float3 h) {
+  const float e = one_minus_cosine(lobe, h);
+  if (f->term_count == 0) return shade_blinn_phong(blinn_phong_lobe(lobe, f->exponent), e);
+  const TermsLobe terms = terms_lobe(lobe, f);
+  return shade_terms(&terms, e);
+}
+
 // One work-item = one sample point; global size sample_count.
 //   coefficients [sample][order (order + 2)]   already filtered
 //   points     [sample]
 //   steps      the recurrence's constants
-//   zonal      [exponent_count + 1][order + 1]   of Blinn-Phong at each exponent, then of Lambert
+//   zonal      [highlight_count + 1][order + 1]   of each highlight, then of Lambert
 //   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine
-//   exponents  [exponent_count]               Blinn-Phong s
-//   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
+//   highlights [highlight_count]
+//   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
 // Levels that are left to the normal map are shaded as lobes are. Compute bound.
 __kernel void sh_shade(__global const float* coefficients, __global const MultumFilteredSh* points,
                        __global const float2* steps, __global const float* zonal, __global const float4* half_vectors,
-                       __global const float4* lights, __global const float* exponents, __global float* values,
-                       int sample_count, int half_count, int light_count, int exponent_count) {
+                       __global const float4* lights, __global const MultumHighlight* highlights,
+                       __global float* values, int sample_count, int half_count, int light_count, int highlight_count) {
   const int sample = (int)get_global_id(0);
   if (sample >= sample_count) return;
   __global const float* g = coefficients + (size_t)sample * MULTUM_SH_COEFFICIENTS;
   const MultumFilteredSh point = points[sample];
   const float4 map_lobe = (float4)(point.map_x, point.map_y, point.map_z, point.map_share);
-  __global float* out = values + (size_t)sample * (exponent_count * half_count + light_count);
+  __global float* out = values + (size_t)sample * (highlight_count * half_count + light_count);
   float bands[MULTUM_SH_ORDER + 1];
   for (int d = 0; d < half_count; ++d) {
     const float3 h = half_vectors[d].xyz;
     sh_bands(g, point.share, h, steps, bands);
-    for (int e = 0; e < exponent_count; ++e)
+    for (int e = 0; e < highlight_count; ++e)
       out[e * half_count + d] =
-          weighted_bands(bands, zonal + e * (MULTUM_SH_ORDER + 1)) +
-          shade_blinn_phong(blinn_phong_lobe(map_lobe, exponents[e]), one_minus_cosine(map_lobe, h));
+          weighted_bands(bands, zonal + e * (MULTUM_SH_ORDER + 1)) + shade_map(map_lobe, highlights + e, h);
   }
-  out += exponent_count * half_count;
+  out += highlight_count * half_count;
   for (int d = 0; d < light_count; ++d) {
     sh_bands(g, point.share, lights[d].xyz, steps, bands);
-    out[d] = weighted_bands(bands, zonal + exponent_count * (MULTUM_SH_ORDER + 1)) +
+    out[d] = weighted_bands(bands, zonal + highlight_count * (MULTUM_SH_ORDER + 1)) +
              shade_lambert(without_roughness(map_lobe, lights[d].w), lights[d].xyz);
   }
 }

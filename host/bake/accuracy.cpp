@@ -134,6 +134,13 @@ class ErrorSums {
   std::vector<ErrorSum> chosen_;      // [sample][kind][brdf]
 };
 
+std::vector<Highlight> highlights_of(const AccuracySettings& settings) {
+  std::vector<Highlight> all;
+  for (const double s : settings.exponents) all.push_back(blinn_phong_highlight(s));
+  all.insert(all.end(), settings.highlights.begin(), settings.highlights.end());
+  return all;
+}
+
 // One measurement: the truth of as many directions as memory has room for, compared with the model; then of the next.
 class Comparison {
  public:
@@ -141,9 +148,10 @@ class Comparison {
              bool has_colours)
       : settings_(settings),
         points_(points),
+        highlights_(highlights_of(settings)),
         shadings_(model.shadings()),
         channel_count_(has_colours ? 3 : 0),
-        plain_count_(settings.exponents.size() + 1),
+        plain_count_(highlights_.size() + 1),
         averages_(points.texels(), static_cast<int>(points.texels().sizes().size())),
         sums_(points, brdf_count()) {}
 
@@ -189,27 +197,28 @@ class Comparison {
     std::vector<std::unique_ptr<BrdfTruth>> truths;
   };
 
-  std::size_t half_count() const { return settings_.exponents.empty() ? 0 : settings_.directions.half_vectors.size(); }
+  std::size_t half_count() const { return highlights_.empty() ? 0 : settings_.directions.half_vectors.size(); }
 
   // What does not fit is another pass over the map. With 2048 samples a level all 40 values of a map of 16384 x 16384
   // take 33 MB, with colours four times that; with every texel of a map of 1024 x 1024 three values take 34 MB.
   // Does not depend on the number of threads: sums are added up pass by pass.
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kTruthBytesMax = std::size_t{256} << 20;
-    static const std::vector<double> kLambert = {1.0};
-    Pass pass{{{}, {}, settings_.exponents, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
+    Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
     std::size_t bytes = 0;
     for (std::size_t d = first; d < half_count() + settings_.directions.lights.size(); ++d) {
       const bool is_light = d >= half_count();
-      const std::vector<double>& exponents = is_light ? kLambert : settings_.exponents;
-      bytes += averages_.slot_count() * exponents.size() * (1 + channel_count_) * sizeof(double);
+      const std::size_t value_count = is_light ? 1 : highlights_.size();
+      bytes += averages_.slot_count() * value_count * (1 + channel_count_) * sizeof(double);
       if (!pass.truths.empty() && bytes > kTruthBytesMax) break;
       const glm::dvec3& omega =
           is_light ? settings_.directions.lights[d - half_count()] : settings_.directions.half_vectors[d];
       (is_light ? pass.directions.lights : pass.directions.half_vectors).push_back(omega);
-      pass.truths.push_back(std::make_unique<BrdfTruth>(
-          averages_, settings_.has_roughness ? shortened_values(omega, is_light) : power_values(omega, exponents),
-          channel_count_ > 0));
+      pass.truths.push_back(std::make_unique<BrdfTruth>(averages_,
+                                                        settings_.has_roughness ? shortened_values(omega, is_light)
+                                                        : is_light              ? power_values(omega, {1.0})
+                                                                                : highlight_values(omega, highlights_),
+                                                        channel_count_ > 0));
     }
     return pass;
   }
@@ -239,28 +248,26 @@ class Comparison {
     }
   }
 
-  // sums[point][exponents, then Lambert] of one channel, or plain for -1.
+  // sums[point][highlights, then Lambert] of one channel, or plain for -1.
   void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
                       int channel, std::vector<ErrorSum>& sums) const {
     constexpr int kPointsPerBand = 4096;
-    const std::size_t exponent_count = settings_.exponents.size(),
-                      pass_half_count = pass.directions.half_vectors.size();
-    const std::size_t value_count = pass_half_count * exponent_count + pass.directions.lights.size();
+    const std::size_t highlight_count = highlights_.size(), pass_half_count = pass.directions.half_vectors.size();
+    const std::size_t value_count = pass_half_count * highlight_count + pass.directions.lights.size();
     sums.assign(points.size() * plain_count_, {});
     for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, settings_.threads, [&](int, int begin, int end) {
       for (std::size_t d = 0; d < pass.truths.size(); ++d) {
         const bool is_light = d >= pass_half_count;
-        const std::size_t own_count = is_light ? 1 : exponent_count;
+        const std::size_t own_count = is_light ? 1 : highlight_count;
         const std::size_t first_value = static_cast<std::size_t>(1 + channel) * own_count;
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
           for (std::size_t e = 0; e < own_count; ++e) {
-            const double truth =
-                truth_at(*pass.truths[d], points[i], first_value + e) *
-                (is_light || settings_.has_roughness ? 1.0 : (settings_.exponents[e] + 1.0) / (2.0 * M_PI));
+            const double truth = truth_at(*pass.truths[d], points[i], first_value + e) *
+                                 (is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[e]));
             const std::size_t value =
-                is_light ? pass_half_count * exponent_count + d - pass_half_count : e * pass_half_count + d;
+                is_light ? pass_half_count * highlight_count + d - pass_half_count : e * pass_half_count + d;
             const auto shaded = static_cast<double>(values[i * value_count + value]);
-            sums[i * plain_count_ + (is_light ? exponent_count : e)] += {std::abs(shaded - truth), truth};
+            sums[i * plain_count_ + (is_light ? highlight_count : e)] += {std::abs(shaded - truth), truth};
           }
       }
     });
@@ -280,7 +287,7 @@ class Comparison {
     const std::size_t plain = brdf % plain_count_, group = brdf / plain_count_;
     std::string name = plain + 1 == plain_count_ ? "lambert"
                        : settings_.has_roughness ? "roughness"
-                                                 : blinn_phong_name(settings_.exponents[plain]);
+                                                 : highlights_[plain].name;
     const std::string& shading = shadings_[group / groups_per_shading()];
     if (!shading.empty()) name += " " + shading;
     return group % groups_per_shading() == 0 ? name : name + " coloured";
@@ -288,9 +295,10 @@ class Comparison {
 
   const AccuracySettings& settings_;
   const AccuracyPoints& points_;
+  const std::vector<Highlight> highlights_;
   const std::vector<std::string> shadings_;
   const std::size_t channel_count_;  // 0: no colours
-  const std::size_t plain_count_;    // BRDFs: exponents, then Lambert
+  const std::size_t plain_count_;    // BRDFs: highlights, then Lambert
   const TexelAverages averages_;
   ErrorSums sums_;
 };
@@ -307,8 +315,6 @@ std::vector<PlaneSize> level_sizes(int map_width, int map_height) {
 std::string error_text(double error, double confidence) {
   return fmt::format("{:.2f} +- {:.2f} %", 100.0 * error, 100.0 * confidence);
 }
-
-std::string blinn_phong_name(double exponent) { return fmt::format("blinn-phong:{}", exponent); }
 
 AccuracyDirections accuracy_directions() {
   AccuracyDirections directions;
@@ -328,7 +334,10 @@ AccuracyMeter::AccuracyMeter(int map_width, int map_height, const AccuracySettin
 AccuracySettings AccuracyMeter::of_file(AccuracySettings settings, bool has_roughness, float mean_cosine) {
   settings.has_roughness = has_roughness;
   settings.mean_cosine = mean_cosine;
-  if (has_roughness) settings.exponents = {static_cast<double>(kRoughnessExponent)};
+  if (has_roughness) {
+    settings.exponents = {static_cast<double>(kRoughnessExponent)};
+    settings.highlights.clear();
+  }
   return settings;
 }
 
@@ -355,26 +364,26 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual
   const TexelAverages finest(points_.texels(), model().first_level()), all(points_.texels(), level_count);
   PlaneAverages finest_lobes(finest, albedo != nullptr), means(all, albedo != nullptr);
   stream_rows({normals, albedo}, {settings_.threads}, {&finest_lobes, &means}, progress);
-  const bool has_highlights = !settings_.exponents.empty();
-  const ShadingDirections directions{has_highlights ? settings_.directions.half_vectors : std::vector<glm::dvec3>{},
-                                     settings_.directions.lights, settings_.exponents,
+  const std::vector<Highlight> highlights = highlights_of(settings_);
+  const ShadingDirections directions{highlights.empty() ? std::vector<glm::dvec3>{} : settings_.directions.half_vectors,
+                                     settings_.directions.lights, highlights,
                                      settings_.has_roughness ? settings_.mean_cosine : 0.0f};
   const std::size_t half_count = directions.half_vectors.size(), light_count = directions.lights.size();
-  const std::size_t exponent_count = settings_.exponents.size();
-  const std::size_t value_count = half_count * exponent_count + light_count;
+  const std::size_t highlight_count = highlights.size();
+  const std::size_t value_count = half_count * highlight_count + light_count;
   std::vector<SamplePoint> points;
   for (std::size_t i = 0; i < points_.samples().size(); ++i) points_.append_points(i, points);
 
   const auto index = [&](int level, std::size_t brdf) {
-    return static_cast<std::size_t>(level) * (exponent_count + 1) + brdf;
+    return static_cast<std::size_t>(level) * (highlight_count + 1) + brdf;
   };
   std::vector<LevelDifference> sums;
   for (int l = 0; l < level_count; ++l) {
-    for (const double exponent : settings_.exponents)
-      sums.push_back({l, settings_.has_roughness ? "roughness" : blinn_phong_name(exponent)});
+    for (const Highlight& highlight : highlights)
+      sums.push_back({l, settings_.has_roughness ? "roughness" : highlight.name});
     sums.push_back({l, "lambert"});
   }
-  // Values [point][exponent, half vector; then light] of a channel; -1: without colours.
+  // Values [point][highlight, half vector; then light] of a channel; -1: without colours.
   const auto shaded = [&](AccuracyMeter& meter, int channel) {
     AccuracyModel& shown = meter.model();
     shown.set_map_averages(&finest_lobes);
@@ -398,10 +407,10 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual
     const bool takes_lights = (channel >= 0) == (albedo != nullptr);
     for (std::size_t i = 0; i < points.size(); ++i)
       for (std::size_t v = 0; v < value_count; ++v) {
-        const bool is_light = v >= half_count * exponent_count;
+        const bool is_light = v >= half_count * highlight_count;
         if (is_light ? !takes_lights : channel >= 0) continue;
         LevelDifference& sum =
-            sums[index(points_.samples()[points[i].sample].level, is_light ? exponent_count : v / half_count)];
+            sums[index(points_.samples()[points[i].sample].level, is_light ? highlight_count : v / half_count)];
         const auto a = static_cast<double>(own[i * value_count + v]),
                    b = static_cast<double>(other[i * value_count + v]);
         sum.difference += std::abs(a - b);

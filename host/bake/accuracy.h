@@ -16,6 +16,7 @@
 #include "host/asset/movmf_mipmap.h"
 #include "host/bake/accuracy_model.h"
 #include "host/bake/accuracy_points.h"
+#include "host/bake/highlight.h"
 #include "host/bake/moment_model.h"
 #include "host/bake/movmf_model.h"
 #include "host/bake/sh_model.h"
@@ -29,8 +30,8 @@ namespace multum {
 struct AccuracyRow {
   int level;
   AccuracyPoint point;
-  // "lambert", "blinn-phong:20", or "roughness" where a BRDF's width is in; with " toksvig", " lean", ... where there
-  // are several ways to shade it, and then with " coloured" when multiplied by the colours.
+  // "lambert", "blinn-phong:20", another Highlight::name, or "roughness" where a BRDF's width is in; with " toksvig", "
+  // lean", ... where there are several ways to shade it, and then with " coloured" when multiplied by the colours.
   std::string brdf;
   double error;       // relative L1, 0.1 = 10 %
   double confidence;  // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
@@ -63,9 +64,6 @@ struct LevelDifference {
 /// "7.4 +- 0.2 %".
 std::string error_text(double error, double confidence);
 
-/// "blinn-phong:100", as AccuracyRow::brdf.
-std::string blinn_phong_name(double exponent);
-
 /// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/ACCURACY.md names them).
 struct AccuracyDirections {
   std::vector<glm::dvec3> lights;        // at least one
@@ -75,6 +73,7 @@ AccuracyDirections accuracy_directions();
 
 struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
+  std::vector<Highlight> highlights;                     // more of them, after those
   std::int64_t samples_per_level = 2048;                 // texels, spread evenly at random; 0: every texel
   std::uint64_t seed = 1;
   int first_level = 0;  // finer ones are not measured

@@ -13,6 +13,7 @@
 
 #include "host/bake/accuracy_points.h"
 #include "host/bake/accuracy_truth.h"
+#include "host/bake/highlight.h"
 #include "host/bake/kept_texels.h"
 #include "host/opencl/device.h"
 
@@ -22,7 +23,7 @@ namespace multum {
 struct ShadingDirections {
   std::vector<glm::dvec3> half_vectors;
   std::vector<glm::dvec3> lights;
-  std::vector<double> exponents;
+  std::vector<Highlight> highlights;
   float mean_cosine = 0.0f;  // of a roughness map that is in the lengths of normals: of lights, divided out; 0: none is
 };
 
@@ -30,7 +31,7 @@ struct ShadingDirections {
 class PointShading {
  public:
   virtual ~PointShading() = default;
-  /// [point][exponents x half vectors, then lights] into values[0 .. points x values), by the model's shading number
+  /// [point][highlights x half vectors, then lights] into values[0 .. points x values), by the model's shading number
   /// `shading`, multiplied by the colours in `channel` unless it is -1.
   virtual void shade(const std::vector<SamplePoint>& points, int shading, int channel, int threads,
                      std::vector<float>& values) = 0;
@@ -73,17 +74,21 @@ class DirectionBuffers {
   std::size_t value_count() const { return value_count_; }
   int half_count() const { return half_count_; }
   int light_count() const { return light_count_; }
-  int exponent_count() const { return exponent_count_; }
+  int highlight_count() const { return highlight_count_; }
+  /// Multiplies values that were shaded as Blinn-Phong of each highlight's exponent by the integral that it has.
+  void scale_by_totals(std::vector<float>& values) const;
   const DeviceBuffer& half_vectors() const { return half_buffer_; }
   const DeviceBuffer& lights() const { return light_buffer_; }
+  const DeviceBuffer& highlights() const { return highlight_buffer_; }
   const DeviceBuffer& exponents() const { return exponent_buffer_; }
 
  private:
   std::vector<glm::vec4> half_vectors_, lights_;
-  std::vector<float> exponents_;
-  int half_count_, light_count_, exponent_count_;
+  std::vector<MultumHighlight> shaded_;
+  std::vector<float> exponents_;  // of each highlight
+  int half_count_, light_count_, highlight_count_;
   std::size_t value_count_;
-  DeviceBuffer half_buffer_, light_buffer_, exponent_buffer_;
+  DeviceBuffer half_buffer_, light_buffer_, highlight_buffer_, exponent_buffer_;
 };
 
 }  // namespace multum

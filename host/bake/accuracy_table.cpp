@@ -51,7 +51,8 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::s
   std::string text = fmt::format(
       "measured error{}, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n  level",
       group_text(suffix));
-  for (const std::string& brdf : brdfs) text += fmt::format("{:>20}", brdf);
+  const auto column = [](const std::string& brdf) { return std::max<std::size_t>(20, brdf.size() + 2); };
+  for (const std::string& brdf : brdfs) text += fmt::format("{:>{}}", brdf, column(brdf));
   text += "\n";
   for (int level = level_min; level <= level_max; ++level) {
     text += fmt::format("  {:>5}", level);
@@ -59,7 +60,7 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::s
       const auto found = [&](AccuracyPoint point) { return find_row(rows, level, point, brdf + suffix); };
       const AccuracyRow* centre = found(AccuracyPoint::kCentre);
       const std::string midway = percent(found(AccuracyPoint::kMidX), found(AccuracyPoint::kMidY));
-      text += fmt::format("{:>20}", centre == nullptr ? "-" : percent(centre, nullptr) + " | " + midway);
+      text += fmt::format("{:>{}}", centre == nullptr ? "-" : percent(centre, nullptr) + " | " + midway, column(brdf));
     }
     text += "\n";
   }

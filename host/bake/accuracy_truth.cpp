@@ -2,7 +2,10 @@
 #include "host/bake/accuracy_truth.h"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
+
+#include <glm/geometric.hpp>
 
 #include "host/base/error.h"
 #include "host/base/parallel.h"
@@ -70,6 +73,40 @@ BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& expo
   const auto rows = std::make_shared<BrdfRows>(omega, exponents);
   return {exponents.size(),
           [rows](const auto& normals, int width, const auto& values) { rows->evaluate(normals, width, values); }};
+}
+
+namespace {
+
+// e = 1 - omega . n = |n - omega|^2 / 2, which a narrow f needs to full precision; n is a unit vector.
+void evaluate_density(const Brdf& brdf, const glm::dvec3& omega, const std::array<const float*, 3>& normals, int count,
+                      double* values) {
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 n(static_cast<double>(normals[0][i]), static_cast<double>(normals[1][i]),
+                       static_cast<double>(normals[2][i]));
+    const glm::dvec3 apart = n - omega;
+    values[i] = grey_density(brdf, 0.5 * glm::dot(apart, apart));
+  }
+}
+
+}  // namespace
+
+BrdfValues highlight_values(const glm::dvec3& omega, const std::vector<Highlight>& highlights) {
+  std::vector<double> exponents;
+  for (const Highlight& one : highlights)
+    if (one.brdf.kind == BrdfKind::kBlinnPhong) exponents.push_back(static_cast<double>(one.brdf.exponent));
+  const auto powers = std::make_shared<BrdfRows>(omega, exponents);
+  return {highlights.size(), [omega, highlights, powers](const auto& normals, int width, const auto& rows) {
+            std::vector<double*> power_rows;
+            for (std::size_t f = 0; f < highlights.size(); ++f)
+              if (highlights[f].brdf.kind == BrdfKind::kBlinnPhong) power_rows.push_back(rows[f]);
+              else evaluate_density(highlights[f].brdf, omega, normals, width, rows[f]);
+            if (!power_rows.empty()) powers->evaluate(normals, width, power_rows);
+          }};
+}
+
+double highlight_scale(const Highlight& highlight) {
+  if (highlight.brdf.kind != BrdfKind::kBlinnPhong) return 1.0;
+  return (static_cast<double>(highlight.brdf.exponent) + 1.0) / (2.0 * std::numbers::pi);
 }
 
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert) {

@@ -13,6 +13,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/bake/brdf_rows.h"
+#include "host/bake/highlight.h"
 #include "host/bake/texel_averages.h"
 #include "host/base/progress.h"
 #include "host/image/plane_store.h"
@@ -64,6 +65,10 @@ struct BrdfValues {
 };
 /// max(0, omega . n)^s of each exponent.
 BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents);
+/// f at the half vector `omega` of each highlight, divided by highlight_scale().
+BrdfValues highlight_values(const glm::dvec3& omega, const std::vector<Highlight>& highlights);
+/// (s + 1) / (2 pi) of Blinn-Phong, which is averaged without it; else 1.
+double highlight_scale(const Highlight& highlight);
 /// Of shortened normals, one value (evaluate_shortened()).
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
 

@@ -128,6 +128,14 @@ BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& dev
   return report;
 }
 
+BakeReport unchanged_report(const BakeJob& job) {
+  BakeReport report;
+  report.source = std::filesystem::path(job.input).filename().string();
+  report.unchanged = true;
+  if (!job.report.empty()) write_text_file(job.report, report.to_json());
+  return report;
+}
+
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
   return bake_file(job, nullptr, device, progress);
 }
@@ -138,11 +146,7 @@ BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device
   BakeReport report;
   report.source = std::filesystem::path(job.input).filename().string();
   const std::string settings = all_settings_json(job);
-  if (!job.force && find_output_state(job, settings).finding == OutputFinding::kInPlace) {
-    report.unchanged = true;
-    if (!job.report.empty()) write_text_file(job.report, report.to_json());
-    return report;
-  }
+  if (!job.force && find_output_state(job, settings).finding == OutputFinding::kInPlace) return unchanged_report(job);
   StageClock clock(report);
   std::optional<BakeSource> read;
   if (given == nullptr) read = read_source(job, report, progress);

@@ -34,9 +34,10 @@ struct BakeJob {
   BakedWriteOptions writing;
   bool measure = true;                                            // measure the error of what is written
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // of highlights, Blinn-Phong s; Lambert always is
-  // Blinn-Phong s, none of the usual ones, that is measured besides them for the report alone; 0: none.
-  double exponent = 0.0;
-  bool force = false;              // bake even if the output is from the same file and settings
+  std::vector<Highlight> highlights;                              // measured besides those, for the report alone
+  std::string
+      chosen_for;      // what the settings were chosen for (target_key()), which the file then states; empty: nothing
+  bool force = false;  // bake even if the output is from the same file and settings
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's
   std::string scratch_folder;      // for what does not fit; empty: the output's folder
   bool resume = false;             // go on from what a killed bake of the same output left
@@ -51,6 +52,9 @@ constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::r
 
 /// The files that a bake reads, the map first.
 std::vector<std::string> input_files(const BakeJob& job);
+
+/// Of an output that is left as it is. Writes BakeJob::report.
+BakeReport unchanged_report(const BakeJob& job);
 
 /// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
 /// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.

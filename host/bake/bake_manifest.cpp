@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -15,6 +16,8 @@
 #include "host/bake/map_options.h"
 #include "host/bake/source_keys.h"
 #include "host/bake/strict_toml.h"
+#include "host/base/error.h"
+#include "host/brdf/brdf_text.h"
 
 namespace multum {
 namespace {
@@ -25,11 +28,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr char kWhole[] = "the manifest";
 
 const std::vector<std::string> kDefaultKeys = {
-    "error_max",      "ndf",       "lobes",       "reference",   "iterations", "sweeps",       "order",
-    "align",          "kappa_cap", "first_level", "data_format", "wrap",       "swrap",        "twrap",
-    "coarse_normals", "green",     "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
-    "no_rehearsal",   "sh_order",  "fixnan",      "checknan",    "repair_max", "albedo",       "compression",
-    "normal_scale",   "roughness", "weights",     "unaligned"};
+    "error_max",  "ndf",          "lobes",          "reference",    "iterations",   "sweeps",
+    "order",      "align",        "kappa_cap",      "first_level",  "data_format",  "wrap",
+    "swrap",      "twrap",        "coarse_normals", "green",        "signed",       "unsigned",
+    "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "sh_order",     "fixnan",
+    "checknan",   "repair_max",   "albedo",         "compression",  "normal_scale", "roughness",
+    "weights",    "unaligned",    "target_error",   "budget_ms",    "brdf",         "best_effort"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;
@@ -41,6 +45,8 @@ std::vector<std::string> map_keys() {
 struct ManifestOptions {
   MapOptions map;
   std::optional<double> error_max;
+  BakeTarget target;  // of an error, a time or nothing
+  bool has_target() const { return target.error || target.seconds; }
 };
 
 void read_whole(const StrictTable& table, const std::string& key, const SettingRange<int>& range,
@@ -57,8 +63,52 @@ NumberRange number_range(const SettingRange<float>& range) {
 constexpr std::pair<const char*, std::string BakeJob::*> kMaterialKeys[] = {
     {"albedo", &BakeJob::albedo}, {"roughness", &BakeJob::roughness}, {"weights", &BakeJob::weights}};
 
-void read_options(const StrictTable& table, ManifestOptions& options) {
+// Empty stays empty: no file.
+std::string resolved(const std::string& manifest, const std::string& path) {
+  return path.empty() ? "" : (fs::path(manifest).parent_path() / path).lexically_normal().string();
+}
+
+// What is said of a map itself goes before what is said of all: a target takes settings away, a setting the target.
+void read_target(const StrictTable& table, const std::string& manifest, ManifestOptions& options) {
+  BakeTarget& target = options.target;
+  if (table.has("target_error") && table.has("budget_ms"))
+    table.refuse("budget_ms", "is given beside target_error: expected one of them");
+  if (table.has("target_error") || table.has("budget_ms")) {
+    options.map = without_options_of_target(options.map);
+    target.error.reset(), target.seconds.reset();
+  }
+  if (table.has("target_error"))
+    target.error = table.number("target_error", {0.0, 2.0, true, false, "a number above 0, at most 2"}, 0.0);
+  if (table.has("budget_ms"))
+    target.seconds = 1e-3 * table.number("budget_ms", {0.0, kInfinity, true, true, "a number above 0"}, 0.0);
+  target.best_effort = table.boolean("best_effort", target.best_effort);
+  if (!table.has("brdf")) return;
+  const std::string text = table.text("brdf");
+  try {
+    target.brdf = parse_target_brdf(is_brdf_file(text) ? resolved(manifest, text) : text, "is");
+  } catch (const Error& error) {
+    table.refuse("brdf", error.what());
+  }
+}
+
+void check_target_keys(const StrictTable& table, ManifestOptions& options) {
+  if (const char* option = option_of_target(options.map); option != nullptr && options.has_target()) {
+    std::string key = option + 2;  // "--sh-order"
+    std::replace(key.begin(), key.end(), '-', '_');
+    if (table.has("target_error") || table.has("budget_ms"))
+      table.refuse(key, fmt::format("is chosen by {}: expected one of the two",
+                                    table.has("target_error") ? "target_error" : "budget_ms"));
+    options.target.error.reset(), options.target.seconds.reset();
+  }
+  for (const char* key : {"brdf", "best_effort"})
+    if (table.has(key) && !options.has_target()) table.refuse(key, "is of target_error and budget_ms, found neither");
+  if (options.has_target() && options.target.brdf.is_sum() && options.map.ndf == Representation::kGmm)
+    table.refuse("", "has ndf = \"gmm\", which the BRDF of its target cannot be shaded with");
+}
+
+void read_options(const StrictTable& table, const std::string& manifest, ManifestOptions& options) {
   MapOptions& map = options.map;
+  read_target(table, manifest, options);
   if (table.has("error_max"))
     options.error_max = table.number("error_max", {0.0, kInfinity, true, true, "a number above 0"}, 0.0);
   read_source_keys(table, map);
@@ -76,15 +126,10 @@ void read_options(const StrictTable& table, ManifestOptions& options) {
   read_choice(table, "order", kFitOrders, map.order);
   read_choice(table, "coarse_normals", kCoarseNormals, map.coarse_normals);
   read_choice(table, "data_format", kStorageEncodings, map.data_format);
-  if (!table.has("compression")) return;
-  map.compression = table.text("compression");
-  if (!is_compression(*map.compression))
+  if (table.has("compression")) map.compression = table.text("compression");
+  if (map.compression && !is_compression(*map.compression))
     table.refuse("compression", fmt::format("is \"{}\", expected {}", *map.compression, kCompressionsInWords));
-}
-
-// Empty stays empty: no file.
-std::string resolved(const std::string& manifest, const std::string& path) {
-  return path.empty() ? "" : (fs::path(manifest).parent_path() / path).lexically_normal().string();
+  check_target_keys(table, options);
 }
 
 // What make_bake_jobs() would refuse, and what it would take for a name, with the line.
@@ -138,7 +183,7 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
                          const BakeJob& pattern) {
   ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWhole), {}};
   ManifestOptions options = defaults;
-  read_options(entry.table, options);
+  read_options(entry.table, path, options);
   check_keys_of_ndf(entry.table, options.map);
   BakeJob job = pattern;
   apply(options.map, job);
@@ -148,7 +193,9 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   check_paths(entry.table, job);
   for (BakeJob& one : jobs_of(job)) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();
-    entry.maps.push_back({name, std::move(one), options.error_max});
+    options.target.only = options.map.ndf;
+    entry.maps.push_back(
+        {name, std::move(one), options.error_max, options.has_target() ? std::optional(options.target) : std::nullopt});
   }
   return entry;
 }
@@ -185,7 +232,7 @@ std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJ
   const toml::table root = parse_toml(path, "a manifest as docs/CI.md describes it");
   const StrictTable table(path, root, "", {"defaults", "map"}, kWhole);
   ManifestOptions defaults;
-  read_options(StrictTable(path, table.table("defaults"), "defaults", kDefaultKeys, kWhole), defaults);
+  read_options(StrictTable(path, table.table("defaults"), "defaults", kDefaultKeys, kWhole), path, defaults);
   std::vector<ManifestEntry> entries;
   for (const toml::table* toml : table.tables("map")) entries.push_back(read_entry(path, *toml, defaults, pattern));
   check_apart(entries);

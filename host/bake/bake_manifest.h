@@ -8,14 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "host/bake/bake_job.h"
+#include "host/bake/chosen_bake.h"
 
 namespace multum {
 
 struct ManifestMap {
   std::string name;  // the output as the manifest names it, with its tile where it is one of a set
   BakeJob job;
-  std::optional<double> error_max;  // the largest measured error that is good enough, relative L1, above 0
+  std::optional<double> error_max;   // the largest measured error that is good enough, relative L1, above 0
+  std::optional<BakeTarget> target;  // settings are chosen for this
 };
 
 /// Reads and validates a manifest; each map's job is `pattern` with what the manifest says. A set is as many maps as it

@@ -39,11 +39,11 @@ std::string other_shape(const BakedHeader& header, const BakeSource& source) {
 }
 
 // Verifies, with a meter that sees every row on the way; what is damaged, in words, or nothing. Progress: a unit a row.
-std::string find_damage(const BakeJob& job, VerifiedFile& file, Progress* progress) {
+std::string find_damage(const BakeJob& job, Representation representation, VerifiedFile& file, Progress* progress) {
   AccuracySettings settings;
   settings.threads = job.threads;
   try {
-    file = ndf_bake(job.representation).verify(job, settings, progress);
+    file = ndf_bake(representation).verify(job, settings, progress);
     for (const VerifyFinding& finding : file.findings)
       if (!finding.passed) return fmt::format("{}: {}", finding.check, finding.detail);
   } catch (const Error& error) {
@@ -79,7 +79,7 @@ BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progre
   progress_start(progress, stored_rows(header) + 1);
   progress_stage(progress, "verify");
   VerifiedFile file;
-  check.damage = find_damage(job, file, progress);
+  check.damage = find_damage(job, header.representation, file, progress);
   if (check.damage.empty()) {
     progress_stage(progress, "measure");
     check.measured = file.meter->run(device, source.map.normals, source.colours(), progress);

@@ -9,9 +9,12 @@
 #include <map>
 
 #include "host/bake/ndf_bake.h"
+#include "host/bake/output_state.h"
 #include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/brdf/brdf_text.h"
 
 namespace multum {
 namespace {
@@ -43,13 +46,15 @@ class Attempts {
     std::filesystem::remove(scratch_, ignored);
   }
 
-  const Attempt& bake(const SettingTrial& trial) {
+  /// A file that will be kept though it misses the target must not be recognised as one that meets it.
+  const Attempt& bake(const SettingTrial& trial, bool may_meet = true) {
     BakeJob job = with_candidate(job_, trials_.candidates()[trial.candidate]);
+    if (!may_meet) job.chosen_for.clear();
     job.output = scratch_;
     job.report.clear();
     job.force = true;
     const TargetBrdf& brdf = trials_.brdf();
-    if (brdf.exponent > 0.0 && !is_usual_exponent(brdf.exponent)) job.exponent = brdf.exponent;
+    if (!source_.has_roughness) job.highlights = brdf.more_highlights();
     BakeReport report = bake_source(job, source_, device_, progress_);
     report.stages.insert(report.stages.begin(), {"read", read_seconds_});
     made_.push_back({trial, reached_error(report.error, brdf), report.bake_seconds(), std::move(report)});
@@ -205,6 +210,9 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
   if (target.seconds && !(*target.seconds > 0.0))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
+  if (target.brdf.is_sum() && target.only == Representation::kGmm)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--brdf {} is a sum of vMFs, which --ndf gmm cannot be shaded with", target.brdf.text));
   if (!job.measure) throw Error(ErrorCode::kUsage, "--no-measure leaves nothing to choose settings by");
   if (job.region || !job.onto.empty() || job.resume)
     throw Error(ErrorCode::kUsage, "--region, --onto and --resume go on with a file's settings: none can be chosen");
@@ -214,10 +222,32 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& 
   return bake_to_target(job, target, nullptr, device, progress);
 }
 
-ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, const BakeSource* given_source, Device& device,
-                          Progress* progress) {
-  check_target(given, job);
-  check_job(job);
+std::string target_text(const BakeTarget& target) {
+  std::string text = target.error ? fmt::format("an error of {:g}", *target.error)
+                                  : fmt::format("a bake of {:g} ms", 1e3 * *target.seconds);
+  text += fmt::format(" for {}", target.brdf.name);
+  if (target.only) text += fmt::format(" by {}", representation_info(*target.only).option);
+  return text;
+}
+
+std::string target_key(const BakeJob& job, const BakeTarget& target) {
+  std::string rest = all_settings_json(job);
+  if (is_brdf_file(target.brdf.text)) rest += hash_file(target.brdf.text);
+  return fmt::format("{}, {}", target_text(target), hash_text(rest).substr(0, 16));
+}
+
+ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, const BakeSource* given_source,
+                          Device& device, Progress* progress) {
+  check_target(given, given_job);
+  check_job(given_job);
+  BakeJob job = given_job;
+  job.chosen_for = target_key(given_job, given);
+  if (!job.force && find_output_state(job, all_settings_json(job)).finding == OutputFinding::kInPlace) {
+    ChosenBake in_place;
+    in_place.report = unchanged_report(job);
+    in_place.met = in_place.written = true;
+    return in_place;
+  }
   BakeTarget target = given;
   BakeReport choosing;
   StageClock clock(choosing);
@@ -225,7 +255,7 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, const Bak
   if (given_source == nullptr) read = read_source(job, choosing, progress);
   const BakeSource& source = given_source != nullptr ? *given_source : *read;
   clock.finish("read");
-  if (source.has_roughness && target.brdf.name != "lambert") target.brdf = {"roughness", 0.0};
+  if (source.has_roughness && target.brdf.name != "lambert") target.brdf.name = "roughness";
   std::vector<SettingCandidate> candidates = setting_candidates(target.only);
   progress_stage(progress, "choose settings");
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));
@@ -243,8 +273,8 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& given, const Bak
     };
     best = static_cast<std::size_t>(std::min_element(attempts.made().begin(), attempts.made().end(), better) -
                                     attempts.made().begin());
-    if (target.best_effort && best + 1 != attempts.made().size())
-      attempts.bake(SettingTrial(attempts.made()[best].trial)), best = attempts.made().size() - 1;
+    if (target.best_effort)
+      attempts.bake(SettingTrial(attempts.made()[best].trial), false), best = attempts.made().size() - 1;
   }
   if ((target.error && chosen.met) || (!chosen.met && target.best_effort)) attempts.keep();
   const Attempt& attempt = attempts.made()[best];

@@ -31,8 +31,15 @@ struct ChosenBake {
 /// Throws Error(kUsage) for a target out of range or that does not go with the job.
 void check_target(const BakeTarget& target, const BakeJob& job);
 
-/// JOB's own representation, lobes, order and effort do not count. Always bakes: JOB.force is taken as set. JOB.output
-/// appears when the target is met, or with `best_effort`. Throws as bake_file() does.
+/// "an error of 0.1 for ggx:0.4", "a bake of 500 ms for lambert by vmf".
+std::string target_text(const BakeTarget& target);
+/// The same, and a hash of all else that is said of the job: the same for the same file. Throws
+/// Error(kInput) when one of its maps cannot be read.
+std::string target_key(const BakeJob& job, const BakeTarget& target);
+
+/// JOB's own representation, lobes, order and effort do not count. JOB.output appears when the target is met, or with
+/// `best_effort`. A file that was chosen for the same target, from the same source, is left as it is
+/// (BakeReport::unchanged), unless JOB.force. Throws as bake_file() does.
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress);
 /// The same of what read_bake_source() has read of the job already; null: it is read here.
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, const BakeSource* source, Device& device,

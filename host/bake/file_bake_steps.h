@@ -52,19 +52,19 @@ inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_by
   return inputs;
 }
 
-/// How a bake's error is measured; BakeJob::exponent comes behind those that are measured of every map.
+/// How a bake's error is measured; BakeJob::highlights come behind those that are measured of every map.
 inline AccuracySettings accuracy_settings(const BakeJob& job) {
   AccuracySettings settings;
   settings.threads = job.threads;
   settings.exponents = job.measured_exponents;
-  if (job.exponent > 0.0) settings.exponents.push_back(job.exponent);
+  settings.highlights = job.highlights;
   return settings;
 }
 
-/// Without what BakeJob::exponent adds: what every file states.
+/// Without what BakeJob::highlights add: what every file states.
 inline std::vector<AccuracyRow> stated_rows(const BakeJob& job, std::vector<AccuracyRow> rows) {
-  if (job.exponent > 0.0)
-    std::erase_if(rows, [name = blinn_phong_name(job.exponent)](const AccuracyRow& row) {
+  for (const Highlight& one : job.highlights)
+    std::erase_if(rows, [&name = one.name](const AccuracyRow& row) {
       return row.brdf == name || row.brdf.starts_with(name + " ");
     });
   return rows;

@@ -48,8 +48,19 @@ void note_finding(const OutputState& found, MapResult& result) {
 void bake(const ManifestMap& map, Device& device, Progress* progress, MapResult& result) {
   BakeJob job = map.job;
   job.force = true;  // that it must be baked is known
-  result.report = bake_file(job, device, progress);
-  result.error = worst_error(result.report->accuracy);
+  if (!map.target) {
+    result.report = bake_file(job, device, progress);
+  } else {
+    const ChosenBake chosen = bake_to_target(job, *map.target, device, progress);
+    if (chosen.written) result.report = chosen.report;
+    if (!chosen.met) {
+      result.state = MapState::kWorse;
+      add_reason(result, fmt::format("no settings reach {}: the best, {}, are {} off{}", target_text(*map.target),
+                                     chosen.options, error_text(chosen.reached.error, chosen.reached.confidence),
+                                     chosen.written ? "" : ", not written"));
+    }
+  }
+  if (result.report) result.error = worst_error(result.report->accuracy);
 }
 
 // A file that is left as it is without a look is taken at its word.
@@ -75,7 +86,9 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
   MapResult result;
   result.name = map.name;
   result.allowed = map.error_max;
-  const OutputState found = find_output_state(map.job, all_settings_json(map.job));
+  BakeJob job = map.job;
+  if (map.target) job.chosen_for = target_key(map.job, *map.target);
+  const OutputState found = find_output_state(job, all_settings_json(job));
   result.stated = worst_error(found.stated);
   const bool is_current = found.finding == OutputFinding::kInPlace && !map.job.force;
   if (settings.check) {
@@ -88,8 +101,8 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
     hash_file(map.job.input);  // a source that is not there is another matter than a file that is missing
   } else if (must_be_baked) {
     bake(map, device, progress, result);
-    if (!settings.check) result.state = MapState::kBaked;
-    else add_reason(result, "baked now");
+    if (!settings.check && result.state != MapState::kWorse) result.state = MapState::kBaked;
+    else if (settings.check && result.report) add_reason(result, "baked now");
   }
   hold_to_allowed(result);
   std::error_code none;

@@ -42,6 +42,26 @@ void apply(const MapOptions& o, BakeJob& job) {
   if (o.compression) job.writing.compression = *o.compression;
 }
 
+const char* option_of_target(const MapOptions& o) {
+  const std::pair<const char*, bool> chosen[] = {{"--lobes", o.lobes.has_value()},
+                                                 {"--sh-order", o.sh_order.has_value()},
+                                                 {"--reference", o.reference},
+                                                 {"--iterations", o.iterations.has_value()},
+                                                 {"--sweeps", o.sweeps.has_value()},
+                                                 {"--no-rehearsal", o.no_rehearsal},
+                                                 {"--data-format", o.data_format.has_value()},
+                                                 {"--unaligned", o.unaligned}};
+  for (const auto& [option, is_given] : chosen)
+    if (is_given) return option;
+  return nullptr;
+}
+
+MapOptions without_options_of_target(MapOptions o) {
+  o.lobes.reset(), o.sh_order.reset(), o.iterations.reset(), o.sweeps.reset(), o.data_format.reset();
+  o.reference = o.no_rehearsal = o.unaligned = false;
+  return o;
+}
+
 std::string options_text(const MapOptions& o) {
   std::string text;
   const auto add = [&](const char* option, const auto& value) {

@@ -48,6 +48,11 @@ struct MapOptions {
 
 void apply(const MapOptions& options, BakeJob& job);
 
+/// The option, as "--lobes", that says what a target chooses; null: there is none.
+const char* option_of_target(const MapOptions& options);
+/// Without any.
+MapOptions without_options_of_target(MapOptions options);
+
 /// What they say of the representation, the fit and the storage, as `multum bake` takes it: "--ndf vmf --lobes 3".
 std::string options_text(const MapOptions& options);
 

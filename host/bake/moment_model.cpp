@@ -42,8 +42,9 @@ class MomentShading : public PointShading {
     if (value_buffer_.byte_count() < byte_count) value_buffer_ = device_.make_buffer(byte_count, "shaded values");
     kernel_.launch({points.size()}, moment_buffer, directions_.half_vectors(), directions_.lights(),
                    directions_.exponents(), value_buffer_, static_cast<int>(points.size()), directions_.half_count(),
-                   directions_.light_count(), directions_.exponent_count(), shading);
+                   directions_.light_count(), directions_.highlight_count(), shading);
     device_.read(value_buffer_, values.data(), byte_count);
+    directions_.scale_by_totals(values);
   }
 
  private:

@@ -94,8 +94,8 @@ class MovmfShading : public PointShading {
         device_.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "filtered lobes");
     if (value_buffer_.byte_count() < byte_count) value_buffer_ = device_.make_buffer(byte_count, "shaded values");
     kernel_.launch({points.size()}, lobe_buffer, directions_.half_vectors(), directions_.lights(),
-                   directions_.exponents(), value_buffer_, static_cast<int>(points.size()), directions_.half_count(),
-                   directions_.light_count(), directions_.exponent_count());
+                   directions_.highlights(), value_buffer_, static_cast<int>(points.size()), directions_.half_count(),
+                   directions_.light_count(), directions_.highlight_count());
     device_.read(value_buffer_, values.data(), byte_count);
   }
 

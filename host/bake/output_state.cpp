@@ -51,6 +51,21 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
   return changes;
 }
 
+// Of settings that were chosen: was it for the same, of the same? Which they are is found in a bake alone.
+std::vector<std::string> changed_target(const std::string& there, const std::string& now) {
+  const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
+  const nlohmann::json new_json = nlohmann::json::parse(now);
+  if (!old_json.is_object()) return {"its settings are not understood"};
+  if (old_json.value("kernels", "") != new_json.at("kernels").get<std::string>())
+    return {"it was baked by other kernels than this program's"};
+  if (!old_json.contains("target")) return {"its settings were not chosen for a target"};
+  const std::string was = old_json["target"].dump(), is = new_json["target"].dump();
+  const auto words = [](const std::string& target) { return target.substr(1, target.rfind(", ") - 1); };
+  if (was == is) return {};
+  if (words(was) == words(is)) return {"its other settings or maps have changed"};
+  return {fmt::format("its settings were chosen for {}, expected {}", words(was), words(is))};
+}
+
 std::optional<BakedProvenance> read_provenance(const std::string& path, std::string& why_not) {
   try {
     return read_baked_header(path).provenance;
@@ -91,6 +106,7 @@ std::string all_settings_json(const BakeJob& job) {
     json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
     json["onto"] = read_baked_header(job.onto).provenance.content_hash;
   }
+  if (!job.chosen_for.empty()) json["target"] = job.chosen_for;
   std::string kernels;
   for (const auto& [name, source] : kernel_sources()) kernels += source;
   json["kernels"] = hash_text(kernels).substr(0, 16);
@@ -111,7 +127,9 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
   if (there->software != bake_software())
     reasons.push_back(fmt::format("it was baked by {}, this is {}", there->software, bake_software()));
   if (there->settings != settings)
-    for (std::string& change : changed_settings(there->settings, settings)) reasons.push_back(std::move(change));
+    for (std::string& change : job.chosen_for.empty() ? changed_settings(there->settings, settings)
+                                                      : changed_target(there->settings, settings))
+      reasons.push_back(std::move(change));
   const auto stated = parse_measured_error(there->measured_error);
   if (stated) state.stated = *stated;
   if (job.measure && state.stated.empty()) reasons.emplace_back("its error was not measured");

@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/machine.h"
+#include "host/brdf/brdf_text.h"
 
 namespace multum {
 namespace {
@@ -72,29 +73,20 @@ std::vector<SettingCandidate> setting_candidates(std::optional<Representation> o
   return candidates;
 }
 
-TargetBrdf parse_target_brdf(const std::string& text) {
-  constexpr std::string_view kBlinnPhong = "blinn-phong:";
-  if (text == "lambert") return {text, 0.0};
-  double exponent = 0.0;
-  std::size_t used = 0;
-  if (text.starts_with(kBlinnPhong)) {
-    const std::string number = text.substr(kBlinnPhong.size());
-    try {
-      exponent = std::stod(number, &used);
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used != number.size() || number.empty()) exponent = 0.0;
-  }
-  if (!(exponent >= 1.0 && exponent <= 1e5))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--brdf is '{}', expected lambert or blinn-phong:S with S 1..100000", text));
-  return {blinn_phong_name(exponent), exponent};
+TargetBrdf parse_target_brdf(const std::string& text, const std::string& option) {
+  TargetBrdf target{text, text, parse_brdf(option, text, Brdf().term_count)};
+  if (target.brdf.kind == BrdfKind::kBlinnPhong)
+    target.name = blinn_phong_name(std::stod(text.substr(text.find(':') + 1)));
+  std::replace(target.name.begin(), target.name.end(), ' ', '_');  // after a space comes the way to shade it
+  return target;
 }
 
-bool is_usual_exponent(double exponent) {
+std::vector<Highlight> TargetBrdf::more_highlights() const {
   const std::vector<double> usual = AccuracySettings().exponents;
-  return std::find(usual.begin(), usual.end(), exponent) != usual.end();
+  const bool is_usual = brdf.kind == BrdfKind::kBlinnPhong &&
+                        std::find(usual.begin(), usual.end(), static_cast<double>(brdf.exponent)) != usual.end();
+  if (!has_highlight() || is_usual) return {};
+  return {{name, brdf}};
 }
 
 ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf) {
@@ -140,7 +132,7 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
   accuracy.first_level = kSummaryLevel;  // only the levels that count are made
   accuracy.samples_per_level = 0;
   accuracy.exponents.clear();
-  if (brdf_.exponent > 0.0) accuracy.exponents.push_back(brdf_.exponent);
+  if (brdf_.has_highlight()) accuracy.highlights.push_back({brdf_.name, brdf_.brdf});
   BakeReport report;
   Progress quiet = cancel_only(progress);
   const std::unique_ptr<AccuracyMeter> meter = rehearse_levels(device_, job, mosaic_, accuracy, report, &quiet);

@@ -26,16 +26,20 @@ struct SettingCandidate {
 /// All that `only` allows (empty: every representation), cheapest first.
 std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only);
 
-/// For which BRDF an error counts: "lambert" or "blinn-phong:S"; of a bake with roughness in, "roughness". Throws
-/// Error(kUsage).
+/// For which BRDF an error counts; of a bake with roughness in, "roughness".
 struct TargetBrdf {
   std::string name = "blinn-phong:100";  // as AccuracySummary::brdf
-  double exponent = 100.0;               // of Blinn-Phong; 0: another
-};
-TargetBrdf parse_target_brdf(const std::string& text);
+  std::string text = name;               // as options name it
+  Brdf brdf;                             // kLambert: no highlight
 
-/// One of the usual exponents needs no BakeJob::exponent.
-bool is_usual_exponent(double exponent);
+  bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
+  /// Is it shaded as a sum of vMFs? Planar Gaussians know none of these.
+  bool is_sum() const { return brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured; }
+  /// Its highlight, unless every bake measures it.
+  std::vector<Highlight> more_highlights() const;
+};
+/// As parse_brdf() reads it; the highlight alone counts. Throws Error(kUsage) naming `option`, Error(kInput).
+TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
 /// The least error of `brdf` among the ways to shade a file; with colours where the file has them.
 struct ReachedError {

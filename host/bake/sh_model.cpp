@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/base/parallel.h"
+#include "host/brdf/facet_distribution.h"
 
 namespace multum {
 namespace {
@@ -13,6 +14,13 @@ namespace {
 // Of order 20 some 14 MiB of coefficients.
 constexpr std::size_t kPointsPerLaunch = 8192;
 constexpr int kPointsPerBand = 1024;
+
+ZonalCoefficients zonal_of(const Brdf& brdf, int order) {
+  if (brdf.kind == BrdfKind::kBlinnPhong) return zonal_blinn_phong(order, static_cast<double>(brdf.exponent));
+  ZonalCoefficients grey;
+  for (const glm::dvec3& a : zonal_coefficients(brdf, order)) grey.push_back((a.x + a.y + a.z) / 3.0);
+  return grey;
+}
 
 class ShShading : public PointShading {
  public:
@@ -23,7 +31,7 @@ class ShShading : public PointShading {
         steps_(sh_recurrence(model.order())),
         step_buffer_(device.wrap_buffer(steps_.data(), steps_.size() * sizeof(ShStep), "recurrence")),
         kernel_(device.kernel("sh_shade", "sh_shade", {1, 1, false, false, model.order()})) {
-    for (const double s : directions.exponents) append(zonal_blinn_phong(model.order(), s));
+    for (const Highlight& highlight : directions.highlights) append(zonal_of(highlight.brdf, model.order()));
     append(directions.mean_cosine > 0.0f
                ? zonal_lambert_of_rough(model.order(), static_cast<double>(directions.mean_cosine))
                : zonal_lambert(model.order()));
@@ -43,8 +51,8 @@ class ShShading : public PointShading {
       const DeviceBuffer shares = device_.wrap_buffer(
           filtered.points.data(), filtered.points.size() * sizeof(MultumFilteredSh), "filtered points");
       kernel_.launch({end - begin}, coefficients, shares, step_buffer_, zonal_buffer_, directions_.half_vectors(),
-                     directions_.lights(), directions_.exponents(), value_buffer_, static_cast<int>(end - begin),
-                     directions_.half_count(), directions_.light_count(), directions_.exponent_count());
+                     directions_.lights(), directions_.highlights(), value_buffer_, static_cast<int>(end - begin),
+                     directions_.half_count(), directions_.light_count(), directions_.highlight_count());
       device_.read(value_buffer_, values.data() + begin * value_count, (end - begin) * value_count * sizeof(float));
     }
   }
@@ -57,7 +65,7 @@ class ShShading : public PointShading {
   const DirectionBuffers directions_;
   const std::vector<ShStep> steps_;
   const DeviceBuffer step_buffer_;
-  std::vector<float> zonal_;  // [exponents, then Lambert][l]
+  std::vector<float> zonal_;  // [highlights, then Lambert][l]
   DeviceBuffer zonal_buffer_, value_buffer_;
   Kernel kernel_;
 };

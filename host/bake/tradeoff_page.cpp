@@ -327,13 +327,20 @@ class TradeoffPage {
     for (const TradeoffRow& row : result_.rows)
       if (!row.is_measured)
         rows.push_back({"<code>" + html_escaped(row.options) + "</code>", "<code>" + html_escaped(row.view) + "</code>",
-                        html_escaped(row.group), percent_if(row.rendered),
+                        html_escaped(row.group), row.has_error ? percent(row.reached.error) : "-",
+                        row.has_error ? percent(row.reached.confidence) : "-", percent_if(row.rendered),
                         row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms)});
     if (rows.empty() || job_.viewer.empty()) return "";
-    return "<h2>Shading formulas and BRDF terms</h2>\n<p>Known by their pictures alone: the formula is the renderer's "
-           "own. A row with <code>--brdf</code> is compared with a truth of that BRDF.</p>\n" +
-           html_table({{"baked with", true}, {"drawn with", true}, {"varied", true}, {"rendered"}, {"frame, ms"}}, rows,
-                      " class=\"sortable\"");
+    return "<h2>Shading formulas and BRDF terms</h2>\n<p>Formulas that only the renderer has are known by their "
+           "pictures alone. A row with <code>--brdf</code> is compared with a truth of that BRDF.</p>\n" +
+           html_table({{"baked with", true},
+                       {"drawn with", true},
+                       {"varied", true},
+                       {"error"},
+                       {"&plusmn; 95 %"},
+                       {"rendered"},
+                       {"frame, ms"}},
+                      rows, " class=\"sortable\"");
   }
 
   static std::string figure(const std::string& png, const std::string& caption) {
@@ -402,12 +409,13 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) 
                                   {"bake_seconds", row.bake_seconds},
                                   {"file_bytes", row.file_bytes},
                                   {"gpu_bytes", row.gpu_bytes}};
+    if (row.has_error)
+      one.update({{"relative_l1", row.reached.error},
+                  {"confidence_95", row.reached.confidence},
+                  {"worst_level", row.reached.worst_level}});
     if (row.is_measured)
       one.update(
-          {{"relative_l1", row.reached.error},
-           {"confidence_95", row.reached.confidence},
-           {"worst_level", row.reached.worst_level},
-           {"centre", row.centre},
+          {{"centre", row.centre},
            {"midway", row.midway},
            {"between_levels", row.between},
            {"fronts",
@@ -425,9 +433,10 @@ std::string tradeoff_markdown(const TradeoffResult& result) {
       "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const TradeoffRow& row : result.rows) {
     const auto if_measured = [&](double share) { return row.is_measured ? percent(share) : std::string("-"); };
+    const auto if_known = [&](double share) { return row.has_error ? percent(share) : std::string("-"); };
     text += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.options,
-                        row.view.empty() ? "" : "`" + row.view + "`", if_measured(row.reached.error),
-                        if_measured(row.reached.confidence), if_measured(row.centre), if_measured(row.midway),
+                        row.view.empty() ? "" : "`" + row.view + "`", if_known(row.reached.error),
+                        if_known(row.reached.confidence), if_measured(row.centre), if_measured(row.midway),
                         if_measured(row.between), percent_if(row.rendered), millis(row.bake_seconds),
                         row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms), mega(row.gpu_bytes));
   }

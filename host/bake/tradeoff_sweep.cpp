@@ -17,6 +17,8 @@
 #include "host/bake/viewer_process.h"
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
+#include "host/brdf/brdf_text.h"
+#include "host/brdf/facet_distribution.h"
 
 namespace multum {
 namespace {
@@ -27,9 +29,10 @@ constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 // A way to draw a bake.
 struct View {
   std::string group;
-  std::string arguments;  // beside --brdf
-  std::string brdf;       // of multum-view; empty: the target
-  bool is_measured;       // do the bake's measured errors hold for it?
+  std::string arguments;                              // beside --brdf
+  std::string brdf;                                   // of multum-view; empty: the target
+  bool is_measured;                                   // do the bake's measured errors of the target hold for it?
+  std::optional<Highlight> highlight = std::nullopt;  // another that it is measured for
 };
 
 struct SweptBake {
@@ -56,20 +59,27 @@ std::string ggx_of(double exponent) {
   return fmt::format("ggx:{:.3f}", std::clamp(std::pow(2.0 / (exponent + 2.0), 0.25), 0.05, 1.0));
 }
 
+// Drawn by sums of 1 to 4 vMFs: the target, if it is one, else a GGX that is as wide.
+void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
+  const std::string text = target.is_sum() ? target.text : ggx_of(equivalent_exponent(target.brdf));
+  for (int terms = 1; terms <= kBrdfTermCountMax; ++terms) {
+    const std::string arguments = fmt::format("--brdf-terms {}", terms);
+    Brdf brdf = parse_brdf("--brdf", text, terms);
+    views.push_back({"BRDF terms", arguments, text, false, Highlight{"terms:" + std::to_string(terms), brdf}});
+  }
+}
+
 // The default's bake is drawn by every formula and every sum of terms.
 SweptBake usual_bake(const TargetBrdf& brdf, SweepLength length) {
   SweptBake usual = changed("lobes", [](MapOptions&) {});
   if (length == SweepLength::kQuick) return usual;
-  if (brdf.exponent > 0.0) {
-    usual.views.push_back({"shading formula", "--formula paper", "", false});
-    for (int terms = 1; terms <= 4; ++terms)
-      usual.views.push_back({"BRDF terms", fmt::format("--brdf-terms {}", terms), ggx_of(brdf.exponent), false});
-  }
+  if (brdf.brdf.kind == BrdfKind::kBlinnPhong) usual.views.push_back({"shading formula", "--formula paper", "", false});
+  if (brdf.has_highlight()) add_term_views(brdf, usual.views);
   usual.views.push_back({"shading formula", "--shade-first", "", false});
   return usual;
 }
 
-void add_representations(SweepLength length, std::vector<SweptBake>& sweep) {
+void add_representations(const TargetBrdf& brdf, SweepLength length, std::vector<SweptBake>& sweep) {
   SweptBake moments;
   moments.map.ndf = Representation::kMoments;
   for (const char* shading : kMomentShadings)
@@ -83,6 +93,7 @@ void add_representations(SweepLength length, std::vector<SweptBake>& sweep) {
     sh.map.sh_order = order;
     sweep.push_back(sh);
   }
+  if (brdf.is_sum()) return;
   for (const int count : length == SweepLength::kQuick   ? std::vector<int>{4}
                          : length == SweepLength::kUsual ? std::vector<int>{1, 2, 4, 6}
                                                          : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
@@ -123,7 +134,7 @@ std::vector<SweptBake> make_sweep(const TargetBrdf& brdf, SweepLength length) {
     sweep.push_back(count == kUsualLobes
                         ? usual_bake(brdf, length)
                         : SweptBake{lobes_of(Representation::kMovmf, count), {{"lobes", "", "", true}}});
-  add_representations(length, sweep);
+  add_representations(brdf, length, sweep);
   add_changes(length, sweep);
   return sweep;
 }
@@ -199,7 +210,9 @@ class Sweep {
     bake.output = scratch_ / "swept.ndf.exr";
     bake.report.clear();
     bake.force = true;
-    if (job_.brdf.exponent > 0.0 && !is_usual_exponent(job_.brdf.exponent)) bake.exponent = job_.brdf.exponent;
+    bake.highlights = job_.brdf.more_highlights();
+    for (const View& view : swept.views)
+      if (view.highlight) bake.highlights.push_back(*view.highlight);
     Progress quiet = cancel_only(progress_);
     const BakeReport report = bake_source(bake, source, device_, &quiet);
     result_.device = report.device;
@@ -215,6 +228,7 @@ class Sweep {
       row.file_bytes = std::filesystem::file_size(bake.output);
       row.gpu_bytes = baked_gpu_bytes(bake.output);
       if (view.is_measured) add_errors(report, view, row);
+      if (view.highlight) add_errors_of(report, *view.highlight, row);
       if (!job_.viewer.empty()) draw(bake.output, view, row);
       result_.rows.push_back(std::move(row));
       progress_advance(progress_, 1);
@@ -232,9 +246,15 @@ class Sweep {
         row.errors.push_back(one);
     const std::string brdf = job_.brdf.name + shading;
     row.reached = reached_error(row.errors, job_.brdf);
+    row.has_error = true;
     row.centre = mean_error(report.accuracy, brdf, {AccuracyPoint::kCentre});
     row.midway = mean_error(report.accuracy, brdf, {AccuracyPoint::kMidX, AccuracyPoint::kMidY});
     row.between = mean_error(report.accuracy, brdf, {AccuracyPoint::kBetween});
+  }
+
+  static void add_errors_of(const BakeReport& report, const Highlight& highlight, TradeoffRow& row) {
+    row.reached = reached_error(report.error, {highlight.name, highlight.name, highlight.brdf});
+    row.has_error = true;
   }
 
   // The truth is drawn with it, through the same trilinear filter: what is off is what the settings left out. Then
@@ -265,7 +285,7 @@ class Sweep {
                                         "-o",        scratch_ / "sheet.png",
                                         "--report",  scratch_ / "view.json",
                                         "--source",  job_.bake.input,
-                                        "--brdf",    view.brdf.empty() ? job_.brdf.name : view.brdf,
+                                        "--brdf",    view.brdf.empty() ? job_.brdf.text : view.brdf,
                                         "--context", job_.context,
                                         "--size",    fmt::format("{}x{}", job_.width, job_.height)};
     command.insert(command.end(), more.begin(), more.end());

@@ -39,7 +39,8 @@ struct TradeoffRow {
   double frame_ms = -1.0;               // < 0: not drawn
   std::uint64_t file_bytes = 0, gpu_bytes = 0;
   std::string picture;      // PNG bytes; empty: not drawn
-  bool is_measured = true;  // false: another BRDF, or a formula that only the renderer has; `reached` says nothing
+  bool is_measured = true;  // false: another BRDF, or a formula that only the renderer has
+  bool has_error = false;   // is `reached` known? Of a row that is not measured: the error of its own BRDF
   bool on_time_front = false, on_frame_front = false, on_size_front = false;  // nothing is better in both
 };
 

@@ -43,9 +43,10 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   BakeTarget target;
   target.error = target_error;
   target.only = job.representation;
-  if (!job.roughness.empty()) target.brdf = parse_target_brdf("roughness");
-  else if (job.measured_exponents.empty()) target.brdf = parse_target_brdf("lambert");
-  else target.brdf = parse_target_brdf(fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
+  // Of a map with a roughness it becomes the roughness itself.
+  if (job.roughness.empty() && job.measured_exponents.empty()) target.brdf = parse_target_brdf("lambert");
+  else if (job.roughness.empty())
+    target.brdf = parse_target_brdf(fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
   ChosenBake chosen = bake_to_target(job, target, source, device, progress);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,

@@ -135,7 +135,8 @@ void check_keys_of_family(const StrictTable& table, const BrdfFamily& family, co
                                    : "has no file, which brdf = \"measured\" must have");
 }
 
-SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names) {
+// `reads_files`: of a measured BRDF not its name alone.
+SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names, bool reads_files) {
   const StrictTable table(path, toml, "material",
                           {"name", "brdf", "exponent", "sigma", "roughness", "f0", "diffuse", "specular", "file"},
                           kWhole);
@@ -151,6 +152,8 @@ SceneMaterial read_material(const std::string& path, const toml::table& toml, Na
   if (brdf.kind == BrdfKind::kLambert) brdf.specular = glm::vec3(0.0f);
   if (brdf.kind == BrdfKind::kMeasured) {
     material.measured_file = resolved(path, table.text("file"));
+  }
+  if (brdf.kind == BrdfKind::kMeasured && reads_files) {
     brdf.measured = std::make_shared<const MeasuredBrdf>(read_measured_brdf(material.measured_file));
     brdf.diffuse = glm::vec3(brdf.measured->diffuse);
     brdf.specular = glm::vec3(1.0f);
@@ -283,9 +286,7 @@ void read_lights(const std::string& path, const StrictTable& root, Scene& scene)
     root.refuse("", "has no light, expected [[light]] or [environment]");
 }
 
-}  // namespace
-
-Scene read_scene(const std::string& path, const BakeJob& pattern) {
+Scene read_scene(const std::string& path, const BakeJob& pattern, bool reads_files) {
   const toml::table toml = parse_toml(path, "a scene as docs/SCENE.md describes it");
   const StrictTable root(path, toml, "", {"camera", "budget", "map", "material", "object", "light", "environment"},
                          kWhole);
@@ -295,7 +296,7 @@ Scene read_scene(const std::string& path, const BakeJob& pattern) {
   Names maps("map"), materials("material"), objects("object");
   for (const toml::table* table : root.tables("map")) scene.maps.push_back(read_map(path, *table, pattern, maps));
   for (const toml::table* table : root.tables("material"))
-    scene.materials.push_back(read_material(path, *table, materials));
+    scene.materials.push_back(read_material(path, *table, materials, reads_files));
   for (const toml::table* table : root.tables("object"))
     scene.objects.push_back(read_object(path, *table, scene, objects, maps, materials));
   read_lights(path, root, scene);
@@ -305,9 +306,13 @@ Scene read_scene(const std::string& path, const BakeJob& pattern) {
   return scene;
 }
 
+}  // namespace
+
+Scene read_scene(const std::string& path, const BakeJob& pattern) { return read_scene(path, pattern, true); }
+
 std::vector<std::string> scene_files(const std::string& path) {
   const BakeJob pattern;  // named: GCC 12 warns of an empty one in braces
-  const Scene scene = read_scene(path, pattern);
+  const Scene scene = read_scene(path, pattern, false);
   std::vector<std::string> files;
   for (const SceneMap& map : scene.maps)
     for (const std::string& file : input_files(map.job)) files.push_back(file);

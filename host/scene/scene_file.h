@@ -74,7 +74,8 @@ struct Scene {
 /// and what was expected.
 Scene read_scene(const std::string& path, const BakeJob& pattern);
 
-/// The files that decide what a scene's bake makes, itself not among them. Throws as read_scene() does.
+/// The files that decide what a scene's bake makes, itself not among them. None of them is
+/// looked at. Throws as read_scene() does.
 std::vector<std::string> scene_files(const std::string& path);
 
 }  // namespace multum

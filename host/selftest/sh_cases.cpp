@@ -10,6 +10,7 @@
 #include <glm/vec4.hpp>
 
 #include "host/asset/spherical_harmonics.h"
+#include "host/bake/highlight.h"
 #include "host/base/mean_cosine.h"
 #include "host/base/split_mix.h"
 #include "host/reference/spherical_harmonics.h"
@@ -62,7 +63,8 @@ std::vector<double> shade_sh(Device& device, int order, const std::vector<float>
   const auto wrap = [&](const auto& values) {
     return device.wrap_buffer(values.data(), values.size() * sizeof(values[0]), "shading");
   };
-  const DeviceBuffer exponent = device.wrap_buffer(&s, sizeof(s), "exponent");
+  const MultumHighlight shaded = shaded_highlight(static_cast<double>(s));
+  const DeviceBuffer highlight = device.wrap_buffer(&shaded, sizeof(shaded), "highlight");
   const DeviceBuffer points = device.wrap_buffer(&point, sizeof(point), "point");
   const DeviceBuffer g = wrap(coefficients), step_buffer = wrap(steps), a = wrap(zonal), w = wrap(vectors);
   std::vector<float> values(directions.size(), NAN);
@@ -70,7 +72,7 @@ std::vector<double> shade_sh(Device& device, int order, const std::vector<float>
   device.write(out, values.data(), out.byte_count());
   const int count = static_cast<int>(directions.size());
   device.kernel("sh_shade", "sh_shade", {1, 1, false, false, order})
-      .launch({1}, g, points, step_buffer, a, w, w, exponent, out, 1, lambert ? 0 : count, lambert ? count : 0,
+      .launch({1}, g, points, step_buffer, a, w, w, highlight, out, 1, lambert ? 0 : count, lambert ? count : 0,
               lambert ? 0 : 1);
   device.read(out, values.data(), out.byte_count());
   return {values.begin(), values.end()};

@@ -8,6 +8,7 @@
 #include <glm/vec4.hpp>
 
 #include "host/opencl/device.h"
+#include "kernels/shared/highlight.h"
 
 namespace multum {
 
@@ -16,6 +17,9 @@ namespace multum {
 /// `planar`: a Gaussian (a mu, a (2 sigma^2 + |mu|^2), a).
 std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
                                bool planar = false);
+/// Half vectors of any highlight.
+std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, const MultumHighlight& highlight,
+                               const std::vector<glm::vec4>& directions);
 
 /// The angle from mu to the vector that the kernel sees, which is not quite of length 1: |mu - w|^2 / 2 = 1 - cos.
 double angle_seen(const glm::dvec3& mu, const glm::vec4& w);

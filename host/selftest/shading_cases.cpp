@@ -11,28 +11,41 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "host/bake/highlight.h"
 #include "host/reference/shading.h"
 #include "host/selftest/case_lists.h"
 #include "host/selftest/shade_launch.h"
 
 namespace multum {
+namespace {
 
-std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
-                               bool planar) {
+std::vector<double> launch(Device& device, const glm::vec4& lobe, const MultumHighlight& shaded,
+                           const std::vector<glm::vec4>& directions, bool planar, bool lambert) {
   const int count = static_cast<int>(directions.size());
   const DeviceBuffer lobes = device.wrap_buffer(&lobe, sizeof(lobe), "lobe");
   const DeviceBuffer vectors =
       device.wrap_buffer(directions.data(), directions.size() * sizeof(glm::vec4), "directions");
-  const DeviceBuffer exponent = device.wrap_buffer(&s, sizeof(s), "exponent");
+  const DeviceBuffer highlight = device.wrap_buffer(&shaded, sizeof(shaded), "highlight");
   std::vector<float> values(directions.size(), NAN);
   DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
   device.write(out, values.data(), out.byte_count());
-  const bool lambert = s == 0.0f;
   device.kernel("movmf_shade", "movmf_shade", {1, 1, false, planar})
-      .launch({1}, lobes, vectors, vectors, exponent, out, 1, lambert ? 0 : count, lambert ? count : 0,
+      .launch({1}, lobes, vectors, vectors, highlight, out, 1, lambert ? 0 : count, lambert ? count : 0,
               lambert ? 0 : 1);
   device.read(out, values.data(), out.byte_count());
   return {values.begin(), values.end()};
+}
+
+}  // namespace
+
+std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
+                               bool planar) {
+  return launch(device, lobe, shaded_highlight(static_cast<double>(s)), directions, planar, s == 0.0f);
+}
+
+std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, const MultumHighlight& highlight,
+                               const std::vector<glm::vec4>& directions) {
+  return launch(device, lobe, highlight, directions, false, false);
 }
 
 double angle_seen(const glm::dvec3& mu, const glm::vec4& w) {
@@ -121,6 +134,32 @@ void vanishing_amplitude(Device& device, WorstError& worst) {
   }
 }
 
+// GGX as vMFs, some of them negative, against the same sum in double.
+void terms_of_either_sign(Device& device, WorstError& worst) {
+  Highlight ggx;
+  ggx.brdf.kind = BrdfKind::kGgx;
+  for (const float roughness : {0.05f, 0.2f, 0.5f, 0.8f, 1.0f}) {
+    ggx.brdf.roughness = roughness;
+    const MultumHighlight shaded = shaded_highlight(ggx.brdf);
+    for (const double spread : kSpreads) {
+      const auto sum_of = [&](double theta, const auto& weight) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(shaded.term_count); ++i)
+          sum += weight(static_cast<double>(shaded.weights[i])) *
+                 reference::vmf_density(
+                     reference::vmf_kappa(spread + (1.0 - spread) * static_cast<double>(shaded.spreads[i])), theta);
+        return sum;
+      };
+      const double peaks = sum_of(0.0, [](double w) { return std::abs(w); });
+      const std::vector<glm::vec4> directions = directions_to(kPi, 60);
+      const std::vector<double> values = shade_lobe(device, lobe_of(1.0, spread), shaded, directions);
+      for (std::size_t i = 0; i < values.size(); ++i)
+        worst.add(values[i], std::max(sum_of(angle_seen(kUp, directions[i]), [](double w) { return w; }), 0.0), peaks,
+                  fmt::format("roughness {}, 1 - |r| = {:.3g}, direction {}", roughness, spread, i));
+    }
+  }
+}
+
 void lambert_of_every_spread(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = directions_to(kPi, 48);
   const auto add = [&](double spread, const std::function<double(double)>& exact) {
@@ -178,6 +217,12 @@ std::vector<NumericalCase> shading_cases() {
         shade_edit("if (shape.amplitude == 0.0f) return 0.0f;", ""),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", ""),
         shade_edit("max(lobe.w, AMPLITUDE_SHADED_MIN)", "lobe.w")}});
+  cases.push_back(
+      {{"terms-of-either-sign", "movmf_shade",
+        "a sum of vMFs of either sign is below 0 where f is: light that darkens what is beside it",
+        "no lobe's sum is below 0", 6e-4, "of the sum of the terms' peaks", "2.3e-4 of kappa's inverse, of every term"},
+       terms_of_either_sign,
+       {shade_edit("return terms->amplitude * max(sum, 0.0f);", "return terms->amplitude * sum;")}});
   cases.push_back({{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the paper's shortcut, knows no spread",
                     "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
                     "0.22 % of the model (tools/fit_shading.py)"},

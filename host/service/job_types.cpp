@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "host/asset/representation.h"
 #include "host/bake/animation_job.h"
@@ -23,6 +24,9 @@ using Kind = ParameterKind;
 
 constexpr std::int64_t kMiB = 1 << 20;
 constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f]*$";  // what is_plain_text() takes
+
+// A BRDF of a family: no file's name, which would be looked for beyond the folders that jobs may read.
+constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|cook-torrance|ggx):[0-9.,eE+-]{1,60})$";
 
 // As `multum bake --ndf` has them.
 std::vector<std::string> ndf_names() {
@@ -68,7 +72,8 @@ JobType bake_type() {
            {"target_error", Kind::kNumber,
             "choose the cheapest settings that come within this relative L1 of the truth", 1e-9, 2},
            {"budget_ms", Kind::kNumber, "choose the most accurate settings that bake in this time", 1e-3, 1e9},
-           {"brdf", Kind::kText, "for which settings are chosen: lambert or blinn-phong:S"},
+           {"brdf", Kind::kBrdf,
+            "for which settings are chosen: lambert, blinn-phong:S, ggx:ROUGHNESS or torrance-sparrow:SIGMA"},
            {"best_effort", Kind::kFlag, "write the best that was reached where nothing reaches the target"},
            {"no_measure", Kind::kFlag, "skip measuring the error of what is written"}}};
 }
@@ -143,6 +148,7 @@ std::string expected_text(const JobParameter& parameter) {
     case Kind::kNumber: return fmt::format("a number from {:g} to {:g}", parameter.least, parameter.most);
     case Kind::kChoice: return fmt::format("one of {}", fmt::join(parameter.choices, ", "));
     case Kind::kText: return "a text of up to 1000 characters without control characters";
+    case Kind::kBrdf: return "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA or ggx:ROUGHNESS";
     case Kind::kInputFile: return "a file's path";
   }
   return "";
@@ -160,6 +166,9 @@ bool is_accepted(const JobParameter& parameter, const Json& value) {
       return value.is_string() && std::find(parameter.choices.begin(), parameter.choices.end(),
                                             value.get<std::string>()) != parameter.choices.end();
     case Kind::kText: return value.is_string() && is_plain_text(value.get<std::string>());
+    case Kind::kBrdf:
+      return value.is_string() && value.get<std::string>().size() < 100 &&
+             std::regex_match(value.get<std::string>(), std::regex(kBrdfPattern));
     case Kind::kInputFile:
       return value.is_string() && !value.get<std::string>().empty() && value.get<std::string>().size() < 4096 &&
              value.get<std::string>().find('\0') == std::string::npos;
@@ -226,6 +235,7 @@ Json parameters_schema(const JobType& type) {
         break;
       case Kind::kChoice: one.update({{"type", "string"}, {"enum", parameter.choices}}); break;
       case Kind::kText: one.update({{"type", "string"}, {"maxLength", 1000}, {"pattern", kPlainPattern}}); break;
+      case Kind::kBrdf: one.update({{"type", "string"}, {"pattern", kBrdfPattern}}); break;
       case Kind::kInputFile:
         one.update({{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}, {"pattern", "^[^\\u0000]*$"}});
         break;

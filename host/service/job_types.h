@@ -11,7 +11,7 @@
 
 namespace multum {
 
-enum class ParameterKind { kFlag, kWhole, kNumber, kChoice, kText, kInputFile };
+enum class ParameterKind { kFlag, kWhole, kNumber, kChoice, kText, kBrdf, kInputFile };
 
 struct JobParameter {
   std::string name;  // in JSON, "first_level"; as an option "--first-level"

@@ -12,6 +12,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "host/bake/highlight.h"
 #include "host/opencl/device.h"
 #include "host/reference/planar_em.h"
 #include "runtime_gl/context/headless_context.h"
@@ -55,12 +56,13 @@ std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::
   for (const glm::vec3& d : directions) vectors.emplace_back(d, 0.0f);
   const DeviceBuffer in = device.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "lobes");
   const DeviceBuffer around = device.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
-  const DeviceBuffer exponent = device.wrap_buffer(&s, sizeof(s), "exponent");
+  const MultumHighlight shaded = shaded_highlight(static_cast<double>(s));
+  const DeviceBuffer highlight = device.wrap_buffer(&shaded, sizeof(shaded), "highlight");
   std::vector<float> values(lobes.size() * directions.size(), NAN);
   const DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
   const int count = static_cast<int>(directions.size());
   device.kernel("movmf_shade", "movmf_shade", {1, 1, false, true})
-      .launch({lobes.size()}, in, around, around, exponent, out, static_cast<int>(lobes.size()), s > 0.0f ? count : 0,
+      .launch({lobes.size()}, in, around, around, highlight, out, static_cast<int>(lobes.size()), s > 0.0f ? count : 0,
               s > 0.0f ? 0 : count, s > 0.0f ? 1 : 0);
   device.read(out, values.data(), values.size() * sizeof(float));
   return values;

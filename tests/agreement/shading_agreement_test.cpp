@@ -4,12 +4,17 @@
 // quadrature in double: hard cases first, then random lobes.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <random>
+#include <string>
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "host/bake/highlight.h"
+#include "host/brdf/brdf_text.h"
 #include "host/opencl/device.h"
 #include "host/reference/shading.h"
 #include "runtime_gl/context/headless_context.h"
@@ -52,34 +57,36 @@ Lobes test_lobes(unsigned seed) {
   return set;
 }
 
-// [lobe][direction] of one exponent (0: Lambert), by the OpenCL kernel.
+// [lobe][direction] of one highlight, or of Lambert, by the OpenCL kernel.
 std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
-                                float exponent) {
+                                const MultumHighlight& shaded, bool lambert) {
   static Device device = Device::open("");
   std::vector<glm::vec4> vectors;
   for (const glm::vec3& d : directions) vectors.emplace_back(d, 0.0f);
   const DeviceBuffer lobe_buffer = device.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "lobes");
   const DeviceBuffer direction_buffer =
       device.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
-  const DeviceBuffer exponent_buffer = device.wrap_buffer(&exponent, sizeof(float), "exponent");
+  const DeviceBuffer highlight = device.wrap_buffer(&shaded, sizeof(shaded), "highlight");
   std::vector<float> values(lobes.size() * directions.size(), -1.0f);
   const DeviceBuffer out = device.make_buffer(values.size() * sizeof(float), "values");
   const auto count = static_cast<int>(directions.size());
-  const bool lambert = exponent == 0.0f;
   device.kernel("movmf_shade", "movmf_shade", {1, 1, false})
-      .launch({lobes.size()}, lobe_buffer, direction_buffer, direction_buffer, exponent_buffer, out,
+      .launch({lobes.size()}, lobe_buffer, direction_buffer, direction_buffer, highlight, out,
               static_cast<int>(lobes.size()), lambert ? 0 : count, lambert ? count : 0, lambert ? 0 : 1);
   device.read(out, values.data(), values.size() * sizeof(float));
   return values;
 }
 
+// An exponent of 0: Lambert.
+std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
+                                float exponent) {
+  return shade_opencl(lobes, directions, shaded_highlight(static_cast<double>(exponent)), exponent == 0.0f);
+}
+
 std::vector<float> shade_glsl(const gl::HeadlessContext& context, const std::vector<glm::vec4>& lobes,
-                              const std::vector<glm::vec3>& directions, float exponent) {
-  gl::ShaderHarnessInput input{
-      exponent == 0.0f ? "vec4(multum_movmf_lambert(a, b.xyz))" : "vec4(multum_movmf_blinn_phong(a, b.xyz, b.w))",
-      {},
-      {},
-      nullptr};
+                              const std::vector<glm::vec3>& directions, float exponent,
+                              const std::string& expression = "vec4(multum_movmf_blinn_phong(a, b.xyz, b.w))") {
+  gl::ShaderHarnessInput input{exponent == 0.0f ? "vec4(multum_movmf_lambert(a, b.xyz))" : expression, {}, {}, nullptr};
   for (const glm::vec4& lobe : lobes)
     for (const glm::vec3& d : directions) {
       input.a.push_back(lobe);
@@ -116,6 +123,37 @@ TEST_P(ShadingAgreementTest, OpenclEqualsGlsl) {
     ASSERT_TRUE(std::isfinite(opencl[i]) && std::isfinite(glsl[i])) << "lobe " << i / directions.size();
     const float peak = std::max(set.lobes[i / directions.size()].w * unit, 1e-9f);
     EXPECT_NEAR(opencl[i] / peak, glsl[i] / peak, exponent > 1e4f ? 2e-3f : 3e-5f) << "lobe " << i / directions.size();
+  }
+}
+
+// As multum_lobe_facets() of brdf/terms.glsl adds them up, whose uniforms the harness has not got.
+std::string terms_expression(const MultumHighlight& f) {
+  const char* kSpread = "multum_movmf_spread(a)";
+  const char* kOneMinusCosine = "multum_one_minus_cosine(multum_movmf_mean_direction(a), b.xyz)";
+  std::string sum = "0.0";
+  for (int i = 0; i < f.term_count; ++i)
+    sum += fmt::format(" + {:.9e} * multum_term({}, {:.9e}, {})", f.weights[i], kSpread, f.spreads[i], kOneMinusCosine);
+  return fmt::format("vec4(a.w <= 1e-6 ? 0.0 : a.w * max({}, 0.0))", sum);
+}
+
+// Facets that are sums of vMFs, by which a bake's error is measured for GGX and others (host/bake/highlight.h).
+TEST(TermsAgreementTest, OpenclEqualsGlsl) {
+  const Lobes set = test_lobes(43);
+  std::mt19937 random(43);
+  std::vector<glm::vec3> directions = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}};
+  for (int i = 0; i < 20; ++i) directions.emplace_back(random_direction(random));
+  const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
+  for (const char* text : {"ggx:0.3", "ggx:0.7", "torrance-sparrow:0.1", "cook-torrance:0.4"}) {
+    const Brdf brdf = parse_brdf("brdf", text, 4);
+    const MultumHighlight f = shaded_highlight(brdf);
+    ASSERT_EQ(f.term_count, brdf.kind == BrdfKind::kGgx ? 4 : 1);
+    const auto opencl = shade_opencl(set.lobes, directions, f, false);
+    const auto glsl = shade_glsl(*context, set.lobes, directions, 1.0f, terms_expression(f));
+    const auto peak = static_cast<float>(grey_density(brdf, 0.0));
+    for (std::size_t i = 0; i < opencl.size(); ++i) {
+      const float unit = std::max(set.lobes[i / directions.size()].w * peak, 1e-9f);
+      ASSERT_NEAR(opencl[i] / unit, glsl[i] / unit, 3e-5f) << text << ", lobe " << i / directions.size();
+    }
   }
 }
 

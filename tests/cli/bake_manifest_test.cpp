@@ -293,6 +293,28 @@ TEST_F(BakeManifestCommandTest, TheSummaryHasStdoutToItself) {
   EXPECT_TRUE(contains(result.err, "out/a.ndf.exr: written")) << result.err;
 }
 
+TEST_F(BakeManifestCommandTest, ChoosesSettingsForATarget) {
+  write_manifest("target_error = 0.5\nndf = \"vmf\"\n");
+  bake_all();
+  const auto before = times();
+  const ProgramResult again = bake({"--check"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(times(), before);
+  write_manifest("target_error = 0.4\nndf = \"vmf\"\n");
+  const ProgramResult other = bake({"--check", "--dry-run"});
+  EXPECT_EQ(other.exit_code, 5);
+  EXPECT_TRUE(contains(other.err,
+                       "out/b.ndf.exr: its settings were chosen for an error of 0.5 for blinn-phong:100 by "
+                       "vmf, expected an error of 0.4 for blinn-phong:100 by vmf"))
+      << other.err;
+  write_manifest("target_error = 0.00001\nndf = \"moments\"\n");
+  const ProgramResult missed = bake();
+  EXPECT_EQ(missed.exit_code, 5);
+  EXPECT_TRUE(contains(missed.err, "no settings reach an error of 1e-05 for blinn-phong:100 by moments: the best, "))
+      << missed.err;
+  EXPECT_TRUE(contains(missed.err, "not written")) << missed.err;
+}
+
 TEST_F(BakeManifestCommandTest, WhatDoesNotGoTogether) {
   const auto before = times();
   const auto refused = [&](const std::vector<std::string>& options, const std::string& part, int code = 2) {
@@ -307,6 +329,7 @@ TEST_F(BakeManifestCommandTest, WhatDoesNotGoTogether) {
   refused({"--first-level", "1"}, "--first-level is given beside --manifest, expected first_level under [[map]]");
   refused({"-d", "half"}, "--data-format is given beside --manifest, expected data_format under");
   refused({"--bumpformat", "normal"}, "--bumpformat is given beside --manifest");
+  refused({"--target-error", "0.1"}, "--target-error is given beside --manifest, expected target_error under");
   refused({"--check", "--force"}, "--force excludes --check");
   refused({"--dry-run"}, "--dry-run requires --check");
   for (const char* option : {"--junit", "--summary"}) {

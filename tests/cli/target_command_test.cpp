@@ -68,6 +68,31 @@ TEST_F(TargetCommandTest, RefusesWhatNothingReaches) {
   EXPECT_FALSE(contains(multum({"info", path("map.ndf.exr")}).out, "blinn-phong:70"));
 }
 
+TEST_F(TargetCommandTest, LeavesWhatWasChosenForTheSame) {
+  const std::vector<std::string> wide = {"--target-error", "0.5", "--ndf", "vmf"};
+  ASSERT_EQ(bake(wide).exit_code, 0);
+  const auto is_unchanged = [](const ProgramResult& result) { return contains(result.out, "map.ndf.exr: unchanged"); };
+  EXPECT_TRUE(is_unchanged(bake(wide)));
+  EXPECT_FALSE(is_unchanged(bake({"--target-error", "0.5", "--ndf", "vmf", "--force"})));
+  EXPECT_FALSE(is_unchanged(bake({"--target-error", "0.5", "--ndf", "vmf", "--align", "0.2"}))) << "another prior";
+  ASSERT_EQ(bake({"--target-error", "0.5", "--ndf", "vmf", "--brdf", "lambert"}).exit_code, 0);
+  EXPECT_FALSE(is_unchanged(bake(wide))) << "another BRDF";
+  // What misses its target is no more in place the second time.
+  const std::vector<std::string> missed = {"--target-error", "0.00001", "--ndf", "moments", "--best-effort"};
+  EXPECT_EQ(bake(missed).exit_code, 5);
+  EXPECT_EQ(bake(missed).exit_code, 5);
+}
+
+TEST_F(TargetCommandTest, CountsForTheBrdfThatIsNamed) {
+  const ProgramResult met = bake({"--target-error", "0.2", "--brdf", "ggx:0.5"});
+  ASSERT_EQ(met.exit_code, 0) << met.err;
+  EXPECT_TRUE(std::regex_search(met.out, std::regex("chosen: .* % for ggx:0.5, asked for 20 %"))) << met.out;
+  EXPECT_TRUE(std::regex_search(met.out, std::regex("95 % interval: .*, ggx:0.5 [0-9.]+ \\+- [0-9.]+ %"))) << met.out;
+  const ProgramResult missing = bake({"--target-error", "0.2", "--brdf", path("none.brdf")});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_TRUE(contains(missing.err, "none.brdf': expected lambert, blinn-phong:S")) << missing.err;
+}
+
 TEST_F(TargetCommandTest, KeepsToABudget) {
   const ProgramResult plenty =
       bake({"--budget-ms", "1e6", "--ndf", "sh", "--brdf", "lambert", "--report", path("r.json")});
@@ -87,6 +112,7 @@ TEST_F(TargetCommandTest, RefusesWhatDoesNotGoTogether) {
                                              {"--target-error", "0.1", "--lobes", "3"},
                                              {"--target-error", "0.1", "--no-measure"},
                                              {"--target-error", "0.1", "--brdf", "phong:3"},
+                                             {"--target-error", "0.1", "--brdf", "ggx:0.4", "--ndf", "gmm"},
                                              {"--target-error", "0.1", "--resume"},
                                              {"--brdf", "lambert"},
                                              {"--best-effort"}}) {

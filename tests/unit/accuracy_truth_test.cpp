@@ -10,6 +10,8 @@
 #include <random>
 
 #include "host/base/error.h"
+#include "host/brdf/brdf_text.h"
+#include "host/brdf/facet_distribution.h"
 #include "tests/unit/test_folder.h"
 
 namespace multum {
@@ -120,6 +122,33 @@ TEST(AccuracyTruthTest, IsTheAverageOverAllNormals) {
           const double f = std::pow(std::max(0.0, glm::dot(kOmega, n)), kExponents[e]);
           return channel == 0 ? f : f * static_cast<double>(planes.albedo[channel - 1][i]);
         });
+  }
+}
+
+// Of several families in any order: what is averaged, times highlight_scale(), is the density itself.
+TEST(AccuracyTruthTest, TakesEveryHighlight) {
+  const PlaneSize map{37, 61};
+  const Planes planes(map);
+  const std::vector<PlaneSize> levels = levels_of(map);
+  std::mt19937 random(5);
+  const TexelSelection texels(levels, some_texels(levels, 0.5, random));
+  const TexelAverages averages(texels, static_cast<int>(levels.size()));
+  const PlaneStore normals(map.width, map.height, planes.normal_rows());
+  std::vector<Highlight> highlights;
+  for (const char* text : {"ggx:0.4", "blinn-phong:33.5", "torrance-sparrow:0.2", "blinn-phong:20", "ggx:0.9"})
+    highlights.push_back({text, parse_brdf("brdf", text, 4)});
+  BrdfTruth truth(averages, highlight_values(kOmega, highlights), false);
+  stream_rows({normals, nullptr}, {2}, {&truth}, nullptr);
+  for (std::size_t f = 0; f < highlights.size(); ++f) {
+    std::vector<double> finest;
+    for (std::size_t i = 0; i < planes.normals[0].size(); ++i) {
+      const glm::dvec3 n(planes.normals[0][i], planes.normals[1][i], planes.normals[2][i]);
+      finest.push_back(facet_density(highlights[f].brdf, 1.0 - glm::dot(kOmega, n)).y);
+    }
+    for_each_average(finest, levels, texels, [&](int level, std::size_t slot, double one) {
+      ASSERT_NEAR(highlight_scale(highlights[f]) * truth.at(slot, f), one, 1e-5 * one + 1e-12)
+          << highlights[f].name << " level " << level;
+    });
   }
 }
 

@@ -205,6 +205,34 @@ TEST_F(BakeManifestTest, OutputsMustBeNamesOfBakedFiles) {
   expect_refused("output = \"out/b.exr\"", "output = \"out\"", {"map.output is ", "expected a name that ends in"});
 }
 
+// What is said of a map goes before what is said of all.
+TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
+  const auto of_map = [&](const std::string& defaults, const std::string& map) {
+    return read("[defaults]\n" + defaults + "\n[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n" + map)[0];
+  };
+  const ManifestMap chosen = of_map("target_error = 0.2\nbrdf = \"ggx:0.4\"", "ndf = \"vmf\"\nbest_effort = true");
+  ASSERT_TRUE(chosen.target);
+  EXPECT_EQ(chosen.target->error, 0.2);
+  EXPECT_EQ(chosen.target->brdf.name, "ggx:0.4");
+  EXPECT_EQ(chosen.target->only, Representation::kMovmf);
+  EXPECT_TRUE(chosen.target->best_effort);
+  const ManifestMap timed = of_map("error_max = 1\nlobes = 3", "budget_ms = 500");
+  EXPECT_EQ(timed.target->seconds, 0.5);
+  EXPECT_EQ(timed.job.fitting.lobe_count, MovmfSettings().lobe_count);
+  const ManifestMap plain = of_map("target_error = 0.2", "lobes = 3");
+  EXPECT_FALSE(plain.target);
+  EXPECT_EQ(plain.job.fitting.lobe_count, 3);
+  const auto refused = [&](const std::string& map, const std::string& line, const std::string& part) {
+    expect_error(ErrorCode::kInput, {path() + ":" + line + ": ", part}, [&] { of_map("", map); });
+  };
+  refused("target_error = 0.1\nsh_order = 3\nndf = \"sh\"", "7", "map.sh_order is chosen by target_error");
+  refused("target_error = 0.1\nbudget_ms = 5", "7", "map.budget_ms is given beside target_error");
+  refused("target_error = 0", "6", "map.target_error is 0");
+  refused("brdf = \"lambert\"", "6", "map.brdf is of target_error and budget_ms, found neither");
+  refused("target_error = 0.1\nbrdf = \"phong:3\"", "7", "map.brdf is '");
+  refused("target_error = 0.1\nbrdf = \"ggx:0.4\"\nndf = \"gmm\"", "3", "cannot be shaded with");
+}
+
 TEST_F(BakeManifestTest, ATileIsAMap) {
   for (const char* name : {"rock_1001.png", "rock_1012.png", "rock_x.png"}) write_bytes(folder_ / name, "");
   const std::string set = "[[map]]\ninput = \"rock_<UDIM>.png\"\nalbedo = \"c_<UDIM>.png\"\n";
@@ -252,11 +280,12 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
 // The page has a row for every key that is read, in backquotes.
 TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/CI.md");
-  for (const char* key : {"input",    "output",     "error_max",    "lobes",          "reference",    "iterations",
-                          "sweeps",   "order",      "align",        "kappa_cap",      "first_level",  "data_format",
-                          "wrap",     "swrap",      "twrap",        "coarse_normals", "green",        "signed",
-                          "unsigned", "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "unaligned",
-                          "fixnan",   "checknan",   "repair_max",   "albedo",         "compression",  "normal_scale"})
+  for (const char* key :
+       {"input",       "output",         "error_max",    "lobes",       "reference",   "iterations", "sweeps",
+        "order",       "align",          "kappa_cap",    "first_level", "data_format", "wrap",       "swrap",
+        "twrap",       "coarse_normals", "green",        "signed",      "unsigned",    "bumpformat", "height_scale",
+        "two_channel", "no_rehearsal",   "unaligned",    "fixnan",      "checknan",    "repair_max", "albedo",
+        "compression", "normal_scale",   "target_error", "budget_ms",   "brdf",        "best_effort"})
     EXPECT_NE(page.find("`" + std::string(key) + "`"), std::string::npos) << key;
 }
 

@@ -7,6 +7,7 @@
 #include <regex>
 #include <set>
 
+#include "host/base/error.h"
 #include "host/service/http_api.h"
 #include "host/service/job_types.h"
 #include "host/service/openapi.h"
@@ -46,6 +47,16 @@ TEST(Openapi, HasTheParametersOfEveryType) {
   }
   EXPECT_EQ(schemas.at("Submission").at("properties").at("type").at("enum"), Json(names));
   EXPECT_EQ(schemas.at("Submission").at("allOf").size(), names.size()) << "which schema the parameters have, by type";
+}
+
+// A measured BRDF is a file, and a text may not lead to files that jobs may not read.
+TEST(JobTypes, TakeBrdfsOfFamiliesAlone) {
+  const JobType& bake = find_job_type("bake");
+  const auto parameters = [](const char* brdf) { return Json{{"input", "a.png"}, {"brdf", brdf}}; };
+  for (const char* brdf : {"lambert", "blinn-phong:1e2", "ggx:0.4,0.04", "torrance-sparrow:.1"})
+    EXPECT_NO_THROW(check_parameters(bake, parameters(brdf))) << brdf;
+  for (const char* brdf : {"", "/etc/passwd", "gold.brdf", "ggx:../x", "ggx:", "lambert\n", "ggx:0.4\n/x"})
+    EXPECT_THROW(check_parameters(bake, parameters(brdf)), Error) << brdf;
 }
 
 TEST(Openapi, EveryReferenceLeadsSomewhere) {

@@ -16,6 +16,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "host/bake/highlight.h"
 #include "host/brdf/facet_distribution.h"
 #include "host/brdf/measured_file.h"
 #include "host/brdf/vmf_terms.h"
@@ -101,14 +102,14 @@ class ShadingKernels {
              More... more) {
     std::vector<glm::vec4> vectors;
     for (const Direction& d : directions) vectors.emplace_back(glm::vec3(d.w), 0.0f);
-    const auto s = static_cast<float>(exponent);
+    const MultumHighlight highlight = shaded_highlight(exponent);  // begins with the exponent, all that moments take
     const int count = static_cast<int>(directions.size());
     std::vector<float> values(directions.size());
     const DeviceBuffer around = device_.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
-    const DeviceBuffer exponents = device_.wrap_buffer(&s, sizeof(s), "exponent");
+    const DeviceBuffer highlights = device_.wrap_buffer(&highlight, sizeof(highlight), "highlight");
     const DeviceBuffer out = device_.make_buffer(values.size() * sizeof(float), "values");
     const bool is_lambert = exponent == 0.0;
-    kernel.launch({1}, in, around, around, exponents, out, 1, is_lambert ? 0 : count, is_lambert ? count : 0,
+    kernel.launch({1}, in, around, around, highlights, out, 1, is_lambert ? 0 : count, is_lambert ? count : 0,
                   is_lambert ? 0 : 1, more...);
     device_.read(out, values.data(), values.size() * sizeof(float));
     return {values.begin(), values.end()};

@@ -45,9 +45,12 @@ void add_target_options(CLI::App& bake, BakeOptions& o) {
                   "choose the most accurate settings that bake in so many milliseconds: reading, fitting and writing")
       ->excludes(error);
   bake.add_option("--brdf", o.brdf,
-                  "of --target-error and --budget-ms: lambert or blinn-phong:S (default: blinn-phong:100)");
+                  "of --target-error and --budget-ms: lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA or "
+                  "a measured BRDF's file (default: blinn-phong:100)");
   bake.add_flag("--best-effort", o.best_effort,
                 "of the two: write the best that was reached, too; the exit code stays 5");
+  for (const char* option : {"--target-error", "--budget-ms", "--brdf", "--best-effort"})
+    bake.get_option(option)->group(kMapOptionGroup);
 }
 
 void add_output_options(CLI::App& bake, BakeOptions& o) {
@@ -105,32 +108,22 @@ void check_target_options(const BakeOptions& o) {
       throw Error(ErrorCode::kUsage, "--brdf and --best-effort are of --target-error and --budget-ms, found neither");
     return;
   }
-  const std::pair<const char*, bool> chosen[] = {{"--lobes", o.map.lobes.has_value()},
-                                                 {"--sh-order", o.map.sh_order.has_value()},
-                                                 {"--reference", o.map.reference},
-                                                 {"--iterations", o.map.iterations.has_value()},
-                                                 {"--sweeps", o.map.sweeps.has_value()},
-                                                 {"--no-rehearsal", o.map.no_rehearsal},
-                                                 {"--data-format", o.map.data_format.has_value()},
-                                                 {"--unaligned", o.map.unaligned}};
-  for (const auto& [option, is_given] : chosen)
-    if (is_given)
-      throw Error(ErrorCode::kUsage, fmt::format("{} is chosen by {}: expected one of the two", option,
-                                                 o.target_error ? "--target-error" : "--budget-ms"));
+  if (const char* option = option_of_target(o.map))
+    throw Error(ErrorCode::kUsage, fmt::format("{} is chosen by {}: expected one of the two", option,
+                                               o.target_error ? "--target-error" : "--budget-ms"));
 }
 
 BakePrinting printing(const BakeOptions& o) { return {o.common.quiet, o.run_stats || o.common.verbose, stdout}; }
 
-// The exit code: 0, or that of a check that failed.
-int bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device) {
+BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device) {
   const auto progress = make_progress(o.common);
   const ChosenBake chosen = bake_to_target(job, target_of(o), device, progress.get());
   if (chosen.written) print_report(job, printing(o), chosen.report);
-  if (chosen.met) return 0;
-  std::string best = chosen.report.choice;
-  throw Error(ErrorCode::kVerification,
-              fmt::format("{}: no settings reach it: {}{}", job.input, best,
-                          chosen.written ? "written all the same" : "--best-effort writes it all the same"));
+  if (!chosen.met)
+    throw Error(ErrorCode::kVerification,
+                fmt::format("{}: no settings reach it: {}{}", job.input, chosen.report.choice,
+                            chosen.written ? "written all the same" : "--best-effort writes it all the same"));
+  return chosen.report;
 }
 
 // Each map for itself: one that fails does not keep the others from their bake. The exit code is the first failure's.
@@ -140,7 +133,7 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
   for (const BakeJob& job : jobs) {
     try {
       if (has_target(o)) {
-        bake_chosen(job, o, device);
+        unchanged += bake_chosen(job, o, device).unchanged ? 1 : 0;
         continue;
       }
       const BakeReport report = bake_with_progress(job, o, device);
@@ -177,7 +170,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   Device device = Device::open(o.device);
   const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   if (jobs.size() > 1) return bake_several(jobs, o, device);
-  if (has_target(o)) return bake_chosen(jobs[0], o, device);
+  if (has_target(o)) return bake_chosen(jobs[0], o, device), 0;
   print_report(jobs[0], printing(o), bake_with_progress(jobs[0], o, device));
   return 0;
 }

@@ -73,7 +73,10 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command->add_option("--budget-ms", o->budget_ms, "pick the most accurate settings that bake in this time")
       ->check(CLI::PositiveNumber)
       ->excludes(error);
-  command->add_option("--brdf", o->brdf, "lambert or blinn-phong:S")->capture_default_str();
+  command
+      ->add_option("--brdf", o->brdf,
+                   "lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA or a measured BRDF's file")
+      ->capture_default_str();
   CLI::Option* quick = command->add_flag("--quick", o->quick, "ten bakes in the place of some thirty-five");
   command->add_flag("--full", o->full, "some sixty bakes: harmonics to order 20, every number of lobes fitted longer")
       ->excludes(quick);

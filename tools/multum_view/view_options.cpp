@@ -13,7 +13,7 @@
 
 #include "host/base/choices.h"
 #include "host/base/error.h"
-#include "host/brdf/measured_file.h"
+#include "host/brdf/brdf_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
@@ -146,67 +146,6 @@ void parse_up(const std::string& text, ViewOptions& options) {
   camera.up = options.up;
 }
 
-constexpr char kBrdfExpected[] =
-    "lambert, blinn-phong:S with S 1..100000, torrance-sparrow:SIGMA or cook-torrance:SIGMA[,F0] with SIGMA 0.002..1 "
-    "radians, ggx:ROUGHNESS[,F0] with ROUGHNESS 0.05..1 (F0 0..1, grey or r,g,b), or a measured BRDF's file";
-
-/// A family's first number, then F0 where it has one.
-struct BrdfNumbers {
-  float first;
-  std::optional<glm::vec3> f0;
-};
-
-BrdfNumbers parse_brdf_numbers(const std::string& text, std::size_t colon, float low, float high, bool has_f0) {
-  const std::vector<float> n = parse_numbers("--brdf", text.substr(colon + 1), kBrdfExpected);
-  if (n.empty() || !(n[0] >= low && n[0] <= high)) refuse("--brdf", text, kBrdfExpected);
-  if (n.size() != 1 && !(has_f0 && (n.size() == 2 || n.size() == 4))) refuse("--brdf", text, kBrdfExpected);
-  if (n.size() == 1) return {n[0], std::nullopt};
-  const glm::vec3 f0 = n.size() == 2 ? glm::vec3(n[1]) : glm::vec3(n[1], n[2], n[3]);
-  for (int i = 0; i < 3; ++i)
-    if (!(f0[i] >= 0.0f && f0[i] <= 1.0f)) refuse("--brdf", text, kBrdfExpected);
-  return {n[0], f0};
-}
-
-/// `--diffuse` and `--specular` come after it: a measured BRDF has its own.
-Brdf parse_brdf(const std::string& text, int term_count) {
-  Brdf brdf;
-  brdf.term_count = term_count;
-  const std::size_t colon = text.find(':');
-  const std::string name = text.substr(0, colon);
-  const auto numbers = [&](float low, float high, bool has_f0) {
-    const BrdfNumbers n = parse_brdf_numbers(text, colon, low, high, has_f0);
-    brdf.f0 = n.f0.value_or(brdf.f0);
-    return n.first;
-  };
-  const bool has_numbers = colon != std::string::npos;
-  if (text == "lambert") {
-    brdf.kind = BrdfKind::kLambert;
-  } else if (has_numbers && name == "blinn-phong") {
-    brdf.exponent = numbers(1.0f, 1e5f, false);
-  } else if (has_numbers && name == "torrance-sparrow") {
-    brdf.kind = BrdfKind::kTorranceSparrow;
-    brdf.sigma = numbers(0.002f, 1.0f, false);
-  } else if (has_numbers && name == "cook-torrance") {
-    brdf.kind = BrdfKind::kCookTorrance;
-    brdf.sigma = numbers(0.002f, 1.0f, true);
-  } else if (has_numbers && name == "ggx") {
-    brdf.kind = BrdfKind::kGgx;
-    brdf.roughness = numbers(0.05f, 1.0f, true);
-  } else if (std::filesystem::exists(text)) {
-    brdf.kind = BrdfKind::kMeasured;
-    brdf.measured = std::make_shared<const MeasuredBrdf>(read_measured_brdf(text));
-    brdf.diffuse = glm::vec3(brdf.measured->diffuse);
-    brdf.specular = glm::vec3(1.0f);
-  } else {
-    refuse("--brdf", text, kBrdfExpected);
-  }
-  // Schlick's term is in their specular part already.
-  const bool has_fresnel = brdf.kind == BrdfKind::kCookTorrance || brdf.kind == BrdfKind::kGgx;
-  if (has_fresnel) brdf.specular = glm::vec3(1.0f);
-  if (brdf.kind == BrdfKind::kLambert) brdf.specular = glm::vec3(0.0f);
-  return brdf;
-}
-
 void parse_size(const std::string& text, ViewOptions& options) {
   int used = 0;
   if (std::sscanf(text.c_str(), "%dx%d%n", &options.width, &options.height, &used) != 2 ||
@@ -272,7 +211,7 @@ void finish_animation(const RawOptions& raw, ViewOptions& options) {
                 "--to-brdf, --to-diffuse and --to-specular change one BRDF, found several of --brdf");
   if (!raw.to_brdf.empty()) {
     const glm::vec3 diffuse = last.brdf.diffuse, specular = last.brdf.specular;
-    last.brdf = parse_brdf(raw.to_brdf, last.brdf.term_count);
+    last.brdf = parse_brdf("--to-brdf", raw.to_brdf, last.brdf.term_count);
     if (last.brdf.kind != options.scene.brdf.kind || last.brdf.kind == BrdfKind::kMeasured)
       refuse("--to-brdf", raw.to_brdf, "another parameter of the family that --brdf has");
     last.brdf.diffuse = diffuse;
@@ -318,7 +257,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   options.has_brdf = !raw.brdfs.empty();
   if (raw.brdfs.size() > kWeightCountMax) throw Error(ErrorCode::kUsage, "--brdf: at most 4, a weight each");
   for (const std::string& text : raw.brdfs.empty() ? std::vector<std::string>{"blinn-phong:100"} : raw.brdfs) {
-    Brdf brdf = parse_brdf(text, scene.brdf.term_count);
+    Brdf brdf = parse_brdf("--brdf", text, scene.brdf.term_count);
     if (!raw.diffuse.empty()) brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
     if (!raw.specular.empty()) brdf.specular = parse_colour("--specular", raw.specular);
     if (!raw.fixed_fresnel.empty()) brdf.fixed_fresnel = parse_colour("--fixed-fresnel", raw.fixed_fresnel);

@@ -9,7 +9,8 @@
 //   vec3 multum_facets(vec3 n, vec3 h)           f of one normal
 //   vec3 multum_lobe_facets(vec4 lobe, vec3 h)   f convolved with a vMF lobe (a r, a), amplitude in
 //   vec3 multum_fresnel(float v_h)               F, with MULTUM_FRESNEL; without, 1, or a number in u_specular and
-//                                                u_diffuse. What does not depend on n stands outside the convolution. MULTUM_FRESNEL_DIFFUSE: there is a 1 - F
+//                                                u_diffuse. What does not depend on n stands outside the convolution.
+//                                                MULTUM_FRESNEL_DIFFUSE: there is a 1 - F
 //   float multum_visibility(float n_l, float n_v, float n_h, float v_h)   V, of cosines or, over a lobe, of their means
 //                                                max(n.l, 0) and max(n.v, 0); with MULTUM_VISIBILITY; without, 1
 //

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// A BRDF whose highlights errors are measured for: f of n . h alone, without what depends on other angles (Fresnel,
+// shadowing), as the truth takes it and as the shading kernels do. Coloured f are taken grey, by their mean.
+#pragma once
+
+#include <string>
+
+#include "host/brdf/brdf.h"
+#include "kernels/shared/highlight.h"
+
+namespace multum {
+
+struct Highlight {
+  std::string name;  // "blinn-phong:100", "ggx:0.5"
+  Brdf brdf;         // not kLambert
+};
+
+/// "blinn-phong:100".
+std::string blinn_phong_name(double exponent);
+Highlight blinn_phong_highlight(double exponent);
+
+/// The mean of f's channels at e = 1 - n.h.
+double grey_density(const Brdf& brdf, double e);
+
+/// Of Blinn-Phong itself, exactly; of others as the runtime shades them (runtime_gl/shaders/brdf).
+MultumHighlight shaded_highlight(const Brdf& brdf);
+MultumHighlight shaded_highlight(double exponent);
+
+}  // namespace multum

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the host hands to the shading kernels of a BRDF's facets. Valid OpenCL C and C++.
+#ifndef MULTUM_KERNELS_SHARED_HIGHLIGHT_H
+#define MULTUM_KERNELS_SHARED_HIGHLIGHT_H
+
+#define MULTUM_HIGHLIGHT_TERMS 4
+
+// f of n . h: Blinn-Phong, or a sum of term_count vMFs, weight times density, of spread 1 - A(kappa).
+typedef struct MultumHighlight {
+  float exponent;  // s of the Blinn-Phong that f is, or that is as wide
+  float total;     // the integral of f over the sphere; of Blinn-Phong 1
+  int term_count;  // 1..4; 0: Blinn-Phong
+  int unused;
+  float weights[MULTUM_HIGHLIGHT_TERMS], spreads[MULTUM_HIGHLIGHT_TERMS];
+} MultumHighlight;
+
+#endif
