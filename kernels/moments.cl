@@ -25,7 +25,8 @@ __kernel void moment_finest(__global const float* normal_x, __global const float
   const float x = normal_x[item], y = normal_y[item], z = normal_z[item];
   // Division last: -x/z is what maketx has, to the last bit.
   const float length = shortened ? sqrt(fma(x, x, fma(y, y, z * z))) : 1.0f;
-  const float z_min = slope_z_min * length, variance = MAX_V(1.0f - length, 0.0f);
+  // Of no length, as of no normal at all, there is no slope either, and not 0 / 0.
+  const float z_min = slope_z_min * MAX_V(length, 1e-6f), variance = MAX_V(1.0f - length, 0.0f);
   const float limited = z > z_min ? z : z_min;
   const float s = -x / limited, t = -y / limited;
   out[MULTUM_MOMENT_S * plane_size] = s;

@@ -226,9 +226,10 @@ __kernel void movmf_condense_means(__global const long* cells, __global float* s
 
 // The samples of 16 texels side by side, as EM streams them. One work-item = one group of slots; global size
 // slot_count / MULTUM_GROUP.
-//   condensed [window_rows * width][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE], condensed_counts [window_rows *
-//   width] samples [group][sample][4][MULTUM_GROUP]   written sample_counts [group]                      written: those
-//   of the texel that has most; what others lack weighs 0
+//   condensed [texel of the window][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE]
+//   condensed_counts [texel of the window]
+//   samples [group][sample][4][MULTUM_GROUP]   written
+//   sample_counts [group]                      written: that of the texel that has most; what others lack weighs 0
 // Memory bound.
 __kernel void movmf_condensed_pack(__global const float* condensed, __global const int* condensed_counts,
                                    __global const int* texel_list, __global float* samples, __global int* sample_counts,

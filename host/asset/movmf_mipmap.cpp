@@ -25,6 +25,28 @@ BakedHeader header_of(const MovmfMipmap& mipmap) {
           mipmap.has_colours(),  mipmap.weight_count, mipmap.has_roughness, mipmap.mean_cosine};
 }
 
+MovmfMipmap empty_movmf_mipmap(const BakedHeader& header, int lobe_count) {
+  MovmfMipmap mipmap;
+  mipmap.representation = header.representation;
+  mipmap.encoding = header.encoding;
+  mipmap.wrap_s = header.wrap_s;
+  mipmap.wrap_t = header.wrap_t;
+  mipmap.provenance = header.provenance;
+  mipmap.first_level = header.first_level;
+  mipmap.weight_count = header.weight_count;
+  mipmap.has_roughness = header.has_roughness;
+  mipmap.mean_cosine = header.mean_cosine;
+  for (int l = 0; l < header.level_count(); ++l) {
+    MovmfLevel& level = mipmap.levels.emplace_back();
+    level.width = mip_level_size(header.width, l);
+    level.height = mip_level_size(header.height, l);
+    level.lobes.resize(static_cast<std::size_t>(lobe_count));
+    if (header.has_colours) level.colours.resize(level.lobes.size());
+    if (header.weight_count > 0) level.weights.resize(level.lobes.size());
+  }
+  return mipmap;
+}
+
 void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
   MULTUM_CHECK(first_level >= mipmap.first_level && first_level < static_cast<int>(mipmap.levels.size()));
   for (int l = 0; l < first_level; ++l) {

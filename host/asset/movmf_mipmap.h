@@ -56,6 +56,8 @@ struct MovmfMipmap {
 
 /// What files of every representation say, of a mipmap with or without texels.
 BakedHeader header_of(const MovmfMipmap& mipmap);
+/// The other way: levels have sizes and empty lobes, `lobe_count` of them.
+MovmfMipmap empty_movmf_mipmap(const BakedHeader& header, int lobe_count);
 inline std::string levels_text(const MovmfMipmap& mipmap) {
   return levels_text(mipmap.first_level, static_cast<int>(mipmap.levels.size()));
 }

@@ -43,28 +43,6 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, BakeRepo
           : "--data-format float keeps them"));
 }
 
-MovmfMipmap make_mipmap(const BakedHeader& header, int lobe_count) {
-  MovmfMipmap mipmap;
-  mipmap.representation = header.representation;
-  mipmap.encoding = header.encoding;
-  mipmap.wrap_s = header.wrap_s;
-  mipmap.wrap_t = header.wrap_t;
-  mipmap.provenance = header.provenance;
-  mipmap.first_level = header.first_level;
-  mipmap.weight_count = header.weight_count;
-  mipmap.has_roughness = header.has_roughness;
-  mipmap.mean_cosine = header.mean_cosine;
-  for (int l = 0; l < header.level_count(); ++l) {
-    MovmfLevel& level = mipmap.levels.emplace_back();
-    level.width = mip_level_size(header.width, l);
-    level.height = mip_level_size(header.height, l);
-    level.lobes.resize(static_cast<std::size_t>(lobe_count));
-    if (header.has_colours) level.colours.resize(level.lobes.size());
-    if (header.weight_count > 0) level.weights.resize(level.lobes.size());
-  }
-  return mipmap;
-}
-
 // What the rows of a bake depend on: what a killed bake left is of use to no other.
 std::string checkpoint_key(const MovmfMipmap& header) {
   const BakedProvenance& from = header.provenance;  // the settings name the albedo's hash
@@ -126,7 +104,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   const std::uint64_t level_units =
       movmf_bake_units(width, height) / static_cast<std::uint64_t>(mip_level_count(width, height));
   progress_start(progress, movmf_bake_units(width, height, job.fitting.first_level) + 2 * level_units);
-  const MovmfMipmap header = make_mipmap(run.header, job.fitting.lobe_count);
+  const MovmfMipmap header = empty_movmf_mipmap(run.header, job.fitting.lobe_count);
   MovmfWriter writer(job.output, header, job.writing);
   std::optional<MovmfMeter> meter;
   if (job.measure) meter.emplace(header, run.header.has_colours, accuracy_settings(job));

@@ -4,8 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <regex>
 #include <string>
+#include <utility>
+
+#include "host/reference/case_topics.h"
 
 namespace multum {
 namespace {
@@ -42,6 +46,51 @@ std::string table(const std::string& formula, const NumericalRun& run) {
   return text;
 }
 
+// Dangers and the cases that try them, as far as the runs have those.
+std::string topics(const std::vector<NumericalRun>& runs) {
+  const auto is_run = [&](const std::string& name) {
+    return std::any_of(runs.begin(), runs.end(), [&](const NumericalRun& run) {
+      return std::any_of(run.verdicts.begin(), run.verdicts.end(),
+                         [&](const NumericalVerdict& v) { return v.text.name == name; });
+    });
+  };
+  std::string rows;
+  for (const CaseTopic& topic : case_topics()) {
+    std::string cases;
+    bool any = false;
+    for (const std::string& name : topic.cases) {
+      const bool is_test = name.find('.') != std::string::npos;
+      if (!is_test && !is_run(name)) continue;
+      any = any || !is_test;
+      cases += fmt::format("{}`{}`", cases.empty() ? "" : ", ", name);
+    }
+    if (any) rows += fmt::format("| {} | {} |\n", cell(topic.danger), cases);
+  }
+  if (rows.empty()) return "";
+  return "\n## What can go wrong\n\n`HardCaseTest` are whole bakes (tests/hard_cases).\n\n| what | cases "
+         "|\n|---|---|\n" +
+         rows;
+}
+
+// How many cases each kernel and shader has, and how near one of them comes to its bound.
+std::string summary(const std::vector<NumericalRun>& runs) {
+  std::vector<std::string> order;
+  std::map<std::string, std::pair<int, double>> found;
+  for (const NumericalRun& run : runs)
+    for (const NumericalVerdict& v : run.verdicts)
+      for (const std::string& name : split_names(v.text.formula)) {
+        auto& [count, nearest] = found[name];
+        if (count++ == 0) order.push_back(name);
+        const double share = v.worst / v.text.bound;
+        nearest = share <= nearest ? nearest : share;  // NaN stays
+      }
+  std::string text =
+      "\n## Cases of each kernel and shader\n\n| kernel or shader | cases | nearest to its bound |\n|---|---|---|\n";
+  for (const std::string& name : order)
+    text += fmt::format("| {} | {} | {:.0f} % |\n", name, found[name].first, 100.0 * found[name].second);
+  return text;
+}
+
 }  // namespace
 
 std::string stability_page(const std::vector<NumericalRun>& runs) {
@@ -49,6 +98,7 @@ std::string stability_page(const std::vector<NumericalRun>& runs) {
   for (const NumericalRun& run : runs)
     text += fmt::format("\n{}: {} ({}, {}), {} cases, {}.\n", run.kind, run.device, run.platform, run.driver,
                         run.verdicts.size(), run.software);
+  text += topics(runs) + summary(runs);
   for (const NumericalRun& run : runs) {
     std::vector<std::string> formulas;
     for (const NumericalVerdict& v : run.verdicts)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace multum {
 
@@ -22,6 +23,13 @@ void WorstError::add(double found, double expected, double unit, const std::stri
 
 bool NumericalRun::holds() const {
   return std::all_of(verdicts.begin(), verdicts.end(), [](const NumericalVerdict& v) { return v.holds(); });
+}
+
+std::vector<std::string> split_names(const std::string& formula) {
+  std::vector<std::string> names;
+  std::istringstream in(formula);
+  for (std::string name; std::getline(in >> std::ws, name, ',');) names.push_back(name.substr(0, name.find(" (")));
+  return names;
 }
 
 std::string error_text(double error) {

@@ -19,7 +19,7 @@ constexpr double kNothingWrong = 1e-30;
 /// What a case says of itself.
 struct NumericalCaseText {
   std::string name;           // unique, lower case, words joined by '-'
-  std::string formula;        // the kernel or shader that it is of: "movmf_em_texels", "movmf_shading.glsl"
+  std::string formula;        // the kernels or shaders that it is of: "movmf_em_texels", "ggx.glsl, terms.glsl"
   std::string without_guard;  // what happens without the guard, in words
   std::string guard;          // what is done about it
   double bound;               // of the error, > 0
@@ -63,6 +63,9 @@ struct NumericalRun {
   std::vector<NumericalVerdict> verdicts;
   bool holds() const;
 };
+
+/// The kernels or shaders of a case's `formula`, without what stands in brackets behind one: "movmf_shade (planar)".
+std::vector<std::string> split_names(const std::string& formula);
 
 /// "3.1e-07", "NaN", "inf".
 std::string error_text(double error);

@@ -55,6 +55,16 @@ double vmf_kappa(double spread) {
   return low;
 }
 
+double zonal_of_vmf(double kappa, int l) {
+  const double middle = l + 60.5;
+  double quotient = kappa / (middle + std::sqrt(middle * middle + kappa * kappa)), value = 1.0;
+  for (int k = l + 59; k >= 1; --k) {
+    quotient = kappa / (2.0 * k + 1.0 + kappa * quotient);
+    if (k <= l) value *= quotient;
+  }
+  return value;
+}
+
 double vmf_density(double kappa, double theta) {
   const double half = std::sin(0.5 * theta);
   if (kappa < 1e-8) return 1.0 / (4.0 * kPi);

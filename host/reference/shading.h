@@ -10,6 +10,9 @@ namespace multum::reference {
 double vmf_spread(double kappa);
 double vmf_kappa(double spread);
 
+/// The integral over the sphere of a vMF's density times P_l.
+double zonal_of_vmf(double kappa, int l);
+
 /// vMF density per solid angle at the angle `theta` (radians) from its mean.
 double vmf_density(double kappa, double theta);
 /// (s + 1) / (2 pi) max(cos theta, 0)^s

@@ -14,7 +14,9 @@ std::vector<NumericalCase> planar_cases();     // the same kernels and their rou
 std::vector<NumericalCase> level_cases();      // movmf_start, movmf_pack, movmf_level_zero
 std::vector<NumericalCase> sum_cases();        // movmf_em_chunks, movmf_em_mstep, movmf_features, movmf_condense
 std::vector<NumericalCase> shading_cases();    // movmf_shade
-std::vector<NumericalCase> sh_cases();         // sh_project, sh_shade, mip_box
+std::vector<NumericalCase> sh_cases();         // sh_project, sh_shade
+std::vector<NumericalCase> pyramid_cases();    // mip_box, reflectance_pyramid
+std::vector<NumericalCase> moment_cases();     // moments, moment_shade
 std::vector<NumericalCase> inference_cases();  // filter_matrix_spmv, pyramidal_regularization, conjugate_gradient
 std::vector<NumericalCase> storage_cases();    // host/asset/movmf_quantize: no kernel, but what kernels' results become
 

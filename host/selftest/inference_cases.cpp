@@ -7,32 +7,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "host/bake/pyramid_tables.h"
 #include "host/bake/texture_inference.h"
 #include "host/bake/texture_system.h"
 #include "host/base/split_mix.h"
 #include "host/reference/texture_inference.h"
+#include "host/selftest/buffers.h"
 #include "host/selftest/case_lists.h"
 
 namespace multum {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-template <typename Element>
-DeviceBuffer uploaded(Device& device, const std::vector<Element>& list, const char* what) {
-  DeviceBuffer buffer = device.make_buffer(list.size() * sizeof(Element), what);
-  if (!list.empty()) device.write(buffer, list.data(), buffer.byte_count());
-  return buffer;
-}
-
-std::vector<Colour4> downloaded(Device& device, const DeviceBuffer& buffer) {
-  std::vector<Colour4> list(buffer.byte_count() / sizeof(Colour4));
-  device.read(buffer, list.data(), buffer.byte_count());
-  return list;
-}
 
 // 10^-6 to 1, signed.
 float of_great_contrast(SplitMix64& random) {
@@ -67,10 +52,11 @@ void empty_and_uneven_rows(Device& device, WorstError& worst) {
   const SparseRows rows = uneven_rows(50);
   const DeviceRows on_device(device, rows, "rows");
   const DeviceBuffer in = uploaded(device, x, "x");
-  DeviceBuffer out = uploaded(device, std::vector<Colour4>(rows.row_count(), {kNan, kNan, kNan, kNan}), "y");
+  DeviceBuffer out =
+      uploaded(device, std::vector<Colour4>(rows.row_count(), {kPoison, kPoison, kPoison, kPoison}), "y");
   Kernel kernel = device.kernel("filter_matrix_spmv", "filter_matrix_spmv", {1, 1, false});
   on_device.multiply(kernel, in, out);
-  const std::vector<Colour4> found = downloaded(device, out);
+  const std::vector<Colour4> found = downloaded<Colour4>(device, out);
   for (std::size_t r = 0; r < rows.row_count(); ++r)
     for (std::size_t c = 0; c < 3; ++c) {
       double sum = 0.0, magnitude = 0.0;
@@ -98,14 +84,15 @@ PyramidProducts pyramid_products(Device& device, const FilterMatrix& texture, co
                      gathers = uploaded(device, tables.gathers, "gathers"),
                      entries = uploaded(device, tables.entries, "entries"),
                      strips = uploaded(device, tables.strips, "strips"), in = uploaded(device, x, "x");
-  const DeviceBuffer residual = uploaded(device, std::vector<Colour4>(x.size(), {kNan, kNan, kNan, kNan}), "residual"),
+  const DeviceBuffer residual = uploaded(device, std::vector<Colour4>(x.size(), {kPoison, kPoison, kPoison, kPoison}),
+                                         "residual"),
                      gradient = uploaded(device, std::vector<Colour4>(x.size(), {0, 0, 0, 0}), "gradient");
   const auto strip_count = static_cast<int>(tables.strips.size());
   device.kernel("pyramidal_regularization", "pyramid_residual", {1, 1, false})
       .launch({tables.strips.size()}, levels, taps, strips, in, residual, strip_count, layout.level_count());
   device.kernel("pyramidal_regularization", "pyramid_gradient", {1, 1, false})
       .launch({tables.strips.size()}, levels, gathers, entries, strips, residual, gradient, strip_count, 1.0f);
-  return {downloaded(device, residual), downloaded(device, gradient)};
+  return {downloaded<Colour4>(device, residual), downloaded<Colour4>(device, gradient)};
 }
 
 std::vector<FilterMatrix> odd_textures() {
@@ -165,11 +152,12 @@ void products_of_many_parts(Device& device, WorstError& worst) {
   const std::vector<Colour4> p = colours_of_great_contrast(kTexels, 11), q = colours_of_great_contrast(kTexels, 12);
   const DeviceBuffer pb = uploaded(device, p, "p"), qb = uploaded(device, q, "q"),
                      unused = uploaded(device, std::vector<Colour4>(1), "unused"),
-                     parts = uploaded(device, std::vector<Colour4>(kParts, {kNan, kNan, kNan, kNan}), "parts");
+                     parts =
+                         uploaded(device, std::vector<Colour4>(kParts, {kPoison, kPoison, kPoison, kPoison}), "parts");
   device.kernel("conjugate_gradient", "curvature_product", {1, 1, false})
       .launch({kParts, 16}, pb, qb, unused, unused, parts, 0, static_cast<int>(kTexels), static_cast<int>(kParts));
   std::array<double, 3> found = {0.0, 0.0, 0.0}, exact = {0.0, 0.0, 0.0}, magnitude = {0.0, 0.0, 0.0};
-  for (const Colour4& part : downloaded(device, parts))
+  for (const Colour4& part : downloaded<Colour4>(device, parts))
     for (std::size_t c = 0; c < 3; ++c) found[c] += static_cast<double>(part[c]);
   for (std::size_t t = 0; t < kTexels; ++t)
     for (std::size_t c = 0; c < 3; ++c) {
@@ -188,11 +176,12 @@ void parts_without_texels(Device& device, WorstError& worst) {
     const std::vector<Colour4> inverse(texels, {1e6f, 0.0f, 1e-6f, 0.0f});
     const DeviceBuffer rb = uploaded(device, r, "r"), qb = uploaded(device, q, "q"),
                        inverses = uploaded(device, inverse, "inverse"),
-                       parts = uploaded(device, std::vector<Colour4>(2 * kParts, {kNan, kNan, kNan, kNan}), "parts");
+                       parts = uploaded(device, std::vector<Colour4>(2 * kParts, {kPoison, kPoison, kPoison, kPoison}),
+                                        "parts");
     const Colour4 alpha = {0.5f, 1e-6f, 1e3f, 0.0f};
     device.kernel("conjugate_gradient", "advance_residual", {1, 1, false})
         .launch({kParts, 1}, rb, qb, inverses, parts, alpha, static_cast<int>(texels), static_cast<int>(kParts));
-    const std::vector<Colour4> found = downloaded(device, parts);
+    const std::vector<Colour4> found = downloaded<Colour4>(device, parts);
     for (std::size_t c = 0; c < 3; ++c) {
       double product = 0.0, norm = 0.0, product_found = 0.0, norm_found = 0.0;
       for (std::size_t t = 0; t < texels; ++t) {
@@ -208,6 +197,33 @@ void parts_without_texels(Device& device, WorstError& worst) {
       worst.add(product_found, product, std::max(product, 1e-30), fmt::format("{} texels, colour {}", texels, c));
       worst.add(norm_found, norm, std::max(norm, 1e-30), fmt::format("{} texels, colour {}", texels, c));
     }
+  }
+}
+
+// Steps of great contrast beside texels that are held (inverse and beta 0), denormal numbers and signed zeros.
+void steps_along_the_old_direction(Device& device, WorstError& worst) {
+  for (const std::size_t texels : {1u, 7u, 1001u}) {
+    const std::vector<Colour4> step = colours_of_great_contrast(texels, 16), p = colours_of_great_contrast(texels, 17),
+                               r = colours_of_great_contrast(texels, 18);
+    std::vector<Colour4> inverse(texels);
+    for (std::size_t t = 0; t < texels; ++t) inverse[t] = {1e6f, t % 3 == 0 ? 0.0f : 1e-3f, 1e-40f, -0.0f};
+    const Colour4 alpha = {0.5f, 1e-6f, 1e3f, 0.0f}, beta = {1e6f, 0.0f, -0.0f, 1.0f};
+    const DeviceBuffer steps = uploaded(device, step, "step"), directions = uploaded(device, p, "p"),
+                       residuals = uploaded(device, r, "r"), inverses = uploaded(device, inverse, "inverse");
+    device.kernel("conjugate_gradient", "advance_direction", {1, 1, false})
+        .launch({texels, 64}, steps, directions, residuals, inverses, alpha, beta, static_cast<int>(texels));
+    const std::vector<Colour4> found_step = downloaded<Colour4>(device, steps),
+                               found_p = downloaded<Colour4>(device, directions);
+    for (std::size_t t = 0; t < texels; ++t)
+      for (std::size_t c = 0; c < 4; ++c) {
+        const auto wide = [](float value) { return static_cast<double>(value); };
+        const double from = wide(step[t][c]), along = wide(alpha[c]) * wide(p[t][c]);
+        const double down = wide(inverse[t][c]) * wide(r[t][c]), kept = wide(beta[c]) * wide(p[t][c]);
+        const std::string input = fmt::format("{} texels, texel {}, colour {}", texels, t, c);
+        // What a device takes for 0 may go.
+        worst.add(wide(found_step[t][c]), from + along, std::max(std::abs(from) + std::abs(along), 0x1p-100), input);
+        worst.add(wide(found_p[t][c]), down + kept, std::max(std::abs(down) + std::abs(kept), 0x1p-100), input);
+      }
   }
 }
 
@@ -319,27 +335,34 @@ std::vector<NumericalCase> product_cases() {
         "21 products in a tree"},
        empty_and_uneven_rows,
        {{"filter_matrix_spmv", "float4 sum = (float4)(0.0f);", "float4 sum = y[row];"}}},
-      {{"constant-textures", "pyramidal_regularization",
+      {{"constant-textures", "pyramid_residual",
         "(1 - t) a + t b of equal a and b is off by a rounding: a constant texture has a slope", "a + t (b - a)",
         kNothingWrong, "relative", "0 exactly"},
        constant_textures,
        {{"pyramidal_regularization", "mix(", "BLEND("},
         {"pyramidal_regularization", "typedef struct MultumGather {",
          "#define BLEND(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
-      {{"odd-pyramids-of-great-contrast", "pyramidal_regularization",
+      {{"odd-pyramids-of-great-contrast", "pyramid_residual, pyramid_gradient",
         "weights of a quarter hold for powers of two alone", "tables of weights a column and a row", 2e-6,
         "absolute, of values up to 1", "sums of up to 9 x 9 products"},
        odd_pyramids,
        {{"pyramidal_regularization", "gathered -= entries[v].weight * of_row;", "gathered -= 0.25f * of_row;"}}},
-      {{"parts-beyond-2-to-31", "conjugate_gradient", "texels times parts overflow: parts are of other texels, or none",
+      {{"parts-beyond-2-to-31", "curvature_product", "texels times parts overflow: parts are of other texels, or none",
         "64 bits", 1e-6, "of the sum of magnitudes", "16 additions a part, parts in double"},
        products_of_many_parts,
        {{"conjugate_gradient", "(((long)texel_count * part) / part_count)", "((texel_count * part) / part_count)"}}},
-      {{"parts-without-texels", "conjugate_gradient", "a part of no texels leaves what was there",
-        "sums that begin at 0", 1e-5, "relative", "a difference of 1000 q and r, squared"},
+      {{"parts-without-texels", "advance_residual", "a part of no texels leaves what was there", "sums that begin at 0",
+        1e-5, "relative", "a difference of 1000 q and r, squared"},
        parts_without_texels,
        {{"conjugate_gradient", "float4 product = (float4)(0.0f), norm = (float4)(0.0f);",
          "float4 product = parts[part], norm = (float4)(0.0f);"}}},
+      {{"steps-along-the-old-direction", "advance_direction", "the step is along the direction of the next iteration",
+        "the old direction is read once, before it is written over", 2e-7, "of the sum of magnitudes",
+        "two products and their sum"},
+       steps_along_the_old_direction,
+       {{"conjugate_gradient", "step[i] += alpha * direction;", ""},
+        {"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
+         "p[i] = inverse_diagonal[i] * r[i] + beta * direction;\n  step[i] += alpha * p[i];"}}},
   };
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What surrounds a launch of EM: starts from a parent's lobes and the packing of covered normals (movmf_start.cl), and
-// the finest level (movmf_level_zero.cl).
+// What surrounds a launch of EM: starts from a parent's lobes and the packing of covered normals (movmf_start.cl) and
+// of condensed ones (movmf_condense.cl), and the finest level (movmf_level_zero.cl).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,10 @@
 
 #include "host/asset/movmf_mipmap.h"
 #include "host/reference/movmf_em.h"
+#include "host/reference/planar_em.h"
+#include "host/selftest/buffers.h"
 #include "host/selftest/case_lists.h"
+#include "host/selftest/em_launch.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
 
@@ -139,6 +142,83 @@ void strips_and_odd_sizes(Device& device, WorstError& worst) {
       add_coverage(device, width, height, level, worst);
 }
 
+// Normals that a BRDF's width has shortened, of no length and longer than 1 among them, as points of Gaussians and what
+// scatters about them: one texel each.
+void shortened_normals_as_points(Device& device, WorstError& worst) {
+  for (const double length : {0.0, 1e-30, 1e-6, 0.5, 0.99, 1.0, 1.1}) {
+    std::vector<float> planes[3];
+    for (std::size_t i = 0; i < kGroup; ++i)
+      for (int k = 0; k < 3; ++k)
+        planes[k].push_back(static_cast<float>(length * tilted(6.0 * static_cast<double>(i), 0.7)[k]));
+    MultumMovmfFit fit = {};
+    fit.map_width = fit.width = fit.slot_count = MULTUM_GROUP;
+    fit.map_height = fit.map_window_rows = fit.height = fit.window_rows = fit.sample_columns = fit.sample_rows = 1;
+    fit.shortened = 1;
+    std::vector<int> list(kGroup);
+    std::iota(list.begin(), list.end(), 0);
+    const DeviceBuffer samples = uploaded(device, std::vector<float>(4 * kGroup, kPoison), "samples");
+    device.kernel("movmf_start", "movmf_pack", {4, 1, true, true})
+        .launch({1}, uploaded(device, planes[0], "x"), uploaded(device, planes[1], "y"),
+                uploaded(device, planes[2], "z"), uploaded(device, list, "texels"), samples,
+                uploaded(device, std::vector<int>(1), "sample counts"), fit);
+    const std::vector<float> found = downloaded<float>(device, samples);
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      const glm::dvec3 n(planes[0][i], planes[1][i], planes[2][i]);
+      // Squares below 1e-38 are 0: of no direction then, and scattered all around.
+      const glm::dvec3 exact = length > 1e-12 ? reference::planar_sample(n, true) : glm::dvec3(0.0, 0.0, 1.0);
+      for (int k = 0; k < 3; ++k)
+        worst.add(static_cast<double>(found[static_cast<std::size_t>(k) * kGroup + i]), exact[k], 1.0,
+                  fmt::format("length {}, normal {}, value {}", length, i, k));
+    }
+  }
+}
+
+// Texels of very different numbers of cells side by side, one of none, and slots without a texel: what a texel lacks
+// weighs 0, and nothing behind its cells is read.
+void uneven_cells_side_by_side(Device& device, WorstError& worst) {
+  constexpr int kCapacity = 40, kTexels = 20;
+  MultumMovmfFit fit = {};
+  fit.slot_count = 2 * MULTUM_GROUP;
+  fit.sample_capacity = kCapacity;
+  std::vector<int> counts, list(2 * kGroup, -1);
+  std::vector<float> condensed(kTexels * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison);
+  for (int t = 0; t < kTexels; ++t) {
+    counts.push_back(t == 0 ? kCapacity : (t * 7) % 11);
+    for (int i = 0; i < counts.back() * MULTUM_CONDENSED_SAMPLE; ++i)
+      condensed[static_cast<std::size_t>(t * kCapacity * MULTUM_CONDENSED_SAMPLE + i)] =
+          static_cast<float>(std::pow(-10.0, i % 31 - 15));
+    list[static_cast<std::size_t>(t == 0 ? 2 : 11 + t)] =
+        t;  // all but one in the second group and the end of the first
+  }
+  const DeviceBuffer samples =
+      uploaded(device, std::vector<float>(2 * kGroup * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison), "samples");
+  const DeviceBuffer sample_counts = uploaded(device, std::vector<int>(2, -1), "sample counts");
+  device.kernel("movmf_condense", "movmf_condensed_pack", {1, 1, false})
+      .launch({2, 64}, uploaded(device, condensed, "condensed"), uploaded(device, counts, "counts"),
+              uploaded(device, list, "texels"), samples, sample_counts, fit);
+  const std::vector<float> found = downloaded<float>(device, samples);
+  const std::vector<int> found_counts = downloaded<int>(device, sample_counts);
+  for (std::size_t group = 0; group < 2; ++group) {
+    int most = 1;
+    for (std::size_t lane = 0; lane < kGroup; ++lane) {
+      const int texel = list[group * kGroup + lane];
+      if (texel >= 0) most = std::max(most, counts[static_cast<std::size_t>(texel)]);
+    }
+    worst.add(found_counts[group] == most ? 0.0 : 1.0, fmt::format("count of group {}", group));
+    for (std::size_t i = 0; i < kCapacity; ++i)
+      for (std::size_t k = 0; k < MULTUM_CONDENSED_SAMPLE; ++k)
+        for (std::size_t lane = 0; lane < kGroup; ++lane) {
+          const int texel = list[group * kGroup + lane], n = static_cast<int>(i);
+          const auto at = static_cast<std::size_t>(texel * kCapacity + n) * MULTUM_CONDENSED_SAMPLE + k;
+          const float value = found[((group * kCapacity + i) * MULTUM_CONDENSED_SAMPLE + k) * kGroup + lane];
+          const bool has = texel >= 0 && n < counts[static_cast<std::size_t>(texel)];
+          const float expected = n >= most ? kPoison : has ? condensed[at] : k == 2 ? 1.0f : 0.0f;
+          const bool same = std::isnan(expected) ? std::isnan(value) : value == expected;
+          worst.add(same ? 0.0 : 1.0, fmt::format("group {}, lane {}, sample {}, value {}", group, lane, i, k));
+        }
+  }
+}
+
 // Numbers of the lobes that normals are given to.
 std::vector<int> nearest_lobes(Device& device, const std::vector<MultumVmfLobe>& parent,
                                const std::vector<glm::vec3>& normals) {
@@ -200,11 +280,22 @@ std::vector<NumericalCase> level_cases() {
        starts_from_degenerate_lobes,
        {{"movmf_start", "const int_v directed = squared > 1e-24f;", "const int_v directed = squared >= 0.0f;"},
         {"movmf_start", "sqrt(MAX_V(squared, (real_v)(1e-24f)))", "sqrt(squared)"}}},
-      {{"strips-and-odd-sizes", "movmf_start", "finest texels on an edge count whole in both texels",
+      {{"strips-and-odd-sizes", "movmf_pack", "finest texels on an edge count whole in both texels",
         "fractional weights: each finest texel counts once a level", 1e-6, "relative, of a texel's weight",
         "a rounding a sample"},
        strips_and_odd_sizes,
        {{"movmf_start", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
+      {{"shortened-normals-as-points", "movmf_pack (planar)",
+        "a normal of no length has no point: 0 / 0; its facets lie outside the circle",
+        "a length of at least 1e-6 divides; at most 1 - |p|^2 scatters", 1e-6, "absolute",
+        "a root, two quotients and the cancellation of 1 - |p|^2"},
+       shortened_normals_as_points,
+       {{"movmf_start", "MAX_V(length, (real)(1e-6f))", "length"}}},
+      {{"uneven-cells-side-by-side", "movmf_condensed_pack", "what lies behind a texel's cells counts as its samples",
+        "samples of weight 0 up to the number of the texel that has most", kNothingWrong, "values wrong",
+        "none may be: copies"},
+       uneven_cells_side_by_side,
+       {{"movmf_condense", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},
       {{"a-dead-lobe-takes-nothing", "movmf_level_zero", "a lobe of no normals, or of no direction, is the nearest",
         "lobes of an amplitude up to 1e-6 are passed over", kNothingWrong, "texels wrong", "none may be"},
        a_dead_lobe_takes_nothing,

@@ -203,12 +203,12 @@ std::vector<NumericalCase> numerics_cases() {
   std::vector<NumericalCase> cases = exponential_cases();
   for (NumericalCase& c : kappa_cases()) cases.push_back(std::move(c));
   cases.push_back(
-      {{"driver-keeps-nan", "probe_numerics", "-cl-finite-math-only answers no for every NaN: guards are deleted",
+      {{"driver-keeps-nan", "probe_functions", "-cl-finite-math-only answers no for every NaN: guards are deleted",
         "no option that relaxes mathematics (host/opencl/build_options)", kNothingWrong, "answers wrong", "none"},
        nan_guards,
        {probe_edit("isnan(x) ? 1.0f : 0.0f", "0.0f")}});
   cases.push_back(
-      {{"driver-lays-structs-out-alike", "probe_numerics", "every field after a hole is read from the wrong place",
+      {{"driver-lays-structs-out-alike", "probe_layout", "every field after a hole is read from the wrong place",
         "plain structs of ints and floats, no float3, no bool, no size_t", kNothingWrong, "bytes off", "none"},
        struct_layouts_agree,
        {probe_edit("int first_row;\n", "long first_row;\n")}});

@@ -8,11 +8,13 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "host/asset/gmm_quantize.h"
 #include "host/base/split_mix.h"
 #include "host/reference/planar_em.h"
+#include "host/selftest/buffers.h"
 #include "host/selftest/case_lists.h"
 #include "host/selftest/em_launch.h"
 #include "host/selftest/shade_launch.h"
@@ -121,6 +123,51 @@ void few_points(Device& device, WorstError& worst) {
     }
 }
 
+// The cap of a texel of three lobes: two share some points, the third has none. Sums are those of an E-step, about mu.
+void caps_of_narrow_texels(Device& device, WorstError& worst) {
+  constexpr std::size_t kGroup = MULTUM_GROUP, kChunks = 64, kSums = 5;
+  for (const double degrees : kTilts)
+    for (const double width : {0.0, 0.01, 0.25, 1.0, 10.0})
+      for (const double apart : {0.0, 3.0}) {
+        const EmTexel texel{{}, equal_lobes({point(degrees - apart), point(degrees + apart), point(10.0, 3.0)}, 100.0)};
+        std::vector<float> partial(kGroup * kChunks * 3 * kSums, 0.0f);
+        glm::dvec2 mean(0.0);
+        std::vector<glm::dvec2> points;
+        for (std::size_t i = 0; i < kChunks; ++i) {
+          points.emplace_back(glm::vec2(point(degrees + width * (static_cast<double>(i % 5) / 2.0 - 1.0))));
+          mean += points.back() / static_cast<double>(kChunks);
+        }
+        double variance = 0.0;
+        for (std::size_t i = 0; i < kChunks; ++i) {
+          variance += 0.5 * glm::dot(points[i] - mean, points[i] - mean) / kChunks;
+          const std::size_t j = i % 2;
+          const glm::dvec2 d = points[i] - glm::dvec2(glm::vec2(texel.lobes[j].mu));
+          float* sums = &partial[(i * 3 + j) * kSums];
+          const double values[kSums] = {1.0, points[i].x, points[i].y, 0.0, 0.5 * glm::dot(d, d)};
+          for (std::size_t k = 0; k < kSums; ++k) sums[k] = static_cast<float>(values[k]);
+        }
+        MultumMovmfFit fit = {};
+        fit.slot_count = MULTUM_GROUP;
+        fit.chunk_count = kChunks;
+        fit.total_weight_inverse = 1.0f / kChunks;
+        fit.kappa_cap = 500.0f;
+        fit.kappa_cap_slope = 10.0f;
+        std::vector<int> list(kGroup, -1);
+        list[0] = 0;
+        const DeviceBuffer start = uploaded(device, packed_start({texel}, true), "start");
+        device.kernel("movmf_em_mstep", "movmf_em_cap", {3, 1, false, true})
+            .launch({kGroup}, uploaded(device, partial, "partial sums"), start, uploaded(device, list, "texels"), fit);
+        const std::vector<float> found = downloaded<float>(device, start);
+        const double cap = std::min(500.0 + 10.0 / std::max(variance, 1e-6), 1e6);
+        for (std::size_t j = 0; j < 3; ++j) {
+          const float* caps = &found[(j * MULTUM_START_PLANES + MULTUM_START_CAP) * kGroup];
+          const std::string input = fmt::format("{} degrees, {} wide, mu {} apart", degrees, width, apart);
+          worst.add(static_cast<double>(caps[0]), cap, cap, input);
+          worst.add(static_cast<double>(caps[1]), 0.0, 1.0, input + ": a slot without a texel");
+        }
+      }
+}
+
 // Cells whose normals are one, at any tilt: what they scatter, as movmf_condense_means finds it.
 void scatter_of_equal_normals(Device& device, WorstError& worst) {
   constexpr int kCells = 400;
@@ -224,7 +271,7 @@ NumericalCase storage_case(StorageEncoding encoding, const std::string& name) {
 std::vector<NumericalCase> fit_cases() {
   const SourceEdit no_floor = em_edit("MAX_V(fitted, (real_v)(SPREAD_MIN))", "fitted");
   const SourceEdit no_cap = em_edit("kappa = MIN_V(MAX_V(kappa, (real_v)(KAPPA_MIN)), kappa_max);", "");
-  const char* const kFormula = "movmf_em_texels, planar";
+  const char* const kFormula = "movmf_em_texels (planar)";
   const char* const kUnit = "absolute, of a, a mu and a sigma^2";
   const char* const kFrom = "samples' rounding, 6e-8 an addition, times the growth of differences in EM, below 10";
   return {
@@ -252,7 +299,12 @@ std::vector<NumericalCase> fit_cases() {
         "lobes that compete evenly multiply a difference in each iteration"},
        few_points,
        {no_floor, no_cap}},
-      {{"planar-scatter-of-equal-normals", "movmf_condense, planar",
+      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "a lobe of no points has a mean of 0 / 0",
+        "the least weight that is divided by is 1e-30; a variance of at least 1e-6", 2e-4, "relative, of the cap",
+        "1.2e-7 of a squared distance of 3 degrees, against the least variance"},
+       caps_of_narrow_texels,
+       {{"movmf_em_mstep", "1.0f / MAX_V(sum_s[j], (real_v)(1e-30f))", "1.0f / sum_s[j]"}}},
+      {{"planar-scatter-of-equal-normals", "movmf_condense_means (planar)",
         "E|p|^2 of a cell less the square of its mean is below 0", "held at 0 and above", kNothingWrong,
         "how far below 0", "never"},
        scatter_of_equal_normals,
@@ -265,14 +317,14 @@ std::vector<NumericalCase> fit_cases() {
 
 std::vector<NumericalCase> planar_cases() {
   std::vector<NumericalCase> cases = fit_cases();
-  cases.push_back({{"planar-filtered-variance-below-0", "movmf_shade, planar",
+  cases.push_back({{"planar-filtered-variance-below-0", "movmf_shade (planar)",
                     "rounding and filtering leave less than the square of the mean: the variance is negative",
                     "no variance but the facets' own", 2e-3, "of an upright lobe's peak",
                     "6e-8 of a mean near 1, twice, against a variance of 1e-4"},
                    filtered_variance_below_0,
                    {shade_edit("max(spread, 0.0f)", "spread")}});
   cases.push_back(
-      {{"planar-amplitude-to-0", "movmf_shade, planar", "a lobe of no normals is divided by its amplitude: 0 / 0",
+      {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe of no normals is divided by its amplitude: 0 / 0",
         "no lobe at or below 1e-6", 6e-4, "of an upright lobe's peak; 1 where there should be none", "as above"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spherical harmonics (kernels/sh_project.cl, sh_shade.cl) at order 20, at the poles, of vectors that are not unit, and
-// what averages them (mip_box.cl) over more texels than a float can count.
+// Spherical harmonics (kernels/sh_project.cl, sh_shade.cl) at order 20, at the poles, of vectors that are not unit.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -257,42 +256,6 @@ void opposite_tilts(Device& device, WorstError& worst) {
     }
 }
 
-// A map of 2^30 texels, the largest there may be: each row's sum is one node, and a column of the coarsest level goes
-// down all of them.
-void average_of_2_30(Device& device, WorstError& worst) {
-  constexpr int kSide = 32768;
-  SplitMix64 random(30);
-  std::vector<float> rows(kSide);
-  double exact = 0.0;
-  for (float& row : rows) {
-    row = static_cast<float>(kSide * (0.28 + 0.01 * random.uniform()));
-    exact += static_cast<double>(row);
-  }
-  exact /= static_cast<double>(kSide) * kSide;
-  MultumBoxBand band{};
-  band.map_width = band.map_height = kSide;
-  band.row_length = band.plane_count = band.level_count = band.column_count = 1;
-  MultumBoxLevel level{};
-  level.width = level.height = level.row_count = 1;
-  level.share = 1.0f / (static_cast<float>(kSide) * static_cast<float>(kSide));
-  constexpr int kTapBegin[] = {0, 1};
-  constexpr MultumBoxTap kTap = {0, 1.0f};
-  const DeviceBuffer levels = device.wrap_buffer(&level, sizeof(level), "levels");
-  const DeviceBuffer tap_begin = device.wrap_buffer(kTapBegin, sizeof(kTapBegin), "taps");
-  const DeviceBuffer taps = device.wrap_buffer(&kTap, sizeof(kTap), "taps");
-  DeviceBuffer sums = device.make_buffer(2 * sizeof(float), "sums");
-  device.fill_zero(sums);
-  float average = NAN;
-  DeviceBuffer averages = device.make_buffer(sizeof(average), "averages");
-  device.write(averages, &average, sizeof(average));
-  band.row_count = kSide;
-  const DeviceBuffer nodes = device.wrap_buffer(rows.data(), rows.size() * sizeof(float), "nodes");
-  device.kernel("mip_box", "mip_levels", {1, 1, false})
-      .launch({1}, nodes, levels, tap_begin, taps, sums, averages, band);
-  device.read(averages, &average, sizeof(average));
-  worst.add(static_cast<double>(average), exact, exact, "32768 rows");
-}
-
 SourceEdit direction_edit(const std::string& text, const std::string& replacement) {
   return {"sh_project", text, replacement};
 }
@@ -337,11 +300,6 @@ std::vector<NumericalCase> sh_cases() {
         "that of the basis, twice, in proportion to a_l"},
        opposite_tilts,
        {{"sh_shade", "const float rotated = fma(c, w.x, -s * w.y);", "const float rotated = c * w.x;"}}},
-      {{"average-of-2-30-texels", "mip_box", "32768 roundings of a sum, each of half a unit in the last place",
-        "a compensated sum down the rows", 1.2e-7, "relative", "the last rounding, and that of the share"},
-       average_of_2_30,
-       {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
-         "      sum += value;\n      continue;"}}},
   };
 }
 

@@ -17,8 +17,11 @@
 #include <glm/vec3.hpp>
 
 #include "host/base/split_mix.h"
+#include "host/reference/coverage.h"
+#include "host/selftest/buffers.h"
 #include "host/selftest/case_lists.h"
 #include "host/selftest/em_launch.h"
+#include "host/selftest/feature_launch.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
 
@@ -80,6 +83,41 @@ std::vector<int> one_slot() {
   list[0] = 0;
   return list;
 }
+
+}  // namespace
+
+std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const FeatureMap& map, const EmTexel& texel) {
+  MultumMovmfFit fit = coarsest_fit();
+  fit.map_width = map.width, fit.map_height = fit.map_window_rows = map.height;
+  fit.width = map.level_width, fit.height = fit.window_rows = map.level_height;
+  // What the widest texel may touch.
+  fit.sample_columns = (map.width + map.level_width - 1) / map.level_width + 1;
+  fit.sample_rows = (map.height + map.level_height - 1) / map.level_height + 1;
+  fit.chunk_rows = map.chunk_rows, fit.chunk_count = map.chunk_count;
+  std::vector<float> planes[6];
+  for (int c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < map.normals.size(); ++i) {
+      planes[c].push_back(map.normals[i][c]);
+      planes[3 + c].push_back(map.values[i][c]);
+    }
+  std::vector<int> list(kGroup, -1);
+  for (int t = 0; t < map.level_width * map.level_height; ++t) list[static_cast<std::size_t>(t)] = t;
+  const std::size_t lobes = texel.lobes.size(), chunks = static_cast<std::size_t>(map.chunk_count);
+  const DeviceBuffer partial =
+      uploaded(device, std::vector<float>(kGroup * chunks * lobes * 3, kPoison), "partial sums");
+  device.kernel("movmf_features", "movmf_feature_partial", {static_cast<int>(lobes), 1, false})
+      .launch({kGroup * chunks, 64}, uploaded(device, planes[0], "x"), uploaded(device, planes[1], "y"),
+              uploaded(device, planes[2], "z"), uploaded(device, planes[3], "red"),
+              uploaded(device, planes[4], "green"), uploaded(device, planes[5], "blue"),
+              uploaded(device, packed_start({texel}), "start"), uploaded(device, list, "texels"), partial, fit);
+  const std::vector<float> sums = downloaded<float>(device, partial);
+  std::vector<std::vector<glm::vec3>> of_slots(kGroup);
+  for (std::size_t i = 0; i < sums.size(); i += 3)
+    of_slots[i / (chunks * lobes * 3)].emplace_back(sums[i], sums[i + 1], sums[i + 2]);
+  return of_slots;
+}
+
+namespace {
 
 // The M-step of the chunks in `partial`; (r, a) of each lobe.
 std::vector<MultumVmfLobe> lobes_of_chunks(Device& device, const DeviceBuffer& partial, const EmTexel& texel,
@@ -173,22 +211,67 @@ void many_partial_colours(Device& device, WorstError& worst) {
     worst.add(static_cast<double>(colours[c]), sum[c], sum[c], fmt::format("channel {}", c));
 }
 
+// z of the first of two lobes that are as sharp and as large.
+double share_of_first(const EmTexel& texel, const glm::dvec3& n) {
+  const auto exponent = [&](std::size_t j) {
+    return texel.lobes[j].kappa * glm::dot(glm::dvec3(glm::vec3(texel.lobes[j].mu)), n);
+  };
+  return 1.0 / (1.0 + std::exp(exponent(1) - exponent(0)));
+}
+
+EmTexel two_lobes(double kappa) { return {{}, {{tilted(10.0, 0.0), kappa, 0.5}, {tilted(10.0, 1.5), kappa, 0.5}}}; }
+
+glm::dvec3 far_normal(int i) { return glm::dvec3(glm::vec3(tilted(60.0, i % 2 == 0 ? 0.1 : 1.4))); }
+glm::dvec3 colour_of_contrast(int i) { return glm::dvec3(glm::vec3(glm::dvec3(1e-6, 1.0, 1e6) * (0.5 + 0.01 * i))); }
+
+// Partial sums of two texels of a map of 37 x 21: a column that both share, a chunk of fewer rows than the others, one
+// of none, and slots without a texel, of which nothing is written.
+void colours_of_uneven_chunks(Device& device, WorstError& worst) {
+  FeatureMap map{37, 21, 2, 1, 4, 7, {}, {}};
+  for (int i = 0; i < map.width * map.height; ++i) {
+    map.normals.push_back(glm::vec3(far_normal(i)));
+    map.values.push_back(glm::vec3(colour_of_contrast(i % 64)));
+  }
+  for (const double kappa : {0.05, 100.0, 1e6}) {
+    const EmTexel texel = two_lobes(kappa);
+    const std::vector<std::vector<glm::vec3>> found = feature_partials(device, map, texel);
+    for (std::size_t slot = 0; slot < found.size(); ++slot)
+      for (int chunk = 0; chunk < map.chunk_count; ++chunk) {
+        const glm::vec3* sums = &found[slot][static_cast<std::size_t>(2 * chunk)];
+        const std::string input = fmt::format("kappa {}, slot {}, chunk {}", kappa, slot, chunk);
+        if (slot >= 2) {
+          worst.add(std::isnan(sums[0].x) && std::isnan(sums[1].z) ? 0.0 : 1.0, input);
+          continue;
+        }
+        glm::dvec3 exact[2] = {glm::dvec3(0.0), glm::dvec3(0.0)};
+        const int first_row = chunk * map.chunk_rows;
+        for (int row = first_row; row < std::min(first_row + map.chunk_rows, map.height); ++row)
+          for (int column = 0; column < map.width; ++column) {
+            const int i = row * map.width + column;
+            const double weight = reference::overlap(column, static_cast<int>(slot), map.width, map.level_width),
+                         share = share_of_first(texel, far_normal(i));
+            exact[0] += weight * share * colour_of_contrast(i % 64);
+            exact[1] += weight * (1.0 - share) * colour_of_contrast(i % 64);
+          }
+        for (int j = 0; j < 2; ++j)
+          for (int c = 0; c < 3; ++c)
+            worst.add(static_cast<double>(sums[j][c]), exact[j][c], std::max(exact[0][c] + exact[1][c], 1e-30), input);
+      }
+  }
+}
+
 // Colours of normals that are far from every lobe, with 1e6-fold contrast and weights of 2^-20 to 1.
 void colours_far_from_every_lobe(Device& device, WorstError& worst) {
   for (const double kappa : {0.05, 100.0, 1e6}) {
-    EmTexel texel{{}, {{tilted(10.0, 0.0), kappa, 0.5}, {tilted(10.0, 1.5), kappa, 0.5}}}, colour;
+    EmTexel texel = two_lobes(kappa), colour;
     double total = 0.0;
     glm::dvec3 exact[2] = {glm::dvec3(0.0), glm::dvec3(0.0)};
     for (int i = 0; i < 64; ++i) {
-      const glm::dvec3 n = glm::dvec3(glm::vec3(tilted(60.0, i % 2 == 0 ? 0.1 : 1.4)));
-      const double weight = std::exp2(-(i % 21));
-      const glm::dvec3 y = glm::dvec3(glm::vec3(glm::dvec3(1e-6, 1.0, 1e6) * (0.5 + 0.01 * i)));
+      const glm::dvec3 n = far_normal(i), y = colour_of_contrast(i);
+      const double weight = std::exp2(-(i % 21)), z0 = share_of_first(texel, n);
       texel.samples.push_back({n, weight});
       colour.samples.push_back({y, weight});
       total += weight;
-      const double l0 = kappa * glm::dot(glm::dvec3(glm::vec3(texel.lobes[0].mu)), n),
-                   l1 = kappa * glm::dot(glm::dvec3(glm::vec3(texel.lobes[1].mu)), n);
-      const double z0 = 1.0 / (1.0 + std::exp(l1 - l0));
       exact[0] += z0 * weight * y;
       exact[1] += (1.0 - z0) * weight * y;
     }
@@ -331,7 +414,7 @@ void axes_of_no_extent(Device& device, WorstError& worst) {
 std::vector<NumericalCase> sum_cases() {
   const std::string plain = "*sum = *sum + value;\n  return;", compensated = "const float total = *sum + value;";
   return {
-      {{"texels-2-to-28-by-chunks", "movmf_em_chunks",
+      {{"texels-2-to-28-by-chunks", "movmf_em_partial",
         "one float stops at 2^24 (0.94 of it lost); plain sums of chunks round alike, always the same way",
         "16 lanes, added as a tree, a chunk; compensated sums of the chunks", 1e-6, "absolute, of a and r",
         "2048 additions a lane: 2048 * 2^-25 / 16 at random"},
@@ -342,26 +425,33 @@ std::vector<NumericalCase> sum_cases() {
         "absolute, of a and r", "some roundings at the end, whatever the number"},
        many_partial_sums,
        {{"movmf_em_mstep", compensated, plain + compensated}}},
-      {{"colours-of-65536-partial-sums", "movmf_features", "the same", "the same", 3e-7, "relative", "the same"},
+      {{"colours-of-65536-partial-sums", "movmf_feature_sum", "the same", "the same", 3e-7, "relative", "the same"},
        many_partial_colours,
        {{"movmf_features", compensated, plain + compensated}}},
-      {{"colours-far-from-every-lobe", "movmf_features", "shares of 0 / 0", "logarithms, the largest subtracted", 1e-4,
-        "of the channel's total", "exponents of 1e6 carry 6e-8 each"},
+      {{"colours-far-from-every-lobe", "movmf_feature_condensed", "shares of 0 / 0",
+        "logarithms, the largest subtracted", 1e-4, "of the channel's total", "exponents of 1e6 carry 6e-8 each"},
        colours_far_from_every_lobe,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
-      {{"texels-2-to-28-into-cells", "movmf_condense", "one float stops at 2^24",
+      {{"colours-of-uneven-chunks", "movmf_feature_partial",
+        "shares of 0 / 0; a finest texel on a border counts whole in both texels",
+        "logarithms, the largest subtracted; fractional weights; a chunk of no rows is 0", 1e-4,
+        "of the chunk's total of the channel", "exponents of 1e6 carry 6e-8 each"},
+       colours_of_uneven_chunks,
+       {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
+      {{"texels-2-to-28-into-cells", "movmf_condense_cells", "one float stops at 2^24",
         "whole numbers of 2^-30 in 64 bits: 2^58 at most, in any order", 2e-9, "absolute, of means",
         "2^-30 a normal, rounded towards 0"},
        texels_2_28_into_cells,
        {},
        floats_stand_still},
-      {{"means-of-sums-to-2-to-58", "movmf_condense", "32 bits overflow at two normals", "64 bits", 2e-7,
+      {{"means-of-sums-to-2-to-58", "movmf_condense_means", "32 bits overflow at two normals", "64 bits", 2e-7,
         "absolute, of means; relative, of weights", "two conversions and a division"},
        means_of_2_58,
        {{"movmf_condense", "long4 sum = vload4(cell, in);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, in)));"}}},
-      {{"axes-of-no-extent", "movmf_condense", "bins a unit of 63 / 0; straight down lies at 0 / 0",
-        "an extent of 1e-6 at least, 1 + z of 1e-6 at least", kNothingWrong, "values that are no axis", "none may be"},
+      {{"axes-of-no-extent", "movmf_condense_probe, movmf_condense_axes",
+        "bins a unit of 63 / 0; straight down lies at 0 / 0", "an extent of 1e-6 at least, 1 + z of 1e-6 at least",
+        kNothingWrong, "values that are no axis", "none may be"},
        axes_of_no_extent,
        {{"movmf_condense", "MAX_V(high - low, 1e-6f)", "(high - low)"},
         {"movmf_condense", "sqrt(MAX_V(1.0f + z, 1e-6f))", "sqrt(1.0f + z)"}}},

@@ -31,7 +31,8 @@ void main() {
   vec3 radiance = vec3(0.0);
   for (int i = 0; i < u_light_count; ++i) {
     vec3 l = u_light_directions[i];
-    vec3 h = normalize(l + u_frame[2]);
+    vec3 h = l + u_frame[2];
+    h /= max(length(h), 1e-6);
     float facets = (u_exponent + 1.0) / (2.0 * MULTUM_PI) * pow(max(dot(n, h), 0.0), u_exponent);
     radiance += u_light_irradiances[i] * max(dot(n, l), 0.0) * (u_diffuse / MULTUM_PI + u_specular * facets);
   }

@@ -15,9 +15,7 @@ uniform vec3 u_eye;
 layout(location = 0) out vec4 o_colour;
 
 void main() {
-  vec3 n = normalize(v_normal);
-  vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
-  mat3 to_world = mat3(t, cross(n, t) * v_tangent.w, n);
+  mat3 to_world = multum_tangent_frame(v_normal, v_tangent);
   vec3 v = normalize(u_eye - v_position) * to_world;
   o_colour = vec4(multum_lights(multum_fetch_surface(v_st), to_world, v_position, v), 1.0);
 }

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every numerical case of the GLSL formulas holds its bound, and breaks it without its guard, by Mesa's software
-// renderer. With MULTUM_STABILITY_JSON=FILE in the environment the verdicts are written there, for docs/STABILITY.md.
+// renderer; every function of the shaders has a case that notices when it is broken. With MULTUM_STABILITY_JSON=FILE in
+// the environment the verdicts are written there, for docs/STABILITY.md.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <regex>
 
 #include "host/base/atomic_file.h"
 #include "host/reference/case_page.h"
@@ -39,14 +44,95 @@ TEST(GlslCases, HoldWithTheirGuardsAndBreakWithout) {
   if (const char* path = std::getenv("MULTUM_STABILITY_JSON")) write_text_file(path, case_json(run));
 }
 
+// A function of runtime_gl/shaders: its file, its name, and its text up to the brace.
+struct Formula {
+  std::string file, name, type, head;
+};
+
+std::string text_of_file(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<Formula> all_formulas() {
+  const std::regex head("(?:^|\n)((\\w+) (multum_\\w+)\\([^)]*\\) \\{)");
+  std::vector<Formula> formulas;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(MULTUM_SOURCE_DIR "/runtime_gl/shaders")) {
+    if (entry.path().extension() == ".h" || !entry.is_regular_file()) continue;
+    const std::string text = text_of_file(entry.path());
+    for (std::sregex_iterator i(text.begin(), text.end(), head), end; i != end; ++i)
+      formulas.push_back({entry.path().filename().string(), (*i)[3], (*i)[2], (*i)[1]});
+  }
+  return formulas;
+}
+
+bool is_of(const GlslCase& c, const Formula& f) {
+  const std::vector<std::string> files = split_names(c.text.formula);
+  return std::find(files.begin(), files.end(), f.file) != files.end() &&
+         std::find(c.functions.begin(), c.functions.end(), f.name) != c.functions.end();
+}
+
+// What takes pictures to see.
+const std::map<std::string, std::string> kByPictures = {
+    {"lobes.glsl multum_mean_albedo", "RenderTest, ColoursFollowTheirLobes"},
+    {"lobes.glsl multum_fetch_surface", "RenderTest, TwoTiltsEqualTruthWhereMipsFail"},
+    {"normals.glsl multum_fetch_surface", "RenderTest, MomentsEqualTheBaselines"},
+    {"sh.glsl multum_fetch_surface", "ShRenderTest, AFlatMapIsItsBrdfCutOff"},
+    {"environment_samples.glsl multum_environment_normal", "EnvironmentTest, BruteForceIsTheSumOverTheTexels"}};
+
+TEST(GlslCases, EveryFormulaHasOne) {
+  std::string pictures;
+  for (const auto& entry : std::filesystem::directory_iterator(MULTUM_SOURCE_DIR "/tests/gl"))
+    pictures += text_of_file(entry.path());
+  const std::vector<Formula> formulas = all_formulas();
+  EXPECT_GT(formulas.size(), 80u);
+  for (const Formula& f : formulas) {
+    const auto seen = kByPictures.find(f.file + " " + f.name);
+    if (seen != kByPictures.end()) {
+      EXPECT_NE(pictures.find("TEST_P(" + seen->second + ")"), std::string::npos) << seen->second << " is no test";
+      continue;
+    }
+    EXPECT_TRUE(std::any_of(glsl_cases().begin(), glsl_cases().end(), [&](const GlslCase& c) { return is_of(c, f); }))
+        << f.name << " of " << f.file << " has no numerical case (tests/gl/glsl_*_cases.cpp) that names it";
+  }
+  for (const GlslCase& c : glsl_cases())
+    for (const std::string& function : c.functions)
+      EXPECT_TRUE(std::any_of(formulas.begin(), formulas.end(),
+                              [&](const Formula& f) { return f.name == function && is_of(c, f); }))
+          << c.text.name << " names " << function << ", which " << c.text.formula << " has not";
+}
+
+// Returns at once, something that no formula has.
+SourceEdit broken(const Formula& f) {
+  const std::map<std::string, std::string> values = {
+      {"void", ""},           {"MultumReflection", "MultumReflection(vec3(-7e8), vec3(-7e8))"},
+      {"uint", "7u"},         {"mat3", "mat3(-7e8)"},
+      {"ivec2", "ivec2(-7)"}, {"int", "-7"}};
+  const auto value = values.find(f.type);
+  return glsl_edit(f.head, f.head + " return " + (value != values.end() ? value->second : f.type + "(-7e8)") + ";\n");
+}
+
+TEST(GlslCases, ABrokenFormulaBreaksThoseThatNameIt) {
+  const auto context = make_headless_context(ContextBackend::kOsmesa);
+  for (const Formula& f : all_formulas())
+    for (const GlslCase& c : glsl_cases()) {
+      if (!is_of(c, f)) continue;
+      WorstError worst;
+      c.run(context->functions(), {broken(f)}, worst);
+      EXPECT_FALSE(worst.value() <= c.text.bound) << c.text.name << " does not notice that " << f.name << " is broken";
+    }
+}
+
 TEST(GlslCases, AreWhatThePageHas) {
-  std::ifstream in(MULTUM_SOURCE_DIR "/docs/STABILITY.md");
-  const std::string page{std::istreambuf_iterator<char>(in), {}};
+  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/STABILITY.md");
   const std::size_t begin = page.find("\n## movmf_shading.glsl");
   ASSERT_NE(begin, std::string::npos) << "docs/STABILITY.md says how it is made again";
   std::vector<std::string> names;
   for (const GlslCase& c : glsl_cases()) names.push_back(c.text.name);
-  EXPECT_EQ(cases_of_page(page.substr(begin)), names) << "docs/STABILITY.md says how it is made again";
+  std::vector<std::string> of_page = cases_of_page(page.substr(begin));
+  std::sort(names.begin(), names.end());
+  std::sort(of_page.begin(), of_page.end());
+  EXPECT_EQ(of_page, names) << "docs/STABILITY.md says how it is made again";
 }
 
 }  // namespace

@@ -1,43 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/gl/glsl_brdf_cases.h"
-
+// The numerical cases of brdf/ and of vmf_zonal.glsl: facets at their peak, at grazing angles and turned away.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/vec3.hpp>
+
 #include "host/reference/shading.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
+#include "tests/gl/glsl_case_lists.h"
 
 namespace multum::gl {
 namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-SourceEdit edit(const std::string& text, const std::string& replacement) {
-  return {"movmf_shading", text, replacement};  // what the harness calls all of common/ and brdf/
-}
-
-// An expression of b.x and b.y over pairs of numbers, against `exact` of them as floats; errors over `scale`.
-struct Comparison {
+// An expression of b.x and b.y over pairs of numbers, against `exact` of them as floats.
+struct PairComparison {
   std::string expression;
   std::vector<std::pair<double, double>> inputs;
   std::function<double(double, double)> exact;
   bool is_relative;
 };
 
-void compare(const GlFunctions& gl, const Edits& edits, const Comparison& c, WorstError& worst) {
-  ShaderHarnessInput input{"vec4(" + c.expression + ")", {}, {}, nullptr, edits};
-  for (const auto& [x, y] : c.inputs) {
-    input.a.emplace_back(0.0f, 0.0f, 1.0f, 1.0f);
-    input.b.emplace_back(static_cast<float>(x), static_cast<float>(y), 0.0f, 0.0f);
-  }
-  const std::vector<glm::vec4> values = evaluate_shader(gl, input);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double x = static_cast<double>(input.b[i].x), y = static_cast<double>(input.b[i].y);
-    const double expected = c.exact(x, y);
-    worst.add(static_cast<double>(values[i].x), expected, c.is_relative ? std::abs(expected) : 1.0,
-              fmt::format("{:.4g}, {:.4g}", x, y));
-  }
+void compare(const GlFunctions& gl, const Edits& edits, const PairComparison& c, WorstError& worst) {
+  GlslComparison comparison{"vec4(" + c.expression + ")", {}, {}, c.is_relative};
+  for (const auto& [x, y] : c.inputs)
+    comparison.inputs.push_back({{}, {static_cast<float>(x), static_cast<float>(y), 0.0f, 0.0f}});
+  comparison.exact = [&](const glm::dvec4&, const glm::dvec4& b) { return glm::dvec4(c.exact(b.x, b.y)); };
+  compare_glsl(gl, edits, comparison, worst);
 }
 
 std::vector<std::pair<double, double>> grid(const std::vector<double>& xs, const std::vector<double>& ys) {
@@ -76,18 +70,10 @@ void groove_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst
           worst);
 }
 
-double exact_zonal(double kappa, int order) {
-  double quotient = kappa / (order + 60.5 + std::sqrt((order + 60.5) * (order + 60.5) + kappa * kappa));
-  double value = 1.0;
-  for (int l = order + 59; l >= 1; --l) {
-    quotient = kappa / (2.0 * l + 1.0 + kappa * quotient);
-    if (l <= order) value *= quotient;
-  }
-  return value;
-}
-
 void second_zonal(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  const auto exact = [](double r, double) { return r == 0.0 ? 0.0 : exact_zonal(reference::vmf_kappa(1.0 - r), 2); };
+  const auto exact = [](double r, double) {
+    return r == 0.0 ? 0.0 : reference::zonal_of_vmf(reference::vmf_kappa(1.0 - r), 2);
+  };
   compare(gl, edits,
           {"multum_vmf_second_zonal(b.x, multum_vmf_kappa(1.0 - b.x))",
            grid({0.0, 1e-6, 1e-3, 0.05, 0.1, 0.11, 0.3, 0.7, 0.95, 0.999}, {0.0}), exact, false},
@@ -95,40 +81,247 @@ void second_zonal(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
 }
 
 void eighth_zonal(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  const auto exact = [](double kappa, double) { return exact_zonal(kappa, 8); };
+  const auto exact = [](double kappa, double) { return reference::zonal_of_vmf(kappa, 8); };
   compare(gl, edits,
           {"multum_vmf_eighth_zonal(b.x)", grid({0.0, 1e-3, 0.5, 3.0, 20.0, 100.0, 1e3, 1e4, 1e5, 1e6}, {0.0}), exact,
            false},
           worst);
 }
 
+// 1 - v.h beyond its ends: cosines that rounding left above 1, and views from below.
+void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  compare(gl, edits,
+          {"multum_schlick(vec3(b.x), b.y).x", grid({0.0, 0.04, 1.0}, {-1.0, -1e-6, 0.0, 1e-6, 0.5, 1.0, 1.0001, 2.0}),
+           [](double f0, double v_h) { return reference::schlick(f0, std::clamp(v_h, 0.0, 1.0)); }, false},
+          worst);
+}
+
+// d, q and e as a.xyz; over the peak, and the peak itself.
+void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{
+      "vec4(multum_term(a.x, a.y, a.z) / multum_term(a.x, a.y, 0.0), multum_term(a.x, a.y, 0.0) * a.w, 0.0, "
+      "0.0)",
+      {},
+      {}};
+  const auto kappa_of = [](double d, double q) { return reference::vmf_kappa(d + (1.0 - d) * q); };
+  for (const float d : {0.0f, 1e-6f, 0.01f, 0.5f, 1.0f})
+    for (const float q : {1e-5f, 1e-3f, 0.1f, 0.9f})
+      for (const float e : {0.0f, 1e-6f, 0.1f, 1.0f, 2.0f}) {
+        const double peak = reference::vmf_density(kappa_of(static_cast<double>(d), static_cast<double>(q)), 0.0);
+        c.inputs.push_back({{d, q, e, static_cast<float>(1.0 / peak)}, {}});
+      }
+  c.exact = [=](const glm::dvec4& a, const glm::dvec4&) {
+    return glm::dvec4(std::exp(-kappa_of(a.x, a.y) * a.z), 1.0, 0.0, 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+double nothing(double) { return 0.0; }
+
+// What a shader knows of one BRDF, by its flags: f of one normal and of a lobe, over the peak; V; F.
+struct FacetsOf {
+  std::vector<std::string> flags;
+  std::string visibility, fresnel;  // expressions of c = b.w, a cosine
+  double peak;
+  std::function<double(double theta)> facets = {};
+  std::function<double(double spread, double theta)> lobe_facets = {};
+  std::function<double(double cosine)> exact_visibility = nothing, exact_fresnel = nothing;
+  std::function<void(const ShaderProgram&)> set_uniforms = {};
+};
+
+const glm::vec4 kHardLobes[] = {{0.0f, 0.0f, 1.0f, 1.0f}, {0.0f, 0.0f, 1.0001f, 1.0f}, {0.0f, 0.0f, 0.45f, 0.5f},
+                                {0.0f, 0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 1e-9f, 1e-8f},  {0.0f, 0.0f, 0.0f, 0.0f}};
+
+void compare_facets(const GlFunctions& gl, const Edits& edits, const FacetsOf& f, WorstError& worst) {
+  GlslComparison c;
+  c.expression = fmt::format(
+      "vec4(multum_facets(vec3(0.0, 0.0, 1.0), b.xyz).x / u_facet_total.x, multum_lobe_facets(a, b.xyz).x / "
+      "u_facet_total.x, {}, {})",
+      f.visibility, f.fresnel);
+  for (const glm::vec4& lobe : kHardLobes)
+    for (const double theta : {0.0, 1e-4, 0.1, 0.5, 1.0, 1.57, 1.58, 2.5, M_PI})
+      for (const float cosine : {0.05f, 0.5f, 1.0f})
+        c.inputs.push_back({lobe, {glm::vec3(std::sin(theta), 0.0, std::cos(theta)), cosine}});
+  c.exact = [&](const glm::dvec4& a, const glm::dvec4& b) {
+    const double theta = angle_between(glm::dvec3(b), {0.0, 0.0, 1.0}),
+                 spread = std::clamp((a.w - a.z) / std::max(a.w, 1e-6), 0.0, 1.0);
+    const double of_lobe = a.w <= 1e-6 ? 0.0 : a.w * f.lobe_facets(spread, theta);
+    return glm::dvec4(f.facets(theta) / f.peak, of_lobe / f.peak, f.exact_visibility(b.w), f.exact_fresnel(b.w));
+  };
+  c.variant.flags = f.flags;
+  c.variant.set_uniforms = [&](const ShaderProgram& program) {
+    const glm::vec3 peak(static_cast<float>(f.peak));
+    program.set_vec3("u_facet_total", &peak.x, 1);
+    f.set_uniforms(program);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+void blinn_phong_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const double s : {5.0, 1e4}) {
+    FacetsOf f{{"MULTUM_BLINN_PHONG"}, "0.0", "0.0", (s + 1.0) / (2.0 * M_PI)};
+    f.facets = [=](double theta) { return reference::blinn_phong(s, theta); };
+    f.lobe_facets = [=](double spread, double theta) { return reference::product_blinn_phong(s, spread, theta); };
+    f.set_uniforms = [=](const ShaderProgram& program) { program.set("u_exponent", static_cast<float>(s)); };
+    compare_facets(gl, edits, f, worst);
+  }
+}
+
+void cook_torrance_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const float sigma : {0.02f, 0.5f}) {
+    const double kappa = 0.5 / (static_cast<double>(sigma) * static_cast<double>(sigma));
+    FacetsOf f{{"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_FRESNEL_DIFFUSE"},
+               "multum_visibility(b.w, 0.7, 0.9, 0.8)",
+               "multum_fresnel(b.w).x",
+               reference::vmf_density(kappa, 0.0)};
+    f.facets = [=](double theta) { return reference::vmf_density(kappa, theta); };
+    f.lobe_facets = [=](double spread, double theta) {
+      const double q = spread + (1.0 - spread) * reference::vmf_spread(kappa);
+      return reference::vmf_density(reference::vmf_kappa(q), theta);
+    };
+    f.exact_visibility = [](double n_l) { return reference::groove_visibility(n_l, 0.7, 0.9, 0.8); };
+    f.exact_fresnel = [](double v_h) { return reference::schlick(0.25, v_h); };
+    f.set_uniforms = [=](const ShaderProgram& program) {
+      const glm::vec3 f0(0.25f);
+      program.set("u_sigma", sigma);
+      program.set_vec3("u_f0", glm::value_ptr(f0), 1);
+    };
+    compare_facets(gl, edits, f, worst);
+  }
+}
+
+// Two terms, one of negative weight that outweighs the other far from the peak.
+void ggx_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const float alpha : {0.01f, 0.4f}) {
+    const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
+    const float spreads[] = {0.01f, 0.3f};
+    FacetsOf f{{"MULTUM_GGX", "MULTUM_TERM_COUNT 2"},
+               "multum_visibility(b.w, 0.7, 0.9, 0.8)",
+               "0.0",
+               std::max(reference::ggx(static_cast<double>(alpha), 0.0), 20.0)};
+    f.facets = [=](double theta) {
+      return theta < 0.5 * M_PI ? reference::ggx(static_cast<double>(alpha), theta) : 0.0;
+    };
+    f.lobe_facets = [=](double spread, double theta) {
+      double sum = 0.0;
+      for (int i = 0; i < 2; ++i) {
+        const double q = spread + (1.0 - spread) * static_cast<double>(spreads[i]);
+        sum += static_cast<double>(weights[i].x) * reference::vmf_density(reference::vmf_kappa(q), theta);
+      }
+      return std::max(sum, 0.0);
+    };
+    f.exact_visibility = [=](double n_l) { return reference::smith_visibility(static_cast<double>(alpha), n_l, 0.7); };
+    f.set_uniforms = [=](const ShaderProgram& program) {
+      program.set("u_alpha", alpha);
+      program.set_vec3("u_term_weights", glm::value_ptr(weights[0]), 2);
+      program.set_floats("u_term_spreads", spreads, 2);
+    };
+    compare_facets(gl, edits, f, worst);
+  }
+}
+
+// Tables that hold their own index: what is read says where.
+void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  constexpr int kFacets = 90, kDifferences = 19;
+  GlslComparison c{"vec4(multum_facets(vec3(0.0, 0.0, 1.0), b.xyz).x, multum_fresnel(b.w).x, 0.0, 0.0)", {}, {}};
+  for (const double theta : {0.0, 1e-6, 1e-3, 0.3, 1.0, 1.57, 1.58, 2.5, M_PI})
+    for (const float cosine : {-1e-3f, 0.0f, 1e-6f, 0.5f, 0.999f, 1.0f, 1.0001f})
+      c.inputs.push_back({{}, {glm::vec3(std::sin(theta), 0.0, std::cos(theta)), cosine}});
+  c.exact = [](const glm::dvec4&, const glm::dvec4& b) {
+    const double theta = angle_between(glm::dvec3(b), {0.0, 0.0, 1.0}), half = 0.5 * M_PI;
+    return glm::dvec4(theta < half ? (kFacets - 1) * std::sqrt(theta / half) : 0.0,
+                      (kDifferences - 1) * std::acos(std::clamp(b.w, 0.0, 1.0)) / half, 0.0, 0.0);
+  };
+  c.variant.flags = {"MULTUM_MEASURED"};
+  c.variant.formulas = shader_brdf_measured_glsl;
+  c.variant.set_uniforms = [](const ShaderProgram& program) {
+    std::vector<glm::vec3> facets;
+    std::vector<float> differences;
+    for (int i = 0; i < kFacets; ++i) facets.emplace_back(static_cast<float>(i));
+    for (int i = 0; i < kDifferences; ++i) differences.push_back(static_cast<float>(i));
+    program.set_vec3("u_facets", glm::value_ptr(facets[0]), kFacets);
+    program.set_floats("u_differences", differences.data(), kDifferences);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+std::vector<GlslCase> facet_cases() {
+  const std::string longer = "a lobe longer than its amplitude is narrower than the BRDF alone",
+                    unit = "of the peak; absolute, of V and F",
+                    reason = "2.3e-4 of kappa's inverse, in the peak and in the exponent";
+  const SourceEdit unclamped = glsl_unclamped_spread();
+  return {
+      {{"glsl-facets-of-blinn-phong", "blinn_phong.glsl", longer, "the spread is held within 0 and 1", 6e-4, unit,
+        reason},
+       {unclamped},
+       blinn_phong_facets,
+       {"multum_facets", "multum_lobe_facets"}},
+      {{"glsl-facets-of-cook-torrance", "torrance_sparrow.glsl, cook_torrance.glsl", longer,
+        "the spread is held within 0 and 1", 6e-4, unit, reason},
+       {unclamped},
+       cook_torrance_facets,
+       {"multum_facets", "multum_lobe_facets", "multum_visibility", "multum_fresnel"}},
+      {{"glsl-facets-of-ggx", "ggx.glsl, terms.glsl", "terms of negative weight darken what is far from the peak",
+        "their sum is held at 0 and above; nothing turned away", 6e-4, unit, reason},
+       {glsl_edit("return lobe.w * max(sum, 0.0);", "return lobe.w * sum;")},
+       ggx_facets,
+       {"multum_facets", "multum_lobe_facets", "multum_visibility"}},
+      {{"glsl-measured-tables-at-their-ends", "measured.glsl", "the arc cosine of 1.0001; an index beyond the table",
+        "v . h within 0 and 1, indices within the table, nothing turned away", 3e-2, "absolute, of the index",
+        "the GL's arc functions: 5e-4 of an angle, 57 indices each"},
+       {glsl_edit("acos(clamp(v_h, 0.0, 1.0))", "acos(v_h)")},
+       measured_tables,
+       {"multum_facets", "multum_fresnel"}},
+  };
+}
+
 }  // namespace
 
 std::vector<GlslCase> glsl_brdf_cases() {
-  return {
+  std::vector<GlslCase> cases = {
       {{"glsl-ggx-at-its-peak", "ggx.glsl", "1 - t^2 (1 - alpha^2) cancels near t = 1: per cent off at roughness 0.05",
         "alpha^2 t^2 + e (2 - e), e = 1 - t: a sum of what is small", 5e-6, "relative", "two squares of float"},
-       {edit("x * t * t + e * (2.0 - e)", "1.0 - t * t * (1.0 - x)")},
-       ggx_peak},
+       {glsl_edit("x * t * t + e * (2.0 - e)", "1.0 - t * t * (1.0 - x)")},
+       ggx_peak,
+       {"multum_ggx"}},
       {{"glsl-smith-at-grazing-angles", "ggx.glsl", "both cosines 0: 0.5 / 0, and inf times the cosine",
         "the denominator is at least 1e-6", 2e-6, "absolute", "a root and four products of float"},
-       {edit("0.5 / max(masking + shadowing, 1e-6)", "0.5 / (masking + shadowing)")},
-       smith_grazing},
+       {glsl_edit("0.5 / max(masking + shadowing, 1e-6)", "0.5 / (masking + shadowing)")},
+       smith_grazing,
+       {"multum_smith_visibility"}},
       {{"glsl-grooves-at-grazing-angles", "cook_torrance.glsl", "a cosine of 0 is divided by: inf times 0",
         "quotients of the cosines' product and of the larger of them, both held from 0", 2e-6, "absolute",
         "three products of float"},
-       {edit("max(n_l * n_v, 1e-8)", "(n_l * n_v)"), edit("max(max(n_l, n_v), 1e-4)", "max(n_l, n_v)")},
-       groove_grazing},
+       {glsl_edit("max(n_l * n_v, 1e-8)", "(n_l * n_v)"), glsl_edit("max(max(n_l, n_v), 1e-4)", "max(n_l, n_v)")},
+       groove_grazing,
+       {"multum_groove_visibility"}},
       {{"glsl-second-zonal-of-broad-lobes", "vmf_zonal.glsl", "1 - 3 |r| / kappa cancels, and is 0 / 0 at r = 0",
         "3/5 r^2 below r = 0.1", 5e-4, "absolute", "2.3e-4 of kappa's inverse"},
-       {edit("r > 0.1 ?", "r > -1.0 ?")},
-       second_zonal},
+       {glsl_edit("r > 0.1 ?", "r > -1.0 ?")},
+       second_zonal,
+       {"multum_vmf_second_zonal"}},
       {{"glsl-eighth-zonal-of-every-kappa", "vmf_zonal.glsl", "the recurrence started from 0 fails for large kappa",
         "started twelve orders above from the asymptotic quotient", 1e-4, "absolute",
         "twelve orders leave 2.6e-5 at kappa 100"},
-       {edit("float quotient = kappa / (middle + sqrt(middle * middle + kappa * kappa));", "float quotient = 0.0;")},
-       eighth_zonal},
+       {glsl_edit("float quotient = kappa / (middle + sqrt(middle * middle + kappa * kappa));",
+                  "float quotient = 0.0;")},
+       eighth_zonal,
+       {"multum_vmf_zonal"}},
+      {{"glsl-schlick-beyond-its-ends", "cook_torrance.glsl",
+        "a cosine above 1 reflects less than F0, one below 0 more", "1 - v.h within 0 and 1", 1e-6, "absolute",
+        "five products of float"},
+       {glsl_edit("clamp(1.0 - v_h, 0.0, 1.0)", "(1.0 - v_h)")},
+       schlick_ends,
+       {"multum_schlick"}},
+      {{"glsl-terms-of-every-spread", "terms.glsl", "1 - A of the convolution as 1 - |r| A(lambda): it cancels",
+        "d + (1 - d) q, a sum of what is small", 6e-4, "of the peak",
+        "2.3e-4 of kappa's inverse, in the peak and in the exponent"},
+       {glsl_edit("d + (1.0 - d) * term_spread", "1.0 - (1.0 - d) * (1.0 - term_spread)")},
+       terms_of_every_spread,
+       {"multum_term"}},
   };
+  for (GlslCase& c : facet_cases()) cases.push_back(std::move(c));
+  return cases;
 }
 
 }  // namespace multum::gl

@@ -7,14 +7,15 @@
 #include <cmath>
 #include <numbers>
 
+#include <glm/geometric.hpp>
+
 #include "host/reference/shading.h"
-#include "tests/gl/glsl_brdf_cases.h"
+#include "tests/gl/glsl_case_lists.h"
 
 namespace multum::gl {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr char kFile[] = "movmf_shading";
 
 using Edits = std::vector<SourceEdit>;
 
@@ -45,13 +46,11 @@ std::string text_of(const Point& p) {
 
 std::vector<double> evaluated(const GlFunctions& gl, const Edits& edits, const std::string& expression,
                               const std::vector<Point>& points) {
-  ShaderHarnessInput input{"vec4(" + expression + ")", {}, {}, nullptr, edits};
-  for (const Point& p : points) {
-    input.a.push_back(lobe_of(p));
-    input.b.push_back(direction_of(p));
-  }
+  GlslInputs inputs;
+  for (const Point& p : points) inputs.emplace_back(lobe_of(p), direction_of(p));
   std::vector<double> values;
-  for (const glm::vec4& value : evaluate_shader(gl, input)) values.push_back(static_cast<double>(value.x));
+  for (const glm::vec4& value : evaluate_glsl(gl, edits, "vec4(" + expression + ")", inputs, {}))
+    values.push_back(static_cast<double>(value.x));
   return values;
 }
 
@@ -217,7 +216,20 @@ void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& wor
     worst.add(values[i], std::clamp(-points[i].parameter, 0.0, 1.0), 1.0, text_of(points[i]));
 }
 
-SourceEdit edit(const std::string& text, const std::string& replacement) { return {kFile, text, replacement}; }
+// Lobes that a BRDF's width has shortened, from none to longer than their amplitude, by any mean cosine.
+void roughness_taken_out(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"multum_movmf_without_roughness(a, b.x)", {}, {}};
+  for (const float amplitude : {0.0f, 1e-30f, 1e-6f, 0.5f, 1.0f})
+    for (const float length : {0.0f, 1e-6f, 0.5f, 0.9f, 1.0f, 1.001f})
+      for (const float mean_cosine : {1e-3f, 0.5f, 0.9f, 1.0f})
+        c.inputs.push_back(
+            {glm::vec4(amplitude * length * glm::vec3(tilted(40.0)), amplitude), glm::vec4(mean_cosine)});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double length = glm::length(glm::dvec3(a)), scale = std::min(1.0 / b.x, a.w / std::max(length, 1e-12));
+    return glm::dvec4(glm::dvec3(a) * scale, a.w);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
 
 std::vector<GlslCase> function_cases() {
   const std::string file = "movmf_shading.glsl";
@@ -225,73 +237,138 @@ std::vector<GlslCase> function_cases() {
       {{"glsl-kappa-12-decades", file, "Banerjee's factor 3 - A^2 alone is per cent off",
         "the factor refined by a polynomial, 1 - A^2 = q (2 - q) without cancellation", 2.4e-4, "relative",
         "2.3e-4 of the polynomial"},
-       {edit("(3.0 - x + x * (1.0 - x) * p)", "(3.0 - x)")},
-       kappa},
+       {glsl_edit("(3.0 - x + x * (1.0 - x) * p)", "(3.0 - x)")},
+       kappa,
+       {"multum_vmf_kappa"}},
       {{"glsl-vmf-normaliser-12-decades", file, "kappa / (1 - exp(-2 kappa)) is 0 / 0 at kappa 0",
         "(1 + kappa) / 2 below kappa 1e-3", 1e-4, "relative", "exp rounds at 1: 6e-8 / 2e-3 where the branch begins"},
-       {edit("kappa > 1e-3 ?", "kappa > -1.0 ?")},
-       normaliser},
-      {{"glsl-log-of-one-minus-e", file, "t = 1 - e is rounded to 6e-8, which s = 1e5 multiplies",
+       {glsl_edit("kappa > 1e-3 ?", "kappa > -1.0 ?")},
+       normaliser,
+       {"multum_vmf_density"}},
+      {{"glsl-log-of-one-minus-e", "blinn_phong.glsl", "t = 1 - e is rounded to 6e-8, which s = 1e5 multiplies",
         "the series of -2 atanh(e / (2 - e)) below e = 0.1", 1e-6, "relative",
         "3e-9 of the series left out; the GL's log"},
-       {edit("if (e > 0.1) return", "if (e > -1.0) return")},
-       log_one_minus},
+       {glsl_edit("if (e > 0.1) return", "if (e > -1.0) return")},
+       log_one_minus,
+       {"multum_log_one_minus"}},
       {{"glsl-normal-map-share", file, "far levels of detail: shares of -1e30 and of 1e30", "a share within 0 and 1",
         1e-6, "absolute", "a share is a copy"},
-       {edit("clamp(-lod, 0.0, 1.0)", "(-lod)")},
-       normal_map_share},
+       {glsl_edit("clamp(-lod, 0.0, 1.0)", "(-lod)")},
+       normal_map_share,
+       {"multum_movmf_normal_map"}},
+      {{"glsl-roughness-taken-out", file, "a lobe longer than its amplitude: more light than there is; 0 / 0 of none",
+        "as long as its amplitude at most; a length of at least 1e-12", 1e-6, "absolute", "a length and two quotients"},
+       {glsl_edit("lobe.w / max(length(lobe.xyz), 1e-12)", "1.0 / mean_cosine")},
+       roughness_taken_out,
+       {"multum_movmf_without_roughness"}},
   };
 }
 
 std::vector<GlslCase> lobe_cases() {
   const std::string file = "movmf_shading.glsl", reason = "2.3e-4 of kappa's inverse, in the peak and in the exponent";
-  const SourceEdit unclamped = edit("clamp((lobe.w - length(lobe.xyz)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0, 1.0)",
-                                    "((lobe.w - length(lobe.xyz)) / max(lobe.w, MULTUM_AMPLITUDE_MIN))");
   return {
-      {{"glsl-exponents-to-1e5", file, "1 - mu . h is rounded to 6e-8, which s = 1e5 multiplies",
+      {{"glsl-exponents-to-1e5", "movmf_shading.glsl, blinn_phong.glsl",
+        "1 - mu . h is rounded to 6e-8, which s = 1e5 multiplies",
         "1 - mu . h = |mu - h|^2 / 2; q = 1 - A as a sum of what is small", 6e-4, "of the peak", reason},
-       {edit("return 0.5 * dot(difference, difference);", "return 1.0 - dot(mu, w);")},
-       exponents_to_1e5},
-      {{"glsl-the-horizon-and-below", file, "the cosine power of a negative cosine lights what is turned away",
-        "0 where 1 - t >= 1", 6e-4, "of the peak", reason},
-       {edit("return e < 1.0 ?", "return e < 3.0 ?")},
-       horizon_and_below},
+       {glsl_edit("return 0.5 * dot(difference, difference);", "return 1.0 - dot(mu, w);")},
+       exponents_to_1e5,
+       {"multum_one_minus_cosine", "multum_movmf_mean_direction", "multum_movmf_blinn_phong"}},
+      {{"glsl-the-horizon-and-below", "blinn_phong.glsl",
+        "the cosine power of a negative cosine lights what is turned away", "0 where 1 - t >= 1", 6e-4, "of the peak",
+        reason},
+       {glsl_edit("return e < 1.0 ?", "return e < 3.0 ?")},
+       horizon_and_below,
+       {"multum_blinn_phong"}},
       {{"glsl-longer-than-its-amplitude", file, "rounding leaves |a r| > a: the spread is negative, so is kappa",
         "the spread is held within 0 and 1", 6e-4, "of the peak", reason},
-       {unclamped},
-       longer_than_amplitude},
+       {glsl_unclamped_spread()},
+       longer_than_amplitude,
+       {"multum_movmf_spread"}},
       {{"glsl-no-direction", file, "r = 0 is normalised: 0 / 0", "any direction: nothing depends on it", 6e-4,
         "of the peak", reason},
-       {edit("size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0)", "lobe.xyz / size")},
+       {glsl_edit("size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0)", "lobe.xyz / size")},
        no_direction},
       {{"glsl-amplitude-to-0", file, "a lobe of no normals is divided by its amplitude, or lights up",
         "no lobe at or below an amplitude of 1e-6, a thirtieth of the least stored", 6e-4,
         "of the peak times the amplitude; 1 where there should be none", reason},
-       {edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;", "")},
+       {glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;", "")},
        amplitude_to_0},
-      {{"glsl-the-papers-rule", file, "a single direction has kappa 1 / 0, and inf / inf follows",
+      {{"glsl-the-papers-rule", "blinn_phong.glsl", "a single direction has kappa 1 / 0, and inf / inf follows",
         "the denominator of kappa is at least 1e-12", 6e-4, "of the peak", reason},
-       {edit("max(q * (2.0 - q), 1e-12)", "(q * (2.0 - q))")},
-       papers_rule},
-      {{"glsl-torrance-sparrow-of-every-sigma", file, "1 - 1/kappa_f alone for the mean cosine is off for rough facets",
+       {glsl_edit("max(q * (2.0 - q), 1e-12)", "(q * (2.0 - q))")},
+       papers_rule,
+       {"multum_movmf_blinn_phong_paper"}},
+      {{"glsl-torrance-sparrow-of-every-sigma", "torrance_sparrow.glsl",
+        "1 - 1/kappa_f alone for the mean cosine is off for rough facets",
         "both terms of A, the exponent held at 80 where the second is nothing", 6e-4, "of the peak", reason},
-       {edit("1.0 / kappa_f - 2.0 / (exp(min(2.0 * kappa_f, 80.0)) - 1.0)", "1.0 / kappa_f")},
-       torrance_sparrow},
+       {glsl_edit("1.0 / kappa_f - 2.0 / (exp(min(2.0 * kappa_f, 80.0)) - 1.0)", "1.0 / kappa_f")},
+       torrance_sparrow,
+       {"multum_movmf_torrance_sparrow"}},
       {{"glsl-lambert-of-every-spread", file, "max(mu . l, 0), the paper's shortcut, knows no spread",
         "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
         "0.22 % of the model (tools/fit_shading.py)"},
-       {edit("return lobe.w * 0.5 * (m + sqrt(m * m + v * exp(-g)));", "return lobe.w * max(m / max(r, 1e-6), 0.0);")},
-       lambert},
+       {glsl_edit("return lobe.w * 0.5 * (m + sqrt(m * m + v * exp(-g)));",
+                  "return lobe.w * max(m / max(r, 1e-6), 0.0);")},
+       lambert,
+       {"multum_movmf_lambert"}},
   };
 }
 
 }  // namespace
 
+SourceEdit glsl_edit(const std::string& text, const std::string& replacement) {
+  return {kGlslFormulas, text, replacement};
+}
+
+SourceEdit glsl_unclamped_spread() {
+  const std::string spread = "(lobe.w - length(lobe.xyz)) / max(lobe.w, MULTUM_AMPLITUDE_MIN)";
+  return glsl_edit("clamp(" + spread + ", 0.0, 1.0)", "(" + spread + ")");
+}
+
+glm::dvec3 tilted(double degrees, double azimuth) {
+  const double t = degrees * kPi / 180.0;
+  return {std::sin(t) * std::cos(azimuth), std::sin(t) * std::sin(azimuth), std::cos(t)};
+}
+
+glm::vec4 with(const glm::dvec3& v, double w) { return {glm::vec3(v), static_cast<float>(w)}; }
+
+glm::dvec3 half_vector(const glm::dvec3& l, const glm::dvec3& v) {
+  return (l + v) / std::max(glm::length(l + v), 1e-6);
+}
+
+double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
+  return 2.0 * std::asin(std::min(1.0, 0.5 * glm::length(a - b)));
+}
+
+std::vector<glm::vec4> evaluate_glsl(const GlFunctions& gl, const Edits& edits, const std::string& expression,
+                                     const GlslInputs& inputs, const ShaderHarnessInput& variant) {
+  ShaderHarnessInput input = variant;
+  input.expression = expression;
+  input.edits = edits;
+  for (const auto& [a, b] : inputs) {
+    input.a.push_back(a);
+    input.b.push_back(b);
+  }
+  return evaluate_shader(gl, input);
+}
+
+void compare_glsl(const GlFunctions& gl, const Edits& edits, const GlslComparison& c, WorstError& worst) {
+  const std::vector<glm::vec4> values = evaluate_glsl(gl, edits, c.expression, c.inputs, c.variant);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const glm::dvec4 a(c.inputs[i].first), b(c.inputs[i].second), expected = c.exact(a, b);
+    for (int k = 0; k < 4; ++k)
+      worst.add(static_cast<double>(values[i][k]), expected[k], c.is_relative ? std::abs(expected[k]) : 1.0,
+                fmt::format("{}[{}], a ({:.4g}, {:.4g}, {:.4g}, {:.4g}), b ({:.4g}, {:.4g}, {:.4g}, {:.4g})",
+                            c.expression, k, a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w));
+  }
+}
+
 const std::vector<GlslCase>& glsl_cases() {
   static const std::vector<GlslCase> cases = [] {
     std::vector<GlslCase> all = function_cases();
     for (GlslCase& c : lobe_cases()) all.push_back(std::move(c));
-    for (GlslCase& c : glsl_brdf_cases()) all.push_back(std::move(c));
+    for (auto* part : {glsl_brdf_cases, glsl_common_cases, glsl_light_cases, glsl_surface_cases})
+      for (GlslCase& c : part()) all.push_back(std::move(c));
     return all;
   }();
   return cases;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of runtime_gl/shaders/common/movmf_shading.glsl: as those of the kernels (host/selftest), by the
-// GL that a context has.
+// The numerical cases of runtime_gl/shaders: as those of the kernels (host/selftest), by the GL that a context has.
 #pragma once
 
 #include <functional>
+#include <string>
+#include <utility>
 #include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include "host/reference/numerical_case.h"
 #include "tests/gl/shader_harness.h"
@@ -12,12 +16,48 @@
 namespace multum::gl {
 
 struct GlslCase {
-  NumericalCaseText text;
+  NumericalCaseText text;           // its formula: a file, or some, "a.glsl, b.glsl"
   std::vector<SourceEdit> without;  // what takes the guard out
   /// Adds errors; the shader's text is edited so.
   std::function<void(const GlFunctions& gl, const std::vector<SourceEdit>& edits, WorstError& worst)> run;
+  std::vector<std::string> functions = {};  // of these files, which the case is for: broken, they break its bound
 };
 
 const std::vector<GlslCase>& glsl_cases();
+
+/// Values of a and b at which an expression is taken.
+using GlslInputs = std::vector<std::pair<glm::vec4, glm::vec4>>;
+
+/// The expression, a vec4 of a and b, at each of them; `variant`: flags, more formulas, uniforms and a texture.
+std::vector<glm::vec4> evaluate_glsl(const GlFunctions& gl, const std::vector<SourceEdit>& edits,
+                                     const std::string& expression, const GlslInputs& inputs,
+                                     const ShaderHarnessInput& variant);
+
+/// An expression against `exact` of a and b as the shader sees them.
+struct GlslComparison {
+  std::string expression;
+  GlslInputs inputs;
+  std::function<glm::dvec4(const glm::dvec4& a, const glm::dvec4& b)> exact;
+  bool is_relative = false;  // to each exact value; else absolute
+  ShaderHarnessInput variant = {};
+};
+
+void compare_glsl(const GlFunctions& gl, const std::vector<SourceEdit>& edits, const GlslComparison& comparison,
+                  WorstError& worst);
+
+/// A unit vector, tilted by so many degrees from +z towards an azimuth in radians.
+glm::dvec3 tilted(double degrees, double azimuth = 0.3);
+
+/// A vec4 of floats.
+glm::vec4 with(const glm::dvec3& v, double w);
+/// The unit vector between l and v, as multum_half_vector() has it: 0 where they point apart.
+glm::dvec3 half_vector(const glm::dvec3& l, const glm::dvec3& v);
+/// Between vectors that are not quite of length 1, as a shader sees them.
+double angle_between(const glm::dvec3& a, const glm::dvec3& b);
+
+/// `text` of any formula becomes `replacement`.
+SourceEdit glsl_edit(const std::string& text, const std::string& replacement);
+/// Lobes longer than their amplitude have a negative spread then.
+SourceEdit glsl_unclamped_spread();
 
 }  // namespace multum::gl

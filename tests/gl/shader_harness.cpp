@@ -6,7 +6,6 @@
 #include "host/base/error.h"
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
-#include "runtime_gl/gl/shader_program.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
@@ -28,14 +27,12 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
       "  vec4 b = texelFetch(u_b, p, 0);\n  o = " +
       input.expression + ";\n}\n";
   const std::string formulas = edited_source(
-      std::string(shader_common_movmf_shading_glsl) + shader_brdf_blinn_phong_glsl + shader_brdf_torrance_sparrow_glsl +
-          shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl + shader_brdf_terms_glsl + shader_common_vmf_zonal_glsl,
-      "movmf_shading", input.edits);
-  const ShaderProgram program(gl, {"harness",
-                                   input.flags,
-                                   {shader_full_screen_vert},
-                                   {inputs, formulas, shader_common_gmm_shading_glsl, shader_common_moment_shading_glsl,
-                                    input.formulas, main}});
+      std::string(shader_common_movmf_shading_glsl) + shader_common_reflection_glsl + shader_brdf_blinn_phong_glsl +
+          shader_brdf_torrance_sparrow_glsl + shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl +
+          shader_brdf_terms_glsl + shader_common_vmf_zonal_glsl + shader_common_gmm_shading_glsl +
+          shader_common_moment_shading_glsl + input.formulas,
+      kGlslFormulas, input.edits);
+  const ShaderProgram program(gl, {"harness", input.flags, {shader_full_screen_vert}, {inputs, formulas, main}});
   program.set("u_a", 0);
   program.set("u_b", 1);
   program.set("map", 2);
@@ -49,6 +46,7 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
   b.bind(1);
   if (input.texture != nullptr) input.texture->bind(2);
   program.use();
+  if (input.set_uniforms) input.set_uniforms(program);
   full_screen.draw_triangle();
   check_gl(gl, "evaluating " + input.expression);
   const FloatImage image = framebuffer.read();

@@ -5,6 +5,7 @@
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -12,9 +13,14 @@
 
 #include "host/asset/movmf_mipmap.h"
 #include "host/bake/texture_system.h"
+#include "host/reference/coverage.h"
 #include "host/reference/shading.h"
+#include "host/selftest/box_launch.h"
 #include "host/selftest/em_launch.h"
+#include "host/selftest/feature_launch.h"
+#include "host/selftest/moment_launch.h"
 #include "host/selftest/shade_launch.h"
+#include "kernels/shared/movmf_fit.h"
 
 namespace multum {
 namespace {
@@ -158,6 +164,77 @@ RC_GTEST_PROP(InferenceProperty, ProductsAreSums, ()) {
       }
       RC_ASSERT(std::abs(static_cast<double>(y[r][c]) - sum) <= 1e-6 * magnitude);
     }
+}
+
+// Every block of a row of any width, of values of either sign over forty decades.
+RC_GTEST_PROP(BoxProperty, BlocksAreSums, ()) {
+  const RowBlocks blocks(*rc::gen::inRange(1, 400));
+  std::vector<float> row(static_cast<std::size_t>(blocks.block_count(0)));
+  for (float& x : row) x = static_cast<float>(*decades(-20, 20)) * *rc::gen::element(1.0f, -1.0f, 0.0f);
+  const std::vector<float> nodes = block_sums(test_device(), blocks, {row}).front();
+  for (int k = 0; k < blocks.depth(); ++k)
+    for (int i = 0; i < blocks.block_count(k); ++i) {
+      double sum = 0.0, magnitude = 0.0;
+      for (int x = i << k; x < (i + 1) << k; ++x) {
+        sum += static_cast<double>(row[static_cast<std::size_t>(x)]);
+        magnitude += std::abs(static_cast<double>(row[static_cast<std::size_t>(x)]));
+      }
+      const double found = static_cast<double>(nodes[blocks.block_begin(k) + static_cast<std::size_t>(i)]);
+      RC_ASSERT(std::abs(found - sum) <= k * 0x1p-23 * magnitude);
+    }
+}
+
+// Of a normal of any direction and length: slopes of at most 20, no variance below 0, and the normal as it was.
+RC_GTEST_PROP(MomentProperty, SlopesHaveTheirBounds, ()) {
+  const double length = *rc::gen::oneOf(decades(-30, 0), rc::gen::element(0.0, 0.5, 1.0, 1.0 + 0x1p-20));
+  const bool shortened = *rc::gen::arbitrary<bool>();
+  const glm::vec3 n(*directions() * length);
+  const std::vector<float> m = finest_moments(test_device(), {n}, shortened).front();
+  for (const int plane : {MULTUM_MOMENT_S, MULTUM_MOMENT_T}) {
+    const double slope = static_cast<double>(m[static_cast<std::size_t>(plane)]);
+    RC_ASSERT(std::abs(slope) <= 20.0 * (1.0 + 1e-6));
+    const auto second = static_cast<std::size_t>(plane == MULTUM_MOMENT_S ? MULTUM_MOMENT_SS : MULTUM_MOMENT_TT);
+    RC_ASSERT(static_cast<double>(m[second]) - slope * slope >= -1e-7 * slope * slope - 1e-30);
+  }
+  for (int k = 0; k < 3; ++k) RC_ASSERT(m[static_cast<std::size_t>(MULTUM_MOMENT_NORMAL + k)] == n[k]);
+}
+
+// Any moments, those that no normals have among them, at any half vector: never below 0, never above the BRDF's peak.
+RC_GTEST_PROP(MomentProperty, LeanIsBetweenNothingAndItsPeak, ()) {
+  const auto any = [](double low) {
+    return static_cast<float>(*rc::gen::oneOf(decades(-6, 2), rc::gen::element(0.0, 1.0)) *
+                              *rc::gen::element(low, 1.0));
+  };
+  MultumFilteredMoments m{};
+  m.normal_z = m.share = 1.0f;
+  m.s = any(-1.0), m.t = any(-1.0), m.ss = any(-1.0), m.tt = any(-1.0), m.st = any(-1.0);
+  const double s = *decades(0, 5), peak = s / (2.0 * M_PI);
+  const std::vector<double> values =
+      shade_moments(test_device(), m, MULTUM_SHADE_LEAN, s, {glm::vec4(glm::vec3(*directions()), 0.0f)});
+  RC_ASSERT(values[0] >= 0.0 && values[0] <= peak * (1.0 + 1e-5));
+}
+
+// Whatever the lobes, sizes and chunks: what lobes get of a texel's colours is all of it.
+RC_GTEST_PROP(FeatureProperty, LobesShareOutAllColours, ()) {
+  const EmTexel texel = random_texel(6);
+  FeatureMap map{*rc::gen::inRange(1, 30), *rc::gen::inRange(1, 30), 1, 1, *rc::gen::inRange(1, 9), 1, {}, {}};
+  map.level_width = std::max(1, map.width >> *rc::gen::inRange(1, 5));
+  map.level_height = std::max(1, map.height >> *rc::gen::inRange(1, 5));
+  RC_PRE(map.level_width * map.level_height <= MULTUM_GROUP);
+  map.chunk_count = (map.height / map.level_height + 2) / map.chunk_rows + 2;
+  for (int i = 0; i < map.width * map.height; ++i) {
+    map.normals.push_back(glm::vec3(*directions()));
+    map.values.push_back(glm::vec3(static_cast<float>(*decades(-3, 3)), 1.0f, 0.0f));
+  }
+  const auto found = feature_partials(test_device(), map, texel);
+  for (int t = 0; t < map.level_width * map.level_height; ++t) {
+    glm::dvec3 sum(0.0), exact(0.0);
+    for (const glm::vec3& part : found[static_cast<std::size_t>(t)]) sum += glm::dvec3(part);
+    reference::for_each_covered(map.width, map.height, map.level_width, map.level_height, t % map.level_width,
+                                t / map.level_width,
+                                [&](std::size_t i, double weight) { exact += weight * glm::dvec3(map.values[i]); });
+    for (int c = 0; c < 3; ++c) RC_ASSERT(std::abs(sum[c] - exact[c]) <= 1e-5 * exact[c]);
+  }
 }
 
 }  // namespace

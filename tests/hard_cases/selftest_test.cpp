@@ -6,13 +6,17 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <regex>
 #include <set>
 
 #include "host/base/error.h"
 #include "host/reference/case_page.h"
 #include "host/reference/case_table.h"
+#include "host/reference/case_topics.h"
 #include "host/selftest/selftest.h"
 
 namespace multum {
@@ -30,6 +34,35 @@ std::vector<std::string> formulas() {
   return found;
 }
 
+std::string text_of_file(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Every kernel there is, from the kernels' own text.
+std::set<std::string> all_kernels() {
+  std::set<std::string> kernels;
+  const std::regex head("__kernel void (\\w+)\\(");
+  for (const auto& entry : std::filesystem::directory_iterator(MULTUM_SOURCE_DIR "/kernels")) {
+    if (entry.path().extension() != ".cl") continue;
+    const std::string text = text_of_file(entry.path());
+    for (std::sregex_iterator i(text.begin(), text.end(), head), end; i != end; ++i) kernels.insert((*i)[1]);
+  }
+  return kernels;
+}
+
+std::vector<std::string> kernels_of(const NumericalCase& c) {
+  static const std::set<std::string> all = all_kernels();
+  std::vector<std::string> kernels = split_names(c.text.formula);
+  std::erase_if(kernels, [](const std::string& name) { return all.count(name) == 0; });
+  return kernels;
+}
+
+std::uint64_t launches_of(const std::string& kernel, const std::map<std::string, std::uint64_t>& counts) {
+  const auto found = counts.find(kernel);
+  return found == counts.end() ? 0 : found->second;
+}
+
 class SelftestCases : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Of, SelftestCases, ::testing::ValuesIn(formulas()), [](const auto& formula) {
   std::string name = formula.param;
@@ -41,7 +74,11 @@ INSTANTIATE_TEST_SUITE_P(Of, SelftestCases, ::testing::ValuesIn(formulas()), [](
 TEST_P(SelftestCases, HoldWithTheirGuardsAndBreakWithout) {
   for (const NumericalCase& c : numerical_cases()) {
     if (c.text.formula != GetParam()) continue;
+    const std::map<std::string, std::uint64_t> before = test_device().launch_counts();
     const NumericalVerdict verdict = run_case(c, test_device(), true);
+    for (const std::string& kernel : kernels_of(c))
+      EXPECT_GT(launches_of(kernel, test_device().launch_counts()), launches_of(kernel, before))
+          << c.text.name << " does not launch " << kernel;
     EXPECT_TRUE(verdict.holds()) << c.text.name << ": worst " << error_text(verdict.worst) << " at "
                                  << verdict.worst_input << ", bound " << error_text(c.text.bound);
     EXPECT_TRUE(verdict.guard_matters()) << c.text.name << ": without its guard the worst error is "
@@ -63,9 +100,17 @@ TEST(SelftestRegistry, CasesSayWhatTheyAre) {
   }
 }
 
+TEST(SelftestRegistry, EveryKernelHasACase) {
+  std::set<std::string> without = all_kernels();
+  EXPECT_GT(without.size(), 25u);
+  for (const NumericalCase& c : numerical_cases())
+    for (const std::string& kernel : kernels_of(c)) without.erase(kernel);
+  for (const std::string& kernel : without)
+    ADD_FAILURE() << kernel << " has no numerical case (host/selftest/*_cases.cpp) that names it";
+}
+
 TEST(SelftestRegistry, IsWhatThePageHas) {
-  std::ifstream in(MULTUM_SOURCE_DIR "/docs/STABILITY.md");
-  const std::string page{std::istreambuf_iterator<char>(in), {}};
+  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/STABILITY.md");
   std::vector<std::string> names;
   for (const NumericalCase& c : numerical_cases()) names.push_back(c.text.name);
   // The page has them by kernel.
@@ -75,17 +120,35 @@ TEST(SelftestRegistry, IsWhatThePageHas) {
   EXPECT_EQ(of_page, names) << "docs/STABILITY.md says how it is made again";
 }
 
+TEST(SelftestRegistry, TopicsNameWhatThereIs) {
+  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/STABILITY.md"),
+                    bakes = text_of_file(MULTUM_SOURCE_DIR "/tests/hard_cases/bake_hard_cases_test.cpp");
+  const std::vector<std::string> of_page = cases_of_page(page);
+  const std::set<std::string> names(of_page.begin(), of_page.end());
+  for (const CaseTopic& topic : case_topics()) {
+    EXPECT_NE(page.find(topic.danger), std::string::npos) << topic.danger;
+    for (const std::string& name : topic.cases) {
+      const std::size_t dot = name.find('.');
+      if (dot == std::string::npos) {
+        EXPECT_EQ(names.count(name), 1u) << "no case is called " << name;
+      } else {
+        EXPECT_NE(bakes.find("(" + name.substr(0, dot) + ", " + name.substr(dot + 1) + ")"), std::string::npos) << name;
+      }
+    }
+  }
+}
+
 // A driver that breaks a guard: the kernel is not what it says.
 TEST(SelftestRun, NamesABrokenGuard) {
   Device device = Device::open("");
   device.edit_kernels({{"probe_numerics", "isnan(x) ? 1.0f : 0.0f", "0.0f"}});
-  const NumericalRun run = run_selftest(device, {"probe_numerics", false}, nullptr);
+  const NumericalRun run = run_selftest(device, {"driver-", false}, nullptr);
   EXPECT_FALSE(run.holds());
   ASSERT_EQ(run.verdicts.size(), 2u);
   EXPECT_FALSE(run.verdicts[0].holds());
   EXPECT_TRUE(run.verdicts[1].holds());
   EXPECT_NE(case_table(run).find("driver-keeps-nan"), std::string::npos);
-  EXPECT_NE(case_table(run).find("BROKEN (probe_numerics, at input nan)"), std::string::npos) << case_table(run);
+  EXPECT_NE(case_table(run).find("BROKEN (probe_functions, at input nan)"), std::string::npos) << case_table(run);
   EXPECT_FALSE(run.device.empty() || run.platform.empty() || run.driver.empty());
 }
 

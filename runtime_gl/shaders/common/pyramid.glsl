@@ -8,8 +8,10 @@ float multum_mip_level(vec2 along_x, vec2 along_y) {
   return 0.5 * log2(max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30));
 }
 
-// Lambert's azimuthal equal-area projection about +z of a unit normal, as s, t.
+// Lambert's azimuthal equal-area projection about +z of a unit normal, as s, t. Behind, where 1 + z cancels, from its
+// length sqrt(2 (1 - z)). The normal that points straight away lies in every corner: the first is given.
 vec2 multum_reflectance_place(vec3 n) {
-  float one_plus_z = n.z > 0.0 ? 1.0 + n.z : dot(n.xy, n.xy) / (1.0 - n.z);  // behind, 1 + z cancels
-  return vec2(0.5) + vec2(n.x, -n.y) * (inversesqrt(max(0.5 * one_plus_z, 1e-12)) / 2.82842712);
+  if (n.z > 0.0) return vec2(0.5) + vec2(n.x, -n.y) * (inversesqrt(0.5 * (1.0 + n.z)) / 2.82842712);
+  float side = length(n.xy);
+  return side > 1e-12 ? vec2(0.5) + vec2(n.x, -n.y) * (0.5 * sqrt(1.0 - n.z) / side) : vec2(0.0);
 }

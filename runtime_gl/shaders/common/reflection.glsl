@@ -49,3 +49,20 @@ struct MultumReflection {
   vec3 diffuse;
   vec3 specular;
 };
+
+// Of a light straight behind what is looked at there is none: 0, at which every highlight is finite.
+vec3 multum_half_vector(vec3 l, vec3 v) {
+  vec3 sum = l + v;
+  return sum / max(length(sum), 1e-6);
+}
+
+// Tangent, bitangent, normal. For a tangent along the normal, or none, as meshes have where their coordinates do not
+// change: any at right angles.
+mat3 multum_tangent_frame(vec3 normal, vec4 tangent) {
+  vec3 n = normalize(normal);
+  vec3 t = tangent.xyz - n * dot(n, tangent.xyz);
+  if (dot(t, t) <= 1e-12 * max(dot(tangent.xyz, tangent.xyz), 1e-20))
+    t = cross(n, abs(n.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(0.0, 1.0, 0.0));
+  t = normalize(t);
+  return mat3(t, cross(n, t) * tangent.w, n);
+}

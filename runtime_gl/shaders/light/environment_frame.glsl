@@ -10,7 +10,8 @@ void multum_set_environment_frame(mat3 to_world) {
       transpose(mat3(u_environment_axes[0], u_environment_axes[1], u_environment_axes[2])) * to_world;
 }
 
-// `d`: of the environment's frame.
+// `d`: of the environment's frame. Straight up and down every s will do, and atan(0, 0) is not defined.
 vec2 multum_environment_st(vec3 d) {
-  return vec2(0.5 + atan(d.x, -d.z) / (2.0 * MULTUM_PI), acos(clamp(d.y, -1.0, 1.0)) / MULTUM_PI);
+  float ahead = d.x == 0.0 && d.z == 0.0 ? 1.0 : -d.z;
+  return vec2(0.5 + atan(d.x, ahead) / (2.0 * MULTUM_PI), acos(clamp(d.y, -1.0, 1.0)) / MULTUM_PI);
 }

@@ -61,7 +61,7 @@ vec3 multum_specular_integrand(vec3 radiance, vec3 n, float n_l, vec3 v, vec3 h)
 void multum_add_direction(int kind, vec3 l, vec3 n, vec3 v, float alpha, inout MultumReflection sum) {
   float n_l = dot(n, l);
   if (n_l <= 0.0) return;
-  vec3 h = normalize(l + v);
+  vec3 h = multum_half_vector(l, v);
   vec3 radiance = multum_environment_radiance(l);
   float light = multum_light_density(radiance);
   if (kind != 2)

@@ -21,7 +21,7 @@ vec3 multum_outgoing(MultumReflection reflection) {
 
 // For irradiance 1 of a surface that faces l.
 vec3 multum_radiance(MultumSurface surface, vec3 l, vec3 v) {
-  vec3 h = normalize(l + v);
+  vec3 h = multum_half_vector(l, v);
   MultumReflection reflection = multum_reflect(surface, l, v, h);
 #ifdef MULTUM_FRESNEL
   vec3 fresnel = multum_fresnel(max(dot(v, h), 0.0));

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Environments of which the right answer is known, for the numerical cases of light/ and surface/.
+#pragma once
+
+#include <string>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "tests/gl/shader_harness.h"
+
+namespace multum::gl {
+
+/// light/environment_levels.glsl and what stands before it, and `texts` behind.
+ShaderHarnessInput environment_variant(const std::string& texts);
+
+/// Every texel of every level the same.
+Texture flat_texture(const GlFunctions& gl, const glm::vec4& value);
+
+/// L(l) = mean + linear . l + l . Q l, grey, of a Q without a trace.
+struct SmoothLight {
+  double mean;
+  glm::dvec3 linear;
+
+  static glm::dmat3 quadratic();
+  /// The integral of L(l) max(n . l, 0), by quadrature.
+  double irradiance(const glm::dvec3& n) const;
+};
+
+void set_smooth_light(const ShaderProgram& program, const SmoothLight& light);
+
+constexpr int kLevelCount = 5;
+constexpr float kLevelSpreads[kLevelCount] = {1e-3f, 1e-2f, 0.1f, 0.5f, 0.9f};
+
+/// Uniforms of the levels, and of one term of the facets.
+void set_levels(const ShaderProgram& program);
+
+/// The same light from everywhere, on a surface that reflects highlight() / radiance of it.
+class ConstantLight {
+ public:
+  explicit ConstantLight(const GlFunctions& gl);
+  void set(const ShaderProgram& program) const;
+
+  static glm::dvec3 irradiance();
+  static glm::dvec3 highlight();
+
+ private:
+  Texture map_, table_;
+};
+
+}  // namespace multum::gl

@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numerical cases of surface/ and of a mesh's tangent frame: every representation of one single normal against that
+// normal in double, from above, below and straight behind, and no material at all.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "host/asset/spherical_harmonics.h"
+#include "host/reference/planar_em.h"
+#include "host/reference/shading.h"
+#include "host/reference/spherical_harmonics.h"
+#include "runtime_gl/materials/sh_material.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
+#include "tests/gl/glsl_case_lists.h"
+#include "tests/gl/glsl_environment.h"
+
+namespace multum::gl {
+namespace {
+
+using Edits = std::vector<SourceEdit>;
+
+constexpr double kExponent = 16.0;
+const double kSigma = 0.25, kFacetKappa = 0.5 / (kSigma * kSigma);
+const glm::dvec3 kView(0.0, 0.0, 1.0);
+
+// V of cook_torrance.glsl, which divides by no cosine that may be 0.
+double visibility(double n_l, double n_v, double n_h, double v_h) {
+  const double groove = 2.0 * n_h / std::max(v_h, 1e-4);
+  return 0.25 * std::min(1.0 / std::max(n_l * n_v, 1e-8), groove / std::max({n_l, n_v, 1e-4}));
+}
+
+const std::vector<std::string> kBlinnPhong = {"MULTUM_BLINN_PHONG"};
+const std::vector<std::string> kCookTorrance = {"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"};
+
+double torrance_sparrow(const glm::dvec3& n, const glm::dvec3& h) {
+  return reference::vmf_density(kFacetKappa, angle_between(n, h));
+}
+
+double blinn_phong(const glm::dvec3& n, const glm::dvec3& h) {
+  return reference::blinn_phong(kExponent, angle_between(n, h));
+}
+
+// One representation of the normal a.xyz, of amplitude a.w: how a shader is given it, and f(n . h) of it.
+struct SurfaceTest {
+  std::vector<std::string> flags;
+  std::string texts;
+  std::string fill;  // statements that make `surface` of `a`
+  bool has_visibility;
+  double normal_degrees_max = 180.0;
+  std::function<double(const glm::dvec3& n, const glm::dvec3& l)> diffuse =
+      [](const glm::dvec3& n, const glm::dvec3& l) { return std::max(glm::dot(n, l), 0.0); };
+  std::function<double(const glm::dvec3& n, const glm::dvec3& h)> facets = blinn_phong;
+};
+
+GlslComparison comparison_of(const SurfaceTest& test) {
+  GlslComparison c{"test_reflect(a, b.xyz)", {}, {}};
+  c.variant.flags = test.flags;
+  c.variant.formulas = test.texts + "vec4 test_reflect(vec4 a, vec3 l) {\n  MultumSurface surface;\n" + test.fill +
+                       "  vec3 v = vec3(0.0, 0.0, 1.0);\n"
+                       "  MultumReflection r = multum_reflect(surface, l, v, multum_half_vector(l, v));\n"
+                       "  return vec4(r.diffuse.x, r.specular.x, 0.0, 0.0);\n}\n";
+  return c;
+}
+
+void set_brdf_uniforms(const ShaderProgram& program) {
+  const glm::vec3 one(1.0f);
+  program.set("u_exponent", static_cast<float>(kExponent));
+  program.set("u_sigma", static_cast<float>(kSigma));
+  program.set("u_mean_cosine", 1.0f);
+  program.set_vec3("u_facet_total", &one.x, 1);
+}
+
+void compare_surface(const GlFunctions& gl, const Edits& edits, const SurfaceTest& test, WorstError& worst) {
+  GlslComparison c = comparison_of(test);
+  for (const double tilt : {0.0, 30.0, 60.0, 89.0, 120.0, 180.0})
+    for (const double degrees : {0.0, 45.0, 89.0, 91.0, 150.0, 180.0}) {
+      if (tilt > test.normal_degrees_max) continue;
+      const glm::dvec3 l = degrees == 180.0 ? -kView : tilted(degrees, 1.0);
+      c.inputs.push_back({with(tilted(tilt), 1.0), with(l, 0.0)});
+      c.inputs.push_back({glm::vec4(0.0f), with(l, 0.0)});  // no material
+    }
+  c.variant.set_uniforms = set_brdf_uniforms;
+  c.exact = [&](const glm::dvec4& a, const glm::dvec4& b) {
+    if (a.w == 0.0) return glm::dvec4(0.0);
+    const glm::dvec3 n(a), l(b), h = half_vector(l, kView);
+    const double n_l = std::max(glm::dot(n, l), 0.0), n_v = std::max(n.z, 0.0);
+    double highlight = test.facets(n, h) * n_l;
+    if (test.has_visibility) highlight *= visibility(n_l, n_v, std::max(glm::dot(n, h), 0.0), std::max(h.z, 0.0));
+    return glm::dvec4(test.diffuse(n, l), highlight, 0.0, 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+std::string lobe_texts() { return std::string(shader_surface_lobes_glsl) + shader_surface_movmf_glsl; }
+
+void single_normals_as_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  SurfaceTest test{kCookTorrance, lobe_texts(), "  surface.lobes[0] = a;\n  surface.albedos[0] = vec3(1.0);\n", true};
+  test.flags.push_back("MULTUM_LOBE_COUNT 1");
+  test.facets = torrance_sparrow;
+  compare_surface(gl, edits, test, worst);
+}
+
+// d h + mu / s of a half vector straight opposite to mu: they cancel. And what else has no direction.
+void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  SurfaceTest test{kCookTorrance, lobe_texts(), "", true};
+  GlslComparison c{"vec4(multum_lobe_visibility(a, 0.5, vec3(0.6, 0.0, 0.8), b.xyz), 0.0, 0.0, 0.0)", {}, {}};
+  test.flags.push_back("MULTUM_LOBE_COUNT 1");
+  for (const glm::vec4& lobe :
+       {glm::vec4(0.0f, 0.0f, 0.9375f, 1.0f), glm::vec4(0.0f, 0.0f, 0.0f, 1.0f), glm::vec4(0.0f)})
+    for (const glm::vec3& h : {glm::vec3(0.0f, 0.0f, -1.0f), glm::vec3(0.0f), glm::vec3(0.0f, 0.0f, 1.0f)})
+      c.inputs.push_back({lobe, {h, 0.0f}});
+  c.variant.flags = test.flags;
+  c.variant.formulas = test.texts;
+  c.variant.set_uniforms = set_brdf_uniforms;
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double spread = std::clamp((a.w - a.z) / std::max(a.w, 1e-6), 0.0, 1.0);
+    const double z = spread * b.z + 1.0 / kExponent, n_h = z == 0.0 ? 0.0 : std::max(z * b.z / std::abs(z), 0.0);
+    const double lambert = a.w == 0.0      ? 0.0
+                           : spread == 1.0 ? 0.25
+                                           : reference::convolved_lambert(reference::vmf_kappa(spread), std::acos(0.8));
+    return glm::dvec4(visibility(0.5, lambert, n_h, 0.8 * b.z), 0.0, 0.0, 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  SurfaceTest test{kCookTorrance, std::string(shader_surface_lobes_glsl) + shader_surface_gmm_glsl,
+                   "  surface.lobes[0] = a.w * vec4(a.xy, dot(a.xy, a.xy), 1.0);\n  surface.albedos[0] = vec3(1.0);\n",
+                   true, 89.0};
+  test.flags.push_back("MULTUM_LOBE_COUNT 1");
+  test.facets = [](const glm::dvec3& n, const glm::dvec3& h) {
+    return reference::gmm_density(glm::dvec4(n.x, n.y, n.x * n.x + n.y * n.y, 1.0), kExponent, h);
+  };
+  compare_surface(gl, edits, test, worst);
+}
+
+// As one normal (MIP) and by Toksvig's rule, where roughness is in the length too.
+void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
+    SurfaceTest test{kBlinnPhong, shader_surface_normals_glsl,
+                     "  surface.normal = a;\n  surface.albedo = vec3(1.0);\n  surface.weight = 1.0;\n", false};
+    test.flags.push_back(mode);
+    compare_surface(gl, edits, test, worst);
+  }
+}
+
+// Basis functions of the normal to order 2, as a file has them.
+constexpr char kFillHarmonics[] =
+    "  vec3 n = a.xyz;\n"
+    "  surface.parts[0] = a.w * vec4(0.48860251 * n.yzx, 1.09254843 * n.x * n.y);\n"
+    "  surface.parts[1] = a.w * vec4(1.09254843 * n.y * n.z, 0.31539157 * (3.0 * n.z * n.z - 1.0),\n"
+    "                                1.09254843 * n.z * n.x, 0.54627422 * (n.x * n.x - n.y * n.y));\n"
+    "  surface.share = surface.material = a.w;\n  surface.albedo = vec3(1.0);\n";
+
+void single_normals_as_harmonics(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  constexpr int kOrder = 2;
+  const ZonalCoefficients of_brdf = zonal_blinn_phong(kOrder, kExponent), of_lambert = zonal_lambert(kOrder);
+  SurfaceTest test{kBlinnPhong, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl, kFillHarmonics,
+                   false};
+  test.flags.push_back("MULTUM_ZONAL_ORDER 2");
+  for (const std::string& flag : sh_shading_flags(kOrder)) test.flags.push_back(flag);
+  const auto shaded = [&](const glm::dvec3& n, const glm::dvec3& w, const ZonalCoefficients& zonal) {
+    return std::max(reference::shade_sh(reference::sh_basis_to(kOrder, n), 1.0, zonal, w), 0.0);
+  };
+  test.facets = [&](const glm::dvec3& n, const glm::dvec3& h) { return shaded(n, h, of_brdf); };
+  test.diffuse = [&](const glm::dvec3& n, const glm::dvec3& l) { return shaded(n, l, of_lambert); };
+  GlslComparison c = comparison_of(test);
+  for (const double tilt : {0.0, 30.0, 89.0, 120.0, 180.0})
+    for (const double degrees : {0.0, 45.0, 91.0, 150.0}) {
+      c.inputs.push_back({with(tilted(tilt), 1.0), with(tilted(degrees, 1.0), 0.0)});
+      c.inputs.push_back({glm::vec4(0.0f), with(tilted(degrees, 1.0), 0.0)});
+    }
+  c.variant.set_uniforms = [&](const ShaderProgram& program) {
+    std::vector<glm::vec3> zonal;
+    for (const double a : of_brdf) zonal.emplace_back(static_cast<float>(a));
+    set_brdf_uniforms(program);
+    program.set_vec3("u_zonal", glm::value_ptr(zonal[0]), kOrder + 1);
+  };
+  c.exact = [&](const glm::dvec4& a, const glm::dvec4& b) {
+    if (a.w == 0.0) return glm::dvec4(0.0);
+    const glm::dvec3 n(a), l(b);
+    return glm::dvec4(test.diffuse(n, l), test.facets(n, half_vector(l, kView)) * std::max(glm::dot(n, l), 0.0), 0.0,
+                      0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+// The same light from everywhere on each: a single normal shows it as it is, no material shows nothing.
+void compare_environment(const GlFunctions& gl, const Edits& edits, const SurfaceTest& test, WorstError& worst) {
+  const ConstantLight light(gl);
+  GlslComparison c{"", {}, {}};
+  for (const double tilt : {0.0, 1e-4, 40.0, 60.0}) c.inputs.push_back({with(tilted(tilt), 1.0), {}});
+  c.inputs.push_back({glm::vec4(0.0f), {}});
+  const ShaderHarnessInput environment = environment_variant("");
+  c.variant.flags = test.flags;
+  c.variant.flags.insert(c.variant.flags.end(), environment.flags.begin(), environment.flags.end());
+  c.variant.formulas = environment.formulas + test.texts +
+                       "MultumReflection test_reflect(vec4 a) {\n  MultumSurface surface;\n" + test.fill +
+                       "  multum_environment_frame = mat3(1.0);\n"
+                       "  return multum_reflect_environment(surface, vec3(0.0, 0.0, 1.0));\n}\n";
+  c.variant.set_uniforms = [&](const ShaderProgram& program) {
+    set_brdf_uniforms(program);
+    light.set(program);
+  };
+  for (const bool diffuse : {true, false}) {
+    c.expression = fmt::format("vec4(test_reflect(a).{}, 0.0)", diffuse ? "diffuse" : "specular");
+    c.exact = [&](const glm::dvec4& a, const glm::dvec4&) {
+      return glm::dvec4(a.w * (diffuse ? ConstantLight::irradiance() : ConstantLight::highlight()), 0.0);
+    };
+    compare_glsl(gl, edits, c, worst);
+  }
+}
+
+void lobes_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  SurfaceTest test{kBlinnPhong, lobe_texts(), "  surface.lobes[0] = a;\n  surface.albedos[0] = vec3(1.0);\n", false};
+  test.flags.push_back("MULTUM_LOBE_COUNT 1");
+  compare_environment(gl, edits, test, worst);
+}
+
+void means_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
+    SurfaceTest test{kBlinnPhong, shader_surface_normals_glsl,
+                     "  surface.normal = a;\n  surface.albedo = vec3(1.0);\n  surface.weight = 1.0;\n", false};
+    test.flags.push_back(mode);
+    compare_environment(gl, edits, test, worst);
+  }
+}
+
+// Light from everywhere, and light that two bands make: E[n] and E[n n^T] are what they take.
+void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  SurfaceTest test{kBlinnPhong, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl, kFillHarmonics,
+                   false};
+  test.flags.push_back("MULTUM_ZONAL_ORDER 2");
+  for (const std::string& flag : sh_shading_flags(2)) test.flags.push_back(flag);
+  compare_environment(gl, edits, test, worst);
+  const SmoothLight light = {0.1, {0.3, -0.4, 1.0}};
+  GlslComparison c{"vec4(test_irradiance(a), 0.0)", {}, {}};
+  for (int i = 0; i <= 12; ++i) c.inputs.push_back({with(tilted(15.0 * i, 1.0 * i), 1.0), {}});
+  const ShaderHarnessInput environment = environment_variant("");
+  c.variant.flags = test.flags;
+  c.variant.flags.insert(c.variant.flags.end(), environment.flags.begin(), environment.flags.end());
+  c.variant.formulas = environment.formulas + test.texts +
+                       "vec3 test_irradiance(vec4 a) {\n  MultumSurface surface;\n" + test.fill +
+                       "  multum_environment_frame = mat3(1.0);\n  return multum_sh_irradiance(surface.parts);\n}\n";
+  c.variant.set_uniforms = [&](const ShaderProgram& program) { set_smooth_light(program, light); };
+  c.exact = [&](const glm::dvec4& a, const glm::dvec4&) {
+    return glm::dvec4(glm::dvec3(std::max(light.irradiance(glm::dvec3(a)), 0.0)), 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+// Columns that must be unit and at right angles, whatever the tangent; and the tangent's own direction where it has
+// one.
+void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslInputs inputs;
+  for (const double tilt : {0.0, 50.0, 90.0, 180.0})
+    for (const double length : {1e-6, 1.0, 1e6}) {
+      const glm::dvec3 n = tilted(tilt), side = glm::normalize(glm::cross(n, glm::dvec3(0.3, 0.9, 0.1)));
+      for (const glm::dvec3& tangent :
+           {glm::dvec3(0.0), length * n, -length * n, length * side, length * (side + 3.0 * n)})
+        for (const double hand : {1.0, -1.0}) inputs.emplace_back(with(length * n, 0.0), with(tangent, hand));
+    }
+  ShaderHarnessInput variant;
+  variant.formulas =
+      "vec4 test_lengths(mat3 f) { return vec4(length(f[0]), length(f[1]), length(f[2]), determinant(f)); }\n"
+      "vec4 test_angles(mat3 f) { return vec4(dot(f[0], f[1]), dot(f[1], f[2]), dot(f[2], f[0]), 0.0); }\n";
+  const auto add = [&](const std::string& function, const std::function<glm::dvec4(const glm::dvec4& b)>& exact) {
+    compare_glsl(gl, edits,
+                 {function + "(multum_tangent_frame(a.xyz, b))", inputs,
+                  [&](const glm::dvec4&, const glm::dvec4& b) { return exact(b); }, false, variant},
+                 worst);
+  };
+  add("test_lengths", [](const glm::dvec4& b) { return glm::dvec4(1.0, 1.0, 1.0, b.w); });
+  add("test_angles", [](const glm::dvec4&) { return glm::dvec4(0.0); });
+  GlslComparison c{"vec4(multum_tangent_frame(a.xyz, b)[0], 0.0)", {}, {}, false, variant};
+  for (const auto& [a, b] : inputs)
+    if (glm::length(glm::cross(glm::normalize(glm::dvec3(a)), glm::dvec3(b))) > 0.1 * glm::length(glm::dvec3(b)))
+      c.inputs.emplace_back(a, b);
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const glm::dvec3 n = glm::normalize(glm::dvec3(a)), t(b);
+    return glm::dvec4(glm::normalize(t - n * glm::dot(n, t)), 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+std::vector<GlslCase> environment_cases() {
+  const std::string none = "no material shows light from everywhere, or NaN", unit = "absolute",
+                    reason = "a filter of equal texels, nine weights";
+  return {
+      {{"glsl-lobes-in-an-environment", "movmf.glsl", none, "no lobe at or below an amplitude of 1e-6", 1e-4, unit,
+        reason},
+       {glsl_edit("reflection.specular = lobe.w * multum_environment_specular(mu, d, v);",
+                  "reflection.specular = multum_environment_specular(mu, d, v);"),
+        glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return reflection;", "")},
+       lobes_in_an_environment,
+       {"multum_reflect_environment"}},
+      {{"glsl-means-in-an-environment", "normals.glsl", none, "a mean shorter than 1e-12 is no material", 1e-4, unit,
+        reason},
+       {glsl_edit("if (length(mean) <= MULTUM_MEAN_MIN) return", "if (false) return")},
+       means_in_an_environment,
+       {"multum_reflect_environment"}},
+      {{"glsl-harmonics-in-an-environment", "sh.glsl", "a series of two bands is below 0 behind strong light",
+        "held at 0 and above; nothing where there is no share", 1e-4, unit, "the quadrature that it is held to"},
+       {glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
+       harmonics_in_an_environment,
+       {"multum_reflect_environment", "multum_sh_irradiance"}},
+  };
+}
+
+}  // namespace
+
+std::vector<GlslCase> glsl_surface_cases() {
+  const std::string unit = "absolute", behind = "light from straight behind, or no material: 0 / 0",
+                    reason = "6e-8 of n and h, by exponents of 16; visibility by cosines near 0";
+  std::vector<GlslCase> cases = {
+      {{"glsl-single-normals-as-lobes", "movmf.glsl", behind,
+        "lengths of at least 1e-6; no lobe at or below an amplitude of 1e-6", 2e-4, unit, reason},
+       {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
+       single_normals_as_lobes,
+       {"multum_reflect", "multum_lobe_visibility"}},
+      {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl", "n . h at the lobe's mean instead of near h",
+        "between the two; where they point apart and cancel, a length of at least 1e-6 divides", 5e-3, unit,
+        "0.22 % of the cosine's model"},
+       {glsl_edit("multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent",
+                  "multum_movmf_mean_direction(lobe) / u_exponent")},
+       visibility_of_opposite_half_vectors,
+       {"multum_lobe_visibility"}},
+      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "a lobe of no normals is divided by its amplitude",
+        "amplitudes of at least 1e-6 divide", 1e-3, unit, "the root of 1.2e-7, of a mean near the rim"},
+       {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
+       single_normals_as_gaussians,
+       {"multum_reflect", "multum_gmm_visibility"}},
+      {{"glsl-single-normals-as-means", "normals.glsl", "light from below the horizon darkens the highlight",
+        "cosines of at least 0; a mean shorter than 1e-12 is no material", 2e-5, unit, reason},
+       {glsl_edit("float n_l = max(dot(n, l), 0.0);", "float n_l = dot(n, l);")},
+       single_normals_as_means,
+       {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
+      {{"glsl-single-normals-as-harmonics", "sh.glsl", "light below 0 where the series rings", "clamped at 0", 2e-5,
+        unit, "some products of floats"},
+       {glsl_edit("return max(sum, 0.0);", "return sum;"), glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
+       single_normals_as_harmonics,
+       {"multum_reflect"}},
+      {{"glsl-tangents-along-the-normal", "reflection.glsl", "a tangent along the normal, or none: 0 / 0",
+        "any at right angles to the normal", 2e-6, unit, "three roots and a cross product"},
+       {glsl_edit("if (dot(t, t) <= 1e-12 * max(dot(tangent.xyz, tangent.xyz), 1e-20))", "if (false)")},
+       tangents_along_the_normal,
+       {"multum_tangent_frame"}},
+  };
+  for (GlslCase& c : environment_cases()) cases.push_back(std::move(c));
+  return cases;
+}
+
+}  // namespace multum::gl
