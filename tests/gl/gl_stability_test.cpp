@@ -74,7 +74,6 @@ bool is_of(const GlslCase& c, const Formula& f) {
 
 // What takes pictures to see.
 const std::map<std::string, std::string> kByPictures = {
-    {"lobes.glsl multum_mean_albedo", "RenderTest, ColoursFollowTheirLobes"},
     {"lobes.glsl multum_fetch_surface", "RenderTest, TwoTiltsEqualTruthWhereMipsFail"},
     {"normals.glsl multum_fetch_surface", "RenderTest, MomentsEqualTheBaselines"},
     {"sh.glsl multum_fetch_surface", "ShRenderTest, AFlatMapIsItsBrdfCutOff"},

@@ -272,7 +272,7 @@ ShaderHarnessInput lights_variant(const glm::vec3& point) {
   variant.flags = {"MULTUM_LOBE_COUNT 1", "MULTUM_BLINN_PHONG", "MULTUM_DIRECTIONAL_LIGHTS 1", "MULTUM_POINT_LIGHTS 1"};
   variant.formulas = std::string(shader_surface_lobes_glsl) + shader_surface_movmf_glsl + shader_light_lights_glsl +
                      "MultumSurface test_surface(vec4 lobe) {\n  MultumSurface surface;\n  surface.lobes[0] = lobe;\n"
-                     "  surface.albedos[0] = vec3(1.0);\n  return surface;\n}\n";
+                     "  return surface;\n}\n";
   variant.set_uniforms = [point](const ShaderProgram& program) {
     const glm::vec3 k_d(kDiffuse), k_s(kSpecular), up(0.0f, 0.0f, 1.0f), one(1.0f);
     program.set("u_exponent", kExponent);

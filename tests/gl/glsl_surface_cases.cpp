@@ -98,7 +98,7 @@ void compare_surface(const GlFunctions& gl, const Edits& edits, const SurfaceTes
 std::string lobe_texts() { return std::string(shader_surface_lobes_glsl) + shader_surface_movmf_glsl; }
 
 void single_normals_as_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  SurfaceTest test{kCookTorrance, lobe_texts(), "  surface.lobes[0] = a;\n  surface.albedos[0] = vec3(1.0);\n", true};
+  SurfaceTest test{kCookTorrance, lobe_texts(), "  surface.lobes[0] = a;\n", true};
   test.flags.push_back("MULTUM_LOBE_COUNT 1");
   test.facets = torrance_sparrow;
   compare_surface(gl, edits, test, worst);
@@ -129,7 +129,7 @@ void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edi
 
 void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kCookTorrance, std::string(shader_surface_lobes_glsl) + shader_surface_gmm_glsl,
-                   "  surface.lobes[0] = a.w * vec4(a.xy, dot(a.xy, a.xy), 1.0);\n  surface.albedos[0] = vec3(1.0);\n",
+                   "  surface.lobes[0] = a.w * vec4(a.xy, dot(a.xy, a.xy), 1.0);\n",
                    true, 89.0};
   test.flags.push_back("MULTUM_LOBE_COUNT 1");
   test.facets = [](const glm::dvec3& n, const glm::dvec3& h) {
@@ -216,7 +216,7 @@ void compare_environment(const GlFunctions& gl, const Edits& edits, const Surfac
 }
 
 void lobes_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  SurfaceTest test{kBlinnPhong, lobe_texts(), "  surface.lobes[0] = a;\n  surface.albedos[0] = vec3(1.0);\n", false};
+  SurfaceTest test{kBlinnPhong, lobe_texts(), "  surface.lobes[0] = a;\n", false};
   test.flags.push_back("MULTUM_LOBE_COUNT 1");
   compare_environment(gl, edits, test, worst);
 }
