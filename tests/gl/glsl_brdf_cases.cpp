@@ -232,7 +232,7 @@ void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& wors
     return glm::dvec4(theta < half ? (kFacets - 1) * std::sqrt(theta / half) : 0.0,
                       (kDifferences - 1) * std::acos(std::clamp(b.w, 0.0, 1.0)) / half, 0.0, 0.0);
   };
-  c.variant.flags = {"MULTUM_MEASURED"};
+  c.variant.flags = {"MULTUM_MEASURED", "MULTUM_FRESNEL"};
   c.variant.formulas = shader_brdf_measured_glsl;
   c.variant.set_uniforms = [](const ShaderProgram& program) {
     std::vector<glm::vec3> facets;

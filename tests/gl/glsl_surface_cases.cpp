@@ -129,8 +129,7 @@ void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edi
 
 void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kCookTorrance, std::string(shader_surface_lobes_glsl) + shader_surface_gmm_glsl,
-                   "  surface.lobes[0] = a.w * vec4(a.xy, dot(a.xy, a.xy), 1.0);\n",
-                   true, 89.0};
+                   "  surface.lobes[0] = a.w * vec4(a.xy, dot(a.xy, a.xy), 1.0);\n", true, 89.0};
   test.flags.push_back("MULTUM_LOBE_COUNT 1");
   test.facets = [](const glm::dvec3& n, const glm::dvec3& h) {
     return reference::gmm_density(glm::dvec4(n.x, n.y, n.x * n.x + n.y * n.y, 1.0), kExponent, h);
