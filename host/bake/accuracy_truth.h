@@ -48,6 +48,7 @@ class TexelSums {
   TexelSums(const TexelAverages& averages, std::size_t value_count)
       : averages_(averages), value_count_(value_count), sums_(averages.slot_count() * value_count) {}
   void add_value(std::size_t value, int y, double* row) {
+    if (sums_.empty()) return;  // no texel was selected
     averages_.add_row(y, row, sums_.data() + value, value_count_);
   }
 

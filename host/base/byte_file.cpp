@@ -11,6 +11,8 @@
 namespace multum {
 namespace {
 
+constexpr std::int64_t kWindowBytes = 4096;  // headers are read byte by byte, and each seek of a stream reads anew
+
 [[noreturn]] void refuse(const std::string& path, const std::string& message) {
   throw Error(ErrorCode::kInput, path + ": " + message);
 }
@@ -29,11 +31,14 @@ ByteFile::ByteFile(const std::string& path) : path_(path) {
 std::string ByteFile::bytes(std::int64_t position, std::int64_t count, const char* what) {
   if (position < 0 || count < 0 || position > size_ - count)
     refuse(path_, fmt::format("the file is cut: it ends at byte {}, expected {} at byte {}", size_, what, position));
-  std::string result(static_cast<std::size_t>(count), '\0');
-  stream_.seekg(position);
-  stream_.read(result.data(), count);
-  if (!stream_) refuse(path_, fmt::format("reading {} at byte {} failed", what, position));
-  return result;
+  if (position < window_begin_ || position + count > window_begin_ + static_cast<std::int64_t>(window_.size())) {
+    window_begin_ = position;
+    window_.resize(static_cast<std::size_t>(std::min(std::max(count, kWindowBytes), size_ - position)));
+    stream_.seekg(position);
+    stream_.read(window_.data(), static_cast<std::streamsize>(window_.size()));
+    if (!stream_) refuse(path_, fmt::format("reading {} at byte {} failed", what, position));
+  }
+  return window_.substr(static_cast<std::size_t>(position - window_begin_), static_cast<std::size_t>(count));
 }
 
 std::int64_t ByteFile::big_endian(std::int64_t position, int count, const char* what) {

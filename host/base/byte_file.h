@@ -24,6 +24,8 @@ class ByteFile {
   std::string path_;
   std::ifstream stream_;
   std::int64_t size_ = 0;
+  std::string window_;  // bytes that were read together, from window_begin_ on
+  std::int64_t window_begin_ = 0;
 };
 
 }  // namespace multum

@@ -51,6 +51,7 @@ class MessageReader {
     return static_cast<std::size_t>(value);
   }
   bool is_at_end() const { return bytes_.empty(); }
+  std::string_view rest() const { return bytes_; }
 
  private:
   std::string_view take(std::uint64_t count) {

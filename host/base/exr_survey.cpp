@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/exr_survey.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 
@@ -11,23 +12,31 @@
 namespace multum {
 namespace {
 
+constexpr char kHeader[] = "an EXR header";
+
 [[noreturn]] void refuse(const std::string& path, const std::string& message) {
   throw Error(ErrorCode::kInput, path + ": " + message);
 }
 
 // A name or type of an EXR attribute, at most 255 bytes, with the position moved behind its zero byte.
 std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& position) {
-  std::string text;
-  for (;;) {
-    const char byte = file.bytes(position++, 1, "an EXR header")[0];
-    if (byte == '\0') return text;
-    text += byte >= ' ' && byte <= '~' ? byte : '?';  // it may be shown in a message
-    if (text.size() > 255) refuse(path, "damaged EXR: a header name of more than 255 bytes");
+  constexpr std::int64_t kBytesMax = 256;  // with the zero
+  const std::int64_t left = std::max<std::int64_t>(0, file.size() - position);
+  std::string text = file.bytes(position, std::min(left, kBytesMax), kHeader);
+  const std::size_t size = text.find('\0');
+  if (size == std::string::npos) {
+    if (left < kBytesMax) file.bytes(position, left + 1, kHeader);  // which says that the file is cut
+    refuse(path, "damaged EXR: a header name of more than 255 bytes");
   }
+  text.resize(size);
+  position += static_cast<std::int64_t>(size) + 1;
+  for (char& byte : text)
+    if (byte < ' ' || byte > '~') byte = '?';  // it may be shown in a message
+  return text;
 }
 
 std::int64_t exr_int(ByteFile& file, std::int64_t position) {
-  return static_cast<std::int32_t>(file.little_endian(position, 4, "an EXR header"));
+  return static_cast<std::int32_t>(file.little_endian(position, 4, kHeader));
 }
 
 // The offset table holds 8 bytes for each chunk, and a chunk is a tile or at most 256 rows (DWAB): a size whose table

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/image/decoding_messages.h"
 
-#include <fmt/format.h>
-
 #include "host/base/byte_message.h"
 #include "host/base/error.h"
-#include "host/image/damaged_file.h"
 
 namespace multum {
 namespace {
@@ -45,38 +42,6 @@ ImagePart read_part(MessageReader& in) {
   return part;
 }
 
-[[noreturn]] void refuse(const AskedFile& file, const std::string& message) {
-  throw Error(ErrorCode::kInput, file.path + ": " + message);
-}
-
-// Takes an answer apart with `read` if the request was done.
-template <typename Read>
-auto parse(const AskedFile& file, std::string_view answer, const Read& read) {
-  try {
-    MessageReader in(answer);
-    switch (DecodingAnswer{in.number<std::uint8_t>()}) {
-      case DecodingAnswer::kDone: {
-        auto result = read(in);
-        if (in.is_at_end()) return result;
-        break;
-      }
-      case DecodingAnswer::kRefused: {
-        const auto code = in.number<std::uint8_t>();
-        throw Error(code <= static_cast<std::uint8_t>(ErrorCode::kVerification) ? ErrorCode{code} : ErrorCode::kInput,
-                    in.text());
-      }
-      case DecodingAnswer::kOutOfMemory:
-        refuse(file, fmt::format("its decoding needs more than {} bytes of memory, expected a picture that needs less "
-                                 "(--decode here sets no limit, for files that you trust)",
-                                 file.memory_max));
-    }
-  } catch (const std::out_of_range&) {
-  }
-  refuse(file, fmt::format("its decoding ended in {} bytes that are no answer, expected a file that OpenImageIO "
-                           "survives",
-                           answer.size()));
-}
-
 }  // namespace
 
 std::string open_answer(const ImageDescription& description) {
@@ -89,7 +54,7 @@ std::string open_answer(const ImageDescription& description) {
 
 std::string open_request(const std::string& path, const ImageFileSettings& settings) {
   return MessageWriter()
-      .number(DecodingRequest::kOpen)
+      .number(DecodingRequest::kOpenImage)
       .text(path)
       .number(settings.texel_count_max)
       .number(settings.threads)
@@ -99,70 +64,45 @@ std::string open_request(const std::string& path, const ImageFileSettings& setti
 
 std::string read_request(const PixelBlock& block, std::size_t offset) {
   MessageWriter out;
-  out.number(DecodingRequest::kRead);
+  out.number(DecodingRequest::kReadImage);
   for (const int number :
        {block.part, block.y_begin, block.y_end, block.channel_begin, block.channel_end, block.base_type})
     out.number(number);
   return out.number(std::uint64_t{offset}).take();
 }
 
-std::string close_request() { return MessageWriter().number(DecodingRequest::kClose).take(); }
-
-ImageDescription parse_open_answer(const AskedFile& file, std::string_view answer) {
-  return parse(file, answer, [](MessageReader& in) {
-    ImageDescription description;
-    description.format = in.text();
-    description.file_size = in.number<std::int64_t>();
-    for (std::size_t left = in.count(); left > 0; --left) description.parts.push_back(read_part(in));
-    return description;
-  });
+ImageDescription parse_open_answer(MessageReader& in) {
+  ImageDescription description;
+  description.format = in.text();
+  description.file_size = in.number<std::int64_t>();
+  for (std::size_t left = in.count(); left > 0; --left) description.parts.push_back(read_part(in));
+  return description;
 }
 
-std::string parse_read_answer(const AskedFile& file, std::string_view answer) {
-  return parse(file, answer, [](MessageReader& in) { return in.text(); });
-}
+std::string parse_read_answer(MessageReader& in) { return in.text(); }
 
 std::string ImageDecoder::answer(std::string_view request, SharedMemory& memory) {
-  try {
-    return do_as_asked(request, memory);
-  } catch (const NotEnoughMemory&) {
-    file_.reset();
-    return MessageWriter().number(DecodingAnswer::kOutOfMemory).take();
-  } catch (const Error& error) {
-    return MessageWriter()
-        .number(DecodingAnswer::kRefused)
-        .number(static_cast<std::uint8_t>(error.code()))
-        .text(error.what())
-        .take();
-  }
-}
-
-std::string ImageDecoder::do_as_asked(std::string_view request, SharedMemory& memory) {
   MessageReader in(request);
-  MessageWriter out;
-  out.number(DecodingAnswer::kDone);
-  const DecodingRequest kind{in.number<std::uint8_t>()};
-  if (kind == DecodingRequest::kRead) {
-    PixelBlock block;
-    for (int* number :
-         {&block.part, &block.y_begin, &block.y_end, &block.channel_begin, &block.channel_end, &block.base_type})
-      *number = in.number<int>();
-    const auto offset = static_cast<std::size_t>(in.number<std::uint64_t>());
-    std::size_t byte_count = 0;
-    std::byte* const data = memory.see(byte_count);
-    MULTUM_CHECK(file_ != nullptr && offset <= byte_count);
-    MULTUM_CHECK(block_bytes(file_->part(block.part), block) <= byte_count - offset);
-    return out.text(file_->read_into(block, data + offset)).take();
+  if (DecodingRequest{in.number<std::uint8_t>()} == DecodingRequest::kOpenImage) {
+    close();
+    ImageFileSettings settings;
+    const std::string path = in.text();
+    settings.texel_count_max = in.number<std::int64_t>();
+    settings.threads = in.number<int>();
+    settings.all_parts = in.number<std::uint8_t>() != 0;
+    file_ = open_in_this_process(path, settings);
+    return open_answer(file_->description());
   }
-  file_.reset();
-  if (kind == DecodingRequest::kClose) return out.text("").take();
-  ImageFileSettings settings;
-  path_ = in.text();
-  settings.texel_count_max = in.number<std::int64_t>();
-  settings.threads = in.number<int>();
-  settings.all_parts = in.number<std::uint8_t>() != 0;
-  file_ = open_in_this_process(path_, settings);
-  return open_answer(file_->description());
+  PixelBlock block;
+  for (int* number :
+       {&block.part, &block.y_begin, &block.y_end, &block.channel_begin, &block.channel_end, &block.base_type})
+    *number = in.number<int>();
+  const auto offset = static_cast<std::size_t>(in.number<std::uint64_t>());
+  std::size_t byte_count = 0;
+  std::byte* const data = memory.see(byte_count);
+  MULTUM_CHECK(file_ != nullptr && offset <= byte_count);
+  MULTUM_CHECK(block_bytes(file_->part(block.part), block) <= byte_count - offset);
+  return MessageWriter().number(DecodingAnswer::kDone).text(file_->read_into(block, data + offset)).take();
 }
 
 }  // namespace multum

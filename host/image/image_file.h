@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/decoding_child.h"
 #include "host/image/image_container.h"
 
 namespace multum {
@@ -89,12 +90,7 @@ class LibraryImageFile : public ImageFile {
 };
 std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, const ImageFileSettings& settings);
 
-/// In a child. What it may take for one request: these, and more for more texels (child_image_file.cpp).
-struct DecodingChild {
-  std::string program;                                 // multum-decode
-  std::uint64_t memory_base = std::uint64_t{1} << 30;  // bytes
-  int time_base_ms = 30000;
-};
+/// In a child.
 ImageOpener open_in_child(const DecodingChild& child);
 
 /// Throws Error(kInput) when a description cannot be of any picture: what follows computes with its numbers.

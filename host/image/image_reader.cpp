@@ -8,8 +8,8 @@
 #include <OpenImageIO/typedesc.h>
 #include <fmt/format.h>
 
+#include "host/base/damaged_file.h"
 #include "host/base/error.h"
-#include "host/image/damaged_file.h"
 #include "host/image/image_file.h"
 
 namespace multum {

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <utility>
 
+#include "host/base/damaged_file.h"
 #include "host/base/error.h"
-#include "host/image/damaged_file.h"
 #include "host/image/file_ranges.h"
 #include "host/image/image_file.h"
 

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/mesh/mesh_import.h"
+#include "host/mesh/mesh_source.h"
 #include "host/mesh/tangent_space.h"
 
 namespace multum {
@@ -100,7 +101,7 @@ void append_part(TriangleMesh& mesh, const PartCorners& part) {
 
 }  // namespace
 
-TriangleMesh read_mesh(const std::string& path, int uv_set) {
+TriangleMesh read_mesh_here(const std::string& path, int uv_set) {
   if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
     refuse_mesh(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
                                   AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));

@@ -8,9 +8,10 @@
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
 #include <cmath>
+#include <exception>
 #include <mutex>
 
-#include "host/base/error.h"
+#include "host/base/damaged_file.h"
 #include "host/mesh/gltf_check.h"
 
 namespace multum {
@@ -41,6 +42,16 @@ class ImportLog {
   std::string warnings_;
 };
 
+// assimp catches what its readers throw; that there was no memory is nothing against the file.
+void rethrow_hunger(const std::string& path, const std::exception_ptr& thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    throw NotEnoughMemory(path);
+  } catch (...) {  // its message says it
+  }
+}
+
 }  // namespace
 
 void refuse_mesh(const std::string& path, const std::string& what) {
@@ -54,6 +65,7 @@ MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std:
   const ImportLog log;
   scene_ = importer_->ReadFile(path, steps);
   if (log.dropped_triangles()) refuse_mesh(path, "has triangles whose indices are out of range");
+  if (scene_ == nullptr && importer_->GetException()) rethrow_hunger(path, importer_->GetException());
   if (scene_ == nullptr) refuse_mesh(path, std::string("cannot be read as a mesh: ") + importer_->GetErrorString());
 }
 

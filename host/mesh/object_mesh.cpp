@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "host/mesh/mesh_import.h"
+#include "host/mesh/mesh_source.h"
 
 namespace multum {
 namespace {
@@ -109,7 +110,7 @@ const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::strin
   return found != moved.end() ? found->second : mesh.object_to_world;
 }
 
-std::vector<ObjectMesh> read_object_meshes(const std::string& path, int uv_set) {
+std::vector<ObjectMesh> read_object_meshes_here(const std::string& path, int uv_set) {
   if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
     refuse_mesh(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
                                   AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));

@@ -87,6 +87,24 @@ void write_pyramid(const std::string& path) {
   writer.commit(nullptr);
 }
 
+void read(const std::string& path) {
+  if (is_pyramid_file(path)) {
+    read_pyramid(path);
+    return;
+  }
+  switch (read_baked_header(path).representation) {
+    case Representation::kMoments: read_moment_mipmap(path, 1); break;
+    case Representation::kSh: read_sh_mipmap(path, 1); break;
+    default: read_movmf_mipmap(path, 1);
+  }
+}
+void verify(const std::string& path) { verify_baked(path, 1); }
+void read_texture(const std::string& path) {
+  fuzz::may_refuse([&] { read_texture_provenance(path); });
+  read_inferred_texture(path);
+}
+constexpr void (*kReaders[])(const std::string&) = {read, verify, read_texture};
+
 void write_texture(const std::string& path) {
   InferredTexture texture{8, 4, {}, "{}"};
   texture.texels.assign(static_cast<std::size_t>(MipLayout(8, 4).texel_count) * 3, 0.5f);
@@ -107,7 +125,8 @@ std::vector<std::string> fuzz::seeds() {
   std::vector<std::string> seeds;
   for (const std::function<void()>& write : writers) {
     write();
-    seeds.push_back(file_bytes(path));
+    for (char reader = 0; reader < static_cast<char>(std::size(kReaders)); ++reader)
+      seeds.push_back(reader + file_bytes(path));
   }
   return seeds;
 }
@@ -116,20 +135,8 @@ std::vector<std::string> fuzz::seeds() {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace multum;
-  const std::string path = fuzz::input_file("input.ndf.exr", {reinterpret_cast<const char*>(data), size});
-  fuzz::may_refuse([&] {
-    if (is_pyramid_file(path)) {
-      read_pyramid(path);
-    } else {
-      switch (read_baked_header(path).representation) {
-        case Representation::kMoments: read_moment_mipmap(path, 1); break;
-        case Representation::kSh: read_sh_mipmap(path, 1); break;
-        default: read_movmf_mipmap(path, 1);
-      }
-    }
-  });
-  fuzz::may_refuse([&] { verify_baked(path, 1); });
-  fuzz::may_refuse([&] { read_inferred_texture(path); });
-  fuzz::may_refuse([&] { read_texture_provenance(path); });
+  const auto input = fuzz::split(data, size, std::size(kReaders));
+  const std::string path = fuzz::input_file("input.ndf.exr", input.bytes);
+  fuzz::may_refuse([&] { kReaders[input.kind](path); });
   return 0;
 }

@@ -20,12 +20,12 @@
 namespace multum {
 namespace {
 
-const AskedFile kAsked = {"fuzz.png", 1u << 30};
+const AskedFile kAsked = {"fuzz.png", "OpenImageIO", 1u << 30};
 
 class MadFile : public ImageFile {
  public:
   MadFile(std::string_view answer, std::string_view pixels) : pixels_(pixels) {
-    description_ = parse_open_answer(kAsked, answer);
+    description_ = parse_answer(kAsked, answer, parse_open_answer);
     // Pictures of any size are read elsewhere; here they would only cost time.
     for (const ImagePart& part : description_.parts)
       if (part.width > 512 || part.height > 512 || part.channel_count() > 80)
@@ -155,6 +155,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return std::make_unique<MadFile>(answer, rest.substr(answer.size()));
   });
   fuzz::may_refuse([&, which = reader] { read_as(which); });
-  fuzz::may_refuse([&] { parse_read_answer(kAsked, answer); });
+  fuzz::may_refuse([&] { parse_answer(kAsked, answer, parse_read_answer); });
   return 0;
 }

@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes, whole and by object, and the materials of glTF. assimp reads them in this process: multum-view's, which the
-// service runs as a child.
+// Meshes of glTF, whole and by object, as multum-decode reads them; what it answers, as who asked it takes that; and
+// the materials. OBJ has a fuzzer of its own: assimp fills 32 MiB for each file, which takes ten times as long as all
+// else here.
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstring>
+#include <algorithm>
 
 #include "host/mesh/gltf_material.h"
-#include "host/mesh/mesh.h"
-#include "host/mesh/object_mesh.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/mesh_checks.h"
 
 namespace multum {
 namespace {
-
-constexpr const char* kNames[] = {"input.obj", "input.gltf", "input.glb"};
-
-constexpr char kObj[] =
-    "o thing\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n"
-    "f 1/1/1 2/2/1 3/3/1 4/4/1\ng more\nusemtl brick\nf 1/1 2/2 3/3\nf -1/-1 -2/-2 -3/-3\n";
 
 // A triangle: positions, coordinates, indices.
 std::string buffer() {
@@ -65,31 +57,69 @@ std::string glb() {
   return "glTF" + std::string(reinterpret_cast<const char*>(head), sizeof(head)) + chunks;
 }
 
-void check(const TriangleMesh& mesh) {
-  MULTUM_CHECK(mesh.normals.size() == mesh.positions.size() && mesh.tangents.size() == mesh.positions.size());
-  MULTUM_CHECK(mesh.uvs.size() == mesh.positions.size() && mesh.indices.size() % 3 == 0);
-  for (const std::uint32_t index : mesh.indices) MULTUM_CHECK(index < mesh.positions.size());
-  for (const glm::vec3& normal : mesh.normals) MULTUM_CHECK(std::isfinite(normal.x + normal.y + normal.z));
+void read_materials(const std::string& path) { read_gltf_materials(path); }
+
+// An answer, and the arrays behind it as far as there are bytes: what follows them is zero.
+template <typename Meshes>
+void take(std::string_view bytes) {
+  const AskedFile asked = {"fuzz.glb", "assimp", 1u << 20};
+  MessageReader in(bytes);
+  try {
+    auto meshes = parse_mesh_answer<Meshes>(asked, in);
+    std::vector<std::byte> memory(array_bytes(meshes));
+    const std::string_view rest = in.rest();
+    std::copy_n(reinterpret_cast<const std::byte*>(rest.data()), std::min(rest.size(), memory.size()), memory.data());
+    take_arrays(asked, memory.data(), meshes);
+    fuzz::check(meshes);
+  } catch (const std::out_of_range&) {  // parse_answer() refuses such an answer
+  }
+}
+
+struct Reader {
+  const char* name;  // of the file
+  void (*read)(const std::string& path);
+};
+constexpr Reader kReaders[] = {{"input.gltf", fuzz::read_whole},   {"input.glb", fuzz::read_whole},
+                               {"input.gltf", fuzz::read_objects}, {"input.glb", fuzz::read_objects},
+                               {"input.gltf", read_materials},     {"input.glb", read_materials}};
+constexpr unsigned kReaderCount = std::size(kReaders), kAnswerKinds = 2;
+
+// What multum-decode answers, without its first byte, and what it puts into the memory.
+std::string answer_of(DecodingRequest kind) {
+  constexpr std::size_t kMemory = 2048;  // bytes, more than the seed's arrays take
+  MeshDecoder decoder;
+  SharedMemory memory;
+  std::string answer =
+      decoder.answer(open_mesh_request(kind, fuzz::input_file("seed.glb", glb()), 0), memory).substr(1);
+  const std::byte* const arrays = memory.reserve(kMemory);
+  decoder.answer(read_mesh_request(), memory);
+  return answer.append(reinterpret_cast<const char*>(arrays), kMemory);
 }
 
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
   const std::string uri = R"("uri":"data:application/octet-stream;base64,)" + base64(buffer()) + R"(",)";
-  return {std::string(1, '\0') + kObj, "\1" + gltf(uri), "\2" + glb()};
+  std::vector<std::string> seeds;
+  for (const Reader& reader : kReaders) {
+    const std::string_view name = reader.name;
+    seeds.push_back(static_cast<char>(seeds.size()) + (name.ends_with("glb") ? glb() : gltf(uri)));
+  }
+  for (const DecodingRequest kind : {DecodingRequest::kOpenMesh, DecodingRequest::kOpenObjects})
+    seeds.push_back(static_cast<char>(seeds.size()) + answer_of(kind));
+  return seeds;
 }
 
 }  // namespace multum
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace multum;
-  const auto input = fuzz::split(data, size, 3);
-  const std::string path = fuzz::input_file(kNames[input.kind], input.bytes);
-  fuzz::may_refuse([&] { check(read_mesh(path)); });
+  const auto input = fuzz::split(data, size, kReaderCount + kAnswerKinds);
   fuzz::may_refuse([&] {
-    for (const ObjectMesh& mesh : read_object_meshes(path, 0))
-      for (const std::uint32_t index : mesh.indices) MULTUM_CHECK(index < mesh.positions.size());
+    if (input.kind == kReaderCount) return take<TriangleMesh>(input.bytes);
+    if (input.kind > kReaderCount) return take<ObjectMeshes>(input.bytes);
+    const Reader& reader = kReaders[input.kind];
+    reader.read(fuzz::input_file(reader.name, input.bytes));
   });
-  if (input.kind > 0) fuzz::may_refuse([&] { read_gltf_materials(path); });
   return 0;
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that people write: manifests of bakes, jobs of texture inference, settings of the service; and what a killed
-// bake has left. A reader of another such file is another line of kReaders.
+// Files that people write: manifests of bakes, jobs of texture inference, settings of the service, scenes; and what a
+// killed bake has left. A reader of another such file is another line of kReaders.
 #include <filesystem>
 #include <functional>
 
 #include "host/bake/animation_job.h"
 #include "host/bake/bake_checkpoint.h"
 #include "host/bake/bake_manifest.h"
+#include "host/scene/scene_file.h"
 #include "host/service/service_settings.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -33,6 +34,7 @@ const std::vector<std::function<void(const std::string&)>> kReaders = {
       read_service_settings(path, settings);
     },
     read_checkpoint,
+    [](const std::string& path) { read_scene(path, BakeJob()); },
 };
 
 constexpr char kManifest[] = R"([defaults]
@@ -92,11 +94,48 @@ memory_max = "1G"
 priority = -3
 )";
 
+constexpr char kScene[] = R"([camera]
+fov = 40
+resolution = [1920, 1080]
+[budget]
+target_error = 0.2
+bytes = 100000000
+bake_ms = 5000
+tolerance = 0.02
+[[map]]
+name = "bricks"
+normal = "bricks_normal.png"
+albedo = "bricks_albedo.png"
+green = "up"
+[[material]]
+name = "glazed"
+brdf = "ggx"
+roughness = [0.2, 0.6]
+f0 = [0.04, 0.05, 0.06]
+[[material]]
+name = "steel"
+brdf = "blinn-phong"
+exponent = 100
+[[object]]
+name = "wall"
+map = "bricks"
+material = "glazed"
+width = 2.0
+distance = [1.5, 40]
+[[light]]
+direction = [0.3, 0.8, 0.5]
+[environment]
+file = "sky.exr"
+)";
+constexpr char kMeasured[] = "[[material]]\nname = \"metal\"\nbrdf = \"measured\"\nfile = \"metal.brdf\"\n";
+
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
   const std::string checkpoint = "key\n0 0 4 0123456789abcdef\n0 4 4 0123456789abcdef\n1 0 2 0123456789abcdef\n";
-  return {std::string(1, '\0') + kManifest, std::string("\1") + kJob, std::string("\2") + kSettings, "\3" + checkpoint};
+  return {std::string(1, '\0') + kManifest, std::string("\1") + kJob,
+          std::string("\2") + kSettings,    "\3" + checkpoint,
+          std::string("\4") + kScene,       std::string("\4") + kScene + kMeasured};
 }
 
 }  // namespace multum

@@ -237,6 +237,26 @@ class ServiceTest(ServiceCase):
         self.assertIn("2 jobs are tried again", self.client("retry", "--all-dead"))
         self.assertEqual(service.wait_for(refuse)["attempt"], 2)
 
+    def test_a_decoder_that_dies_fails_its_job_alone(self):
+        folder = os.path.join(self.folder, "bin")
+        os.makedirs(folder)
+        built = os.path.dirname(os.path.abspath(MULTUM))
+        shutil.copy(MULTUM, os.path.join(folder, "multum"))
+        shutil.copy(os.path.join(built, "helper_drill"), os.path.join(folder, "multum-decode"))
+        service = self.service = Service(os.path.join(folder, "multum"), self.folder, config=QUICK).start()
+        subprocess.run([MULTUM, "testmap", "--size", "16", self.output("q")], check=True, capture_output=True)
+        for name, code, words in (("segfault", 3, "ended by signal 11"), ("exit", 3, "ended with exit code 7"),
+                                  ("missing", 4, "multum-decode: cannot be started")):
+            if name == "missing":
+                os.remove(os.path.join(folder, "multum-decode"))
+            shutil.copy(self.output("q_normal.png"), self.output(name + ".png"))
+            job = service.wait_for(service.submit(type="bake", parameters={"input": self.output(name + ".png")},
+                                                  output=self.output(name + ".ndf.exr"), attempt_max=1))
+            self.assertEqual((job["state"], job["exit_code"]), ("dead", code), job)
+            self.assertIn(words, job["message"])
+        self.assertEqual([name for name in os.listdir(service.root) if name.endswith(".exr")], [])
+        self.assertEqual(service.wait_for(self.drill())["state"], "succeeded")
+
     def test_who_hangs_or_stalls_is_killed(self):
         service = self.start(QUICK + "lease_s = 2\nno_progress_s = 3\n")
         hang = self.drill(then="hang", attempt_max=1)

@@ -78,6 +78,17 @@ std::string gltf_text(const GltfScene& scene) {
          R"({"bufferView":3,"componentType":5123,"count":3,"type":"SCALAR"}]})";
 }
 
+std::string gltf_bomb() {
+  const std::string accessor =
+      R"({"componentType":5126,"count":200000000,"type":"VEC3","min":[0,0,0],"max":[1,1,1],"sparse":{"count":1,)"
+      R"("indices":{"bufferView":0,"componentType":5123},"values":{"bufferView":1}}})";
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":0}}]}],)"
+         R"("buffers":[{"byteLength":16,"uri":"data:application/octet-stream;base64,AAAAAAAAgD8AAIA/AACAPw=="}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":2},{"buffer":0,"byteOffset":4,"byteLength":12}],"accessors":[)" +
+         accessor + "]}";
+}
+
 void write_exr(const std::string& path, int width, int height, const std::vector<ExrPart>& parts) {
   std::vector<OIIO::ImageSpec> specs;
   for (const ExrPart& part : parts) {

@@ -24,6 +24,8 @@ struct GltfScene {
 };
 
 std::string gltf_text(const GltfScene& scene);
+/// A kilobyte that says it has 200 million corners, all but one of them zero.
+std::string gltf_bomb();
 
 /// One part of an EXR file: channels of float, and string attributes.
 struct ExrPart {

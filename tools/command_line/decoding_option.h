@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// --decode child|here: where image files are decoded (host/image/image_file.h).
+// --decode child|child:SECONDS|here: where images (host/image/image_file.h) and meshes (host/mesh/mesh_source.h) are
+// decoded.
 #pragma once
 
 #include <CLI/CLI.hpp>

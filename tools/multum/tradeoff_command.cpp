@@ -10,6 +10,7 @@
 #include "host/base/machine.h"
 #include "host/base/output_paths.h"
 #include "tools/command_line/choices.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/command_line/reading_options.h"
 #include "tools/multum/commands.h"
 
@@ -87,6 +88,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command->add_option("--device", o->device, "OpenCL device: a number of `multum devices` or part of a name");
   add_choice(*command, "--wrap", o->wrap, kWrapModes, "beyond the border (default: periodic)");
   add_reading_options(*command, o->reading);
+  add_decoding_option(*command);
   add_common_options(*command, o->common);
   command->callback([o, exit_code] { *exit_code = run_tradeoff_command(*o); });
 }

@@ -1,21 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-decode: the child of multum and multum-view that reads image files for them (host/image/child_image_file.cpp).
-// It is no command: its requests come over a socket that it is given.
+// multum-decode: the child of multum and multum-view that reads images and meshes for them
+// (host/base/decoding_child.h). It is no command: its requests come over a socket that it is given.
 #include <cstdio>
 
 #include "host/base/error.h"
 #include "host/base/helper_service.h"
 #include "host/image/decoding_messages.h"
+#include "host/mesh/mesh_messages.h"
 
 namespace multum {
 namespace {
 
+class Decoder {
+ public:
+  std::string answer(std::string_view request, SharedMemory& memory) {
+    MessageReader in(request);
+    switch (DecodingRequest{in.number<std::uint8_t>()}) {
+      case DecodingRequest::kOpenMesh:
+      case DecodingRequest::kOpenObjects:
+      case DecodingRequest::kReadMesh: return meshes_.answer(request, memory);
+      case DecodingRequest::kOpenImage:
+      case DecodingRequest::kReadImage: return images_.answer(request, memory);
+      case DecodingRequest::kClose: break;
+    }
+    images_.close();
+    meshes_.close();
+    return MessageWriter().number(DecodingAnswer::kDone).take();
+  }
+
+ private:
+  ImageDecoder images_;
+  MeshDecoder meshes_;
+};
+
 int run(int, char**) {
-  ImageDecoder decoder;
-  const int exit_code =
-      serve_helper([&](std::string_view request, SharedMemory& memory) { return decoder.answer(request, memory); });
+  Decoder decoder;
+  const int exit_code = serve_helper([&](std::string_view request, SharedMemory& memory) {
+    return answer_or_refusal([&] { return decoder.answer(request, memory); });
+  });
   if (exit_code != 0)
-    std::fputs("multum-decode: multum and multum-view start it, to read images for them; by itself it does nothing\n",
+    std::fputs("multum-decode: multum and multum-view start it, to read files for them; by itself it does nothing\n",
                stderr);
   return exit_code;
 }

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a process and its decoder of meshes say to each other (host/base/decoding_answer.h).
+//
+//   request   kOpenMesh, path, uv_set      answer   counts, parts
+//             kOpenObjects, path, uv_set            of each object: counts, name, place
+//             kReadMesh                             nothing; its arrays lie in the shared memory, one after the other
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "host/base/decoding_answer.h"
+#include "host/base/shared_memory.h"
+#include "host/mesh/mesh.h"
+#include "host/mesh/object_mesh.h"
+
+namespace multum {
+
+using ObjectMeshes = std::vector<ObjectMesh>;
+
+std::string open_mesh_request(DecodingRequest kind, const std::string& path, int uv_set);
+std::string read_mesh_request();
+
+/// Of `Meshes`, TriangleMesh or ObjectMeshes, all but what its arrays hold; they are as long as they will be. Throws
+/// Error(kInput) naming the file where that is more than the child was held to.
+template <typename Meshes>
+Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in);
+
+/// Of all its arrays together.
+template <typename Meshes>
+std::size_t array_bytes(const Meshes& meshes);
+
+/// Throws Error(kInput) naming the file where they are of no mesh: what follows computes with their numbers.
+template <typename Meshes>
+void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes);
+
+/// The child's side: one file at a time. Throws Error where it cannot do as asked.
+class MeshDecoder {
+ public:
+  std::string answer(std::string_view request, SharedMemory& memory);
+  void close() { meshes_ = {}; }
+
+ private:
+  std::variant<TriangleMesh, ObjectMeshes> meshes_;
+};
+
+}  // namespace multum

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a child may take (host/base/decoding_child.h). A corner of a triangle, 20 bytes of an OBJ file, becomes about a
+// kilobyte: assimp's vertex, its copy where a node is placed, ours, and its entry in the table that joins vertices.
+//   memory   memory_base + 64 sizes of the file and of the buffers that a glTF file names
+//   time     time_base + 1 s a MiB of them
+#include "host/mesh/mesh_source.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "host/base/error.h"
+#include "host/mesh/gltf_document.h"
+#include "host/mesh/mesh_messages.h"
+
+namespace multum {
+namespace {
+
+std::optional<DecodingChild>& mesh_child() {
+  static std::optional<DecodingChild> child;
+  return child;
+}
+
+std::uint64_t file_bytes(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  return error ? 0 : size;
+}
+
+// What is wrong with it, its reader says.
+std::uint64_t buffer_bytes(const std::string& path) {
+  std::uint64_t bytes = 0;
+  try {
+    const GltfDocument document = read_gltf_document(path);
+    for (const nlohmann::json& buffer : document.json.value("buffers", nlohmann::json::array()))
+      if (const std::string uri = buffer.value("uri", ""); !uri.empty() && !uri.starts_with("data:"))
+        bytes += file_bytes(uri_path(document, uri));
+  } catch (const Error&) {
+  } catch (const nlohmann::json::exception&) {
+  }
+  return bytes;
+}
+
+template <typename Meshes>
+Meshes read_in_child(DecodingRequest kind, const std::string& path, int uv_set) {
+  constexpr std::uint64_t kMemoryTimes = 64, kBytesASecond = std::uint64_t{1} << 20;
+  DecodedFile file(*mesh_child(), path, "assimp");
+  const std::uint64_t bytes = file_bytes(path) + (is_gltf_name(path) ? buffer_bytes(path) : 0);
+  file.allow(kMemoryTimes * bytes, std::chrono::seconds(bytes / kBytesASecond));
+  auto meshes = file.ask(open_mesh_request(kind, path, uv_set),
+                         [&](MessageReader& in) { return parse_mesh_answer<Meshes>(file.asked(), in); });
+  const std::byte* const memory = file.memory().reserve(array_bytes(meshes));
+  file.ask(read_mesh_request(), [](MessageReader&) { return true; });
+  take_arrays(file.asked(), memory, meshes);
+  return meshes;
+}
+
+}  // namespace
+
+void set_mesh_child(std::optional<DecodingChild> child) { mesh_child() = std::move(child); }
+
+TriangleMesh read_mesh(const std::string& path, int uv_set) {
+  return mesh_child() ? read_in_child<TriangleMesh>(DecodingRequest::kOpenMesh, path, uv_set)
+                      : read_mesh_here(path, uv_set);
+}
+
+std::vector<ObjectMesh> read_object_meshes(const std::string& path, int uv_set) {
+  return mesh_child() ? read_in_child<ObjectMeshes>(DecodingRequest::kOpenObjects, path, uv_set)
+                      : read_object_meshes_here(path, uv_set);
+}
+
+}  // namespace multum

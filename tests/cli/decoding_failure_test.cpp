@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// When the child that decodes fails, a command refuses the file or the machine, with the exit code of that, and leaves
+// no trace: an older output stays as it was.
+#include "host/base/sanitizers.h"
+#include "tests/cli/program.h"
+#include "tests/unit/animation_test_scene.h"
+
+namespace multum::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kInput = 3, kEnvironment = 4;
+
+class DecodingFailureTest : public CliTest {
+ protected:
+  // The programs, in a folder of their own; beside them helper_drill is multum-decode, which fails as the name of its
+  // file says (tests/unit/helper_drill.cpp). Empty `decoder`: there is none.
+  void install(const std::string& decoder) {
+    fs::remove_all(path("bin"));
+    fs::create_directories(path("bin"));
+    const fs::path built = MULTUM_BIN_DIR;
+    for (const char* program : {"multum", "multum-view"}) fs::copy_file(built / program, path("bin/") + program);
+    if (!decoder.empty()) fs::copy_file(built / decoder, path("bin/multum-decode"));
+    make_map("map", 16);
+    fs::create_directory(path("out"));
+  }
+
+  // `command` with its -o, over an older file.
+  void expect_refused(std::vector<std::string> command, int code, const std::vector<std::string>& parts) const {
+    const std::string output = path("out/") + (command.front() == "multum" ? "map.ndf.exr" : "picture.png");
+    command.front() = path("bin/") + command.front();
+    command.insert(command.end(), {"-o", output});
+    write_bytes(output, "an older file");
+    const ProgramResult result = run_program(command);
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    for (const std::string& part : parts)
+      EXPECT_NE(result.err.find(part), std::string::npos) << "no \"" << part << "\" in: " << result.err;
+    EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "something is left beside it";
+    EXPECT_EQ(read_bytes(output), "an older file");
+    fs::remove(output);
+  }
+
+  std::string map_named(const std::string& name) const {
+    fs::copy_file(path("map_normal.png"), path(name), fs::copy_options::overwrite_existing);
+    return path(name);
+  }
+};
+
+TEST_F(DecodingFailureTest, BakeRefusesWhatEndsItsDecoder) {
+  install("helper_drill");
+#ifndef MULTUM_SHADOW_MEMORY  // which has its own words for signals
+  expect_refused({"multum", "bake", map_named("segfault.png")}, kInput,
+                 {"segfault.png: the process that decodes it was ended by signal 11 (Segmentation fault)", "expected"});
+#endif
+  expect_refused({"multum", "bake", map_named("exit.png")}, kInput,
+                 {"exit.png: the process that decodes it ended with exit code 7"});
+  expect_refused({"multum", "bake", map_named("hang.png"), "--decode", "child:1"}, kInput,
+                 {"hang.png: the process that decodes it took more than 1 s and was ended"});
+}
+
+TEST_F(DecodingFailureTest, NoDecoderIsAnErrorOfTheMachine) {
+  install("");
+  expect_refused({"multum", "bake", path("map_normal.png")}, kEnvironment,
+                 {"bin/multum-decode: cannot be started: No such file or directory"});
+  ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "-q", "--no-measure"}).exit_code, 0);
+  write_bytes(path("mesh.obj"), "");
+  expect_refused({"multum-view", path("map.ndf.exr"), "--mesh", path("mesh.obj")}, kEnvironment,
+                 {"bin/multum-decode: cannot be started"});
+}
+
+TEST_F(DecodingFailureTest, TheViewerRefusesWhatEndsItsDecoder) {
+  install("helper_drill");
+  const std::string baked = path("map.ndf.exr");
+  ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", baked, "-q", "--no-measure"}).exit_code, 0);
+  write_bytes(path("exit.obj"), "");
+  write_bytes(path("hang.glb"), "");
+  expect_refused(
+      {"multum-view", baked, "--mesh", path("exit.obj")}, kInput,
+      {"exit.obj: the process that decodes it ended with exit code 7", "expected a file that assimp survives"});
+  expect_refused({"multum-view", baked, "--mesh", path("hang.glb"), "--decode", "child:1"}, kInput,
+                 {"hang.glb: the process that decodes it took more than 1 s and was ended"});
+  expect_refused({"multum-view", baked, "--source", map_named("exit.png"), "--compare", "truth"}, kInput,
+                 {"exit.png: the process that decodes it ended with exit code 7"});
+}
+
+#ifndef MULTUM_SHADOW_MEMORY
+TEST_F(DecodingFailureTest, MeshesThatNeedTooMuchMemoryAreRefused) {
+  install("multum-decode");
+  const std::string baked = path("map.ndf.exr");
+  ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", baked, "-q", "--no-measure"}).exit_code, 0);
+  write_bytes(path("bomb.gltf"), gltf_bomb());
+  expect_refused({"multum-view", baked, "--mesh", path("bomb.gltf")}, kInput,
+                 {"bomb.gltf: its decoding needs more than 1073", "--decode here sets no limit"});
+}
+#endif
+
+TEST_F(DecodingFailureTest, WhereFilesAreDecodedIsChecked) {
+  make_map("map", 16);
+  for (const char* place : {"there", "child:0", "child:2x"}) {
+    const ProgramResult result = multum({"bake", path("map_normal.png"), "-o", path("a.exr"), "--decode", place});
+    EXPECT_EQ(result.exit_code, 2) << place;
+    EXPECT_NE(result.err.find("expected child, child:SECONDS (1 to 86400) or here"), std::string::npos) << result.err;
+  }
+  EXPECT_NE(multum({"tradeoff", "--help"}).out.find("--decode"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace multum::testing
