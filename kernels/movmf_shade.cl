@@ -52,8 +52,8 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
       for (int d = 0; d < half_count; ++d) out[d] = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) {
         const float4 lobe = lobes[(size_t)sample * MULTUM_LOBES + j];
-        const TermsLobe terms = terms_lobe(lobe, highlights + e);
-        for (int d = 0; d < half_count; ++d) out[d] += shade_terms(&terms, one_minus_cosine(lobe, half_vectors[d].xyz));
+        for (int d = 0; d < half_count; ++d)
+          out[d] += shade_terms(lobe, highlights + e, one_minus_cosine(lobe, half_vectors[d].xyz));
       }
       out += half_count;
       continue;

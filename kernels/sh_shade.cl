@@ -21,8 +21,7 @@ static float weighted_bands(const float* bands, __global const float* zonal) {
 static float shade_map(float4 lobe, __global const MultumHighlight* f, float3 h) {
   const float e = one_minus_cosine(lobe, h);
   if (f->term_count == 0) return shade_blinn_phong(blinn_phong_lobe(lobe, f->exponent), e);
-  const TermsLobe terms = terms_lobe(lobe, f);
-  return shade_terms(&terms, e);
+  return shade_terms(lobe, f, e);
 }
 
 // One work-item = one sample point; global size sample_count.

@@ -222,7 +222,7 @@ std::vector<NumericalCase> shading_cases() {
         "a sum of vMFs of either sign is below 0 where f is: light that darkens what is beside it",
         "no lobe's sum is below 0", 6e-4, "of the sum of the terms' peaks", "2.3e-4 of kappa's inverse, of every term"},
        terms_of_either_sign,
-       {shade_edit("return terms->amplitude * max(sum, 0.0f);", "return terms->amplitude * sum;")}});
+       {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
   cases.push_back({{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the paper's shortcut, knows no spread",
                     "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
                     "0.22 % of the model (tools/fit_shading.py)"},

@@ -96,7 +96,7 @@ TEST_P(ShRenderTest, HalfsAreAsGoodAsFloats) {
 TEST_P(ShRenderTest, AFlatMapIsItsBrdfCutOff) {
   const TestMap map = make_flat_map(8);
   const Scene scene = scene_of(10.0f);
-  const ShMipmap harmonics = make_harmonics(map.image, 12, StorageEncoding::kFloat);
+  const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);
   EXPECT_LT(error(draw(harmonics, scene), lobes(map, scene)), 0.02);
   EXPECT_LT(error(draw(harmonics, scene, nullptr, ShCosine::kMeanNormal),
                   draw(harmonics, scene, nullptr, ShCosine::kMeanDirection)),
@@ -135,12 +135,14 @@ TEST_P(ShRenderTest, BeyondABlackBorderThereIsNothing) {
   EXPECT_LT(within, everywhere / 4);
 }
 
+// Both contexts are llvmpipe on most machines, which takes ten seconds for the longest shader: one of them draws it.
 TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
+  const int high = GetParam() == ContextBackend::kOsmesa ? 20 : 8;
   const TestMap map = make_two_tilt_map(8, 25.0, StorageEncoding::kFloat, false);
   const Scene scene = scene_of(5.0f);
   const FloatImage exact = lobes(map, scene);
   const double least = error(draw(make_harmonics(map.image, 1, StorageEncoding::kHalf), scene), exact);
-  const double most = error(draw(make_harmonics(map.image, 20, StorageEncoding::kHalf), scene), exact);
+  const double most = error(draw(make_harmonics(map.image, high, StorageEncoding::kHalf), scene), exact);
   EXPECT_LT(most, 0.03);
   EXPECT_GT(least, most);
 }

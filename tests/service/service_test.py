@@ -439,7 +439,7 @@ class ServiceTest(ServiceCase):
 
     def test_requests_that_make_no_sense(self):
         self.start()
-        for body, words in (([], "no JSON object"), ({"type": "bkae"}, "expected one of bake, infer, drill"),
+        for body, words in (([], "no JSON object"), ({"type": "bkae"}, "expected one of bake, scene, infer, drill"),
                             ({"type": "drill", "colour": 1}, 'no key "colour"'),
                             ({"type": "drill", "parameters": {"seconds": -1}}, "expected a number from 0 to 86400"),
                             ({"type": "drill", "parameters": {"then": 7}}, "expected one of succeed"),
