@@ -36,7 +36,7 @@ struct ThreadCompressor {
 // The number of bytes written; 0: no room.
 std::size_t compress_quickly(const Bytef* source, uLong source_size, Bytef* destination, uLong destination_size) {
   static thread_local std::vector<unsigned char> working(ISAL_DEF_LVL1_DEFAULT);
-  isal_zstream stream;
+  isal_zstream stream{};  // isal_deflate_stateless_init() leaves its table of strings as it was in memory
   isal_deflate_stateless_init(&stream);
   stream.level = 1;
   stream.level_buf = working.data();

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <vector>
 
 #include "host/base/split_mix.h"
@@ -50,6 +51,25 @@ TEST(ZlibCompressTest, ZlibReadsEveryLevel) {
 TEST(ZlibCompressTest, QuickLevelsCompressToo) {
   const Bytes source = random_bytes(262144, 16);  // 4 bits of 8
   for (int level = 1; level <= 9; ++level) EXPECT_LT(compressed(source, level).size(), source.size() * 6 / 10) << level;
+}
+
+// What lay on the stack before was ISA-L's table of earlier strings: other matches, other bytes, now and then.
+[[gnu::noinline]] void fill_the_stack(std::uint64_t seed) {
+  volatile std::uint16_t there[1 << 18];
+  for (std::size_t i = 0; i < std::size(there); ++i) there[i] = static_cast<std::uint16_t>(split_mix(seed + i) % 64);
+}
+
+TEST(ZlibCompressTest, SameBytesWhateverWasInMemory) {
+  for (const std::size_t count : {std::size_t{36}, std::size_t{200}, std::size_t{20000}})
+    for (const int level : {1, 3, 4, 9}) {
+      const Bytes source = random_bytes(count, 5);
+      fill_the_stack(0);
+      const Bytes first = compressed(source, level);
+      for (std::uint64_t seed = 1; seed < 20; ++seed) {
+        fill_the_stack(seed << 20);
+        ASSERT_EQ(compressed(source, level), first) << count << " bytes, level " << level << ", " << seed;
+      }
+    }
 }
 
 TEST(ZlibCompressTest, TooLittleRoomIsAnError) {
