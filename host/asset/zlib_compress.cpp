@@ -80,9 +80,11 @@ bool replaces_zlib_compress() { return true; }
 
 extern "C" int compress2(Bytef* destination, uLongf* destination_size, const Bytef* source, uLong source_size,
                          int level) {
-  constexpr uLong kQuickBytesMax = std::numeric_limits<std::uint32_t>::max();
-  const bool is_quick = level >= 1 && level <= multum::kQuickLevelMax && source_size <= kQuickBytesMax &&
-                        *destination_size <= kQuickBytesMax;
+  // ISA-L has compressed the same 32 bytes, of a coarse level's tile, in two ways; why is not known. libdeflate has
+  // not, and of so little its speed does not count.
+  constexpr uLong kQuickBytesMin = 4096, kQuickBytesMax = std::numeric_limits<std::uint32_t>::max();
+  const bool is_quick = level >= 1 && level <= multum::kQuickLevelMax && source_size >= kQuickBytesMin &&
+                        source_size <= kQuickBytesMax && *destination_size <= kQuickBytesMax;
   const std::size_t size = is_quick ? multum::compress_quickly(source, source_size, destination, *destination_size)
                                     : multum::compress_well(source, source_size, destination, *destination_size,
                                                             level < 0 ? multum::kUsualLevel : level);
