@@ -21,7 +21,7 @@ DirectionBuffers::DirectionBuffers(Device& device, const ShadingDirections& dire
       light_count_(static_cast<int>(directions.lights.size())),
       highlight_count_(static_cast<int>(directions.highlights.size())),
       value_count_(directions.half_vectors.size() * directions.highlights.size() + directions.lights.size()) {
-  for (const Highlight& highlight : directions.highlights) shaded_.push_back(shaded_highlight(highlight.brdf));
+  for (const Highlight& highlight : directions.highlights) shaded_.push_back(highlight.shaded);
   if (shaded_.empty()) shaded_.push_back(shaded_highlight(1.0));
   for (const MultumHighlight& highlight : shaded_) exponents_.push_back(highlight.exponent);
   half_buffer_ = device.wrap_buffer(half_vectors_.data(), half_vectors_.size() * sizeof(glm::vec4), "half vectors");

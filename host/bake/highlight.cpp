@@ -12,19 +12,19 @@ namespace {
 
 static_assert(MULTUM_HIGHLIGHT_TERMS == kBrdfTermCountMax);
 
-double mean_of(const glm::dvec3& channels) { return (channels.x + channels.y + channels.z) / 3.0; }
-
 }  // namespace
 
 std::string blinn_phong_name(double exponent) { return fmt::format("blinn-phong:{}", exponent); }
 
 Highlight blinn_phong_highlight(double exponent) {
-  Highlight highlight{blinn_phong_name(exponent), {}};
-  highlight.brdf.exponent = static_cast<float>(exponent);
-  return highlight;
+  Brdf brdf;
+  brdf.exponent = static_cast<float>(exponent);
+  return make_highlight(blinn_phong_name(exponent), brdf);
 }
 
-double grey_density(const Brdf& brdf, double e) { return mean_of(facet_density(brdf, e)); }
+Highlight make_highlight(const std::string& name, const Brdf& brdf) { return {name, brdf, shaded_highlight(brdf)}; }
+
+double grey_density(const Brdf& brdf, double e) { return mean_channel(facet_density(brdf, e)); }
 
 MultumHighlight shaded_highlight(double exponent) {
   MultumHighlight shaded{};
@@ -37,9 +37,9 @@ MultumHighlight shaded_highlight(const Brdf& brdf) {
   MULTUM_CHECK(brdf.kind != BrdfKind::kLambert);
   MultumHighlight shaded = shaded_highlight(equivalent_exponent(brdf));
   if (brdf.kind == BrdfKind::kBlinnPhong) return shaded;
-  shaded.total = static_cast<float>(mean_of(facet_total(brdf)));
+  shaded.total = static_cast<float>(mean_channel(facet_total(brdf)));
   for (const VmfTerm& term : vmf_terms(brdf)) {
-    shaded.weights[shaded.term_count] = static_cast<float>(mean_of(term.weight));
+    shaded.weights[shaded.term_count] = static_cast<float>(mean_channel(term.weight));
     shaded.spreads[shaded.term_count++] = static_cast<float>(term.spread);
   }
   return shaded;

@@ -13,7 +13,10 @@ namespace multum {
 struct Highlight {
   std::string name;  // "blinn-phong:100", "ggx:0.5"
   Brdf brdf;         // not kLambert
+  MultumHighlight shaded;
 };
+/// Of GGX and measurements a fit of some 10 to 100 ms: made once, and handed on.
+Highlight make_highlight(const std::string& name, const Brdf& brdf);
 
 /// "blinn-phong:100".
 std::string blinn_phong_name(double exponent);

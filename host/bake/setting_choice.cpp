@@ -86,7 +86,7 @@ std::vector<Highlight> TargetBrdf::more_highlights() const {
   const bool is_usual = brdf.kind == BrdfKind::kBlinnPhong &&
                         std::find(usual.begin(), usual.end(), static_cast<double>(brdf.exponent)) != usual.end();
   if (!has_highlight() || is_usual) return {};
-  return {{name, brdf}};
+  return {make_highlight(name, brdf)};
 }
 
 ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf) {
@@ -117,6 +117,8 @@ SettingTrials::SettingTrials(Device& device, const BakeJob& job, const BakeSourc
     : device_(device),
       job_(job),
       brdf_(std::move(brdf)),
+      highlights_(brdf_.has_highlight() ? std::vector{make_highlight(brdf_.name, brdf_.brdf)}
+                                        : std::vector<Highlight>()),
       mosaic_(make_mosaic(source, {})),
       candidates_(std::move(candidates)),
       scale_(static_cast<double>(source.map.normals.width()) * source.map.normals.height() /
@@ -132,7 +134,7 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
   accuracy.first_level = kSummaryLevel;  // only the levels that count are made
   accuracy.samples_per_level = 0;
   accuracy.exponents.clear();
-  if (brdf_.has_highlight()) accuracy.highlights.push_back({brdf_.name, brdf_.brdf});
+  accuracy.highlights = highlights_;
   BakeReport report;
   Progress quiet = cancel_only(progress);
   const std::unique_ptr<AccuracyMeter> meter = rehearse_levels(device_, job, mosaic_, accuracy, report, &quiet);

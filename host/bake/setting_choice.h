@@ -81,6 +81,7 @@ class SettingTrials {
   Device& device_;
   const BakeJob job_;
   const TargetBrdf brdf_;
+  const std::vector<Highlight> highlights_;  // of it: one, or none
   const BakeSource mosaic_;
   const std::vector<SettingCandidate> candidates_;
   std::vector<SettingTrial> made_;

@@ -18,7 +18,7 @@ constexpr int kPointsPerBand = 1024;
 ZonalCoefficients zonal_of(const Brdf& brdf, int order) {
   if (brdf.kind == BrdfKind::kBlinnPhong) return zonal_blinn_phong(order, static_cast<double>(brdf.exponent));
   ZonalCoefficients grey;
-  for (const glm::dvec3& a : zonal_coefficients(brdf, order)) grey.push_back((a.x + a.y + a.z) / 3.0);
+  for (const glm::dvec3& a : zonal_coefficients(brdf, order)) grey.push_back(mean_channel(a));
   return grey;
 }
 

@@ -64,8 +64,8 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
   const std::string text = target.is_sum() ? target.text : ggx_of(equivalent_exponent(target.brdf));
   for (int terms = 1; terms <= kBrdfTermCountMax; ++terms) {
     const std::string arguments = fmt::format("--brdf-terms {}", terms);
-    Brdf brdf = parse_brdf("--brdf", text, terms);
-    views.push_back({"BRDF terms", arguments, text, false, Highlight{"terms:" + std::to_string(terms), brdf}});
+    views.push_back({"BRDF terms", arguments, text, false,
+                     make_highlight("terms:" + std::to_string(terms), parse_brdf("--brdf", text, terms))});
   }
 }
 

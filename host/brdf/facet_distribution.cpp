@@ -54,8 +54,9 @@ double equivalent_exponent(const Brdf& brdf) {
     case BrdfKind::kGgx:
     case BrdfKind::kMeasured: {
       // Of equal peak: (s + 1) / (2 pi) = f(0) / integral of f.
-      const auto mean = [](const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; };
-      return std::max(2.0 * kPi * mean(facet_density(brdf, 0.0)) / std::max(mean(facet_total(brdf)), 1e-30) - 1.0, 1.0);
+      return std::max(
+          2.0 * kPi * mean_channel(facet_density(brdf, 0.0)) / std::max(mean_channel(facet_total(brdf)), 1e-30) - 1.0,
+          1.0);
     }
     case BrdfKind::kLambert: break;
   }

@@ -11,6 +11,9 @@
 
 namespace multum {
 
+/// What is grey of a colour here.
+inline double mean_channel(const glm::dvec3& channels) { return (channels.x + channels.y + channels.z) / 3.0; }
+
 /// f per solid angle, of e = 1 - n.h, 0..2, which narrow f need: n.h would round.
 glm::dvec3 facet_density(const Brdf& brdf, double e);
 
