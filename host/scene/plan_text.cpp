@@ -186,6 +186,10 @@ std::string bytes_text(double bytes) {
   return fmt::format("{:.1f} MiB", bytes / 1048576.0);
 }
 
+std::string percent_text(double share) {
+  return share < 0.995 ? fmt::format("{:.2g} %", 100.0 * share) : fmt::format("{:.0f} %", 100.0 * share);
+}
+
 std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
   width = std::max(width, 60);
   std::string text;

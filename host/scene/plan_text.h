@@ -26,8 +26,9 @@ struct SceneFiles {
 /// Files are named against the folder of results.
 nlohmann::json plan_json(const Scene& scene, const ScenePlan& plan, const SceneFiles& files);
 
-/// "1.2 s", "34 ms"; "5.3 MiB", "812 B".
+/// "1.2 s", "34 ms"; "5.3 MiB", "812 B"; "1.2 %", "14 %" of 0.14.
 std::string time_text(double ms);
 std::string bytes_text(double bytes);
+std::string percent_text(double share);
 
 }  // namespace multum

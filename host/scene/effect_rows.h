@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rows of a map's table in a plan: each effect, whether the map's bake needs it, and the number that says why.
+#pragma once
+
+#include "host/scene/map_planner.h"
+
+namespace multum {
+
+/// Appends to plan.effects; plan.chosen is what is baked.
+void add_effect_rows(const Scene& scene, MapPlanner& planner, MapPlan& plan);
+
+}  // namespace multum

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// One map's candidates: the ways to bake it that a scene allows, what each is estimated to be off, and the choice.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/scene/lobe_errors.h"
+#include "host/scene/map_needs.h"
+#include "host/scene/map_survey.h"
+#include "host/scene/scene_plan.h"
+
+namespace multum {
+
+class MapPlanner {
+ public:
+  /// Surveys the map; `map`: of scene.maps, read as `source`. `scene` must outlive it.
+  MapPlanner(const Scene& scene, std::size_t map, std::shared_ptr<BakeSource> source, const PlanSettings& settings);
+
+  /// The cheapest candidate within the limit; rows of the table are left out, and the job's settings. Once. Throws
+  /// Error(kVerification) where none reaches the scene's target error.
+  MapPlan plan();
+
+  const MapNeeds& needs() const { return needs_; }
+  const MapSurvey& survey() const { return survey_; }
+  LobeErrors& errors() { return *errors_; }
+  /// What part of the lobes is sharper than 16 bits keep; unset where nothing that is seen asks.
+  std::optional<double> share_beyond_storage(int lobe_count);
+
+ private:
+  BakeShape shape(Representation representation, int lobes) const;
+  StorageEncoding lobe_encoding(int lobes);
+  template <typename Error>
+  PartErrors part_errors(const Error& error, ColourModel colours) const;
+  PartErrors lobes_error(int lobes, ColourModel colours);
+  void add_usual();
+  void add_constant();
+  void add_lobes(int lobes);
+  void add_candidates();
+  void add_gaussians();
+  void choose();
+
+  const Scene& scene_;
+  const SceneMap& map_;
+  std::shared_ptr<BakeSource> source_;
+  MapPlan plan_;
+  MapNeeds needs_;
+  MapSurvey survey_;
+  std::optional<LobeErrors> errors_;
+  bool has_colours_ = false;
+  bool one_lobe_is_enough_ = false;
+};
+
+}  // namespace multum
