@@ -45,7 +45,8 @@ std::vector<CaseTopic> fit_topics() {
         "steps-along-the-old-direction", "denormal-diagonals", "exp2-far-below-its-range"}},
       {"a variance that rounding or filtering leaves below 0",
        {"planar-variance-never-negative", "planar-filtered-variance-below-0", "slope-variance-below-0",
-        "glsl-planar-filtered-variance-below-0", "glsl-slope-variance-below-0"}},
+        "steep-slopes-under-sharp-highlights", "glsl-planar-filtered-variance-below-0", "glsl-slope-variance-below-0",
+        "glsl-steep-slopes-under-sharp-highlights"}},
   };
 }
 

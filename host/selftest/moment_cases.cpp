@@ -142,6 +142,28 @@ void slopes_along_a_line(Device& device, WorstError& worst) {
       }
 }
 
+// Steep slopes nearly alike under a sharp highlight, a width of the highlight off its peak: what E[s^2] - E[s]^2 loses
+// in single precision, against the variance 1/s that is beside it.
+void steep_and_sharp(Device& device, WorstError& worst) {
+  for (const double slope : {0.1, 1.0, 5.0, 20.0})
+    for (const double variance : {0.0, 1e-6, 1e-4})
+      for (const double s : {100.0, 1e3, 1e4, 1e5}) {
+        reference::TexelMoments exact;
+        exact.s = slope, exact.t = -slope, exact.st = -slope * slope;
+        exact.ss = exact.tt = slope * slope + variance;
+        const auto narrow = [](double x) { return static_cast<float>(x); };
+        const MultumFilteredMoments m =
+            of_slopes(narrow(exact.s), narrow(exact.t), narrow(exact.ss), narrow(exact.tt), narrow(exact.st));
+        const double off = std::sqrt(variance + 1.0 / s), peak = s / (2.0 * M_PI);
+        const double lost = 0x1p-22 * (s * slope * slope + std::sqrt(s) * (1.0 + slope));
+        const std::vector<glm::vec4> h = {half_at(slope, -slope), half_at(slope + off, -slope)};
+        const std::vector<double> values = shade_moments(device, m, MULTUM_SHADE_LEAN, s, h);
+        for (std::size_t i = 0; i < h.size(); ++i)
+          worst.add(values[i], reference::lean(exact, glm::dvec3(h[i]), s, false), peak * (1e-6 + lost),
+                    fmt::format("slope {}, variance {}, s {}, vector {}", slope, variance, s, i));
+      }
+}
+
 // Half vectors at and below the horizon, where a slope and the Jacobian have no bound.
 void half_vectors_at_the_horizon(Device& device, WorstError& worst) {
   std::vector<glm::vec4> h;
@@ -232,6 +254,11 @@ std::vector<NumericalCase> moment_cases() {
       {shade_edit("base * (base + variance_s + variance_t) + max(variance_s * variance_t - covariance * covariance, "
                   "0.0f)",
                   "(base + variance_s) * (base + variance_t) - covariance * covariance")});
+  add("steep-slopes-under-sharp-highlights", "moments in half floats: 400 to the next 0.25, where s = 1e5 has 1e-5",
+      "32-bit moments; what they lose broadens the highlight by 2^-22 s b^2 of its width at most", 1.0,
+      "of the peak, over 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, b the slope",
+      "E[s^2] and E[s]^2 are rounded, 2^-24 b^2 each", steep_and_sharp,
+      {shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon: inf - inf",
       "nothing at or below 1e-4 above it", kNothingWrong, "absolute, where nothing is to be; NaN anywhere",
       "nothing may be", half_vectors_at_the_horizon, {shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});

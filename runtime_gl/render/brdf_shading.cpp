@@ -16,18 +16,6 @@ std::string terms_flag(const Brdf& brdf) { return "MULTUM_TERM_COUNT " + std::to
 
 std::vector<glm::vec3> to_floats(const std::vector<glm::dvec3>& values) { return {values.begin(), values.end()}; }
 
-void set_terms(const ShaderProgram& shader, const Brdf& brdf) {
-  std::vector<glm::vec3> weights;
-  std::vector<float> spreads;
-  for (const VmfTerm& term : vmf_terms(brdf)) {
-    weights.emplace_back(term.weight);
-    spreads.push_back(static_cast<float>(term.spread));
-  }
-  const int count = static_cast<int>(weights.size());
-  shader.set_vec3("u_term_weights", glm::value_ptr(weights[0]), count);
-  shader.set_floats("u_term_spreads", spreads.data(), count);
-}
-
 ShaderParts parts_of_kind(const Brdf& brdf) {
   switch (brdf.kind) {
     case BrdfKind::kLambert: return {{"MULTUM_LAMBERT"}, {}};
@@ -55,20 +43,34 @@ ShaderParts brdf_shader_parts(const Brdf& brdf) {
   return parts;
 }
 
-void set_brdf(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
+BrdfShading::Numbers BrdfShading::numbers_of(const Brdf& brdf) {
+  Numbers numbers{static_cast<float>(equivalent_exponent(brdf)), glm::vec3(facet_total(brdf)), {}, {}, {}};
+  if (brdf.kind != BrdfKind::kGgx && brdf.kind != BrdfKind::kMeasured) return numbers;
+  for (const VmfTerm& term : vmf_terms(brdf)) {
+    numbers.weights.emplace_back(term.weight);
+    numbers.spreads.push_back(static_cast<float>(term.spread));
+  }
+  return numbers;
+}
+
+void BrdfShading::set(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
+  Numbers& numbers = kept_.of(brdf, numbers_of);
   const glm::vec3 fixed = has_fresnel(brdf) ? brdf.fixed_fresnel.value_or(glm::vec3(1.0f)) : glm::vec3(1.0f);
   const bool dims_diffuse = brdf.fixed_fresnel && has_diffuse_fresnel(brdf);
   const glm::vec3 diffuse = brdf.diffuse * (dims_diffuse ? 1.0f - fixed : glm::vec3(1.0f));
   const glm::vec3 specular = brdf.specular * fixed;
   shader.set_vec3("u_diffuse", glm::value_ptr(diffuse), 1);
   shader.set_vec3("u_specular", glm::value_ptr(specular), 1);
-  shader.set("u_exponent", static_cast<float>(equivalent_exponent(brdf)));
-  const glm::vec3 total(facet_total(brdf));
-  shader.set_vec3("u_facet_total", glm::value_ptr(total), 1);
+  shader.set("u_exponent", numbers.exponent);
+  shader.set_vec3("u_facet_total", glm::value_ptr(numbers.total), 1);
   shader.set("u_sigma", brdf.sigma);
   shader.set("u_alpha", ggx_alpha(brdf));
   shader.set_vec3("u_f0", glm::value_ptr(brdf.f0), 1);
-  if (brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured) set_terms(shader, brdf);
+  if (!numbers.weights.empty()) {
+    const int count = static_cast<int>(numbers.weights.size());
+    shader.set_vec3("u_term_weights", glm::value_ptr(numbers.weights[0]), count);
+    shader.set_floats("u_term_spreads", numbers.spreads.data(), count);
+  }
   if (brdf.kind == BrdfKind::kMeasured) {
     const std::vector<glm::vec3> facets = to_floats(brdf.measured->facets);
     const std::vector<float> differences(brdf.measured->differences.begin(), brdf.measured->differences.end());
@@ -76,7 +78,8 @@ void set_brdf(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
     shader.set_floats("u_differences", differences.data(), kDifferenceTableSize);
   }
   if (zonal_order < 0) return;
-  const std::vector<glm::vec3> zonal = to_floats(zonal_coefficients(brdf, zonal_order));
+  std::vector<glm::vec3>& zonal = numbers.zonal[zonal_order];
+  if (zonal.empty()) zonal = to_floats(zonal_coefficients(brdf, zonal_order));
   shader.set_vec3("u_zonal", glm::value_ptr(zonal[0]), zonal_order + 1);
 }
 

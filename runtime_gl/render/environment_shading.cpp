@@ -30,11 +30,6 @@ std::array<glm::vec3, 3> environment_axes(const glm::vec3& up) {
   return {glm::cross(up, z), up, z};
 }
 
-bool same_reflection(const Brdf& a, const Brdf& b) {
-  return a.kind == b.kind && a.exponent == b.exponent && a.sigma == b.sigma && a.roughness == b.roughness &&
-         a.f0 == b.f0 && a.term_count == b.term_count && a.measured == b.measured;
-}
-
 void set_smooth(const ShaderProgram& shader, const SmoothEnvironment& smooth) {
   const glm::vec3 mean(smooth.mean[0], smooth.mean[1], smooth.mean[2]);
   std::array<glm::vec3, 3> linear;
@@ -85,24 +80,22 @@ void EnvironmentShading::set_map(const Scene& scene) {
   }
 }
 
-void EnvironmentShading::set_tables(const Brdf& brdf) {
-  if (brdf_.has_value() && same_reflection(*brdf_, brdf)) return;
-  brdf_ = brdf;
-  term_spreads_.clear();
-  for (const VmfTerm& term : vmf_terms(brdf)) term_spreads_.push_back(static_cast<float>(term.spread));
+EnvironmentShading::Tables EnvironmentShading::make_tables(const Brdf& brdf) const {
+  Tables made;
+  for (const VmfTerm& term : vmf_terms(brdf)) made.term_spreads.push_back(static_cast<float>(term.spread));
   // Lambert has no terms, and its Fresnel part is not read.
   const auto tables = reflection_tables(brdf);
   std::vector<glm::vec4> texels;
   for (const auto& table : tables)
     for (const ReflectionEntry& e : table) texels.emplace_back(glm::vec3(e.weight), static_cast<float>(e.plain));
-  tables_.reset();
-  if (tables.empty()) return;
+  if (tables.empty()) return made;
   for (const ReflectionEntry& e : tables[0]) texels.emplace_back(glm::vec3(static_cast<float>(e.fresnel)), 0.0f);
   const int planes = static_cast<int>(tables.size()) + 1;
-  tables_.emplace(*gl_, "what lobes reflect",
-                  TextureShape{kReflectionCosineCount, planes * kReflectionSpreadCount, 1, TexelFormat::kRgba32f},
-                  kClamped);
-  tables_->upload_level(0, &texels[0].x);
+  made.texture.emplace(*gl_, "what lobes reflect",
+                       TextureShape{kReflectionCosineCount, planes * kReflectionSpreadCount, 1, TexelFormat::kRgba32f},
+                       kClamped);
+  made.texture->upload_level(0, &texels[0].x);
+  return made;
 }
 
 void EnvironmentShading::set_half_vector_light(const Scene& scene, glm::ivec2 viewport) {
@@ -152,10 +145,11 @@ void EnvironmentShading::set(const ShaderProgram& shader, const Scene& scene, bo
     return;
   }
   set_smooth(shader, light_->smooth);
-  set_tables(scene.brdf);
-  binder.bind("u_reflection_table", tables_);
-  if (!term_spreads_.empty())
-    shader.set_floats("u_environment_spreads", term_spreads_.data(), static_cast<int>(term_spreads_.size()));
+  Tables& tables = tables_.of(scene.brdf, [this](const Brdf& brdf) { return make_tables(brdf); });
+  binder.bind("u_reflection_table", tables.texture);
+  if (!tables.term_spreads.empty())
+    shader.set_floats("u_environment_spreads", tables.term_spreads.data(),
+                      static_cast<int>(tables.term_spreads.size()));
   std::vector<float> spreads;
   for (const double spread : light_->levels.spreads) spreads.push_back(static_cast<float>(spread));
   shader.set_floats("u_level_spreads", spreads.data(), static_cast<int>(spreads.size()));
@@ -166,10 +160,10 @@ void EnvironmentShading::set(const ShaderProgram& shader, const Scene& scene, bo
   const glm::vec2 grid(kGridColumns, kGridRows), size(viewport);
   shader.set_vec2("u_half_grid", glm::value_ptr(grid));
   shader.set_vec2("u_viewport", glm::value_ptr(size));
-  std::vector<glm::vec3> zonal;
-  for (const glm::dvec3& coefficient : zonal_coefficients(scene.brdf, kHalfVectorOrder))
-    zonal.emplace_back(coefficient);
-  shader.set_vec3("u_half_zonal", glm::value_ptr(zonal[0]), kHalfVectorOrder + 1);
+  if (tables.half_zonal.empty())
+    for (const glm::dvec3& coefficient : zonal_coefficients(scene.brdf, kHalfVectorOrder))
+      tables.half_zonal.emplace_back(coefficient);
+  shader.set_vec3("u_half_zonal", glm::value_ptr(tables.half_zonal[0]), kHalfVectorOrder + 1);
 }
 
 }  // namespace multum::gl

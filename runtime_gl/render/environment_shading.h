@@ -7,6 +7,7 @@
 
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/material.h"
+#include "runtime_gl/render/kept_of_brdf.h"
 #include "runtime_gl/render/scene.h"
 
 namespace multum::gl {
@@ -29,15 +30,19 @@ class EnvironmentShading {
 
  private:
   void set_map(const Scene& scene);
-  void set_tables(const Brdf& brdf);
+  // What lobes reflect of an environment by a BRDF.
+  struct Tables {
+    std::vector<float> term_spreads;
+    std::optional<Texture> texture;     // none of Lambert
+    std::vector<glm::vec3> half_zonal;  // to kHalfVectorOrder, where asked for
+  };
+  Tables make_tables(const Brdf& brdf) const;
   void set_half_vector_light(const Scene& scene, glm::ivec2 viewport);
 
   const GlFunctions* gl_;
   std::shared_ptr<const EnvironmentLight> light_;  // what map_ holds
   std::optional<Texture> map_;
-  std::optional<Brdf> brdf_;         // what tables_ are of
-  std::vector<float> term_spreads_;  // of its terms
-  std::optional<Texture> tables_;
+  KeptOfBrdf<Tables> tables_;
   std::optional<Texture> half_vector_light_;
 };
 

@@ -9,7 +9,6 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/base/error.h"
-#include "runtime_gl/render/brdf_shading.h"
 #include "runtime_gl/render/light_shading.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
@@ -75,7 +74,7 @@ std::vector<ShaderVariant> Renderer::variants() const {
 void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) {
   shader.set_vec3("u_eye", glm::value_ptr(scene.camera.eye), 1);
   shader.set("u_uv_scale", scene.uv_scale);
-  set_brdf(shader, scene.brdf, material.zonal_order());
+  brdf_.set(shader, scene.brdf, material.zonal_order());
   set_lights(shader, scene);
   environment_.set(shader, scene, material.samples_light(), {framebuffer_.width(), framebuffer_.height()},
                    material.bind(shader));

@@ -12,6 +12,7 @@
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/gl/shader_program.h"
 #include "runtime_gl/materials/material.h"
+#include "runtime_gl/render/brdf_shading.h"
 #include "runtime_gl/render/environment_shading.h"
 #include "runtime_gl/render/scene.h"
 
@@ -66,6 +67,7 @@ class Renderer {
   Framebuffer framebuffer_;
   Framebuffer sum_;
   EmptyMesh full_screen_;
+  BrdfShading brdf_;
   EnvironmentShading environment_;
   std::map<std::string, std::unique_ptr<Variant>> programs_;
   std::unique_ptr<ShaderProgram> adder_;

@@ -155,6 +155,28 @@ void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& 
   }
 }
 
+// Steep slopes nearly alike under a sharp highlight, as in host/selftest/moment_cases.cpp.
+void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const double s : {100.0, 1e3, 1e4, 1e5}) {
+    GlslInputs inputs;
+    std::vector<double> exact, scales;
+    for (const double slope : {0.1, 1.0, 5.0, 20.0})
+      for (const double variance : {0.0, 1e-6, 1e-4})
+        for (const double off : {0.0, std::sqrt(variance + 1.0 / s)}) {
+          reference::TexelMoments m;
+          m.s = slope, m.t = -slope, m.st = -slope * slope;
+          m.ss = m.tt = slope * slope + variance;
+          inputs.emplace_back(glm::vec4(glm::dvec4(m.s, m.t, m.ss, m.tt)), half_at(slope + off, -slope, m.st));
+          exact.push_back(reference::lean(m, glm::dvec3(inputs.back().second), s, false));
+          scales.push_back(s / (2.0 * kPi) * (1e-6 + 0x1p-22 * (s * slope * slope + std::sqrt(s) * (1.0 + slope))));
+        }
+    const std::vector<glm::vec4> values = evaluate_glsl(gl, edits, kLean, inputs, of_exponent(s));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      worst.add(static_cast<double>(values[i].x), exact[i], scales[i],
+                fmt::format("s {}, slope {}, second moment {}", s, inputs[i].first.x, inputs[i].first.z));
+  }
+}
+
 // Half vectors at and below the horizon, where a slope and the Jacobian have no bound.
 void half_vectors_at_the_horizon(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslInputs inputs;
@@ -480,6 +502,14 @@ std::vector<GlslCase> moment_cases() {
                   "                      max(variance.x * variance.y - covariance * covariance, 0.0)",
                   "(base + variance.x) * (base + variance.y) - covariance * covariance")},
        slopes_along_a_line},
+      {{"glsl-steep-slopes-under-sharp-highlights", file,
+        "moments in half floats: 400 to the next 0.25, where s = 1e5 has 1e-5",
+        "32-bit moments; what they lose broadens the highlight by 2^-22 s b^2 of its width at most", 1.0,
+        "of the peak, over 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, b the slope",
+        "E[s^2] and E[s]^2 are rounded, 2^-24 b^2 each"},
+       {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))",
+                  "max(floor(slopes.zw * 4.0 + 0.5) * 0.25 - slopes.xy * slopes.xy, vec2(0.0))")},
+       steep_and_sharp},
       {{"glsl-half-vectors-at-the-horizon", file, "the slope of a half vector at the horizon: inf - inf",
         "nothing at or below 1e-4 above it", kNothingWrong, "absolute, where nothing is to be", "nothing may be"},
        {glsl_edit("if (h.z <= 1e-4) return 0.0;", "")},
