@@ -287,6 +287,7 @@ class Sweep {
                                         "--source",  job_.bake.input,
                                         "--brdf",    view.brdf.empty() ? job_.brdf.text : view.brdf,
                                         "--context", job_.context,
+                                        "--decode",  job_.decode,
                                         "--size",    fmt::format("{}x{}", job_.width, job_.height)};
     command.insert(command.end(), more.begin(), more.end());
     std::stringstream words(view.arguments);

@@ -18,6 +18,7 @@ struct TradeoffJob {
   SweepLength length = SweepLength::kUsual;
   std::string viewer;             // multum-view; empty: nothing is drawn
   std::string context = "auto";   // of multum-view
+  std::string decode = "child";   // of multum-view, too
   std::string scratch;            // a folder for baked files and pictures, made and removed again
   int width = 320, height = 240;  // of pictures
   int samples = 64;               // a pixel of the truth

@@ -69,6 +69,24 @@ TEST_F(DecodingFailureTest, NoDecoderIsAnErrorOfTheMachine) {
                  {"bin/multum-decode: cannot be started"});
 }
 
+// With no decoder in reach, all of them must read here: the sweep's multum-view, too.
+TEST_F(DecodingFailureTest, DecodingHereNeedsNoDecoder) {
+  install("");
+  write_bytes(path("scene.toml"),
+              "[[map]]\nname = \"wall\"\nnormal = \"map_normal.png\"\n[[material]]\nname = \"paint\"\nbrdf = "
+              "\"lambert\"\n[[object]]\nname = \"wall\"\nmap = \"wall\"\nmaterial = \"paint\"\nwidth = 1\n"
+              "distance = [1, 2]\n[[light]]\ndirection = [0, 0, 1]\n");
+  const std::string multum = path("bin/multum");
+  EXPECT_EQ(run_program({multum, "plan", path("scene.toml")}).exit_code, kEnvironment);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{multum, "plan", path("scene.toml"), "--decode", "here"},
+        {multum, "tradeoff", path("map_normal.png"), "-o", path("page.html"), "--quick", "--decode", "here"}}) {
+    const ProgramResult result = run_program(command);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  }
+  EXPECT_NE(read_bytes(path("page.html")).find("data:image/png"), std::string::npos);
+}
+
 TEST_F(DecodingFailureTest, TheViewerRefusesWhatEndsItsDecoder) {
   install("helper_drill");
   const std::string baked = path("map.ndf.exr");

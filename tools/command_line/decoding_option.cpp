@@ -43,11 +43,12 @@ int seconds_of(const std::string& place) {
 
 void decode_in_child() { decode_by({decoder_beside_this_program()}); }
 
-void add_decoding_option(CLI::App& app) {
+void add_decoding_option(CLI::App& app, std::string* as_given) {
   decode_in_child();
   app.add_option_function<std::string>(
          "--decode",
-         [](const std::string& place) {
+         [as_given](const std::string& place) {
+           if (as_given != nullptr) *as_given = place;
            if (place == "here") return decode_here();
            DecodingChild child = {decoder_beside_this_program()};
            if (const int seconds = seconds_of(place); seconds > 0) child.time_base_ms = 1000 * seconds;

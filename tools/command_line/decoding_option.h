@@ -7,8 +7,9 @@
 
 namespace multum {
 
-/// In a child unless the option says otherwise: multum-decode beside this program.
-void add_decoding_option(CLI::App& app);
+/// In a child unless the option says otherwise: multum-decode beside this program. `as_given`: where the option's text
+/// goes, for programs that are started in turn; null: nowhere.
+void add_decoding_option(CLI::App& app, std::string* as_given = nullptr);
 /// The default, for what has no command line of its own.
 void decode_in_child();
 

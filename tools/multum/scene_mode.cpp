@@ -16,6 +16,7 @@
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
 #include "host/scene/scene_bake.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum/map_options.h"
 
 namespace multum {
@@ -123,6 +124,7 @@ void add_plan_command(CLI::App& app, int* exit_code) {
   plan->add_flag("--json", options->json, "print it as JSON");
   plan->add_option("--width", options->width, "of the table, characters (default: the terminal's)")
       ->check(CLI::Range(60, 1000));
+  add_decoding_option(*plan);
   add_common_options(*plan, options->common);
   plan->callback([options, exit_code] { *exit_code = run_plan(*options); });
 }

@@ -88,7 +88,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command->add_option("--device", o->device, "OpenCL device: a number of `multum devices` or part of a name");
   add_choice(*command, "--wrap", o->wrap, kWrapModes, "beyond the border (default: periodic)");
   add_reading_options(*command, o->reading);
-  add_decoding_option(*command);
+  add_decoding_option(*command, &o->job.decode);
   add_common_options(*command, o->common);
   command->callback([o, exit_code] { *exit_code = run_tradeoff_command(*o); });
 }
