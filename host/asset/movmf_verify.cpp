@@ -11,6 +11,7 @@
 #include "host/asset/baked_reader.h"
 #include "host/asset/movmf_parts.h"
 #include "host/asset/movmf_reader.h"
+#include "host/asset/verify_scan.h"
 #include "host/base/parallel.h"
 
 namespace multum {
@@ -25,33 +26,25 @@ float length_excess(StorageEncoding encoding, float a) {
   return a * 1e-6f + 1e-9f;
 }
 
-struct Worst {
-  double value = 0.0;
-  int level = 0;
-  std::size_t texel = 0;
-  void offer(double candidate, int at_level, std::size_t at_texel) {
-    if (candidate > value) *this = {candidate, at_level, at_texel};
-  }
-};
-
 struct Scan {
   std::size_t nonfinite = 0;
-  Worst sum_error, negative_amplitude, long_mean, missing_variance, weight_range;
+  WorstTexel sum_error, negative_amplitude, long_mean, missing_variance, weight_range;
 };
 
 // Weights are 0 to 1, so that those of a lobe are 0 to a, but for what rounds both: halfs, and snorm16's amplitudes,
 // which may be a step of the fit's.
-template <typename Offer>
-void scan_weights(const MovmfLevel& rows, std::size_t lobe, std::size_t texel, const Offer& offer,
-                  std::size_t& nonfinite) {
+void scan_lobe_weights(const MovmfLevel& rows, std::size_t lobe, std::size_t texel, const TexelPlace& place,
+                       Scan& scan) {
   constexpr double kExcessMax = 2e-3;
   const std::size_t count = rows.weights[lobe].size() / texel_count(rows.width, rows.height);
   for (std::size_t k = 0; k < count; ++k) {
     const float weight = rows.weights[lobe][texel * count + k];
-    if (!std::isfinite(weight)) ++nonfinite;
+    if (!std::isfinite(weight)) ++scan.nonfinite;
     else
-      offer(std::max(-static_cast<double>(weight),
-                     static_cast<double>(weight) - static_cast<double>(rows.lobes[lobe][texel].w) - kExcessMax));
+      scan.weight_range.offer(
+          std::max(-static_cast<double>(weight),
+                   static_cast<double>(weight) - static_cast<double>(rows.lobes[lobe][texel].w) - kExcessMax),
+          place);
   }
 }
 
@@ -66,11 +59,12 @@ double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
   return square - lobe.z - step;
 }
 
-// `first_texel` is the number of the rows' first texel in their level.
-void scan_rows(const MovmfMipmap& header, int l, std::size_t first_texel, const MovmfLevel& rows, Scan& scan) {
+void scan_rows(const MovmfMipmap& header, int l, int first_row, const MovmfLevel& rows, Scan& scan) {
   const bool gaussians = header.representation == Representation::kGmm;
   const StorageEncoding encoding = header.encoding;
   for (std::size_t i = 0; i < texel_count(rows.width, rows.height); ++i) {
+    const auto width = static_cast<std::size_t>(rows.width);
+    const TexelPlace place{l, static_cast<int>(i % width), first_row + static_cast<int>(i / width)};
     double sum = 0.0;
     for (const auto& lobe : rows.lobes) {
       const glm::vec4& v = lobe[i];
@@ -79,19 +73,17 @@ void scan_rows(const MovmfMipmap& header, int l, std::size_t first_texel, const 
         continue;
       }
       sum += static_cast<double>(v.w);
-      scan.negative_amplitude.offer(-static_cast<double>(v.w), l, first_texel + i);
+      scan.negative_amplitude.offer(-static_cast<double>(v.w), place);
       const float length = gaussians ? std::hypot(v.x, v.y) : glm::length(glm::vec3(v));
-      scan.long_mean.offer(static_cast<double>(length - v.w - length_excess(encoding, v.w)), l, first_texel + i);
-      if (gaussians) scan.missing_variance.offer(missing_variance(encoding, v), l, first_texel + i);
+      scan.long_mean.offer(static_cast<double>(length - v.w - length_excess(encoding, v.w)), place);
+      if (gaussians) scan.missing_variance.offer(missing_variance(encoding, v), place);
     }
-    scan.sum_error.offer(std::abs(sum - 1.0), l, first_texel + i);
+    scan.sum_error.offer(std::abs(sum - 1.0), place);
     for (const auto& colour : rows.colours) {
       const glm::vec3& c = colour[i];
       if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) ++scan.nonfinite;
     }
-    for (std::size_t j = 0; j < rows.weights.size(); ++j)
-      scan_weights(
-          rows, j, i, [&](double excess) { scan.weight_range.offer(excess, l, first_texel + i); }, scan.nonfinite);
+    for (std::size_t j = 0; j < rows.weights.size(); ++j) scan_lobe_weights(rows, j, i, place, scan);
   }
 }
 
@@ -120,16 +112,11 @@ std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& see
             hash.add(p, l, parts[p].values(rows), texel_count(rows.width, rows.height) * parts[p].channels.size());
         });
       }
-      scan_rows(header, l, texel_count(level.width, row), rows, scan);
+      scan_rows(header, l, row, rows, scan);
       if (seen) seen(l, row, rows);
     }
   }
   return hash.finish();
-}
-
-std::string at(const MovmfMipmap& mipmap, const Worst& worst) {
-  const auto width = static_cast<std::size_t>(mipmap.levels[static_cast<std::size_t>(worst.level)].width);
-  return fmt::format("level {}, texel ({}, {})", worst.level, worst.texel % width, worst.texel / width);
 }
 
 }  // namespace
@@ -145,37 +132,24 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
                    materials_text(header_of(mipmap)), storage_encoding_name(mipmap.encoding))});
   Scan scan;
   const std::string hash = scan_file(reader, threads, seen, scan);
-  findings.push_back({"checksum", hash == mipmap.provenance.content_hash,
-                      hash == mipmap.provenance.content_hash
-                          ? hash
-                          : "found " + hash + ", expected " + mipmap.provenance.content_hash + " as the header says"});
-  findings.push_back({"finite", scan.nonfinite == 0, fmt::format("{} non-finite values, expected 0", scan.nonfinite)});
+  findings.push_back(checksum_finding(hash, mipmap.provenance.content_hash));
+  findings.push_back(finite_finding(scan.nonfinite, "non-finite values"));
   const double sum_limit = static_cast<double>(amplitude_tolerance(mipmap.encoding));
   findings.push_back({"sum of a", scan.sum_error.value <= sum_limit,
                       fmt::format("differs from 1 by at most {:.2e} ({}), expected at most {:.0e}",
-                                  scan.sum_error.value, at(mipmap, scan.sum_error), sum_limit)});
+                                  scan.sum_error.value, scan.sum_error.text(), sum_limit)});
   findings.push_back({"a >= 0", scan.negative_amplitude.value <= 0.0,
                       scan.negative_amplitude.value <= 0.0 ? "no negative amplitude"
                                                            : fmt::format("a = {} at {}", -scan.negative_amplitude.value,
-                                                                         at(mipmap, scan.negative_amplitude))});
+                                                                         scan.negative_amplitude.text())});
   const bool gaussians = mipmap.representation == Representation::kGmm;
-  findings.push_back({gaussians ? "|mean| <= 1" : "|r| <= 1", scan.long_mean.value <= 0.0,
-                      scan.long_mean.value <= 0.0
-                          ? "no mean vector is longer than rounding allows"
-                          : fmt::format("|a {}| exceeds a by {:.2e} more than rounding allows at {}",
-                                        gaussians ? "mean" : "r", scan.long_mean.value, at(mipmap, scan.long_mean))});
+  findings.push_back(excess_finding(
+      gaussians ? "|mean| <= 1" : "|r| <= 1", scan.long_mean, "no mean vector is longer than rounding allows",
+      gaussians ? "|a mean| exceeds a beyond rounding" : "|a r| exceeds a beyond rounding"));
   if (gaussians)
-    findings.push_back({"variance", scan.missing_variance.value <= 0.0,
-                        scan.missing_variance.value <= 0.0
-                            ? "none is below 0 by more than rounding allows"
-                            : fmt::format("a variance is below 0 by {:.2e} more than rounding allows at {}",
-                                          scan.missing_variance.value, at(mipmap, scan.missing_variance))});
-  if (mipmap.weight_count > 0)
-    findings.push_back({"weights", scan.weight_range.value <= 0.0,
-                        scan.weight_range.value <= 0.0
-                            ? fmt::format("{} a texel, each from 0 to 1", mipmap.weight_count)
-                            : fmt::format("a weight is outside 0 to a by {:.2e} at {}", scan.weight_range.value,
-                                          at(mipmap, scan.weight_range))});
+    findings.push_back(excess_finding("variance", scan.missing_variance, "none is below 0 by more than rounding allows",
+                                      "a variance is below 0 beyond rounding"));
+  if (mipmap.weight_count > 0) findings.push_back(weights_finding(mipmap.weight_count, scan.weight_range, "a"));
   return findings;
 }
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/asset/verify_scan.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace multum {
+
+std::string WorstTexel::text() const {
+  return fmt::format("level {}, texel ({}, {})", place.level, place.x, place.y) +
+         (place.band < 0 ? "" : fmt::format(", band {}", place.band));
+}
+
+VerifyFinding excess_finding(const std::string& check, const WorstTexel& worst, const std::string& good,
+                             const std::string& bad) {
+  const bool passed = worst.value <= 0.0;
+  return {check, passed, passed ? good : fmt::format("{} by {:.2e} at {}", bad, worst.value, worst.text())};
+}
+
+VerifyFinding checksum_finding(const std::string& hash, const std::string& expected) {
+  const bool is_same = hash == expected;
+  return {"checksum", is_same, is_same ? hash : "found " + hash + ", expected " + expected + " as the header says"};
+}
+
+VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what) {
+  return {"finite", nonfinite == 0, fmt::format("{} {}, expected 0", nonfinite, of_what)};
+}
+
+VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const std::string& high) {
+  return excess_finding("weights", worst, fmt::format("{} a texel, each from 0 to 1", weight_count),
+                        "a weight is outside 0 to " + high);
+}
+
+void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double tolerance,
+                  const TexelPlace& place, WorstTexel& worst, std::size_t& nonfinite) {
+  for (std::size_t k = index * static_cast<std::size_t>(count); k < (index + 1) * static_cast<std::size_t>(count);
+       ++k) {
+    const auto weight = static_cast<double>(weights[k]);
+    if (!std::isfinite(weight)) ++nonfinite;
+    else worst.offer(std::max(-weight, weight - 1.0 - tolerance), place);
+  }
+}
+
+}  // namespace multum

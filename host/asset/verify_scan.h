@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What verify_moments(), verify_sh() and verify_movmf() share: the worst of all texels, and what is said of it.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/asset/baked_file.h"
+#include "host/asset/baked_verify.h"
+
+namespace multum {
+
+struct TexelPlace {
+  int level = 0, x = 0, y = 0;
+  int band = -1;  // of spherical harmonics; < 0: none
+};
+
+/// How far beyond what is allowed; at or below 0: nothing is.
+struct WorstTexel {
+  double value = 0.0;
+  TexelPlace place;
+
+  void offer(double candidate, const TexelPlace& at) {
+    if (candidate > value) *this = {candidate, at};
+  }
+  /// "level 2, texel (3, 4)".
+  std::string text() const;
+};
+
+/// `good`, or "`bad` by 1.2e-03 at level 2, texel (3, 4)".
+VerifyFinding excess_finding(const std::string& check, const WorstTexel& worst, const std::string& good,
+                             const std::string& bad);
+VerifyFinding checksum_finding(const std::string& hash, const std::string& expected);
+VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what);
+/// `high`: "1", or what else a weight may be at most.
+VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const std::string& high);
+
+/// Weights of texel `index`, `count` of them, each 0 to 1 but for a tolerance.
+void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double tolerance,
+                  const TexelPlace& place, WorstTexel& worst, std::size_t& nonfinite);
+
+/// Every texel of every stored level, by bands of a tile's rows: `texel(rows, index in rows, place)`, then
+/// `seen(level, first row, rows)` where there is one.
+template <typename Reader, typename Seen, typename Texel>
+void scan_texels(Reader& reader, const Seen& seen, const Texel& texel) {
+  const BakedHeader& header = reader.header();
+  for (int l = header.first_level; l < header.level_count(); ++l) {
+    const int height = mip_level_size(header.height, l);
+    for (int row = 0; row < height; row += reader.tile_size()) {
+      const auto rows = reader.read_level(l, row, std::min(reader.tile_size(), height - row));
+      std::size_t index = 0;
+      for (int y = 0; y < rows.height; ++y)
+        for (int x = 0; x < rows.width; ++x) texel(rows, index++, TexelPlace{l, x, row + y});
+      if (seen) seen(l, row, rows);
+    }
+  }
+}
+
+}  // namespace multum
