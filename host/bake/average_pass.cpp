@@ -102,6 +102,27 @@ class AveragePass {
 
 }  // namespace
 
+AveragedMap::AveragedMap(const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs)
+    : normals_(planes_of(map)),
+      albedo_(albedo != nullptr ? std::optional<PlaneStore>(planes_of(*albedo)) : std::nullopt),
+      inputs_(inputs) {
+  inputs_.normals = &normals_;
+  inputs_.albedo = albedo_ ? &*albedo_ : nullptr;
+}
+
+BakedHeader AveragedMap::header(Representation representation) const {
+  BakedHeader header;
+  header.representation = representation;
+  header.encoding = StorageEncoding::kFloat;
+  header.width = normals_.width();
+  header.height = normals_.height();
+  header.first_level = inputs_.first_level;
+  header.has_colours = albedo_.has_value();
+  header.weight_count = inputs_.weights != nullptr ? inputs_.weights->count : 0;
+  header.has_roughness = inputs_.has_roughness;
+  return header;
+}
+
 void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, BakeReport& report,
                  Progress* progress) {
   const PlaneStore& normals = *inputs.normals;

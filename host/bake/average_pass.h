@@ -6,12 +6,16 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "host/asset/baked_file.h"
 #include "host/bake/bake_report.h"
 #include "host/bake/box_pyramid.h"
 #include "host/base/progress.h"
+#include "host/image/colour_map.h"
 #include "host/image/material_maps.h"
+#include "host/image/normal_map.h"
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
 #include "kernels/shared/mip_box.h"
@@ -26,6 +30,23 @@ struct AverageInputs {
   int first_level = 0;                                  // the finest to make
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers; changes no byte of the result
   int threads = 1;                                      // of the host's own loops
+};
+
+/// Maps in memory as inputs, and the header of what is made of them: sizes and contents alone.
+class AveragedMap {
+ public:
+  /// `albedo` may be null. Weights are those of `inputs`, and must outlive it.
+  AveragedMap(const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs);
+  AveragedMap(const AveragedMap&) = delete;
+  AveragedMap& operator=(const AveragedMap&) = delete;
+
+  const AverageInputs& inputs() const { return inputs_; }
+  BakedHeader header(Representation representation) const;
+
+ private:
+  const PlaneStore normals_;
+  const std::optional<PlaneStore> albedo_;
+  AverageInputs inputs_;
 };
 
 /// A representation's part in it.

@@ -111,24 +111,12 @@ void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink,
 
 MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
                           BakeReport& report, Progress* progress) {
-  const PlaneStore normals = planes_of(map);
-  std::optional<PlaneStore> colours;
-  if (albedo != nullptr) colours = planes_of(*albedo);
-  AverageInputs all = inputs;
-  all.normals = &normals;
-  all.albedo = colours ? &*colours : nullptr;
+  const AveragedMap averaged(map, albedo, inputs);
   MomentMipmap mipmap;
-  mipmap.header.representation = Representation::kMoments;
-  mipmap.header.encoding = StorageEncoding::kFloat;
-  mipmap.header.width = map.width;
-  mipmap.header.height = map.height;
-  mipmap.header.first_level = inputs.first_level;
-  mipmap.header.has_colours = albedo != nullptr;
-  mipmap.header.weight_count = inputs.weights != nullptr ? inputs.weights->count : 0;
-  mipmap.header.has_roughness = inputs.has_roughness;
+  mipmap.header = averaged.header(Representation::kMoments);
   mipmap.levels = empty_moment_levels(map.width, map.height);
   MipmapSink sink(mipmap.levels);
-  bake_moments(device, all, sink, report, progress);
+  bake_moments(device, averaged.inputs(), sink, report, progress);
   return mipmap;
 }
 

@@ -105,25 +105,13 @@ void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sin
 
 ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
                  BakeReport& report, Progress* progress) {
-  const PlaneStore normals = planes_of(map);
-  std::optional<PlaneStore> colours;
-  if (albedo != nullptr) colours = planes_of(*albedo);
-  AverageInputs all = inputs;
-  all.normals = &normals;
-  all.albedo = colours ? &*colours : nullptr;
+  const AveragedMap averaged(map, albedo, inputs);
   ShMipmap mipmap;
-  mipmap.header.representation = Representation::kSh;
-  mipmap.header.encoding = StorageEncoding::kFloat;
-  mipmap.header.width = map.width;
-  mipmap.header.height = map.height;
-  mipmap.header.first_level = inputs.first_level;
-  mipmap.header.has_colours = albedo != nullptr;
-  mipmap.header.weight_count = inputs.weights != nullptr ? inputs.weights->count : 0;
-  mipmap.header.has_roughness = inputs.has_roughness;
+  mipmap.header = averaged.header(Representation::kSh);
   mipmap.order = order;
   mipmap.levels = empty_sh_levels(map.width, map.height);
   MipmapSink sink(order, mipmap.levels);
-  bake_sh(device, order, all, sink, report, progress);
+  bake_sh(device, order, averaged.inputs(), sink, report, progress);
   return mipmap;
 }
 

@@ -14,8 +14,8 @@
 namespace multum::gl {
 namespace {
 
-Texture upload(const GlFunctions& gl, const char* name, const LeftOutLevels& levels,
-               const std::vector<glm::vec3>& texels, const SamplerSettings& sampler) {
+Texture upload_map(const GlFunctions& gl, const char* name, const LeftOutLevels& levels,
+                   const std::vector<glm::vec3>& texels, const SamplerSettings& sampler) {
   TexelPlane plane{levels.width, levels.height, {}};
   plane.texels.reserve(texels.size());
   for (const glm::vec3& texel : texels) plane.texels.emplace_back(texel, 1.0f);
@@ -24,8 +24,9 @@ Texture upload(const GlFunctions& gl, const char* name, const LeftOutLevels& lev
 
 }  // namespace
 
-Texture upload_finest_normals(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage* source,
-                              const SamplerSettings& sampler) {
+void FinestLevels::upload(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage* source,
+                          const SamplerSettings& sampler) {
+  if (levels.first_level == 0) return;
   if (source == nullptr || source->width != levels.width || source->height != levels.height)
     throw Error(ErrorCode::kInput, "the finest levels of the baked map are not stored: found " +
                                        (source == nullptr ? std::string("no normal map")
@@ -33,16 +34,19 @@ Texture upload_finest_normals(const GlFunctions& gl, const LeftOutLevels& levels
                                                                 std::to_string(source->height)) +
                                        ", expected the one of " + std::to_string(levels.width) + " x " +
                                        std::to_string(levels.height) + " texels that was baked");
-  return upload(gl, "the normal map", levels, source->normals, sampler);
+  normals_.emplace(upload_map(gl, "the normal map", levels, source->normals, sampler));
+  if (levels.has_colours && !source->albedo.empty())
+    albedo_.emplace(upload_map(gl, "the albedo map", levels, source->albedo, sampler));
 }
 
-bool has_finest_albedo(const LeftOutLevels& levels, const NormalImage& source) {
-  return levels.has_colours && !source.albedo.empty();
+void FinestLevels::add_flags(ShaderParts& parts) const {
+  if (normals_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
+  if (albedo_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
 }
 
-Texture upload_finest_albedo(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage& source,
-                             const SamplerSettings& sampler) {
-  return upload(gl, "the albedo map", levels, source.albedo, sampler);
+void FinestLevels::bind(TextureBinder& binder) const {
+  binder.bind("u_normal_map", normals_);
+  binder.bind("u_albedo_map", albedo_);
 }
 
 }  // namespace multum::gl

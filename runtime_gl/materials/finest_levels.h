@@ -3,7 +3,11 @@
 // levels 0 to the first that is stored less one.
 #pragma once
 
+#include <optional>
+
 #include "runtime_gl/gl/texture.h"
+#include "runtime_gl/materials/material.h"
+#include "runtime_gl/materials/texture_binder.h"
 
 namespace multum::gl {
 
@@ -12,17 +16,24 @@ struct NormalImage;
 /// Of the map that was baked.
 struct LeftOutLevels {
   int width, height;
-  int first_level;  // the finest that is stored, above 0
+  int first_level;  // the finest that is stored
   bool has_colours;
 };
 
-/// (mean normal, 1). Throws Error(kInput) when `source` is null or of another size.
-Texture upload_finest_normals(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage* source,
-                              const SamplerSettings& sampler);
+class FinestLevels {
+ public:
+  /// Once; nothing where all levels are stored. Throws Error(kInput) when `source` is needed and null, or of another
+  /// size.
+  void upload(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage* source,
+              const SamplerSettings& sampler);
 
-/// Are there colours to go with them?
-bool has_finest_albedo(const LeftOutLevels& levels, const NormalImage& source);
-Texture upload_finest_albedo(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage& source,
-                             const SamplerSettings& sampler);
+  bool is_used() const { return normals_.has_value(); }
+  void add_flags(ShaderParts& parts) const;
+  void bind(TextureBinder& binder) const;
+
+ private:
+  std::optional<Texture> normals_;  // (mean normal, 1)
+  std::optional<Texture> albedo_;   // where the file has colours, and the source
+};
 
 }  // namespace multum::gl

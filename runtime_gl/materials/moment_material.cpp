@@ -7,7 +7,6 @@
 #include <glm/vec4.hpp>
 
 #include "host/base/error.h"
-#include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -76,10 +75,8 @@ MomentMaterial::MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap
       levels.push_back(&mipmap.levels[static_cast<std::size_t>(l)].weights);
     weights_.emplace(upload_weights(gl, "weights", means_->shape(), sampler, weight_count_, levels));
   }
-  if (header.first_level == 0) return;
   const LeftOutLevels left_out{header.width, header.height, header.first_level, header.has_colours};
-  normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
-  if (has_finest_albedo(left_out, *source)) albedo_map_.emplace(upload_finest_albedo(gl, left_out, *source, sampler));
+  finest_.upload(gl, left_out, source, sampler);
 }
 
 ShaderParts moment_shader_parts(MomentShading shading) {
@@ -92,8 +89,7 @@ ShaderParts moment_shader_parts(MomentShading shading) {
 ShaderParts MomentMaterial::shader_parts() const {
   ShaderParts parts = moment_shader_parts(shading_);
   if (colours_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
-  if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
-  if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  finest_.add_flags(parts);
   if (mean_cosine_) parts.flags.push_back("MULTUM_ROUGHNESS");
   add_basis_flag(parts);
   return parts;
@@ -106,8 +102,7 @@ int MomentMaterial::bind(const ShaderProgram& shader) const {
   binder.bind("u_albedo", colours_);
   if (is_of_basis()) binder.bind("u_weights", weights_);
   if (mean_cosine_) shader.set("u_mean_cosine", *mean_cosine_);
-  binder.bind("u_normal_map", normal_map_);
-  binder.bind("u_albedo_map", albedo_map_);
+  finest_.bind(binder);
   return binder.next_unit();
 }
 

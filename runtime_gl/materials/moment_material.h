@@ -8,6 +8,7 @@
 
 #include "host/asset/moment_mipmap.h"
 #include "runtime_gl/gl/texture.h"
+#include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/material.h"
 
 namespace multum::gl {
@@ -41,7 +42,8 @@ class MomentMaterial : public Material {
   std::optional<float> mean_cosine_;  // with roughness in
   std::optional<Texture> means_;      // E[n]; w = E[b_s b_t]
   std::optional<Texture> slopes_;     // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
-  std::optional<Texture> colours_, normal_map_, albedo_map_;
+  std::optional<Texture> colours_;
+  FinestLevels finest_;
   MomentShading shading_ = MomentShading::kLeanJacobian;
 };
 

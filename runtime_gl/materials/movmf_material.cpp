@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "host/base/error.h"
-#include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -76,11 +75,8 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
     for (int l = 0; l < level_count; ++l)
       lobes_[j].upload_level(l, &mipmap.levels[static_cast<std::size_t>(mipmap.first_level + l)].lobes[j][0].x);
   }
-  if (mipmap.first_level > 0) {
-    const LeftOutLevels left_out{mipmap.width(), mipmap.height(), mipmap.first_level, mipmap.has_colours()};
-    normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
-    if (has_finest_albedo(left_out, *source)) albedo_map_.emplace(upload_finest_albedo(gl, left_out, *source, sampler));
-  }
+  const LeftOutLevels left_out{mipmap.width(), mipmap.height(), mipmap.first_level, mipmap.has_colours()};
+  finest_.upload(gl, left_out, source, sampler);
   weight_count_ = mipmap.weight_count;
   if (mipmap.has_roughness) mean_cosine_ = mipmap.mean_cosine;
   weights_.reserve(lobe_count);
@@ -101,7 +97,7 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
 }
 
 void MovmfMaterial::set_shade_first(bool shade_first) {
-  MULTUM_CHECK(!shade_first || !normal_map_.has_value());
+  MULTUM_CHECK(!shade_first || !finest_.is_used());
   shade_first_ = shade_first;
 }
 
@@ -115,8 +111,7 @@ ShaderParts MovmfMaterial::fetch_parts() const {
   if (!colours_.empty()) parts.flags.push_back("MULTUM_COLOURS");
   if (mean_colours_.has_value()) parts.flags.push_back("MULTUM_MEAN_COLOURS");
   if (shade_first_) parts.flags.push_back("MULTUM_SHADE_FIRST");
-  if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
-  if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  finest_.add_flags(parts);
   if (mean_cosine_) parts.flags.push_back("MULTUM_ROUGHNESS");
   add_basis_flag(parts);
   return parts;
@@ -135,8 +130,7 @@ int MovmfMaterial::bind(const ShaderProgram& shader) const {
   binder.bind("u_colours", colours_);
   if (is_of_basis()) binder.bind("u_weights", weights_);
   if (mean_cosine_) shader.set("u_mean_cosine", *mean_cosine_);
-  binder.bind("u_normal_map", normal_map_);
-  binder.bind("u_albedo_map", albedo_map_);
+  finest_.bind(binder);
   binder.bind("u_mean_colours", mean_colours_);
   return binder.next_unit();
 }

@@ -9,6 +9,7 @@
 
 #include "host/asset/movmf_mipmap.h"
 #include "runtime_gl/gl/texture.h"
+#include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/material.h"
 
 namespace multum::gl {
@@ -54,9 +55,8 @@ class MovmfMaterial : public Material {
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;
   int weight_count_ = 0;
-  std::optional<float> mean_cosine_;   // with roughness in
-  std::optional<Texture> normal_map_;  // (mean normal, 1), levels 0 to the first that is stored less one
-  std::optional<Texture> albedo_map_;
+  std::optional<float> mean_cosine_;  // with roughness in
+  FinestLevels finest_;
   std::optional<Texture> mean_colours_;
   LobeFormula formula_ = LobeFormula::kProduct;
   bool shade_first_ = false;

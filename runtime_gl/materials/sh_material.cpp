@@ -9,7 +9,6 @@
 #include <glm/vec4.hpp>
 
 #include "host/base/error.h"
-#include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -78,10 +77,8 @@ ShMaterial::ShMaterial(const GlFunctions& gl, const ShMipmap& mipmap, float anis
       levels.push_back(&mipmap.levels[static_cast<std::size_t>(l)].weights);
     weights_.emplace(upload_weights(gl, "weights", shape, sampler, weight_count_, levels));
   }
-  if (header.first_level == 0) return;
   const LeftOutLevels left_out{header.width, header.height, header.first_level, header.has_colours};
-  normal_map_.emplace(upload_finest_normals(gl, left_out, source, sampler));
-  if (has_finest_albedo(left_out, *source)) albedo_map_.emplace(upload_finest_albedo(gl, left_out, *source, sampler));
+  finest_.upload(gl, left_out, source, sampler);
 }
 
 ShaderParts ShMaterial::shader_parts() const {
@@ -92,8 +89,7 @@ ShaderParts ShMaterial::shader_parts() const {
   if (wrap_s_ == WrapMode::kBlack) parts.flags.push_back("MULTUM_BLACK_S");
   if (wrap_t_ == WrapMode::kBlack) parts.flags.push_back("MULTUM_BLACK_T");
   if (colours_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
-  if (normal_map_.has_value()) parts.flags.push_back("MULTUM_NORMAL_MAP");
-  if (albedo_map_.has_value()) parts.flags.push_back("MULTUM_ALBEDO_MAP");
+  finest_.add_flags(parts);
   if (mean_cosine_) parts.flags.push_back("MULTUM_ROUGHNESS");
   add_basis_flag(parts);
   return parts;
@@ -111,8 +107,7 @@ int ShMaterial::bind(const ShaderProgram& shader) const {
       diffuse.emplace_back(static_cast<float>(a));
     shader.set_vec3("u_diffuse_zonal", glm::value_ptr(diffuse[0]), order_ + 1);
   }
-  binder.bind("u_normal_map", normal_map_);
-  binder.bind("u_albedo_map", albedo_map_);
+  finest_.bind(binder);
   return binder.next_unit();
 }
 

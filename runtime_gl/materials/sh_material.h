@@ -11,6 +11,7 @@
 
 #include "host/asset/sh_mipmap.h"
 #include "runtime_gl/gl/texture.h"
+#include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/material.h"
 
 namespace multum::gl {
@@ -41,7 +42,8 @@ class ShMaterial : public Material {
  private:
   const int order_;
   const WrapMode wrap_s_, wrap_t_;
-  std::optional<Texture> harmonics_, colours_, weights_, normal_map_, albedo_map_;
+  std::optional<Texture> harmonics_, colours_, weights_;
+  FinestLevels finest_;
   int weight_count_ = 0;
   std::optional<float> mean_cosine_;  // where a BRDF's width is in
   ShCosine cosine_ = ShCosine::kIrradiance;
