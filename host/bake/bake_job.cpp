@@ -110,6 +110,7 @@ void bake_read_source(const BakeJob& job, const std::string& settings, const Bak
   BakedHeader header = baked_header_of(job, source);
   header.provenance = make_provenance(job, report.source, settings);
   report.first_level = header.first_level;
+  report.stored_only = job.stored_only;
   ndf_bake(job.representation).bake({job, device, source, header, memory_bytes, clock}, report, progress);
   report.launches = counted_since(launches_before, device.launch_counts());
   report.builds = counted_since(builds_before, device.build_counts());

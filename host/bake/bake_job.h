@@ -36,8 +36,9 @@ struct BakeJob {
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // of highlights, Blinn-Phong s; Lambert always is
   std::vector<Highlight> highlights;                              // measured besides those, for the report alone
   std::string
-      chosen_for;      // what the settings were chosen for (target_key()), which the file then states; empty: nothing
-  bool force = false;  // bake even if the output is from the same file and settings
+      chosen_for;  // what the settings were chosen for (target_key()), which the file then states; empty: nothing
+  bool stored_only = false;        // levels finer than the first that is stored are never seen: not measured either
+  bool force = false;              // bake even if the output is from the same file and settings
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's
   std::string scratch_folder;      // for what does not fit; empty: the output's folder
   bool resume = false;             // go on from what a killed bake of the same output left

@@ -38,11 +38,11 @@ Json error_json(const std::vector<AccuracySummary>& summaries) {
 }
 
 // "error, levels 2 and up: 0.12 +- 0.01 % lambert, ...": a line.
-std::string error_line(const std::vector<AccuracySummary>& summaries) {
+std::string error_line(const std::vector<AccuracySummary>& summaries, int first_level) {
   std::string text;
   for (const AccuracySummary& one : summaries)
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf, error_text(one.error, one.confidence));
-  return text.empty() ? "" : fmt::format("error of levels {} and up, 95 % interval: {}\n", kSummaryLevel, text);
+  return text.empty() ? "" : fmt::format("error of levels {} and up, 95 % interval: {}\n", first_level, text);
 }
 
 // One line when anything was repaired, else nothing.
@@ -119,7 +119,8 @@ std::string BakeReport::to_text() const {
     times += fmt::format("{}{} {:.2f} s", times.empty() ? "" : ", ", stage.name, stage.seconds);
     total += stage.seconds;
   }
-  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device) + error_line(error);
+  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device) +
+          error_line(error, stored_only ? std::max(first_level, kSummaryLevel) : kSummaryLevel);
   if (lobe_count_total > 0)
     text += fmt::format(
         "{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction, {} sharper than "
@@ -127,7 +128,9 @@ std::string BakeReport::to_text() const {
         lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes, beyond_storage);
   if (slopes_limited > 0)
     text += fmt::format("{} normals nearer to the horizon than slopes go, taken at 87 degrees\n", slopes_limited);
-  if (first_level > 0)
+  if (first_level > 0 && stored_only)
+    text += fmt::format("levels finer than {} are never seen, and not stored\n", first_level);
+  else if (first_level > 0)
     text += fmt::format("levels finer than {} are not stored: renderers take them from the normal map{}\n", first_level,
                         accuracy.empty() ? "" : ", as this table does");
   return text + accuracy_table(accuracy);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <utility>
@@ -53,6 +54,8 @@ std::optional<double> number_of(const toml::node& node) {
 }  // namespace
 
 toml::table parse_toml(const std::string& path, const std::string& expected) {
+  if (std::error_code ignored; std::filesystem::is_directory(path, ignored))
+    throw Error(ErrorCode::kInput, path + ": is a folder, expected " + expected);
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file) throw Error(ErrorCode::kInput, path + ": cannot be read, expected " + expected);

@@ -44,6 +44,7 @@ FixedFresnel fixed_fresnel(const Brdf& brdf, double v_h_min) {
     fixed.change = std::max(fixed.change, high[c] < 1.0 ? (high[c] - fixed.value[c]) / (1.0 - high[c]) : 1.0);
     fixed.change = std::max(fixed.change, (fixed.value[c] - low[c]) / (1.0 - low[c]));
   }
+  fixed.change = std::min(fixed.change, 1.0);
   return fixed;
 }
 

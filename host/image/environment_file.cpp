@@ -48,6 +48,8 @@ class RadianceReader {
     bytes_.assign(std::istreambuf_iterator<char>(in), {});
   }
 
+  void check() { read_header(); }
+
   ColourMap read() {
     const double exposure = read_header();
     ColourMap map;
@@ -134,6 +136,12 @@ class RadianceReader {
 };
 
 }  // namespace
+
+void check_environment_map(const std::string& path) {
+  if (is_radiance(path)) return RadianceReader(path).check();
+  const RawImageInfo info = ImageReader(path, {}).info();
+  check_size(path, info.width, info.height);
+}
 
 ColourMap read_environment_map(const std::string& path) {
   if (is_radiance(path)) return RadianceReader(path).read();

@@ -40,7 +40,7 @@ class EffectRows {
   std::string parts_text(const PartErrors& e) const {
     return !needs_.specular  ? percent_text(e.diffuse)
            : !needs_.diffuse ? percent_text(e.specular)
-                             : fmt::format("{:.2g}/{:.2g} %", 100.0 * e.diffuse, 100.0 * e.specular);
+                             : fmt::format("{}/{} %", percent_number(e.diffuse), percent_number(e.specular));
   }
   const char* parts_name() const {
     return !needs_.specular ? "diffuse light is" : !needs_.diffuse ? "highlights are" : "diffuse light/highlights are";
@@ -68,7 +68,7 @@ class EffectRows {
   void add_filtering() {
     if (plan_.is_constant) {
       add_row("normals under texels", false,
-              fmt::format("all normals are within {:.2g} of one another: one texel stands for all",
+              fmt::format("no two normals are more than {:.2g} apart (unit vectors): one texel stands for all",
                           planner_.survey().normal_range),
               plan_.usual.cost - plan_.chosen.cost);
       return;
@@ -105,13 +105,16 @@ class EffectRows {
     for (const BakeCandidate& c : plan_.candidates)
       if (c.shape.representation == Representation::kMovmf)
         tried += fmt::format("{}{} {}", tried.empty() ? "" : ", ", c.name.substr(5), parts_text(c.error));
-    add_row(
-        "several lobes, EM", needed,
-        fmt::format("{} off {}: {}; {}", parts_name(), seen_texels(), tried,
-                    plan_.candidates.size() == 1 ? fmt::format("tolerance {}", percent_text(scene_.budget.tolerance))
-                                                 : fmt::format("the default's 4 {}; limit {}",
-                                                               parts_text(plan_.usual.error), parts_text(plan_.limit))),
-        needed ? chosen_without(one) : saved_by(one));
+    add_row("several lobes, EM", needed,
+            fmt::format("{} off {}: {}; {}", parts_name(), seen_texels(), tried,
+                        plan_.candidates.size() == 1
+                            ? fmt::format("tolerance {}", percent_text(scene_.budget.tolerance))
+                            : fmt::format("the default's 4 {}; limit {}", parts_text(plan_.usual.error),
+                                          parts_text(plan_.limit))) +
+                (needs_.exponent_max > kEstimatedExponentMax
+                     ? fmt::format("; highlights as of s = {:g}", kEstimatedExponentMax)
+                     : ""),
+            needed ? chosen_without(one) : saved_by(one));
     if (needed) add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
   }
 
@@ -119,7 +122,7 @@ class EffectRows {
   std::string why_not_tried(Representation representation) const {
     if (plan_.is_constant) return "one lobe stands for all";
     if (needs_.width_in_map || needs_.weighted) return "widths in the map and weights take vMF lobes";
-    if (representation == Representation::kGmm && needs_.takes_vmf) return "GGX and measured BRDFs take vMF lobes";
+    if (needs_.takes_vmf) return "GGX and measured BRDFs take vMF lobes";
     if (needs_.environment_highlight || representation == Representation::kGmm)
       return !scene_.environment.empty() ? "an environment takes vMF lobes" : "one vMF lobe does";
     return "one or several lobes do";
@@ -172,8 +175,8 @@ class EffectRows {
     const double last = static_cast<double>(mip_level_size(plan_.width, plan_.last_seen)) *
                         mip_level_size(plan_.height, plan_.last_seen);
     add_row("coarsest levels", plan_.last_seen >= plan_.level_count - 1,
-            fmt::format("{}: kept all the same, finer ones grow from them, and all beyond are {:.0f} texels", why,
-                        last / 3.0));
+            fmt::format("{}: kept all the same, finer ones grow from them, and all beyond are {:.2g} of the map", why,
+                        last / 3.0 / (static_cast<double>(plan_.width) * plan_.height)));
   }
 
   void add_colours() {

@@ -21,6 +21,7 @@ namespace multum {
 namespace {
 
 constexpr int kDirections = 32;
+constexpr double kErrorMax = 2.0;
 constexpr int kIterations = 15;
 constexpr double kKappaMax = 1e6;
 constexpr double kCapInEm = 5e3, kCapAtTop = 500.0;
@@ -189,7 +190,10 @@ const std::vector<LobeErrors::TexelFit>& LobeErrors::fits(int lobe_count) {
   return fits_[index];
 }
 
-double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& shadings, ColourModel colours) const {
+double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& given, ColourModel colours) const {
+  std::vector<ShadedBy> shadings = given;
+  for (ShadedBy& by : shadings)
+    if (by.exponent && std::isfinite(*by.exponent)) by.exponent = std::min(*by.exponent, kEstimatedExponentMax);
   static const std::vector<glm::dvec3> directions = spread_half_vectors(kDirections);
   std::vector<std::vector<ErrorSums>> sums(survey_.texels.size(), std::vector<ErrorSums>(shadings.size()));
   for_each_item(static_cast<int>(survey_.texels.size()), settings_.threads, [&](int i) {
@@ -218,9 +222,11 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& sha
       level.difference += sums[t][s].difference;
       level.truth += sums[t][s].truth;
     }
+    // At most 2, as of densities over all directions: in those of a few, the truth may be anywhere else.
     double of_levels = 0.0;
     for (const auto& [level, sum] : levels)
-      if (sum.truth > 0.0) of_levels += sum.difference / sum.truth / static_cast<double>(levels.size());
+      if (sum.truth > 0.0)
+        of_levels += std::min(sum.difference / sum.truth, kErrorMax) / static_cast<double>(levels.size());
     worst = std::max(worst, of_levels);
   }
   return worst;

@@ -19,6 +19,10 @@ struct ShadedBy {
   int weight = -1;                 // times this one of the map's weights; -1: whole
 };
 
+/// Sharper highlights are estimated as if of this exponent: 32 half vectors and 256 normals a texel do not resolve
+/// them.
+constexpr double kEstimatedExponentMax = 200.0;
+
 enum class ColourModel {
   kNone,   // the map has none, or they are not looked at
   kLobes,  // each lobe its own

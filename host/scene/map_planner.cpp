@@ -33,6 +33,7 @@ MapPlanner::MapPlanner(const Scene& scene, std::size_t map, std::shared_ptr<Bake
   plan_.height = normals.height();
   plan_.level_count = mip_level_count(plan_.width, plan_.height);
   needs_ = needs_of(scene, map, plan_.width, plan_.level_count);
+  check_weights();
   plan_.first_seen = needs_.first_seen;
   plan_.is_diffuse = needs_.diffuse;
   plan_.last_seen = needs_.last_seen;
@@ -62,6 +63,16 @@ MapPlan MapPlanner::plan() {
   choose();
   source_.reset();  // large
   return std::move(plan_);
+}
+
+void MapPlanner::check_weights() const {
+  if (!needs_.weighted) return;
+  for (const SceneObject& object : scene_.objects)
+    if (&scene_.maps[object.map] == &map_ && object.materials.size() > 1 &&
+        static_cast<int>(object.materials.size()) != source_->weights->count)
+      throw Error(ErrorCode::kInput,
+                  fmt::format("{}: holds {} weights, expected {}: object \"{}\" has as many materials",
+                              map_.job.weights, source_->weights->count, object.materials.size(), object.name));
 }
 
 BakeShape MapPlanner::shape(Representation representation, int lobes) const {
@@ -114,6 +125,7 @@ void MapPlanner::add_usual() {
     const PartErrors one = lobes_error(1, ColourModel::kLobes);
     one_lobe_is_enough_ = one.worst() <= scene_.budget.tolerance;
     if (one_lobe_is_enough_) plan_.usual.error = one;
+    plan_.usual_error_is_bound = one_lobe_is_enough_;
   }
   if (!one_lobe_is_enough_) plan_.usual.error = lobes_error(kLobesUsual, ColourModel::kLobes);
 }
@@ -148,8 +160,8 @@ void MapPlanner::add_candidates() {
     if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
   }
   if (one_lobe_is_enough_) return;  // no other takes fewer textures
-  // Of widths in the map and of weights, only lobes are estimated.
-  if (needs_.width_in_map || needs_.weighted) return;
+  // Of widths in the map and of weights, only lobes are estimated; sums of vMFs are shaded over lobes alone.
+  if (needs_.width_in_map || needs_.weighted || needs_.takes_vmf) return;
   add_gaussians();
   // Of harmonics and moments an environment's highlight is that of one lobe of the mean normal.
   if (needs_.environment_highlight) return;
@@ -169,7 +181,7 @@ void MapPlanner::add_candidates() {
 
 // Gaussians take as many textures as vMFs, and as much time to fit: they are cheaper where fewer will do.
 void MapPlanner::add_gaussians() {
-  if (needs_.takes_vmf || !scene_.environment.empty()) return;
+  if (!scene_.environment.empty()) return;
   const BakeCandidate vmf = plan_.candidates.back();
   const int most = vmf.shape.lobe_count - (vmf.error.within(plan_.limit) ? 1 : 0);
   for (int lobes = 1; lobes <= most; ++lobes) {
@@ -185,6 +197,20 @@ void MapPlanner::add_gaussians() {
   }
 }
 
+// The estimate is no bound: what is near to the target gets its trials (host/scene/scene_bake.cpp).
+void MapPlanner::choose_nearest() {
+  constexpr double kEstimateMargin = 1.5;
+  const double target = *scene_.budget.target_error;
+  const BakeCandidate* best = nullptr;
+  for (const BakeCandidate& c : plan_.candidates)
+    if (c.shape.representation == Representation::kMovmf && (!best || c.error.worst() < best->error.worst())) best = &c;
+  if (best->error.worst() > kEstimateMargin * target)
+    throw Error(ErrorCode::kVerification,
+                fmt::format("{}: no settings are estimated to come near target_error {:g}, the best is {:.3g} ({})",
+                            map_.job.input, target, best->error.worst(), best->name));
+  plan_.chosen = *best;
+}
+
 void MapPlanner::choose() {
   const auto textures = [](const BakeCandidate& c) { return texture_count(c.shape) + (c.shape.mean_colours ? 1 : 0); };
   std::stable_sort(plan_.candidates.begin(), plan_.candidates.end(),
@@ -193,14 +219,8 @@ void MapPlanner::choose() {
                    });
   const auto found = std::find_if(plan_.candidates.begin(), plan_.candidates.end(),
                                   [&](const BakeCandidate& c) { return c.error.within(plan_.limit); });
-  if (found == plan_.candidates.end()) {
-    const auto best = std::min_element(plan_.candidates.begin(), plan_.candidates.end(),
-                                       [](const auto& a, const auto& b) { return a.error.worst() < b.error.worst(); });
-    throw Error(ErrorCode::kVerification,
-                fmt::format("{}: no settings are estimated to reach target_error {:g}, the best is {:.3g} ({})",
-                            map_.job.input, *scene_.budget.target_error, best->error.worst(), best->name));
-  }
-  plan_.chosen = *found;
+  if (found == plan_.candidates.end()) choose_nearest();
+  else plan_.chosen = *found;
 }
 
 }  // namespace multum

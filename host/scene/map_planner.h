@@ -15,11 +15,13 @@ namespace multum {
 
 class MapPlanner {
  public:
-  /// Surveys the map; `map`: of scene.maps, read as `source`. `scene` must outlive it.
+  /// Surveys the map; `map`: of scene.maps, read as `source`. `scene` must outlive it. Throws Error(kInput) where the
+  /// map has not a weight for each material.
   MapPlanner(const Scene& scene, std::size_t map, std::shared_ptr<BakeSource> source, const PlanSettings& settings);
 
-  /// The cheapest candidate within the limit; rows of the table are left out, and the job's settings. Once. Throws
-  /// Error(kVerification) where none reaches the scene's target error.
+  /// The cheapest candidate within the limit; rows of the table are left out, and the job's settings. Once. With
+  /// a target error that no candidate is estimated to reach, the nearest; throws Error(kVerification) where that is far
+  /// from it.
   MapPlan plan();
 
   const MapNeeds& needs() const { return needs_; }
@@ -29,6 +31,7 @@ class MapPlanner {
   std::optional<double> share_beyond_storage(int lobe_count);
 
  private:
+  void check_weights() const;
   BakeShape shape(Representation representation, int lobes) const;
   StorageEncoding lobe_encoding(int lobes);
   template <typename Error>
@@ -39,6 +42,7 @@ class MapPlanner {
   void add_lobes(int lobes);
   void add_candidates();
   void add_gaussians();
+  void choose_nearest();
   void choose();
 
   const Scene& scene_;

@@ -61,11 +61,12 @@ ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapP
   const SeenLevels seen = seen_levels(scene.camera, object, map.width, map.level_count);
   plan.first_level = seen.first;
   plan.last_level = seen.last;
-  bool highlight = false, dynamic = false;
+  bool highlight = false, dynamic = false, width_in_map = false;
   double exponent = 0.0;
   for (const std::size_t m : object.materials) {
     const SceneMaterial& material = scene.materials[m];
     dynamic |= material.is_dynamic();
+    width_in_map |= material.width_in_map;
     for (const Brdf& brdf : material.brdfs) {
       highlight |= has_highlight(brdf);
       if (has_highlight(brdf)) exponent = std::max(exponent, equivalent_exponent(brdf));
@@ -74,7 +75,9 @@ ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapP
   const bool environment = !scene.environment.empty();
   plan.environment_by_harmonics = environment && highlight && exponent <= kHarmonicsExponentMax;
   add_row(plan, "highlight", highlight,
-          highlight ? fmt::format("as sharp as Blinn-Phong of s = {:.4g}", exponent) : "the material is diffuse");
+          !highlight     ? "the material is diffuse"
+          : width_in_map ? "as wide as the roughness says"
+                         : fmt::format("as sharp as Blinn-Phong of s = {:.4g}", exponent));
   plan.stated_difference = map.stated_difference;
   add_fresnel(scene, object, map, plan);
   add_row(plan, "width as a uniform", dynamic, dynamic ? "the material changes at run time" : "the material is fixed");

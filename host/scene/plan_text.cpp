@@ -17,11 +17,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Words in lines of at most `width`.
+// Words in lines of at most `width`; numbers keep their %.
 std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
-  std::vector<std::string> lines(1);
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
+  std::vector<std::string> words, lines(1);
+  std::istringstream stream(text);
+  for (std::string word; stream >> word;) {
+    if (!words.empty() && word.starts_with("%")) words.back() += " " + word;
+    else words.push_back(word);
+  }
+  for (const std::string& word : words) {
     if (!lines.back().empty() && lines.back().size() + 1 + word.size() > width) lines.emplace_back();
     lines.back() += (lines.back().empty() ? "" : " ") + word;
   }
@@ -56,9 +60,10 @@ std::string head(const std::string& last) {
   return fmt::format("  {:<25} {:<4} {:>9} {:>10}  {}\n", "effect", "need", "bake", "textures", last);
 }
 
-// What is left out, as a share.
+// "35 % less", "13 % more".
 std::string saved(double from, double to) {
-  return from > 0.0 ? fmt::format("{:.0f} %", 100.0 * (1.0 - to / from)) : "0 %";
+  const double share = from > 0.0 ? 1.0 - to / from : 0.0;
+  return fmt::format("{:.0f} % {}", 100.0 * std::abs(share), share < 0.0 ? "more" : "less");
 }
 
 Json effects_json(const std::vector<PlannedEffect>& effects) {
@@ -99,6 +104,7 @@ Json map_json(const MapPlan& map, const SceneFiles& files) {
                {"seen_levels", {map.first_seen, map.last_seen}},
                {"chosen", candidate_json(map.chosen)},
                {"default", candidate_json(map.usual)},
+               {"default_error_is_bound", map.usual_error_is_bound},
                {"stated_difference", map.stated_difference},
                {"candidates", candidates},
                {"effects", effects_json(map.effects)},
@@ -142,7 +148,8 @@ Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& 
                {"size", fmt::format("{}x{}", scene.camera.width, scene.camera.height)},
                {"camera", fmt::format("0,{:.6g},{:.6g},0,30,0,{:.6g}", 30.0 - kUnits * std::sin(tilt),
                                       kUnits * std::cos(tilt), scene.camera.fov_degrees)},
-               {"repeat", kPlaneSize * object.distance_min / nearest / width}};
+               // What multum-view takes: beyond, no texel is to be told from the next anyway.
+               {"repeat", std::clamp(kPlaneSize * object.distance_min / nearest / width, 1e-6, 1e6)}};
   if (map.mean_colours) view["colour_map"] = fs::path(files.colours(map)).filename().string();
   if (map.job.fitting.first_level > 0) view["stored_only"] = true;
   Json brdfs = Json::array();
@@ -153,9 +160,11 @@ Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& 
     if (!measured.empty()) view["measured"] = true;
   }
   if (!brdfs.empty()) view["brdf"] = brdfs;
-  const Brdf& first = scene.materials[object.materials.front()].brdfs.front();
-  view["diffuse"] = colour_text(first.diffuse);
-  view["specular"] = colour_text(first.specular);
+  for (const std::size_t m : object.materials) {
+    const Brdf& brdf = scene.materials[m].brdfs.front();
+    view["diffuse"].push_back(colour_text(brdf.diffuse));
+    view["specular"].push_back(colour_text(brdf.specular));
+  }
   if (plan.fixed_fresnel) view["fixed-fresnel"] = colour_text(glm::vec3(*plan.fixed_fresnel));
   Json lights = Json::array(), point_lights = Json::array();
   for (const SceneLight& light : scene.lights) {
@@ -186,8 +195,10 @@ std::string bytes_text(double bytes) {
   return fmt::format("{:.1f} MiB", bytes / 1048576.0);
 }
 
-std::string percent_text(double share) {
-  return share < 0.995 ? fmt::format("{:.2g} %", 100.0 * share) : fmt::format("{:.0f} %", 100.0 * share);
+std::string percent_text(double share) { return percent_number(share) + " %"; }
+
+std::string percent_number(double share) {
+  return share < 0.0995 ? fmt::format("{:.2g}", 100.0 * share) : fmt::format("{:.0f}", 100.0 * share);
 }
 
 std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
@@ -202,13 +213,15 @@ std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
                     map.usual.name));
     text += head("why");
     text += effect_rows(map.effects, width);
-    add(fmt::format(
-        "  bake {} in place of {} ({} less), textures {} in place of {} ({} less); estimated error {:.3g} % "
-        "beside {:.3g} %, at most {:.3g} % from the default bake's pictures",
-        time_text(map.chosen.cost.ms), time_text(map.usual.cost.ms), saved(map.usual.cost.ms, map.chosen.cost.ms),
-        bytes_text(map.chosen.cost.bytes), bytes_text(map.usual.cost.bytes),
-        saved(map.usual.cost.bytes, map.chosen.cost.bytes), 100.0 * map.chosen.error.worst(),
-        100.0 * map.usual.error.worst(), 100.0 * map.stated_difference));
+    add(
+        fmt::format("  bake {} in place of {} ({}), textures {} in place of {} ({}); estimated error {} beside {}{}, "
+                    "at most {} from "
+                    "the default bake's pictures",
+                    time_text(map.chosen.cost.ms), time_text(map.usual.cost.ms),
+                    saved(map.usual.cost.ms, map.chosen.cost.ms), bytes_text(map.chosen.cost.bytes),
+                    bytes_text(map.usual.cost.bytes), saved(map.usual.cost.bytes, map.chosen.cost.bytes),
+                    percent_text(map.chosen.error.worst()), map.usual_error_is_bound ? "at most " : "",
+                    percent_text(map.usual.error.worst()), percent_text(map.stated_difference)));
     text += "\n";
   }
   for (const ObjectPlan& object : plan.objects) {

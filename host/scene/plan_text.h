@@ -30,5 +30,6 @@ nlohmann::json plan_json(const Scene& scene, const ScenePlan& plan, const SceneF
 std::string time_text(double ms);
 std::string bytes_text(double bytes);
 std::string percent_text(double share);
+std::string percent_number(double share);  // the same without its sign
 
 }  // namespace multum

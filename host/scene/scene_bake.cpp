@@ -3,10 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "host/asset/movmf_reader.h"
 #include "host/bake/bake_job.h"
 #include "host/bake/chosen_bake.h"
 #include "host/base/atomic_file.h"
@@ -56,6 +60,18 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   return std::move(chosen.report);
 }
 
+// Of a target, several lobes are left to trials.
+bool has_trials(const Scene& scene, const MapPlan& map) {
+  return scene.budget.target_error && holds_lobes(map.job.representation) && map.job.fitting.lobe_count > 1;
+}
+
+// Other settings are estimates, that one bake holds to the target.
+bool misses_target(const Scene& scene, const BakeReport& report) {
+  return scene.budget.target_error && std::any_of(report.error.begin(), report.error.end(), [&](const auto& one) {
+           return one.error + one.confidence > *scene.budget.target_error;
+         });
+}
+
 SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles& files, Device& device,
                         Progress* progress) {
   const auto start = Clock::now();
@@ -63,10 +79,13 @@ SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles
   report.name = map.name;
   BakeJob job = map.job;
   job.output = files.baked(map);
-  if (scene.budget.target_error && holds_lobes(job.representation) && job.fitting.lobe_count > 1)
+  if (!has_trials(scene, map)) report.bake = bake_file(job, map.source.get(), device, progress);
+  report.is_by_trials = has_trials(scene, map) || misses_target(scene, report.bake);
+  if (report.is_by_trials) {
+    job.representation = Representation::kMovmf;
     report.bake =
         bake_lobes_to_target(job, *scene.budget.target_error, map.source.get(), device, progress, report.options);
-  else report.bake = bake_file(job, map.source.get(), device, progress);
+  }
   report.file_bytes = bytes_of(job.output);
   report.has_colours = map.mean_colours;
   if (map.mean_colours) {
@@ -77,33 +96,66 @@ SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles
   return report;
 }
 
+// What trials chose, as if it had been planned.
+void settle(const SceneFiles& files, MapPlan& map) {
+  const MovmfReader reader(files.baked(map));
+  BakeCandidate& chosen = map.chosen;
+  chosen.shape.representation = reader.header().representation;
+  chosen.shape.lobe_count = reader.header().lobe_count();
+  chosen.name = fmt::format("{}, {} lobe{}", representation_info(chosen.shape.representation).option,
+                            chosen.shape.lobe_count, chosen.shape.lobe_count == 1 ? "" : "s");
+  chosen.cost = bake_cost(chosen.shape);
+}
+
+// Rows of the maps in the report of an earlier bake, by name.
+std::map<std::string, std::string> earlier_rows(const std::string& path) {
+  std::map<std::string, std::string> rows;
+  std::ifstream file(path);
+  const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
+  if (!report.is_object() || !report.contains("maps") || !report["maps"].is_array()) return rows;
+  for (const nlohmann::json& row : report["maps"])
+    if (row.is_object() && row.contains("name") && row["name"].is_string()) rows[row["name"]] = row.dump();
+  return rows;
+}
+
 }  // namespace
 
 SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
                        const SceneMapDone& done, Progress* progress) {
   const auto start = Clock::now();
   write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
+  const std::map<std::string, std::string> earlier = earlier_rows(files.report());
   SceneReport report;
-  for (const MapPlan& map : plan.maps) {
+  report.plan = plan;
+  bool is_settled = false;
+  for (MapPlan& map : report.plan.maps) {
     report.maps.push_back(bake_map(scene, map, files, device, progress));
-    if (done) done(map, report.maps.back());
+    SceneMapReport& made = report.maps.back();
+    if (const auto row = earlier.find(map.name); made.bake.unchanged && row != earlier.end())
+      made.earlier = row->second;
+    if (made.is_by_trials) settle(files, map), is_settled = true;
+    if (done) done(map, made);
   }
+  report.plan.cost = {};
+  for (const MapPlan& map : report.plan.maps) report.plan.cost += map.chosen.cost;
+  if (is_settled) write_text_file(files.plan(), plan_json(scene, report.plan, files).dump(2) + "\n");
   report.launches = device.launch_counts();
   report.builds = device.build_counts();
   report.seconds = seconds_since(start);
   const auto compared = Clock::now();
   for (std::size_t m = 0; m < plan.maps.size(); ++m) {
     const MapPlan& map = plan.maps[m];
-    if (map.mosaics == nullptr || map.stated_difference == 0.0 || !report.maps[m].options.empty()) continue;
+    const SceneMapReport& made = report.maps[m];
+    if (map.mosaics == nullptr || map.stated_difference == 0.0 || made.is_by_trials || !made.earlier.empty()) continue;
     progress_stage(progress, "compare with the default bake");
     report.maps[m].difference = measure_difference(scene, map, device, progress);
   }
   report.compare_seconds = seconds_since(compared);
-  write_text_file(files.report(), report.to_json(plan).dump(2) + "\n");
+  write_text_file(files.report(), report.to_json().dump(2) + "\n");
   return report;
 }
 
-nlohmann::json SceneReport::to_json(const ScenePlan& plan) const {
+nlohmann::json SceneReport::to_json() const {
   nlohmann::json json = {{"seconds", seconds},
                          {"plan_seconds", plan.plan_seconds},
                          {"compare_seconds", compare_seconds},
@@ -117,6 +169,12 @@ nlohmann::json SceneReport::to_json(const ScenePlan& plan) const {
   for (std::size_t m = 0; m < maps.size(); ++m) {
     const SceneMapReport& map = maps[m];
     const MapPlan& planned = plan.maps[m];
+    if (!map.earlier.empty()) {
+      nlohmann::json row = nlohmann::json::parse(map.earlier);
+      row["unchanged"] = true;
+      json["maps"].push_back(std::move(row));
+      continue;
+    }
     nlohmann::json row = {{"name", map.name},
                           {"seconds", map.seconds},
                           {"file_bytes", map.file_bytes},
@@ -141,29 +199,33 @@ nlohmann::json SceneReport::to_json(const ScenePlan& plan) const {
   return json;
 }
 
-std::string SceneReport::to_text(const ScenePlan& plan) const {
+std::string SceneReport::to_text() const {
   std::string text;
-  std::string kernels;
-  for (const auto& [kernel, count] : launches) kernels += fmt::format("  {:<28} {:>8} launches\n", kernel, count);
+  for (const auto& [kernel, count] : launches) text += fmt::format("  {:<28} {:>8} launches\n", kernel, count);
   for (const auto& [file, count] : builds)
-    kernels += fmt::format("  {:<28} {:>8} program{} built\n", file + ".cl", count, count == 1 ? "" : "s");
-  text += kernels;
+    text += fmt::format("  {:<28} {:>8} program{} built\n", file + ".cl", count, count == 1 ? "" : "s");
+  bool all_unchanged = true;
   for (std::size_t m = 0; m < maps.size(); ++m) {
-    const auto& d = maps[m].difference;
-    if (d)
-      text += fmt::format("{}: {} from what the default bake shows ({}, 95 % interval); at worst {} at level {}\n",
-                          maps[m].name, error_text(d->error, d->confidence), d->part,
-                          error_text(d->worst_error, d->worst_confidence), d->worst_level);
-    else if (plan.maps[m].stated_difference == 0.0)
-      text += fmt::format("{}: as the default bake has it\n", maps[m].name);
+    const SceneMapReport& map = maps[m];
+    all_unchanged &= map.bake.unchanged && (!map.has_colours || map.colours.unchanged);
+    if (const auto& d = map.difference)
+      text += fmt::format(
+          "{}: {} from what the default bake shows ({}, 95 % interval); no level more than {} (level {})\n", map.name,
+          error_text(d->error, d->confidence), d->part, percent_text(d->at_most()), d->worst_level);
+    else if (plan.maps[m].stated_difference == 0.0 && !map.is_by_trials)
+      text += fmt::format("{}: as the default bake has it\n", map.name);
   }
-  text += fmt::format(
-      "baked in {} and planned in {}, compared in {}; the default bake's estimate is {}; textures {}, {} less than the "
-      "default "
-      "bake's\n",
-      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
-      time_text(plan.usual_cost.ms), bytes_text(plan.cost.bytes), bytes_text(plan.usual_cost.bytes - plan.cost.bytes));
-  return text;
+  const double bytes = plan.usual_cost.bytes - plan.cost.bytes;
+  const std::string textures = fmt::format("textures {}, {} {} than the default bake's\n", bytes_text(plan.cost.bytes),
+                                           bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
+  if (all_unchanged)
+    return text + fmt::format("nothing to bake: all is there; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
+           textures;
+  return text +
+         fmt::format("baked in {} and planned in {}, compared in {} (by the model of time {}, the default bake {}); ",
+                     time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
+                     time_text(plan.cost.ms), time_text(plan.usual_cost.ms)) +
+         textures;
 }
 
 }  // namespace multum

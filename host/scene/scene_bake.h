@@ -19,8 +19,10 @@ namespace multum {
 struct SceneMapReport {
   std::string name;
   BakeReport bake;
-  std::string options;       // chosen for the scene's target error; empty: as planned
-  bool has_colours = false;  // in a file of their own:
+  bool is_by_trials = false;  // lobes for the scene's target error, and not as planned:
+  std::string options;        // what was chosen; empty where it was there already
+  std::string earlier;        // of a map that was left as it is, its row in the report of before (JSON); may be empty
+  bool has_colours = false;   // in a file of their own:
   MipReport colours;
   double seconds = 0.0;
   std::uint64_t file_bytes = 0;
@@ -29,6 +31,7 @@ struct SceneMapReport {
 };
 
 struct SceneReport {
+  ScenePlan plan;  // with what trials chose
   std::vector<SceneMapReport> maps;
   double seconds = 0.0;          // of the bakes; ScenePlan::plan_seconds comes before
   double compare_seconds = 0.0;  // of measuring differences from the default bake
@@ -36,9 +39,9 @@ struct SceneReport {
   std::map<std::string, std::uint64_t> launches;  // by kernel
   std::map<std::string, int> builds;              // by kernels/FILE.cl
 
-  nlohmann::json to_json(const ScenePlan& plan) const;
+  nlohmann::json to_json() const;
   /// Some lines for a terminal.
-  std::string to_text(const ScenePlan& plan) const;
+  std::string to_text() const;
 };
 
 using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&)>;

@@ -12,6 +12,7 @@
 #include "host/bake/source_keys.h"
 #include "host/bake/strict_toml.h"
 #include "host/brdf/measured_file.h"
+#include "host/image/material_maps.h"
 
 namespace multum {
 namespace {
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 constexpr char kWhole[] = "the scene";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const NumberRange kAboveZero = {0.0, kInfinity, true, true, "a number above 0"};
+const NumberRange kMetres = {1e-6, 1e9, false, false, "metres from 1e-6 to 1e9"};
 const NumberRange kFromZero = {0.0, kInfinity, false, true, "a number of at least 0"};
 const NumberRange kAny = {-kInfinity, kInfinity, true, true, "a number"};
 const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 1"};
@@ -64,16 +66,36 @@ std::string resolved(const std::string& scene, const std::string& path) {
   return path.empty() ? "" : (fs::path(scene).parent_path() / path).lexically_normal().string();
 }
 
-SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJob& pattern, Names& names) {
+// What it is about is known; what is there is looked at before any of it is read.
+void check_file(const StrictTable& table, const std::string& key, const std::string& file) {
+  std::error_code error;
+  if (file.empty() || fs::is_regular_file(file, error)) return;
+  table.refuse(
+      key, fmt::format("is {}, {}", file,
+                       fs::is_directory(file, error) ? "a folder, expected a file" : "expected a file that is there"));
+}
+
+StrictTable map_table(const std::string& path, const toml::table& toml) {
   std::vector<std::string> keys = source_keys();
   keys.insert(keys.end(), {"name", "normal"});
-  const StrictTable table(path, toml, "map", keys, kWhole);
+  return {path, toml, "map", keys, kWhole};
+}
+
+SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJob& pattern, Names& names,
+                  bool reads_files) {
+  const StrictTable table = map_table(path, toml);
   SceneMap map{names.add(table), pattern};
   MapOptions options;
   read_source_keys(table, options);
   apply(options, map.job);
   map.job.input = resolved(path, table.text("normal"));
   for (std::string BakeJob::*file : kMaterialMaps) map.job.*file = resolved(path, map.job.*file);
+  if (!reads_files) return map;
+  const auto file_of = [](const std::string& text) { return parse_channel_file(text).path; };
+  check_file(table, "normal", map.job.input);
+  check_file(table, "albedo", map.job.albedo);
+  check_file(table, "roughness", file_of(map.job.roughness));
+  check_file(table, "weights", map.job.weights);
   return map;
 }
 
@@ -152,6 +174,7 @@ SceneMaterial read_material(const std::string& path, const toml::table& toml, Na
   if (brdf.kind == BrdfKind::kLambert) brdf.specular = glm::vec3(0.0f);
   if (brdf.kind == BrdfKind::kMeasured) {
     material.measured_file = resolved(path, table.text("file"));
+    if (reads_files) check_file(table, "file", material.measured_file);
   }
   if (brdf.kind == BrdfKind::kMeasured && reads_files) {
     brdf.measured = std::make_shared<const MeasuredBrdf>(read_measured_brdf(material.measured_file));
@@ -212,9 +235,10 @@ SceneObject read_object(const std::string& path, const toml::table& toml, const 
   if (table.has("texels_per_metre") == table.has("width"))
     table.refuse("", table.has("width") ? "has both texels_per_metre and width, expected one of them"
                                         : "has neither texels_per_metre nor width, expected one of them");
-  object.texels_per_metre = table.number("texels_per_metre", kAboveZero, 0.0);
-  object.width = table.number("width", kAboveZero, 0.0);
-  const std::vector<double> distance = table.numbers("distance", kAboveZero, 2);
+  object.texels_per_metre =
+      table.number("texels_per_metre", {1e-6, 1e9, false, false, "a number from 1e-6 to 1e9"}, 0.0);
+  object.width = table.number("width", kMetres, 0.0);
+  const std::vector<double> distance = table.numbers("distance", kMetres, 2);
   if (distance.empty()) table.refuse("", "has no distance, which must be there");
   object.distance_min = distance.front();
   object.distance_max = distance.back();
@@ -273,7 +297,7 @@ SceneBudget read_budget(const std::string& path, const toml::table& toml) {
   return budget;
 }
 
-void read_lights(const std::string& path, const StrictTable& root, Scene& scene) {
+void read_lights(const std::string& path, const StrictTable& root, Scene& scene, bool reads_files) {
   std::size_t counts[2] = {};
   for (const toml::table* toml : root.tables("light", false)) {
     scene.lights.push_back(read_light(path, *toml));
@@ -282,6 +306,7 @@ void read_lights(const std::string& path, const StrictTable& root, Scene& scene)
   }
   const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWhole);
   if (root.has("environment")) scene.environment = resolved(path, environment.text("file"));
+  if (reads_files) check_file(environment, "file", scene.environment);
   if (scene.lights.empty() && scene.environment.empty())
     root.refuse("", "has no light, expected [[light]] or [environment]");
 }
@@ -294,15 +319,17 @@ Scene read_scene(const std::string& path, const BakeJob& pattern, bool reads_fil
   scene.camera = read_camera(path, root.table("camera"));
   scene.budget = read_budget(path, root.table("budget"));
   Names maps("map"), materials("material"), objects("object");
-  for (const toml::table* table : root.tables("map")) scene.maps.push_back(read_map(path, *table, pattern, maps));
+  const std::vector<const toml::table*> map_tables = root.tables("map");
+  for (const toml::table* table : map_tables) scene.maps.push_back(read_map(path, *table, pattern, maps, reads_files));
   for (const toml::table* table : root.tables("material"))
     scene.materials.push_back(read_material(path, *table, materials, reads_files));
   for (const toml::table* table : root.tables("object"))
     scene.objects.push_back(read_object(path, *table, scene, objects, maps, materials));
-  read_lights(path, root, scene);
+  read_lights(path, root, scene, reads_files);
   for (std::size_t m = 0; m < scene.maps.size(); ++m)
     if (std::none_of(scene.objects.begin(), scene.objects.end(), [&](const SceneObject& o) { return o.map == m; }))
-      root.refuse("map", fmt::format("has \"{}\", which no [[object]] shows", scene.maps[m].name));
+      map_table(path, *map_tables[m])
+          .refuse("name", fmt::format("is \"{}\", which no [[object]] shows", scene.maps[m].name));
   return scene;
 }
 
@@ -318,6 +345,7 @@ std::vector<std::string> scene_files(const std::string& path) {
     for (const std::string& file : input_files(map.job)) files.push_back(file);
   for (const SceneMaterial& material : scene.materials)
     if (!material.measured_file.empty()) files.push_back(material.measured_file);
+  if (!scene.environment.empty()) files.push_back(scene.environment);
   return files;
 }
 

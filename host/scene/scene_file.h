@@ -70,12 +70,11 @@ struct Scene {
 };
 
 /// Reads and validates; each map's job is `pattern` with what the scene says. Paths are against the scene's own folder.
-/// No other file is looked at but measured BRDFs. Throws Error(kInput) that names the file, the line, what was found
-/// and what was expected.
+/// Of other files measured BRDFs are read, and the rest must be there. Throws Error(kInput) that names the file, the
+/// line, what was found and what was expected.
 Scene read_scene(const std::string& path, const BakeJob& pattern);
 
-/// The files that decide what a scene's bake makes, itself not among them. None of them is
-/// looked at. Throws as read_scene() does.
+/// The files that a scene names. None of them is looked at. Throws as read_scene() does.
 std::vector<std::string> scene_files(const std::string& path);
 
 }  // namespace multum

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "host/base/error.h"
+#include "host/image/environment_file.h"
 #include "host/scene/effect_rows.h"
 #include "host/scene/map_planner.h"
 #include "host/scene/object_plan.h"
@@ -31,6 +32,7 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   if (plan.source && job.albedo.empty()) plan.source->albedo.reset();
   if (plan.source && job.weights.empty()) plan.source->weights.reset();
   job.measured_exponents = needs.exponents();
+  job.stored_only = s.first_level > 0;
   const bool as_usual =
       !budget.target_error && plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
   if (plan.is_constant) job.measure = false;  // how far normals are apart is known
@@ -69,6 +71,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
 ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress* progress) {
   const auto start = std::chrono::steady_clock::now();
   ScenePlan plan;
+  if (!scene.environment.empty()) check_environment_map(scene.environment);
   std::vector<std::unique_ptr<MapPlanner>> planners;
   std::uint64_t kept = 0;
   for (std::size_t m = 0; m < scene.maps.size(); ++m) {

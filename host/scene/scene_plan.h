@@ -53,6 +53,7 @@ struct MapPlan {
   bool is_diffuse = false;                // some material is
   bool is_constant = false;               // every normal stands for all: the coarsest level is enough
   BakeCandidate chosen, usual;            // the default bake
+  bool usual_error_is_bound = false;      // of the default bake it is known that its error is no more
   PartErrors limit;                       // that candidates were held to
   std::vector<BakeCandidate> candidates;  // by textures, then time
   double stated_difference = 0.0;         // from pictures of the default bake, relative L1, by the estimates

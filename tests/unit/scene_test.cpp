@@ -53,6 +53,8 @@ std::string with(std::string text, const std::string& from, const std::string& t
 
 class SceneTest : public ::testing::Test {
  protected:
+  // Whatever is in it, the map is there.
+  SceneTest() { write_bytes(folder_ / "wall.exr", ""); }
   Scene read(const std::string& text) const {
     write_bytes(path(), text);
     return read_scene(path(), pattern_);
@@ -110,6 +112,22 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
       {"tolerance = 0.05", "target_error = -1", 5, {"budget.target_error is -1", "above 0"}},
       {"name = \"wall\"", "name = \"../wall\"", 7, {"map.name is \"../wall\"", "letters"}},
       {"normal = \"wall.exr\"\n", "", 6, {"map has no normal"}},
+      {"normal = \"wall.exr\"",
+       "normal = \"wal.exr\"",
+       8,
+       {"map.normal is ", "wal.exr, expected a file that is there"}},
+      {"normal = \"wall.exr\"", "normal = \".\"", 8, {"a folder, expected a file"}},
+      {"green = \"up\"", "albedo = \"no.png\"", 9, {"map.albedo is ", "no.png, expected a file that is there"}},
+      {"green = \"up\"", "roughness = \"no.png:G\"", 9, {"map.roughness is ", "no.png, expected"}},
+      {"direction = [0.3, 0.8, 0.5]",
+       "direction = [0, 0, 1]\n[environment]\nfile = \"sky.exr\"",
+       23,
+       {"environment.file is "}},
+      {"distance = [1, 20]", "distance = 1e300", 19, {"object.distance is 1e+300", "1e-6 to 1e9"}},
+      {"[[material]]",
+       "[[map]]\nname = \"other\"\nnormal = \"wall.exr\"\n[[material]]",
+       11,
+       {"map.name is \"other\"", "which no [[object]] shows"}},
       {"green = \"up\"", "green = \"left\"", 9, {"map.green is \"left\"", "up, down"}},
       {"brdf = \"blinn-phong\"", "brdf = \"phong\"", 12, {"material.brdf is \"phong\"", "lambert, blinn-phong"}},
       {"exponent = [20, 100]", "exponent = [100, 20]", 13, {"material.exponent is [100, 20]", "lower end first"}},
@@ -121,7 +139,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
       {"material = \"paint\"", "materials = [\"paint\", \"paint\"]", 17, {"has 2 materials", "no weights"}},
       {"width = 2.0", "width = 2.0\ntexels_per_metre = 3", 14, {"both texels_per_metre and width"}},
       {"distance = [1, 20]", "distance = [20, 1]", 19, {"object.distance is [20, 1]", "nearest first"}},
-      {"distance = [1, 20]", "distance = [0, 1]", 19, {"object.distance[0] is 0", "above 0"}},
+      {"distance = [1, 20]", "distance = [0, 1]", 19, {"object.distance[0] is 0", "1e-6 to 1e9"}},
       {"direction = [0.3, 0.8, 0.5]", "direction = [0, 0, 0]", 21, {"light.direction is 0"}},
       {"direction = [0.3, 0.8, 0.5]", "direction = [0.3, 0.8]", 21, {"light.direction has not 3 numbers"}},
       {"direction = [0.3, 0.8, 0.5]", "position = [0, 0, 1]\nirradiance = 3", 22, {"irradiance does not go with"}},

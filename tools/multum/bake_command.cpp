@@ -121,8 +121,9 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   if (chosen.written) print_report(job, printing(o), chosen.report);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{}: no settings reach it: {}{}", job.input, chosen.report.choice,
-                            chosen.written ? "written all the same" : "--best-effort writes it all the same"));
+                chosen.written ? job.input + ": no settings reach it; the best is written all the same"
+                               : fmt::format("{}: no settings reach it: {}--best-effort writes it all the same",
+                                             job.input, chosen.report.choice));
   return chosen.report;
 }
 

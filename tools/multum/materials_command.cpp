@@ -61,7 +61,7 @@ struct Size {
 };
 
 Size size_of(const std::string& image) {
-  const RawImageInfo& info = ImageReader(image, {}).info();
+  const RawImageInfo info = ImageReader(image, {}).info();
   return {info.width, info.height};
 }
 

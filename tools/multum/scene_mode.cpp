@@ -106,10 +106,13 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const std::string&
     BakeJob job = map.job;
     job.output = files.baked(map);
     print_report(job, printing, report.bake);
+    if (report.has_colours && !printing.quiet)
+      std::fprintf(printing.out, "%s: %s\n", files.colours(map).c_str(),
+                   report.colours.unchanged ? "unchanged" : "written");
   };
   const SceneReport report = bake_scene(scene, plan, files, device, done, progress.get());
   if (printing.quiet) return 0;
-  std::fputs(report.to_text(plan).c_str(), printing.out);
+  std::fputs(report.to_text().c_str(), printing.out);
   for (const ObjectPlan& object : plan.objects)
     std::fprintf(printing.out, "multum-view --scene %s --object %s -o %s.png\n", files.plan().c_str(),
                  object.name.c_str(), object.name.c_str());

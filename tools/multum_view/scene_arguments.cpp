@@ -65,7 +65,9 @@ std::vector<std::string> arguments_of(const Json& view, const fs::path& folder, 
   }
   for (const Json& brdf : view.value("brdf", Json::array()))
     add("--brdf", view.contains("measured") ? resolved(brdf) : brdf.get<std::string>());
-  for (const char* key : {"diffuse", "specular", "fixed-fresnel", "size", "camera"})
+  for (const char* key : {"diffuse", "specular"})
+    for (const Json& colour : view.value(key, Json::array())) add(std::string("--") + key, colour);
+  for (const char* key : {"fixed-fresnel", "size", "camera"})
     if (view.contains(key)) add(std::string("--") + key, view[key]);
   add("--repeat", fmt::format("{:.9g}", view.at("repeat").get<double>()));
   for (const Json& light : view.at("light")) add("--light", light);
@@ -81,6 +83,10 @@ std::vector<std::string> with_scene(const std::vector<std::string>& arguments) {
   const std::optional<std::string> path = take(rest, "--scene");
   if (!path) return arguments;
   const std::optional<std::string> name = take(rest, "--object");
+  if (std::error_code error; !fs::is_regular_file(*path, error))
+    throw Error(ErrorCode::kInput, *path + ": no such file, expected plan.json as multum bake scene.toml writes it");
+  if (!rest.empty() && !rest.front().starts_with("-"))
+    throw Error(ErrorCode::kUsage, "--scene says what is drawn; found " + rest.front() + " beside it");
   std::ifstream file(*path);
   const Json plan = Json::parse(file, nullptr, false);
   if (!plan.is_object() || !plan.contains("objects"))

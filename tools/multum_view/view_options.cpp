@@ -32,8 +32,7 @@ struct RawOptions {
   std::vector<std::string> lights;
   std::vector<std::string> point_lights;
   std::vector<std::string> brdfs;
-  std::string diffuse;
-  std::string specular;
+  std::vector<std::string> diffuse, specular;  // one for all, or one a BRDF
   std::string fixed_fresnel;
   std::string size = "640x480";
   std::string context = "auto";
@@ -256,10 +255,16 @@ void finish(const RawOptions& raw, ViewOptions& options) {
     scene.point_lights.push_back(parse_point_light("--point-light", light));
   options.has_brdf = !raw.brdfs.empty();
   if (raw.brdfs.size() > kWeightCountMax) throw Error(ErrorCode::kUsage, "--brdf: at most 4, a weight each");
-  for (const std::string& text : raw.brdfs.empty() ? std::vector<std::string>{"blinn-phong:100"} : raw.brdfs) {
-    Brdf brdf = parse_brdf("--brdf", text, scene.brdf.term_count);
-    if (!raw.diffuse.empty()) brdf.diffuse = parse_colour("--diffuse", raw.diffuse);
-    if (!raw.specular.empty()) brdf.specular = parse_colour("--specular", raw.specular);
+  const std::vector<std::string> brdfs = raw.brdfs.empty() ? std::vector<std::string>{"blinn-phong:100"} : raw.brdfs;
+  for (const auto& [option, colours] : {std::pair{"--diffuse", &raw.diffuse}, std::pair{"--specular", &raw.specular}})
+    if (colours->size() > 1 && colours->size() != brdfs.size())
+      throw Error(ErrorCode::kUsage, fmt::format("{}: found {}, expected one, or one for each of {} --brdf", option,
+                                                 colours->size(), brdfs.size()));
+  for (std::size_t k = 0; k < brdfs.size(); ++k) {
+    Brdf brdf = parse_brdf("--brdf", brdfs[k], scene.brdf.term_count);
+    const auto of_this = [&](const std::vector<std::string>& colours) { return colours[colours.size() > 1 ? k : 0]; };
+    if (!raw.diffuse.empty()) brdf.diffuse = parse_colour("--diffuse", of_this(raw.diffuse));
+    if (!raw.specular.empty()) brdf.specular = parse_colour("--specular", of_this(raw.specular));
     if (!raw.fixed_fresnel.empty()) brdf.fixed_fresnel = parse_colour("--fixed-fresnel", raw.fixed_fresnel);
     options.basis.push_back(brdf);
   }
@@ -342,9 +347,16 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
                  "vMF densities that GGX and measured facets are a sum of, over lobes: more is nearer and slower")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
-  app.add_option("--diffuse", raw.diffuse, "diffuse reflectance, grey or r,g,b (default: 0.5, or what was measured)");
+  app.add_option(
+         "--diffuse", raw.diffuse,
+         "diffuse reflectance, grey or r,g,b (default: 0.5, or what was measured); several times: of each --brdf")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--specular", raw.specular,
-                 "specular factor, grey or r,g,b (default: 0.1; 1 where Fresnel or a measurement is in it)");
+                 "specular factor, grey or r,g,b (default: 0.1; 1 where Fresnel or a measurement is in it); several "
+                 "times: of each --brdf")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--fixed-fresnel", raw.fixed_fresnel,
                  "grey or r,g,b in the place of the BRDF's Fresnel term at every angle, as a scene's plan may have it; "
                  "its code is left out");
