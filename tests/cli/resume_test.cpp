@@ -141,7 +141,8 @@ class RegionTest : public CliTest {
   std::map<std::string, double> errors(const std::string& output) const {
     std::ifstream in(path(output + ".json"));
     std::map<std::string, double> sums;
-    for (const auto& row : nlohmann::json::parse(in).at("measured_error"))
+    const nlohmann::json report = nlohmann::json::parse(in);
+    for (const auto& row : report.at("measured_error"))
       if (row.at("level").get<int>() > 0) sums[row.at("brdf")] += row.at("relative_l1").get<double>();
     return sums;
   }
