@@ -25,9 +25,11 @@ code { font-size: .92em; } .pictures { display: grid; gap: .9rem;
   grid-template-columns: repeat(auto-fill, minmax(min(15rem, 100%), 1fr)); }
 .pictures img { width: 100%; image-rendering: auto; }
 table.sortable th { cursor: pointer; } table.sortable th[aria-sort]::after { content: " \25B2"; }
-table.sortable th[aria-sort=descending]::after { content: " \25BC"; } td code { white-space: nowrap; }
-@media print { .plots { grid-template-columns: 1fr 1fr; } pre { white-space: pre-wrap; } table { font-size: 7.5pt; }
-  td code { white-space: normal; } }
+table.sortable th[aria-sort=descending]::after { content: " \25BC"; }
+table.sortable { font-size: .86rem; }
+table.sortable th, table.sortable td { padding-left: .35rem; padding-right: .35rem; }
+table.sortable td.text:first-child { min-width: 11rem; }
+@media print { .plots { grid-template-columns: 1fr 1fr; } pre { white-space: pre-wrap; } table { font-size: 7.5pt; } }
 )";
 
 // A click on a head sorts by that column, another the other way; cells without a number come last.
@@ -310,7 +312,7 @@ class TradeoffPage {
            html_table({{"settings", true},
                        {"varied", true},
                        {"error"},
-                       {"&plusmn; 95 %"},
+                       {"&plusmn;&nbsp;95&nbsp;%"},
                        {"centres"},
                        {"midway"},
                        {"between levels"},
@@ -337,7 +339,7 @@ class TradeoffPage {
                        {"drawn with", true},
                        {"varied", true},
                        {"error"},
-                       {"&plusmn; 95 %"},
+                       {"&plusmn;&nbsp;95&nbsp;%"},
                        {"rendered"},
                        {"frame, ms"}},
                       rows, " class=\"sortable\"");

@@ -21,7 +21,6 @@ namespace multum {
 namespace {
 
 constexpr int kDirections = 32;
-constexpr double kErrorMax = 2.0;
 constexpr int kIterations = 15;
 constexpr double kKappaMax = 1e6;
 constexpr double kCapInEm = 5e3, kCapAtTop = 500.0;
@@ -190,17 +189,30 @@ const std::vector<LobeErrors::TexelFit>& LobeErrors::fits(int lobe_count) {
   return fits_[index];
 }
 
+// The sharpest highlight that a texel's normals resolve: where they are a sample, so sharp that several of them are
+// within its width anywhere, by a spread of all directions within acos |mean|.
+double LobeErrors::exponent_max(const SurveyedTexel& texel) const {
+  constexpr double kWithin = 4.0;
+  const auto count = static_cast<double>(texel.normals.size());
+  const double texels = static_cast<double>(survey_.width) * survey_.height /
+                        mip_level_size(survey_.width, texel.level) / mip_level_size(survey_.height, texel.level);
+  if (count > 0.9 * texels) return kEstimatedExponentMax;
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& n : texel.normals) mean += n / count;
+  return std::clamp(count / (2.0 * kWithin * std::max(1.0 - glm::length(mean), 1e-6)), 1.0, kEstimatedExponentMax);
+}
+
 double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& given, ColourModel colours) const {
-  std::vector<ShadedBy> shadings = given;
-  for (ShadedBy& by : shadings)
-    if (by.exponent && std::isfinite(*by.exponent)) by.exponent = std::min(*by.exponent, kEstimatedExponentMax);
   static const std::vector<glm::dvec3> directions = spread_half_vectors(kDirections);
-  std::vector<std::vector<ErrorSums>> sums(survey_.texels.size(), std::vector<ErrorSums>(shadings.size()));
+  std::vector<std::vector<ErrorSums>> sums(survey_.texels.size(), std::vector<ErrorSums>(given.size()));
   for_each_item(static_cast<int>(survey_.texels.size()), settings_.threads, [&](int i) {
     const auto t = static_cast<std::size_t>(i);
     const SurveyedTexel& texel = survey_.texels[t];
     if (texel.level < settings_.first_level) return;
     const bool coloured = colours != ColourModel::kNone && !texel.colours.empty();
+    std::vector<ShadedBy> shadings = given;
+    for (ShadedBy& by : shadings)
+      if (by.exponent && std::isfinite(*by.exponent)) by.exponent = std::min(*by.exponent, exponent_max(texel));
     for (std::size_t s = 0; s < shadings.size(); ++s)
       for (const glm::dvec3& w : directions) {
         glm::dvec3 truth(0.0);
@@ -214,7 +226,7 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& giv
       }
   });
   double worst = 0.0;
-  for (std::size_t s = 0; s < shadings.size(); ++s) {
+  for (std::size_t s = 0; s < given.size(); ++s) {
     std::map<int, ErrorSums> levels;
     for (std::size_t t = 0; t < sums.size(); ++t) {
       if (survey_.texels[t].level < settings_.first_level) continue;
@@ -222,11 +234,9 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& giv
       level.difference += sums[t][s].difference;
       level.truth += sums[t][s].truth;
     }
-    // At most 2, as of densities over all directions: in those of a few, the truth may be anywhere else.
     double of_levels = 0.0;
     for (const auto& [level, sum] : levels)
-      if (sum.truth > 0.0)
-        of_levels += std::min(sum.difference / sum.truth, kErrorMax) / static_cast<double>(levels.size());
+      if (sum.truth > 0.0) of_levels += sum.difference / sum.truth / static_cast<double>(levels.size());
     worst = std::max(worst, of_levels);
   }
   return worst;

@@ -19,8 +19,8 @@ struct ShadedBy {
   int weight = -1;                 // times this one of the map's weights; -1: whole
 };
 
-/// Sharper highlights are estimated as if of this exponent: 32 half vectors and 256 normals a texel do not resolve
-/// them.
+/// Sharper highlights are estimated as if of this exponent, or of a lower one where a texel's normals are a sample that
+/// is spread wide: a few half vectors and normals do not resolve them.
 constexpr double kEstimatedExponentMax = 200.0;
 
 enum class ColourModel {
@@ -68,7 +68,8 @@ class LobeErrors {
   };
   // Of a texel, a shading and a direction: what a representation makes of it, colours in.
   using Model = std::function<glm::dvec3(std::size_t texel, const ShadedBy& by, const glm::dvec3& direction)>;
-  double error_of(const Model& model, const std::vector<ShadedBy>& shadings, ColourModel colours) const;
+  double error_of(const Model& model, const std::vector<ShadedBy>& given, ColourModel colours) const;
+  double exponent_max(const SurveyedTexel& texel) const;
   const std::vector<TexelFit>& fits(int lobe_count);
   // Means of a fit's lobes over the normals that they share.
   void add_means(const SurveyedTexel& texel, TexelFit& fit) const;

@@ -60,7 +60,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
       if (step == nullptr)
         throw Error(
             ErrorCode::kVerification,
-            fmt::format("no settings keep to the budget's {} of {:.0f}: the least is {:.0f}", what, *limit, total));
+            fmt::format("no settings keep to the budget's {} of {:g}: the least is {:.6g}", what, *limit, total));
       cheapest->chosen = *step;
     }
   }

@@ -271,9 +271,16 @@ TEST_F(SceneCommandTest, ARunGoesOnWhereItWas) {
   const std::string scene = write_scene({.name = "diffuse", .material = "brdf = \"lambert\"\n"});
   ASSERT_EQ(multum({"bake", scene, "-o", path("out"), "-q"}).exit_code, 0);
   const auto time = fs::last_write_time(path("out/wall.ndf.exr"));
-  ASSERT_EQ(multum({"bake", scene, "-o", path("out"), "-q"}).exit_code, 0);
+  Json row = json("out/report.json")["maps"][0];
+  EXPECT_TRUE(row.contains("difference_from_default"));
+  EXPECT_FALSE(row["bake"]["measured_error"].empty());
+  const ProgramResult again = multum({"bake", scene, "-o", path("out")});
+  ASSERT_EQ(again.exit_code, 0);
+  EXPECT_NE(again.out.find("nothing to bake"), std::string::npos) << again.out;
   EXPECT_EQ(fs::last_write_time(path("out/wall.ndf.exr")), time);
   EXPECT_EQ(json("out/report.json")["launches"], Json::object());
+  row["unchanged"] = true;
+  EXPECT_EQ(json("out/report.json")["maps"][0], row) << "what is known of it stays";
   ASSERT_EQ(multum({"bake", scene, "-o", path("out"), "-q", "--force"}).exit_code, 0);
   EXPECT_NE(fs::last_write_time(path("out/wall.ndf.exr")), time);
 }
@@ -307,6 +314,67 @@ TEST_F(SceneCommandTest, ABudgetOfTimeIsKeptOrRefused) {
   EXPECT_NE(refused.err.find("no settings keep to the budget's bake_ms of 1: the least is "), std::string::npos)
       << refused.err;
   EXPECT_FALSE(fs::exists(path("none/plan.json")));
+}
+
+// Estimates come near; what trials settle on is what plan and report say, then and when nothing is left to do.
+TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
+  SceneCase scene{.name = "target"};
+  scene.material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\ntarget_error = 0.25\n";
+  const std::string file = write_scene(scene);
+  for (const bool again : {false, true}) {
+    SCOPED_TRACE(again);
+    const ProgramResult baked = multum({"bake", file, "-o", path("target")});
+    ASSERT_EQ(baked.exit_code, 0) << baked.err;
+    EXPECT_EQ(baked.out.find("from what the default bake shows"), std::string::npos) << baked.out;
+    const Json plan = json("target/plan.json"), report = json("target/report.json");
+    const ProgramResult info = multum({"info", path("target/wall.ndf.exr")});
+    ASSERT_EQ(info.exit_code, 0) << info.err;
+    const std::string lobes = fmt::format("movmf: {} von Mises-Fisher", plan["maps"][0]["chosen"]["lobes"].get<int>());
+    EXPECT_NE(info.out.find(lobes), std::string::npos) << info.out << lobes;
+    EXPECT_EQ(report["bytes"], plan["maps"][0]["chosen"]["bytes"]);
+    for (const Json& error : report["maps"][0]["bake"]["error"])
+      if (error["brdf"] == "blinn-phong:100") {
+        EXPECT_LE(error["relative_l1"].get<double>() + error["confidence_95"].get<double>(), 0.25);
+      }
+  }
+}
+
+// Basis BRDFs of their own colours: red where the first weight is, blue where the second.
+TEST_F(SceneCommandTest, EveryMaterialKeepsItsColour) {
+  write_image("flat_normal.png", 64, [](int, int, int c) { return c == 2 ? 1.0f : 128.0f / 255.0f; });
+  const auto weights = OIIO::ImageOutput::create(path("weights.tif"));
+  std::vector<std::uint8_t> values;
+  for (int i = 0; i < 64 * 64; ++i) {
+    values.push_back(i % 16 < 8 ? 255 : 0);
+    values.push_back(i % 16 < 8 ? 0 : 255);
+  }
+  ASSERT_TRUE(weights && weights->open(path("weights.tif"), OIIO::ImageSpec(64, 64, 2, OIIO::TypeDesc::UINT8)));
+  ASSERT_TRUE(weights->write_image(OIIO::TypeDesc::UINT8, values.data()));
+  ASSERT_TRUE(weights->close());
+  const std::string lambert = "brdf = \"lambert\"\ndiffuse = ";
+  const auto write = [&](const std::string& materials) {
+    write_bytes(path("two.toml"), fmt::format(kHead, "flat", "weights = \"weights.tif\"") +
+                                      "[[material]]\nname = \"red\"\n" + lambert +
+                                      "[0.8, 0.1, 0.1]\n[[material]]\nname = \"blue\"\n" + lambert +
+                                      "[0.1, 0.1, 0.8]\n" + with_object(materials) + kSun);
+  };
+  write("materials = [\"red\", \"blue\"]");
+  const ProgramResult baked = multum({"bake", path("two.toml"), "-o", path("two")});
+  ASSERT_EQ(baked.exit_code, 0) << baked.err;
+  const std::vector<float> picture = draw(path("two/plan.json"));
+  int red = 0, blue = 0;
+  for (std::size_t i = 0; i + 2 < picture.size(); i += 3) {
+    red += picture[i] > 4.0f * picture[i + 2] ? 1 : 0;
+    blue += picture[i + 2] > 4.0f * picture[i] ? 1 : 0;
+  }
+  EXPECT_GT(red, 500);
+  EXPECT_GT(blue, 500);
+  write("materials = [\"red\", \"blue\", \"red\"]");
+  const ProgramResult refused = multum({"plan", path("two.toml")});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.err.find("weights.tif: holds 2 weights, expected 3: object \"front\" has as many materials"),
+            std::string::npos)
+      << refused.err;
 }
 
 // Four directions and four BRDFs: which facets shine is in the weights. One lobe is not enough, and the plan knows.
@@ -350,6 +418,22 @@ TEST_F(SceneCommandTest, WhatIsWrongIsRefused) {
   EXPECT_NE(result.err.find("bad.toml:1: scene is no key"), std::string::npos) << result.err;
   result = multum({"plan", path("none.toml")});
   EXPECT_EQ(result.exit_code, 3);
+  result = multum({"plan", path("")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find("is a folder, expected a scene"), std::string::npos) << result.err;
+  SceneCase square{.name = "square"};
+  square.light = "[environment]\nfile = \"map_normal.png\"\n";
+  result = multum({"plan", write_scene(square)});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find("map_normal.png: found an image of 64 x 64, expected an environment"), std::string::npos)
+      << result.err;
+  const std::string view = std::string(MULTUM_BIN_DIR) + "/multum-view";
+  result = run_program({view, "--scene", path("none.json"), "-o", path("x.png")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find("none.json: no such file"), std::string::npos) << result.err;
+  result = run_program({view, "--scene", path("bad.toml"), path("map.ndf.exr"), "-o", path("x.png")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("--scene says what is drawn; found"), std::string::npos) << result.err;
   result =
       run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "--scene", path("bad.toml"), "-o", path("x.png")});
   EXPECT_EQ(result.exit_code, 3);
