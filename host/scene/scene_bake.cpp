@@ -41,16 +41,21 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
   return job;
 }
 
+// What a target is for: the narrowest highlight. Of a map with a roughness it becomes the roughness itself.
+TargetBrdf target_brdf(const BakeJob& job) {
+  if (!job.roughness.empty()) return {};
+  return parse_target_brdf(job.measured_exponents.empty()
+                               ? std::string("lambert")
+                               : fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
+}
+
 // Several lobes and a target: how many, and how long they are fitted, is found by trials (host/bake/chosen_bake.h).
 BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const BakeSource* source, Device& device,
                                 Progress* progress, std::string& options) {
   BakeTarget target;
   target.error = target_error;
   target.only = job.representation;
-  // Of a map with a roughness it becomes the roughness itself.
-  if (job.roughness.empty() && job.measured_exponents.empty()) target.brdf = parse_target_brdf("lambert");
-  else if (job.roughness.empty())
-    target.brdf = parse_target_brdf(fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
+  target.brdf = target_brdf(job);
   ChosenBake chosen = bake_to_target(job, target, source, device, progress);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
@@ -66,22 +71,42 @@ bool has_trials(const Scene& scene, const MapPlan& map) {
 }
 
 // Other settings are estimates, that one bake holds to the target.
-bool misses_target(const Scene& scene, const BakeReport& report) {
-  return scene.budget.target_error && std::any_of(report.error.begin(), report.error.end(), [&](const auto& one) {
-           return one.error + one.confidence > *scene.budget.target_error;
-         });
+bool misses_target(const Scene& scene, const BakeJob& job, const std::vector<AccuracySummary>& errors) {
+  if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
+  TargetBrdf brdf = target_brdf(job);
+  if (!job.measured_exponents.empty()) brdf.name = blinn_phong_name(job.measured_exponents.front());
+  return !reached_error(errors, brdf).meets(*scene.budget.target_error);
 }
 
-SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles& files, Device& device,
-                        Progress* progress) {
+// What was measured of a file that is left as it is.
+std::vector<AccuracySummary> errors_of(const nlohmann::json& row) {
+  std::vector<AccuracySummary> errors;
+  try {
+    for (const nlohmann::json& one : row.at("bake").at("error"))
+      errors.push_back({one.at("brdf"), one.at("relative_l1"), one.at("confidence_95"), one.at("samples"),
+                        one.at("worst_level"), one.at("worst_level_relative_l1")});
+  } catch (const nlohmann::json::exception&) {
+    errors.clear();
+  }
+  return errors;
+}
+
+// `earlier`: the map's row in the report of before, by which what was written then is known again; null: none.
+SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles& files, const nlohmann::json& earlier,
+                        Device& device, Progress* progress) {
   const auto start = Clock::now();
   SceneMapReport report;
   report.name = map.name;
   BakeJob job = map.job;
   job.output = files.baked(map);
-  if (!has_trials(scene, map)) report.bake = bake_file(job, map.source.get(), device, progress);
-  report.is_by_trials = has_trials(scene, map) || misses_target(scene, report.bake);
+  const bool was_by_trials = earlier.is_object() && earlier.value("by_trials", nlohmann::json()) == true;
+  report.is_by_trials = has_trials(scene, map) || (scene.budget.target_error && was_by_trials);
+  if (!report.is_by_trials) {
+    report.bake = bake_file(job, map.source.get(), device, progress);
+    report.is_by_trials = misses_target(scene, job, report.bake.unchanged ? errors_of(earlier) : report.bake.error);
+  }
   if (report.is_by_trials) {
+    if (!holds_lobes(job.representation)) job.encoding = map.usual.shape.encoding;
     job.representation = Representation::kMovmf;
     report.bake =
         bake_lobes_to_target(job, *scene.budget.target_error, map.source.get(), device, progress, report.options);
@@ -101,6 +126,7 @@ void settle(const SceneFiles& files, MapPlan& map) {
   const MovmfReader reader(files.baked(map));
   BakeCandidate& chosen = map.chosen;
   chosen.shape.representation = reader.header().representation;
+  chosen.shape.encoding = reader.header().encoding;
   chosen.shape.lobe_count = reader.header().lobe_count();
   chosen.name = fmt::format("{}, {} lobe{}", representation_info(chosen.shape.representation).option,
                             chosen.shape.lobe_count, chosen.shape.lobe_count == 1 ? "" : "s");
@@ -108,13 +134,13 @@ void settle(const SceneFiles& files, MapPlan& map) {
 }
 
 // Rows of the maps in the report of an earlier bake, by name.
-std::map<std::string, std::string> earlier_rows(const std::string& path) {
-  std::map<std::string, std::string> rows;
+std::map<std::string, nlohmann::json> earlier_rows(const std::string& path) {
+  std::map<std::string, nlohmann::json> rows;
   std::ifstream file(path);
   const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
   if (!report.is_object() || !report.contains("maps") || !report["maps"].is_array()) return rows;
   for (const nlohmann::json& row : report["maps"])
-    if (row.is_object() && row.contains("name") && row["name"].is_string()) rows[row["name"]] = row.dump();
+    if (row.is_object() && row.contains("name") && row["name"].is_string()) rows[row["name"]] = row;
   return rows;
 }
 
@@ -124,15 +150,16 @@ SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFil
                        const SceneMapDone& done, Progress* progress) {
   const auto start = Clock::now();
   write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
-  const std::map<std::string, std::string> earlier = earlier_rows(files.report());
+  const std::map<std::string, nlohmann::json> earlier = earlier_rows(files.report());
   SceneReport report;
   report.plan = plan;
   bool is_settled = false;
   for (MapPlan& map : report.plan.maps) {
-    report.maps.push_back(bake_map(scene, map, files, device, progress));
+    const auto row = earlier.find(map.name);
+    const nlohmann::json before = row != earlier.end() ? row->second : nlohmann::json();
+    report.maps.push_back(bake_map(scene, map, files, before, device, progress));
     SceneMapReport& made = report.maps.back();
-    if (const auto row = earlier.find(map.name); made.bake.unchanged && row != earlier.end())
-      made.earlier = row->second;
+    if (made.bake.unchanged && before.is_object()) made.earlier = before.dump();
     if (made.is_by_trials) settle(files, map), is_settled = true;
     if (done) done(map, made);
   }
@@ -183,6 +210,7 @@ nlohmann::json SceneReport::to_json() const {
                           {"bytes", planned.chosen.cost.bytes},
                           {"bytes_saved", planned.usual.cost.bytes - planned.chosen.cost.bytes},
                           {"ms_saved_estimate", planned.usual.cost.ms - planned.chosen.cost.ms},
+                          {"by_trials", map.is_by_trials},
                           {"bake", nlohmann::json::parse(map.bake.to_json())}};
     if (!map.options.empty()) row["options"] = map.options;
     if (map.difference)

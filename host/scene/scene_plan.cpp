@@ -32,6 +32,7 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   if (plan.source && job.albedo.empty()) plan.source->albedo.reset();
   if (plan.source && job.weights.empty()) plan.source->weights.reset();
   job.measured_exponents = needs.exponents();
+  for (double& exponent : job.measured_exponents) exponent = std::stod(fmt::format("{:.4g}", exponent));
   job.stored_only = s.first_level > 0;
   const bool as_usual =
       !budget.target_error && plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;

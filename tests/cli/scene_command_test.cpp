@@ -339,6 +339,34 @@ TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   }
 }
 
+// One lobe is estimated to do, and was baked before there was a target: what was measured of it decides.
+TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
+  SceneCase scene{.name = "one"};
+  const std::string material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\n";
+  const auto lobes_and_error = [&](const std::string& budget) {
+    scene.material = material + budget;
+    const ProgramResult baked = multum({"bake", write_scene(scene), "-o", path("one")});
+    EXPECT_EQ(baked.exit_code, 0) << baked.err;
+    const Json row = json("one/report.json")["maps"][0];
+    double error = 0.0;
+    for (const Json& one : row["bake"]["error"])
+      if (one["brdf"] == "blinn-phong:100")
+        error = one["relative_l1"].get<double>() + one["confidence_95"].get<double>();
+    return std::pair(json("one/plan.json")["maps"][0]["chosen"]["lobes"].get<int>(), error);
+  };
+  ASSERT_EQ(multum({"plan", write_scene({.name = "free"}), "-o", path("free.json")}).exit_code, 0);
+  double estimate = 0.0;
+  for (const Json& candidate : json("free.json")["maps"][0]["candidates"])
+    if (candidate["name"] == "vmf, 1 lobe") estimate = candidate["error"];
+  const auto [lobes, error] = lobes_and_error(fmt::format("target_error = {}\n", 2.0));
+  EXPECT_EQ(lobes, 1);
+  if (estimate >= 0.99 * error) GTEST_SKIP() << "the estimate is no lower than what is measured";
+  const double target = 0.5 * (estimate + error);
+  const auto [more, better] = lobes_and_error(fmt::format("target_error = {}\n", target));
+  EXPECT_GT(more, 1);
+  EXPECT_LE(better, target);
+}
+
 // Basis BRDFs of their own colours: red where the first weight is, blue where the second.
 TEST_F(SceneCommandTest, EveryMaterialKeepsItsColour) {
   write_image("flat_normal.png", 64, [](int, int, int c) { return c == 2 ? 1.0f : 128.0f / 255.0f; });
