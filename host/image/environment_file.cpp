@@ -25,7 +25,7 @@ namespace {
 }
 
 void check_size(const std::string& path, int width, int height) {
-  if (width != 2 * height || height < 4 || width > kEnvironmentWidthLimit)
+  if (height < 4 || height > kEnvironmentWidthLimit / 2 || width != 2 * height)
     refuse(path, fmt::format("found an image of {} x {}, expected an environment over latitude and longitude, twice as "
                              "wide as high, 8 x 4 to {} x {}",
                              width, height, kEnvironmentWidthLimit, kEnvironmentWidthLimit / 2));
