@@ -51,7 +51,7 @@ void scan_texel(const BakedHeader& header, const MomentLevel& rows, std::size_t 
     return;
   }
   const double tolerance = length_tolerance(header.encoding);
-  scan_weights(rows.weights, i, header.weight_count, tolerance, place, scan.weight, scan.nonfinite);
+  scan_weights(rows.weights, i, header.weight_count, 1.0, tolerance, place, scan.weight, scan.nonfinite);
   const double slope_max = static_cast<double>(kSlopeMax) * (1.0 + tolerance);
   scan.variance.offer(missing_variance(m, variance_tolerance(header.encoding)), place);
   scan.slope.offer(std::hypot(static_cast<double>(m.s), static_cast<double>(m.t)) - slope_max, place);

@@ -33,20 +33,7 @@ struct Scan {
 
 // Weights are 0 to 1, so that those of a lobe are 0 to a, but for what rounds both: halfs, and snorm16's amplitudes,
 // which may be a step of the fit's.
-void scan_lobe_weights(const MovmfLevel& rows, std::size_t lobe, std::size_t texel, const TexelPlace& place,
-                       Scan& scan) {
-  constexpr double kExcessMax = 2e-3;
-  const std::size_t count = rows.weights[lobe].size() / texel_count(rows.width, rows.height);
-  for (std::size_t k = 0; k < count; ++k) {
-    const float weight = rows.weights[lobe][texel * count + k];
-    if (!std::isfinite(weight)) ++scan.nonfinite;
-    else
-      scan.weight_range.offer(
-          std::max(-static_cast<double>(weight),
-                   static_cast<double>(weight) - static_cast<double>(rows.lobes[lobe][texel].w) - kExcessMax),
-          place);
-  }
-}
+constexpr double kWeightTolerance = 2e-3;
 
 // How far the third value of a Gaussian is below what its mean alone makes of it, more than rounding it down allows.
 double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
@@ -62,8 +49,8 @@ double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
 void scan_rows(const MovmfMipmap& header, int l, int first_row, const MovmfLevel& rows, Scan& scan) {
   const bool gaussians = header.representation == Representation::kGmm;
   const StorageEncoding encoding = header.encoding;
+  const auto width = static_cast<std::size_t>(rows.width);
   for (std::size_t i = 0; i < texel_count(rows.width, rows.height); ++i) {
-    const auto width = static_cast<std::size_t>(rows.width);
     const TexelPlace place{l, static_cast<int>(i % width), first_row + static_cast<int>(i / width)};
     double sum = 0.0;
     for (const auto& lobe : rows.lobes) {
@@ -83,7 +70,9 @@ void scan_rows(const MovmfMipmap& header, int l, int first_row, const MovmfLevel
       const glm::vec3& c = colour[i];
       if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) ++scan.nonfinite;
     }
-    for (std::size_t j = 0; j < rows.weights.size(); ++j) scan_lobe_weights(rows, j, i, place, scan);
+    for (std::size_t j = 0; j < rows.weights.size(); ++j)
+      scan_weights(rows.weights[j], i, header.weight_count, static_cast<double>(rows.lobes[j][i].w), kWeightTolerance,
+                   place, scan.weight_range, scan.nonfinite);
   }
 }
 

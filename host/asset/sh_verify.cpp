@@ -45,7 +45,7 @@ void scan_texel(const BakedHeader& header, int order, const ShLevel& rows, std::
     return;
   }
   const double tolerance = sh_power_tolerance(header.encoding);
-  scan_weights(rows.weights, i, header.weight_count, tolerance, place, scan.weight, scan.nonfinite);
+  scan_weights(rows.weights, i, header.weight_count, 1.0, tolerance, place, scan.weight, scan.nonfinite);
   for (place.band = 1; place.band <= order; ++place.band) {
     const double excess = power_of_band(rows, i, place.band) - 1.0;
     scan.strong.offer(excess - tolerance, place);

@@ -32,13 +32,13 @@ VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const s
                         "a weight is outside 0 to " + high);
 }
 
-void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double tolerance,
+void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double high, double tolerance,
                   const TexelPlace& place, WorstTexel& worst, std::size_t& nonfinite) {
   for (std::size_t k = index * static_cast<std::size_t>(count); k < (index + 1) * static_cast<std::size_t>(count);
        ++k) {
     const auto weight = static_cast<double>(weights[k]);
     if (!std::isfinite(weight)) ++nonfinite;
-    else worst.offer(std::max(-weight, weight - 1.0 - tolerance), place);
+    else worst.offer(std::max(-weight, weight - high - tolerance), place);
   }
 }
 

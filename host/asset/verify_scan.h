@@ -38,8 +38,8 @@ VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what);
 /// `high`: "1", or what else a weight may be at most.
 VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const std::string& high);
 
-/// Weights of texel `index`, `count` of them, each 0 to 1 but for a tolerance.
-void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double tolerance,
+/// Weights of texel `index`, `count` of them, each 0 to `high` but for a tolerance.
+void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double high, double tolerance,
                   const TexelPlace& place, WorstTexel& worst, std::size_t& nonfinite);
 
 /// Every texel of every stored level, by bands of a tile's rows: `texel(rows, index in rows, place)`, then

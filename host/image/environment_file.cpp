@@ -135,18 +135,22 @@ class RadianceReader {
   int width_ = 0, height_ = 0;
 };
 
+RawImageInfo checked_info(const std::string& path) {
+  const RawImageInfo info = ImageReader(path, {}).info();
+  check_size(path, info.width, info.height);
+  return info;
+}
+
 }  // namespace
 
 void check_environment_map(const std::string& path) {
-  if (is_radiance(path)) return RadianceReader(path).check();
-  const RawImageInfo info = ImageReader(path, {}).info();
-  check_size(path, info.width, info.height);
+  if (is_radiance(path)) RadianceReader(path).check();
+  else checked_info(path);
 }
 
 ColourMap read_environment_map(const std::string& path) {
   if (is_radiance(path)) return RadianceReader(path).read();
-  const RawImageInfo info = ImageReader(path, {}).info();
-  check_size(path, info.width, info.height);
+  const RawImageInfo info = checked_info(path);
   return read_albedo_map(path, info.width, info.height, 1);
 }
 

@@ -209,7 +209,8 @@ class EffectRows {
   void add_precision() {
     if (chosen_.representation != Representation::kMovmf) return;
     const auto kept = static_cast<double>(storage_kappa_max(StorageEncoding::kSnorm16));
-    const std::optional<double> share = planner_.share_beyond_storage(chosen_.lobe_count);
+    const std::optional<double> share =
+        is_estimated() ? planner_.share_beyond_storage(chosen_.lobe_count) : std::nullopt;
     if (!share) {
       add_row("32-bit storage", false,
               needs_.width_in_map ? "highlights are as broad as the roughness says"

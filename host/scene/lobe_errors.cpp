@@ -65,6 +65,19 @@ glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
   return mean;
 }
 
+// The sharpest highlight that a texel's normals resolve: where they are a sample, so sharp that several of them are
+// within its width anywhere, by a spread of all directions within acos |mean|.
+double resolved_exponent(const MapSurvey& survey, const SurveyedTexel& texel) {
+  constexpr double kWithin = 4.0;
+  const auto count = static_cast<double>(texel.normals.size());
+  const double texels = static_cast<double>(survey.width) * survey.height / mip_level_size(survey.width, texel.level) /
+                        mip_level_size(survey.height, texel.level);
+  if (count > 0.9 * texels) return kEstimatedExponentMax;
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& n : texel.normals) mean += n / count;
+  return std::clamp(count / (2.0 * kWithin * std::max(1.0 - glm::length(mean), 1e-6)), 1.0, kEstimatedExponentMax);
+}
+
 struct ErrorSums {
   double difference = 0.0, truth = 0.0;
 };
@@ -83,7 +96,9 @@ double lobe_lambert(const glm::dvec3& mean, const glm::dvec3& light) {
 LobeErrors::LobeErrors(const MapSurvey& survey, const LobeErrorSettings& settings)
     : survey_(survey),
       settings_(settings),
-      copies_(settings.has_roughness ? static_cast<double>(kCopiesShortened) : 1.0) {}
+      copies_(settings.has_roughness ? static_cast<double>(kCopiesShortened) : 1.0) {
+  for (const SurveyedTexel& texel : survey.texels) exponent_max_.push_back(resolved_exponent(survey, texel));
+}
 
 std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
   constexpr int kTrials = 48;
@@ -189,19 +204,6 @@ const std::vector<LobeErrors::TexelFit>& LobeErrors::fits(int lobe_count) {
   return fits_[index];
 }
 
-// The sharpest highlight that a texel's normals resolve: where they are a sample, so sharp that several of them are
-// within its width anywhere, by a spread of all directions within acos |mean|.
-double LobeErrors::exponent_max(const SurveyedTexel& texel) const {
-  constexpr double kWithin = 4.0;
-  const auto count = static_cast<double>(texel.normals.size());
-  const double texels = static_cast<double>(survey_.width) * survey_.height /
-                        mip_level_size(survey_.width, texel.level) / mip_level_size(survey_.height, texel.level);
-  if (count > 0.9 * texels) return kEstimatedExponentMax;
-  glm::dvec3 mean(0.0);
-  for (const glm::dvec3& n : texel.normals) mean += n / count;
-  return std::clamp(count / (2.0 * kWithin * std::max(1.0 - glm::length(mean), 1e-6)), 1.0, kEstimatedExponentMax);
-}
-
 double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& given, ColourModel colours) const {
   static const std::vector<glm::dvec3> directions = spread_half_vectors(kDirections);
   std::vector<std::vector<ErrorSums>> sums(survey_.texels.size(), std::vector<ErrorSums>(given.size()));
@@ -212,7 +214,7 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& giv
     const bool coloured = colours != ColourModel::kNone && !texel.colours.empty();
     std::vector<ShadedBy> shadings = given;
     for (ShadedBy& by : shadings)
-      if (by.exponent && std::isfinite(*by.exponent)) by.exponent = std::min(*by.exponent, exponent_max(texel));
+      if (by.exponent && std::isfinite(*by.exponent)) by.exponent = std::min(*by.exponent, exponent_max_[t]);
     for (std::size_t s = 0; s < shadings.size(); ++s)
       for (const glm::dvec3& w : directions) {
         glm::dvec3 truth(0.0);

@@ -69,7 +69,6 @@ class LobeErrors {
   // Of a texel, a shading and a direction: what a representation makes of it, colours in.
   using Model = std::function<glm::dvec3(std::size_t texel, const ShadedBy& by, const glm::dvec3& direction)>;
   double error_of(const Model& model, const std::vector<ShadedBy>& given, ColourModel colours) const;
-  double exponent_max(const SurveyedTexel& texel) const;
   const std::vector<TexelFit>& fits(int lobe_count);
   // Means of a fit's lobes over the normals that they share.
   void add_means(const SurveyedTexel& texel, TexelFit& fit) const;
@@ -81,6 +80,7 @@ class LobeErrors {
   const MapSurvey& survey_;
   const LobeErrorSettings settings_;
   const double copies_;                      // of shortened normals, in EM
+  std::vector<double> exponent_max_;         // [texel] the sharpest highlight that its normals resolve
   std::vector<std::vector<TexelFit>> fits_;  // [lobe_count][texel], where asked for
 };
 

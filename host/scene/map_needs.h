@@ -2,6 +2,8 @@
 // What a scene asks of one of its maps, whatever is in the map.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "host/scene/lobe_errors.h"

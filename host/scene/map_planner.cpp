@@ -90,7 +90,7 @@ BakeShape MapPlanner::shape(Representation representation, int lobes) const {
 
 std::optional<double> MapPlanner::share_beyond_storage(int lobe_count) {
   const auto kept = static_cast<double>(storage_kappa_max(StorageEncoding::kSnorm16));
-  if (plan_.is_constant || needs_.width_in_map || needs_.exponent_max <= kept) return std::nullopt;
+  if (needs_.width_in_map || needs_.exponent_max <= kept) return std::nullopt;
   return errors_->share_sharper(lobe_count, kept);
 }
 
@@ -123,11 +123,10 @@ void MapPlanner::add_usual() {
   // One lobe within the tolerance needs no comparison: the default bake is taken to be no worse.
   if (!scene_.budget.target_error) {
     const PartErrors one = lobes_error(1, ColourModel::kLobes);
-    one_lobe_is_enough_ = one.worst() <= scene_.budget.tolerance;
-    if (one_lobe_is_enough_) plan_.usual.error = one;
-    plan_.usual_error_is_bound = one_lobe_is_enough_;
+    plan_.usual_error_is_bound = one.worst() <= scene_.budget.tolerance;
+    if (plan_.usual_error_is_bound) plan_.usual.error = one;
   }
-  if (!one_lobe_is_enough_) plan_.usual.error = lobes_error(kLobesUsual, ColourModel::kLobes);
+  if (!plan_.usual_error_is_bound) plan_.usual.error = lobes_error(kLobesUsual, ColourModel::kLobes);
 }
 
 void MapPlanner::add_constant() {
@@ -159,7 +158,7 @@ void MapPlanner::add_candidates() {
     add_lobes(lobes);
     if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
   }
-  if (one_lobe_is_enough_) return;  // no other takes fewer textures
+  if (plan_.usual_error_is_bound) return;  // no other takes fewer textures
   // Of widths in the map and of weights, only lobes are estimated; sums of vMFs are shaded over lobes alone.
   if (needs_.width_in_map || needs_.weighted || needs_.takes_vmf) return;
   add_gaussians();

@@ -53,7 +53,6 @@ class MapPlanner {
   MapSurvey survey_;
   std::optional<LobeErrors> errors_;
   bool has_colours_ = false;
-  bool one_lobe_is_enough_ = false;
 };
 
 }  // namespace multum

@@ -73,9 +73,7 @@ bool has_trials(const Scene& scene, const MapPlan& map) {
 // Other settings are estimates, that one bake holds to the target.
 bool misses_target(const Scene& scene, const BakeJob& job, const std::vector<AccuracySummary>& errors) {
   if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
-  TargetBrdf brdf = target_brdf(job);
-  if (!job.measured_exponents.empty()) brdf.name = blinn_phong_name(job.measured_exponents.front());
-  return !reached_error(errors, brdf).meets(*scene.budget.target_error);
+  return !reached_error(errors, target_brdf(job)).meets(*scene.budget.target_error);
 }
 
 // What was measured of a file that is left as it is.
