@@ -10,7 +10,7 @@
 //   directed [lobe][window_rows * width][4]                            written: what neighbours' priors are made of
 //   level   [lobe][window_rows * width]                                written: r and amplitude of each texel's lobes
 // Sums run over the samples in their order, and a texel that has settled keeps its lobes whatever the others of its
-// group still do: the same bytes from both variants. Compute bound: about 26 operations a
+// group still do: the same bytes from both variants, and from a team (below). Compute bound: about 26 operations a
 // lobe and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.
 
 #include "device/level_window.clh"
@@ -24,6 +24,7 @@
 // What a lobe of less does to a texel cannot be seen: whether it still moves does not matter.
 #define UNSEEN_SHARE 1e-3f
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
+#define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
 
 static void store_texels(__global MultumVmfLobe* level, __global float* directed, __global const int* texels,
                          size_t level_size, int lobe, const LobeMoments* m) {
@@ -55,7 +56,6 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
   const int sample_count = sample_counts[group];
   __global const float* first_sample = samples + (size_t)group * fit.sample_capacity * SAMPLE_STRIDE + lane;
   __global float* lobe_start = start + (size_t)group * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + lane;
-#define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
 
   real_v mu_x[MULTUM_LOBES], mu_y[MULTUM_LOBES], mu_z[MULTUM_LOBES], sharpness[MULTUM_LOBES], log_weight[MULTUM_LOBES];
   real_v sum_s[MULTUM_LOBES], sum_x[MULTUM_LOBES], sum_y[MULTUM_LOBES], sum_z[MULTUM_LOBES], sum_d[MULTUM_LOBES];
@@ -128,3 +128,138 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
     STORE_V(log_weight[j], START(j, MULTUM_START_LOG));
   }
 }
+
+#if MULTUM_VECTOR_WIDTH == 1
+// EM of one texel by a team of MULTUM_TEAM work-items, for a device that has more of them than a step has texels: each
+// takes a sample's E-step, then each of the first 5 MULTUM_LOBES takes one sum of one lobe and adds the samples to it
+// in their order, then each of the first MULTUM_LOBES does a lobe's M-step. The bytes are those of movmf_em_texels.
+//
+//   samples   0 1 2 ... 63 | 64 65 ...          a block a team's turn
+//   member    0 1 2 ... 63                      E-step: responsibilities and gaps of its sample, to local memory
+//   member    S0 X0 Y0 Z0 D0 S1 X1 ...          sums: member 5 j + k adds sum k of lobe j
+//
+// Buffers as above; local size MULTUM_TEAM, global size MULTUM_TEAM * slot_count. Bound by the sums' chain of
+// additions: four clocks a sample, where one work-item alone takes some hundred.
+#define TEAM_ROW (MULTUM_TEAM + 1)  // so that lobes lie in different banks
+
+// Where member 5 j + k finds what sum k of lobe j multiplies responsibilities with: 1, x, y, z and the gap u.
+static __local const float* factors_of_sum(__local const float* one, __local const float* directions,
+                                           __local const float* gaps, int lobe, int sum) {
+  return sum == 0 ? one : sum < 4 ? directions + (sum - 1) * TEAM_ROW : gaps + lobe * TEAM_ROW;
+}
+
+__attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_team(
+    __global const float* restrict samples, __global const int* restrict sample_counts, __global float* restrict start,
+    __global const int* restrict texel_list, __global MultumVmfLobe* restrict level, __global float* restrict directed,
+    MultumMovmfFit fit) {
+  __local float shares[MULTUM_LOBES * TEAM_ROW], gaps[MULTUM_LOBES * TEAM_ROW], directions[3 * TEAM_ROW], one[1];
+  __local float lobe_state[MULTUM_LOBES * 5], sums[MULTUM_LOBES * 5], moved[MULTUM_LOBES];
+  const int slot = (int)get_group_id(0), member = (int)get_local_id(0);
+  // Every member of a team takes the same path to the barriers below.
+  if (slot >= fit.slot_count) return;
+  const int group = slot / MULTUM_GROUP, lane = slot % MULTUM_GROUP;
+  const int sample_count = sample_counts[group];
+  __global const float* first_sample = samples + (size_t)group * fit.sample_capacity * SAMPLE_STRIDE + lane;
+  __global float* lobe_start = start + (size_t)group * MULTUM_LOBES * MULTUM_START_PLANES * MULTUM_GROUP + lane;
+
+  if (member == 0) one[0] = 1.0f;
+  if (member < MULTUM_LOBES) {
+    for (int k = 0; k < 3; ++k) lobe_state[member * 5 + k] = *START(member, MULTUM_START_MU + k);
+    lobe_state[member * 5 + 3] = *START(member, MULTUM_START_SHARPNESS);
+    lobe_state[member * 5 + 4] = *START(member, MULTUM_START_LOG);
+  }
+  const int sums_lobe = min(member / 5, MULTUM_LOBES - 1), sums_kind = member % 5;
+  const bool adds = member < 5 * MULTUM_LOBES;
+  __local const float* share = shares + sums_lobe * TEAM_ROW;
+  __local const float* factor = factors_of_sum(one, directions, gaps, sums_lobe, sums_kind);
+  const int factor_step = sums_kind == 0 ? 0 : 1;
+
+  float mu_x[MULTUM_LOBES], mu_y[MULTUM_LOBES], mu_z[MULTUM_LOBES], sharpness[MULTUM_LOBES], log_weight[MULTUM_LOBES];
+  float cap = fit.kappa_cap;
+  int last = fit.iteration_count - 1;  // the iteration that ends with its E-step
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (int iteration = 0; iteration <= last; ++iteration) {
+    _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
+      mu_x[j] = lobe_state[j * 5];
+      mu_y[j] = lobe_state[j * 5 + 1];
+      mu_z[j] = lobe_state[j * 5 + 2];
+      sharpness[j] = lobe_state[j * 5 + 3];
+      log_weight[j] = lobe_state[j * 5 + 4];
+    }
+    float sum = 0.0f;
+    for (int block = 0; block < sample_count; block += MULTUM_TEAM) {
+      const int count = min(MULTUM_TEAM, sample_count - block);
+      if (member < count) {
+        __global const float* sample = first_sample + (size_t)(block + member) * SAMPLE_STRIDE;
+        const float x = sample[0], y = sample[MULTUM_GROUP], z = sample[2 * MULTUM_GROUP];
+        float responsibility[MULTUM_LOBES], u[MULTUM_LOBES];
+#if MULTUM_WEIGHTED
+        const float weight = sample[3 * MULTUM_GROUP];
+        RESPONSIBILITIES(x, y, z, weight, responsibility, u)
+#else
+        RESPONSIBILITIES(x, y, z, WHOLE, responsibility, u)
+#endif
+        directions[member] = x;
+        directions[TEAM_ROW + member] = y;
+        directions[2 * TEAM_ROW + member] = z;
+        _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
+          shares[j * TEAM_ROW + member] = responsibility[j];
+          gaps[j * TEAM_ROW + member] = u[j];
+        }
+      }
+      barrier(CLK_LOCAL_MEM_FENCE);
+      if (adds)
+        for (int i = 0; i < count; ++i) sum = fma(share[i], factor[i * factor_step], sum);
+      barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    if (adds) sums[member] = sum;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    float sum_s[MULTUM_LOBES], sum_x[MULTUM_LOBES], sum_y[MULTUM_LOBES], sum_z[MULTUM_LOBES], sum_d[MULTUM_LOBES];
+    _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
+      sum_s[j] = sums[j * 5];
+      sum_x[j] = sums[j * 5 + 1];
+      sum_y[j] = sums[j * 5 + 2];
+      sum_z[j] = sums[j * 5 + 3];
+      sum_d[j] = sums[j * 5 + 4];
+    }
+    if (iteration == 0) KAPPA_CAP_OF_TEXEL(cap, fit.total_weight_inverse, fit.kappa_cap, fit.kappa_cap_slope)
+    if (iteration < last && member < MULTUM_LOBES) {
+      // A lobe of its own for each of the first members: read where it lies, since registers cannot be numbered.
+      __local float* own = lobe_state + member * 5;
+      __local const float* added = sums + member * 5;
+      const float old_x = own[0], old_y = own[1], old_z = own[2], old_sharpness = own[3], old_log = own[4];
+      const LobeMoments m =
+          lobe_moments(added[0], added[1], added[2], added[3], added[4], old_x, old_y, old_z, fit.total_weight_inverse);
+      float next_x, next_y, next_z, next_sharpness = old_sharpness, next_log;
+      M_STEP(m, *START(member, MULTUM_START_PRIOR), *START(member, MULTUM_START_PRIOR + 1),
+             *START(member, MULTUM_START_PRIOR + 2), cap, fit.extra_copies, next_x, next_y, next_z, next_sharpness,
+             next_log)
+      const float dx = next_x - old_x, dy = next_y - old_y, dz = next_z - old_z;
+      const float turn = fma(dx, dx, fma(dy, dy, dz * dz)) * next_sharpness;
+      const float dl = next_log - old_log, dk = 1.0f - old_sharpness / next_sharpness;
+      moved[member] = m.amplitude > UNSEEN_SHARE ? MAX_V(turn, MAX_V(dl * dl, dk * dk)) : -1.0f;
+      own[0] = next_x;
+      own[1] = next_y;
+      own[2] = next_z;
+      own[3] = next_sharpness;
+      own[4] = next_log;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (iteration < last && fit.settled_change_squared > 0.0f) {
+      float change = 0.0f;
+      for (int j = 0; j < MULTUM_LOBES; ++j) change = moved[j] < 0.0f ? change : MAX_V(change, moved[j]);
+      // Settled: the E-step once more, as movmf_em_texels has it.
+      if (!(change > fit.settled_change_squared)) last = iteration + 1;
+    }
+  }
+  if (member >= MULTUM_LOBES) return;
+  __local const float* own = lobe_state + member * 5;
+  __local const float* added = sums + member * 5;
+  const LobeMoments m =
+      lobe_moments(added[0], added[1], added[2], added[3], added[4], own[0], own[1], own[2], fit.total_weight_inverse);
+  store_texels(level, directed, texel_list + slot, level_window_size(&fit), member, &m);
+  for (int k = 0; k < 3; ++k) *START(member, MULTUM_START_MU + k) = own[k];
+  *START(member, MULTUM_START_SHARPNESS) = own[3];
+  *START(member, MULTUM_START_LOG) = own[4];
+}
+#endif

@@ -61,16 +61,14 @@ class AveragePass {
 
   void read_band(const MultumBoxBand& band) {
     const auto read = [&](const PlaneStore& store, AveragedPlanes::MapPlanes& planes, const auto& see) {
-      device_.visit(planes[0], [&](void* x) {
-        device_.visit(planes[1], [&](void* y) {
-          device_.visit(planes[2], [&](void* z) {
-            const std::array<float*, 3> values = {static_cast<float*>(x), static_cast<float*>(y),
-                                                  static_cast<float*>(z)};
+      const std::size_t bytes = size_of(band.row_count) * size_of(width_) * sizeof(float);
+      device_.write_ranges(
+          {{&planes[0], 0, bytes}, {&planes[1], 0, bytes}, {&planes[2], 0, bytes}}, [&](const Device::Bytes& at) {
+            const std::array<float*, 3> values = {reinterpret_cast<float*>(at[0]), reinterpret_cast<float*>(at[1]),
+                                                  reinterpret_cast<float*>(at[2])};
             store.read_rows(band.first_row, band.row_count, values);
             see(values);
           });
-        });
-      });
     };
     read(*inputs_.normals, normals_, [&](const std::array<float*, 3>& values) {
       planes_.see_normals({values[0], values[1], values[2]}, size_of(band.row_count) * size_of(width_));

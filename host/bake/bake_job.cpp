@@ -107,6 +107,8 @@ void bake_read_source(const BakeJob& job, const std::string& settings, const Bak
   const std::uint64_t memory_bytes = window_bytes(job);
   const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
   const std::map<std::string, int> builds_before = device.build_counts();
+  const std::map<std::string, double> seconds_before = device.launch_seconds();
+  const TransferCounts transfers_before = device.transfers();
   BakedHeader header = baked_header_of(job, source);
   header.provenance = make_provenance(job, report.source, settings);
   report.first_level = header.first_level;
@@ -114,6 +116,9 @@ void bake_read_source(const BakeJob& job, const std::string& settings, const Bak
   ndf_bake(job.representation).bake({job, device, source, header, memory_bytes, clock}, report, progress);
   report.launches = counted_since(launches_before, device.launch_counts());
   report.builds = counted_since(builds_before, device.build_counts());
+  report.launch_seconds = counted_since(seconds_before, device.launch_seconds());
+  report.transfers = device.transfers() - transfers_before;
+  report.device_bytes_peak = device.buffer_bytes_peak();
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);
 }

@@ -35,14 +35,16 @@ int choose_rows(int rows_max, std::uint64_t memory_bytes, std::uint64_t useful_b
 }  // namespace
 
 BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
-                        const PlanMemory& memory, const StorePlace& place) {
+                        const PlanMemory& memory, const StorePlace& place, const LaunchShape& shape) {
   BakePlan plan;
   MULTUM_CHECK(memory.writer_bytes <= memory.bytes);
-  const std::uint64_t memory_bytes = memory.bytes - memory.writer_bytes;
+  const bool on_device = shape.window_bytes_max > 0;
+  const std::uint64_t memory_bytes = on_device ? shape.window_bytes_max : memory.bytes - memory.writer_bytes;
   plan.memory_bytes = memory_bytes;
   const int map_width = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_width;
   const std::uint64_t useful =
-      std::max(kUsefulWindowBytes, static_cast<std::uint64_t>(map_width) * kUsefulBytesAColumn);
+      on_device ? shape.window_bytes_useful
+                : std::max(kUsefulWindowBytes, static_cast<std::uint64_t>(map_width) * kUsefulBytesAColumn);
   plan.place = place;
   for (const LevelSchedule& level : schedule.levels) {
     const int height = level.fit.height, map_height = level.fit.map_height;
@@ -65,8 +67,8 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
   }
   const int map_height = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_height;
   plan.condense_rows = choose_rows(
-      map_height, memory.bytes, useful, [&](int rows) { return condense_bytes(schedule, rows, triple_count); },
-      "condensing a row of normals");
+      map_height, on_device ? memory_bytes : memory.bytes, useful,
+      [&](int rows) { return condense_bytes(schedule, rows, triple_count, shape); }, "condensing a row of normals");
   return plan;
 }
 

@@ -10,6 +10,7 @@
 #include "host/bake/mip_schedule.h"
 #include "host/bake/movmf_level_fit.h"
 #include "host/bake/row_store.h"
+#include "host/opencl/launch_shape.h"
 
 namespace multum {
 
@@ -32,8 +33,10 @@ struct PlanMemory {
   std::uint64_t writer_bytes = 0;  // of these, what others hold while levels are fitted; condensing comes before
 };
 
-/// Throws Error(kUsage) naming --memory when not even a row of some level fits.
+/// `shape`: a device with memory of its own has the windows there, and `memory` is not asked. Throws Error(kUsage)
+/// naming
+/// --memory when not even a row of some level fits.
 BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
-                        const PlanMemory& memory, const StorePlace& place);
+                        const PlanMemory& memory, const StorePlace& place, const LaunchShape& shape);
 
 }  // namespace multum

@@ -87,6 +87,12 @@ std::string BakeReport::to_json() const {
                               {"seconds", level.seconds},
                               {"launches", level.launches}});
   json["launches"] = launches;
+  if (!launch_seconds.empty()) json["launch_seconds"] = launch_seconds;
+  json["transfers"] = {{"uploads", transfers.uploads},
+                       {"upload_bytes", transfers.upload_bytes},
+                       {"downloads", transfers.downloads},
+                       {"download_bytes", transfers.download_bytes}};
+  json["device_bytes_peak"] = device_bytes_peak;
   json["builds"] = builds;
   json["programs"] =
       std::accumulate(builds.begin(), builds.end(), 0, [](int sum, const auto& build) { return sum + build.second; });

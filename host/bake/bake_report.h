@@ -9,6 +9,7 @@
 
 #include "host/bake/accuracy.h"
 #include "host/image/normal_map.h"
+#include "host/opencl/device.h"
 
 namespace multum {
 
@@ -42,6 +43,9 @@ struct BakeReport {
   int starts_rehearsed = 0;                       // candidates whose pyramid was tried on a small likeness of the map
   std::vector<LevelReport> levels;                // finest first
   std::map<std::string, std::uint64_t> launches;  // by kernel
+  std::map<std::string, double> launch_seconds;   // on the device, by kernel, where launches were timed (--runstats)
+  TransferCounts transfers;                       // copies between host and device
+  std::uint64_t device_bytes_peak = 0;            // of buffers on the device, of all that it has done
   std::map<std::string, int> builds;              // programs built or loaded from the cache, by kernels/FILE.cl
   // Rare numerical events, over all texels and lobes of all levels.
   std::uint64_t lobe_count_total = 0;

@@ -58,7 +58,6 @@ struct MovmfSettings {
   float kappa_cap_slope = 10.0f;      // 0..1000
   float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1
   float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
-  bool force_scalar = false;          // run the kernels' scalar variant on any device
 };
 
 /// Every normal at every level, 30 iterations and 10 in further sweeps, none cut short: the reference that the defaults

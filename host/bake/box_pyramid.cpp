@@ -139,19 +139,24 @@ void BoxPyramid::average(const MultumBoxBand& band) {
 }
 
 void BoxPyramid::hand_over(const MultumBoxBand& band, const std::function<void(const BoxRows&)>& consume) {
+  const std::size_t plane_size = size_of(band.row_count) * size_of(band.row_length);
   if (map_.first_level == 0)
-    device_.visit(nodes_, [&](void* bytes) {
-      consume({0, band.first_row, map_.width, band.row_count, static_cast<const float*>(bytes),
-               size_of(band.row_count) * size_of(band.row_length), size_of(band.row_length)});
-    });
+    device_.read_ranges({{&nodes_, 0, size_of(band.plane_count) * plane_size * sizeof(float)}},
+                        [&](const Device::Bytes& at) {
+                          consume({0, band.first_row, map_.width, band.row_count, reinterpret_cast<const float*>(at[0]),
+                                   plane_size, size_of(band.row_length)});
+                        });
   if (level_values_.empty()) return;
-  device_.visit(averages_, [&](void* bytes) {
+  std::size_t values = 0;
+  for (const MultumBoxLevel& level : level_values_)
+    values += size_of(band.plane_count) * size_of(level.row_count) * size_of(level.width);
+  device_.read_ranges({{&averages_, 0, values * sizeof(float)}}, [&](const Device::Bytes& at) {
     for (std::size_t i = 0; i < level_values_.size(); ++i) {
       const MultumBoxLevel& level = level_values_[i];
       if (level.row_count == 0) continue;
       consume({level_numbers_[i], level.first_row, level.width, level.row_count,
-               static_cast<const float*>(bytes) + level.first_value, size_of(level.row_count) * size_of(level.width),
-               size_of(level.width)});
+               reinterpret_cast<const float*>(at[0]) + level.first_value,
+               size_of(level.row_count) * size_of(level.width), size_of(level.width)});
     }
   });
 }

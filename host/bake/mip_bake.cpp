@@ -99,9 +99,10 @@ class BandPlanes {
   template <typename Read>
   void fill(const MultumBoxBand& band, const Read& read) {
     const std::size_t plane_size = size_of(band.row_count) * size_of(band.map_width);
-    device_.visit(planes_, [&](void* bytes) {
+    const std::size_t bytes = size_of(band.plane_count) * plane_size * sizeof(float);
+    device_.write_ranges({{&planes_, 0, bytes}}, [&](const Device::Bytes& at) {
       for (int plane = 0; plane < band.plane_count; ++plane)
-        read(plane, static_cast<float*>(bytes) + size_of(plane) * plane_size);
+        read(plane, reinterpret_cast<float*>(at[0]) + size_of(plane) * plane_size);
     });
     texels_.launch({size_of(band.plane_count) * plane_size, kBoxLocalSize}, planes_, pyramid_.nodes(), band);
   }

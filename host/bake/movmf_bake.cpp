@@ -68,7 +68,7 @@ class Rehearsal {
         settings_(settings),
         has_roughness_(!of_map.levels.empty() && of_map.levels[0].fit.shortened != 0),
         schedule_(make_schedule(likeness, settings, of_map.weighted, has_roughness_)),
-        plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {})) {}
+        plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {}, device.shape())) {}
 
   // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
   // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
@@ -172,7 +172,7 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
   if (inputs.has_roughness) make_shortened(schedule);
   const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(),
-                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.place);
+                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.place, device.shape());
   report.plan = plan.to_text(schedule, settings, features.triple_count());
   report.device = device.info().name;
   MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};

@@ -9,7 +9,8 @@
 namespace multum {
 namespace {
 
-constexpr int kChunkColumns = 256;  // about, of a work-item that fills cells
+constexpr int kChunkColumns = 256;  // about, of a work-item that fills cells of its own
+constexpr int kStripRows = 32;      // of a work-item that adds to cells of all
 
 constexpr std::size_t kAxisBytes = std::size_t{2} * MULTUM_AXIS_FLOATS * sizeof(float);
 constexpr std::size_t kSampleBytes = std::size_t{MULTUM_CONDENSED_SAMPLE} * sizeof(float);
@@ -24,7 +25,9 @@ std::size_t cell_bytes(const MultumMovmfFit& fit) {
   return static_cast<std::size_t>(fit.sample_capacity) * MULTUM_CELL_SUMS * sizeof(std::int64_t);
 }
 
-int chunk_count_of(const MultumMovmfFit& fit) { return (fit.sample_columns + kChunkColumns - 1) / kChunkColumns; }
+int chunk_count_of(const MultumMovmfFit& fit, const LaunchShape& shape) {
+  return shape.atomic_cells ? 1 : (fit.sample_columns + kChunkColumns - 1) / kChunkColumns;
+}
 
 // One level while the map passes: buffers for the rows of texels that the band meets, row y in slot y % slots.
 class LevelCondenser {
@@ -34,7 +37,7 @@ class LevelCondenser {
       : device_(device),
         fit_(level.fit),
         width_(static_cast<std::size_t>(level.fit.width)),
-        chunk_count_(chunk_count_of(level.fit)),
+        chunk_count_(chunk_count_of(level.fit, device.shape())),
         axes_(level.fit.height, width_ * kAxisBytes, place),
         row_bytes_(width_ * condensed_bytes(level.fit)),
         result_{
@@ -45,8 +48,8 @@ class LevelCondenser {
     const auto kernel = [&](const char* name) { return device.kernel("movmf_condense", name, variant); };
     probe_kernel_ = kernel("movmf_condense_probe");
     axes_kernel_ = kernel("movmf_condense_axes");
-    cells_kernel_ = kernel("movmf_condense_cells");
-    means_kernel_ = kernel("movmf_condense_means");
+    cells_kernel_ = kernel(is_atomic() ? "movmf_condense_add" : "movmf_condense_cells");
+    means_kernel_ = kernel(by_teams() ? "movmf_condense_team_means" : "movmf_condense_means");
     for (std::size_t t = 0; t < triple_count; ++t) result_.triples.emplace_back(level.fit.height, row_bytes_, place);
     samples_ = device.make_buffer(row_bytes_, "condensed normals");
     counts_ = device.make_buffer(width_ * sizeof(int), "numbers of condensed normals");
@@ -102,6 +105,9 @@ class LevelCondenser {
     std::vector<DeviceBuffer> triple_cells;
   };
 
+  bool is_atomic() const { return device_.shape().atomic_cells; }
+  bool by_teams() const { return device_.shape().team_texels_max > 0; }
+
   DeviceBuffer make_cells() {
     return device_.make_buffer(width_ * static_cast<std::size_t>(chunk_count_) * cell_bytes(fit_), "cells of normals");
   }
@@ -123,20 +129,27 @@ class LevelCondenser {
 
   void add_to(DeviceBuffer& cells, const Slot& slot, int y, const MapWindow& normals, const MapWindow& values,
               bool are_normals) {
+    if (is_atomic()) {
+      const int strips = (fit_.map_window_rows + kStripRows - 1) / kStripRows;
+      const std::size_t columns = width_ * static_cast<std::size_t>(fit_.sample_columns);
+      cells_kernel_.launch({columns * static_cast<std::size_t>(strips)}, normals[0], normals[1], normals[2], values[0],
+                           values[1], values[2], slot.axes, cells, fit_, y, kStripRows, strips, are_normals ? 1 : 0);
+      return;
+    }
     cells_kernel_.launch({width_ * static_cast<std::size_t>(chunk_count_)}, normals[0], normals[1], normals[2],
                          values[0], values[1], values[2], slot.axes, cells, fit_, y, chunk_count_, are_normals ? 1 : 0);
   }
 
   void store_means(const DeviceBuffer& cells, int y, RowStore& to, bool are_normals) {
-    means_kernel_.launch({width_}, cells, samples_, counts_, fit_.width, chunk_count_, fit_.sample_capacity,
-                         are_normals ? 1 : 0);
+    means_kernel_.launch(by_teams() ? Kernel::WorkSize{width_ * MULTUM_TEAM, MULTUM_TEAM} : Kernel::WorkSize{width_},
+                         cells, samples_, counts_, fit_.width, chunk_count_, fit_.sample_capacity, are_normals ? 1 : 0);
     device_.read(counts_, numbers_.data(), width_ * sizeof(int));
     result_.counts.write(y, 1, numbers_.data());
     std::size_t end = 0;
-    device_.visit(samples_, [&](void* samples) {
+    device_.read_ranges({{&samples_, 0, row_bytes_}}, [&](const Device::Bytes& samples) {
       for (std::size_t x = 0; x < width_; ++x) {
         const std::size_t bytes = static_cast<std::size_t>(numbers_[x]) * kSampleBytes;
-        std::memcpy(host_.data() + end, static_cast<unsigned char*>(samples) + x * condensed_bytes(fit_), bytes);
+        std::memcpy(host_.data() + end, samples[0] + x * condensed_bytes(fit_), bytes);
         end += bytes;
       }
     });
@@ -222,13 +235,13 @@ std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& 
   return condensed;
 }
 
-std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count) {
+std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count, const LaunchShape& shape) {
   const auto windows = static_cast<std::uint64_t>(1 + triple_count);
   std::uint64_t bytes = 0;
   for (const LevelSchedule& level : schedule.levels) {
     if (level.method != FitMethod::kCondensed) continue;
     const MultumMovmfFit& fit = level.fit;
-    const std::uint64_t cells = static_cast<std::uint64_t>(chunk_count_of(fit)) * cell_bytes(fit) * windows;
+    const std::uint64_t cells = static_cast<std::uint64_t>(chunk_count_of(fit, shape)) * cell_bytes(fit) * windows;
     bytes += static_cast<std::uint64_t>(fit.width) *
              (static_cast<std::uint64_t>(rows_met(fit, band_rows)) * (cells + kAxisBytes) + 2 * condensed_bytes(fit));
   }

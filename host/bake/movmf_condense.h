@@ -11,7 +11,7 @@
 #include "host/bake/row_window.h"
 #include "host/base/progress.h"
 #include "host/image/plane_store.h"
-#include "host/opencl/device.h"
+#include "host/opencl/launch_shape.h"
 
 namespace multum {
 
@@ -37,6 +37,6 @@ std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& 
                                               const StorePlace& place, Progress* progress);
 
 /// Bytes of the buffers of condense_levels(), about.
-std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count);
+std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count, const LaunchShape& shape);
 
 }  // namespace multum

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "host/opencl/launch_shape.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
 
@@ -58,7 +59,7 @@ MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool wei
       scalar_{settings.lobe_count, 1, weighted, settings.representation == Representation::kGmm},
       fast_(scalar_),
       condensed_(scalar_) {
-  fast_.vector_width = condensed_.vector_width = settings.force_scalar ? 1 : device.vector_width();
+  fast_.vector_width = condensed_.vector_width = device.shape().vector_width;
   condensed_.weighted = true;  // by the number of normals in a cell
 }
 
@@ -90,7 +91,6 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
 
 void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows) {
   const auto slots = static_cast<std::size_t>(fit.slot_count), groups = slots / MULTUM_GROUP;
-  const Kernel::WorkSize em_size{slots / static_cast<std::size_t>(fast_.vector_width)};
   ensure(device_, sample_counts_, groups * sizeof(int), "sample counts");
   if (method == FitMethod::kTexels) {
     ensure(device_, samples_, sample_bytes(fit, slots, fast_.weighted ? kWeightedPlanes : 3), "packed normals");
@@ -98,18 +98,27 @@ void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, const Step
     made(pack_kernel_, "movmf_start", "movmf_pack", scalar_)
         .launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals[0], normals[1], normals[2], list_,
                 samples_, sample_counts_, fit);
-    made(em_texels_kernel_, "movmf_em_texels", "movmf_em_texels", fast_)
-        .launch(em_size, samples_, sample_counts_, start_, list_, windows.lobes->buffer(), windows.directed->buffer(),
-                fit);
+    fit_packed(fit, fast_, em_texels_kernel_, em_team_kernel_, windows);
   } else {
     ensure(device_, samples_, sample_bytes(fit, slots, kWeightedPlanes), "packed normals");
+    const int parts = device_.shape().pack_parts;
     made(condensed_pack_kernel_, "movmf_condense", "movmf_condensed_pack", scalar_)
-        .launch({groups}, windows.condensed->buffer(), windows.condensed_counts->buffer(), list_, samples_,
-                sample_counts_, fit);
-    made(em_condensed_kernel_, "movmf_em_texels", "movmf_em_texels", condensed_)
-        .launch(em_size, samples_, sample_counts_, start_, list_, windows.lobes->buffer(), windows.directed->buffer(),
-                fit);
+        .launch({groups * static_cast<std::size_t>(parts)}, windows.condensed->buffer(),
+                windows.condensed_counts->buffer(), list_, samples_, sample_counts_, fit, parts);
+    fit_packed(fit, condensed_, em_condensed_kernel_, em_condensed_team_kernel_, windows);
   }
+}
+
+void MovmfEmStep::fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel,
+                             Kernel& team_kernel, const StepWindows& windows) {
+  const auto slots = static_cast<std::size_t>(fit.slot_count);
+  const bool by_teams = slots <= device_.shape().team_texels_max && fit.sample_capacity >= MULTUM_TEAM;
+  const Kernel::WorkSize size = by_teams ? Kernel::WorkSize{slots * MULTUM_TEAM, MULTUM_TEAM}
+                                         : Kernel::WorkSize{slots / static_cast<std::size_t>(variant.vector_width)};
+  KernelVariant used = variant;
+  if (by_teams) used.vector_width = 1;
+  made(by_teams ? team_kernel : kernel, "movmf_em_texels", by_teams ? "movmf_em_team" : "movmf_em_texels", used)
+      .launch(size, samples_, sample_counts_, start_, list_, windows.lobes->buffer(), windows.directed->buffer(), fit);
 }
 
 void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
@@ -148,8 +157,10 @@ void MovmfEmStep::fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t t
   if (method == FitMethod::kCondensed) {
     const std::size_t groups = group_count(texel_count);
     ensure(device_, feature_samples_, sample_bytes(fit, groups * MULTUM_GROUP, kWeightedPlanes), "packed features");
-    condensed_pack_kernel_.launch({groups}, windows.condensed_triples[triple]->buffer(),
-                                  windows.condensed_counts->buffer(), list_, feature_samples_, sample_counts_, fit);
+    const int parts = device_.shape().pack_parts;
+    condensed_pack_kernel_.launch({groups * static_cast<std::size_t>(parts)},
+                                  windows.condensed_triples[triple]->buffer(), windows.condensed_counts->buffer(),
+                                  list_, feature_samples_, sample_counts_, fit, parts);
     made(feature_condensed_kernel_, "movmf_features", "movmf_feature_condensed", scalar_)
         .launch({groups * MULTUM_GROUP}, samples_, feature_samples_, sample_counts_, start_, list_, features, fit,
                 first_plane);

@@ -41,6 +41,9 @@ class MovmfEmStep {
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   Kernel& made(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
   void run_em(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows);
+  // EM of packed samples: by a work-item a texel, or by a team.
+  void fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel, Kernel& team_kernel,
+                  const StepWindows& windows);
   void run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows, Progress* progress);
   void fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, const StepWindows& windows);
   void fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
@@ -49,8 +52,8 @@ class MovmfEmStep {
   Device& device_;
   const MovmfSettings settings_;
   KernelVariant scalar_, fast_, condensed_;
-  Kernel start_kernel_, pack_kernel_, em_texels_kernel_;
-  Kernel condensed_pack_kernel_, em_condensed_kernel_;
+  Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
+  Kernel condensed_pack_kernel_, em_condensed_kernel_, em_condensed_team_kernel_;
   Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
   Kernel feature_partial_kernel_, feature_sum_kernel_, feature_condensed_kernel_;
   DeviceBuffer list_, start_, samples_, sample_counts_, feature_samples_, partial_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/opencl/launch_shape.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
@@ -52,6 +53,18 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   return rows;
 }
 
+// Rows that are handed over at a time: a band, or of a device with memory of its own, whose bands are large, as many as
+// the host should hold.
+int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
+                const LevelInputs& inputs, int band_rows) {
+  constexpr std::size_t kHandedBytes = std::size_t{64} << 20;
+  if (device.shape().window_bytes_max == 0) return band_rows;
+  const std::size_t texel = static_cast<std::size_t>(settings.lobe_count) *
+                            (sizeof(MultumVmfLobe) + inputs.features.size() * 3 * sizeof(float));
+  const std::size_t rows = kHandedBytes / (texel * static_cast<std::size_t>(level.fit.width));
+  return static_cast<int>(std::clamp<std::size_t>(rows, 1, static_cast<std::size_t>(band_rows)));
+}
+
 class LevelFit {
  public:
   LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
@@ -65,6 +78,7 @@ class LevelFit {
         whole_(is_whole(level, settings, plan)),
         band_rows_(whole_ ? level.fit.height : plan.band_rows),
         steps_(total_steps(level, settings)),
+        handed_rows_(handed_rows(device, level, settings, inputs, band_rows_)),
         wanted_(inputs.range != nullptr ? RowRange{inputs.range->y0, inputs.range->y1}
                                         : RowRange{inputs.first_row, level.fit.height}),
         progress_(progress) {
@@ -113,10 +127,9 @@ class LevelFit {
       }
       const int lag = whole_ ? 0 : steps_ - 1;
       const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
-      if (done.begin < done.end) {
-        finished({done.begin, done.end - done.begin, &lobes_, has_features() ? &features_ : nullptr,
+      for (int row = done.begin; row < done.end; row += handed_rows_)
+        finished({row, std::min(handed_rows_, done.end - row), &lobes_, has_features() ? &features_ : nullptr,
                   level_.method == FitMethod::kTexels ? &*normals_ : nullptr, fit_});
-      }
       if (whole_) break;
     }
   }
@@ -221,6 +234,7 @@ class LevelFit {
   const bool whole_;
   const int band_rows_;
   const int steps_;
+  const int handed_rows_;  // at a time
   const RowRange wanted_;  // rows that are handed over
   Progress* progress_;
   RowWindow lobes_, directed_, features_, parent_, condensed_, condensed_counts_;

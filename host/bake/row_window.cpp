@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "host/base/error.h"
+#include "host/opencl/launch_shape.h"
 #include "kernels/shared/movmf_fit.h"
 
 namespace multum {
@@ -41,47 +42,58 @@ void RowWindow::move_to(int first_row, int row_count, const Fill& fill) {
     row_count_ = row_count;
     return;
   }
-  device_->visit(buffer_, [&](void* bytes) {
-    const std::size_t plane_bytes = static_cast<std::size_t>(capacity_rows_) * row_bytes_;
-    std::vector<unsigned char*> planes;
-    for (std::size_t p = 0; p < static_cast<std::size_t>(plane_count_); ++p)
-      planes.push_back(static_cast<unsigned char*>(bytes) + p * plane_bytes);
-    const auto place = [&](unsigned char* plane, int row, int base) {
-      return plane + static_cast<std::size_t>(row - base) * row_bytes_;
-    };
-    if (kept_end > kept_begin && first_row != first_row_)
-      for (unsigned char* plane : planes)
-        std::memmove(place(plane, kept_begin, first_row), place(plane, kept_begin, first_row_),
-                     static_cast<std::size_t>(kept_end - kept_begin) * row_bytes_);
-    if (!fill) return;
-    const auto fill_rows = [&](int begin, int end) {
-      if (begin >= end) return;
-      std::vector<unsigned char*> to;
-      for (unsigned char* plane : planes) to.push_back(place(plane, begin, first_row));
-      fill(begin, end - begin, to);
-    };
-    if (kept_end == kept_begin) {
-      fill_rows(first_row, first_row + row_count);
-    } else {
-      fill_rows(first_row, kept_begin);
-      fill_rows(kept_end, first_row + row_count);
-    }
-  });
+  if (kept_end > kept_begin && first_row != first_row_)
+    for (int p = 0; p < plane_count_; ++p)
+      device_->move_down(rows_of_plane(p, kept_begin - first_row_, kept_end - kept_begin),
+                         rows_of_plane(p, kept_begin - first_row, 0).begin);
   first_row_ = first_row;
   row_count_ = row_count;
+  if (!fill) return;
+  if (kept_end == kept_begin) {
+    fill_rows(first_row, first_row + row_count, fill);
+  } else {
+    fill_rows(first_row, kept_begin, fill);
+    fill_rows(kept_end, first_row + row_count, fill);
+  }
+}
+
+BufferRange RowWindow::rows_of_plane(int plane, int first, int count) const {
+  const auto before = static_cast<std::size_t>(plane) * static_cast<std::size_t>(capacity_rows_);
+  return {&buffer_, (before + static_cast<std::size_t>(first)) * row_bytes_,
+          static_cast<std::size_t>(count) * row_bytes_};
+}
+
+// Rows [begin, end) of the window's level in pieces that the device copies at once, as ranges of every plane.
+template <typename Body>
+void RowWindow::for_each_copy(int begin, int end, const Body& body) const {
+  const std::size_t most = device_->shape().staging_bytes, row = static_cast<std::size_t>(plane_count_) * row_bytes_;
+  const int rows = most == 0 || row == 0 ? std::max(1, end - begin)
+                                         : static_cast<int>(std::clamp<std::size_t>(most / row, 1, 1u << 20));
+  for (int first = begin; first < end; first += rows) {
+    const int count = std::min(rows, end - first);
+    std::vector<BufferRange> ranges;
+    for (int p = 0; p < plane_count_; ++p) ranges.push_back(rows_of_plane(p, first - first_row_, count));
+    body(first, count, ranges);
+  }
+}
+
+void RowWindow::fill_rows(int begin, int end, const Fill& fill) {
+  for_each_copy(begin, end, [&](int first, int count, const std::vector<BufferRange>& ranges) {
+    device_->write_ranges(ranges, [&](const Device::Bytes& planes) { fill(first, count, planes); });
+  });
 }
 
 void RowWindow::copy_rows(int first_row, int count, void* rows) const {
   MULTUM_CHECK(first_row >= first_row_ && first_row + count <= first_row_ + row_count_);
-  const auto plane_count = static_cast<std::size_t>(plane_count_);
-  device_->visit(buffer_, [&](void* bytes) {
-    auto* to = static_cast<unsigned char*>(rows);
-    for (int row = first_row; row < first_row + count; ++row)
-      for (std::size_t p = 0; p < plane_count; ++p, to += row_bytes_) {
-        const std::size_t at =
-            p * static_cast<std::size_t>(capacity_rows_) + static_cast<std::size_t>(row - first_row_);
-        std::memcpy(to, static_cast<unsigned char*>(bytes) + at * row_bytes_, row_bytes_);
-      }
+  auto* to = static_cast<unsigned char*>(rows);
+  for_each_copy(first_row, first_row + count, [&](int, int copied, const std::vector<BufferRange>& ranges) {
+    device_->read_ranges(ranges, [&](const Device::Bytes& planes) {
+      for (std::size_t row = 0; row < static_cast<std::size_t>(copied); ++row)
+        for (const unsigned char* plane : planes) {
+          std::memcpy(to, plane + row * row_bytes_, row_bytes_);
+          to += row_bytes_;
+        }
+    });
   });
 }
 

@@ -37,14 +37,19 @@ class RowWindow {
   DeviceBuffer& buffer() { return buffer_; }
   const DeviceBuffer& buffer() const { return buffer_; }
 
-  /// Rows that were in the window stay in it; `fill(row, count, planes)` writes others: `planes[p]` is where row `row`
-  /// of plane p goes. Without `fill` they hold anything.
+  /// Rows that were in the window stay in it; `fill(row, count, planes)`, called for some at a time, writes others:
+  /// `planes[p]` is where row `row` of plane p goes. Without `fill` they hold anything.
   using Fill = std::function<void(int row, int count, const std::vector<unsigned char*>& planes)>;
   void move_to(int first_row, int row_count, const Fill& fill);
   /// As kept elsewhere: rows [first_row, + count), each row with its planes one after another.
   void copy_rows(int first_row, int count, void* rows) const;
 
  private:
+  BufferRange rows_of_plane(int plane, int first, int count) const;
+  template <typename Body>
+  void for_each_copy(int begin, int end, const Body& body) const;
+  void fill_rows(int begin, int end, const Fill& fill);
+
   Device* device_ = nullptr;
   int plane_count_ = 0;
   std::size_t row_bytes_ = 0;

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/base/parallel.h"
+#include "host/opencl/launch_shape.h"
 
 namespace multum {
 namespace {
@@ -19,7 +20,6 @@ namespace {
 constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products
-constexpr int kStripOnCpus = 64;          // texels a work-item of the pyramid kernels
 
 template <typename Element>
 DeviceBuffer uploaded(Device& device, const std::vector<Element>& list, const char* what) {
@@ -227,8 +227,7 @@ void TextureSystem::add_views(const std::vector<InferenceView>& views) {
 }
 
 void TextureSystem::make_pyramid() {
-  const PyramidTables tables =
-      make_pyramid_tables(layout, is_periodic_s, is_periodic_t, device.info().is_cpu ? kStripOnCpus : 1);
+  const PyramidTables tables = make_pyramid_tables(layout, is_periodic_s, is_periodic_t, device.shape().strip_texels);
   levels_ = uploaded(device, tables.levels, "mip levels");
   taps_ = uploaded(device, tables.taps, "interpolation");
   gathers_ = uploaded(device, tables.gathers, "interpolation");
@@ -252,7 +251,7 @@ void TextureSystem::apply(const DeviceBuffer& x, DeviceBuffer& sum) {
     transpose_.multiply(spmv_, row_values_, sum);
   }
   if (!has_pyramid()) return;
-  const Kernel::WorkSize size{static_cast<std::size_t>(strip_count_), device.info().is_cpu ? 4u : 64u};
+  const Kernel::WorkSize size{static_cast<std::size_t>(strip_count_), device.shape().strip_local_size};
   pyramid_residual_.launch(size, levels_, taps_, strips_, x, residual_, strip_count_, layout.level_count());
   pyramid_gradient_.launch(size, levels_, gathers_, gather_entries_, strips_, residual_, sum, strip_count_,
                            static_cast<float>(pyramid_weight));

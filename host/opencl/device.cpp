@@ -47,6 +47,30 @@ std::string platform_name(cl_platform_id platform) {
   return trimmed(text);
 }
 
+bool has_extension(cl_device_id device, const std::string& name) {
+  return (" " + device_text(device, CL_DEVICE_EXTENSIONS) + " ").find(" " + name + " ") != std::string::npos;
+}
+
+DeviceInfo info_of(cl_device_id id, int index, const std::string& platform) {
+  DeviceInfo info{};
+  info.index = index;
+  info.name = device_text(id, CL_DEVICE_NAME);
+  info.platform = platform;
+  info.driver = device_text(id, CL_DRIVER_VERSION);
+  info.version = device_text(id, CL_DEVICE_VERSION);
+  info.is_cpu = (device_value<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
+  info.shares_memory = info.is_cpu || device_value<cl_bool>(id, CL_DEVICE_HOST_UNIFIED_MEMORY) != CL_FALSE;
+  const auto floats = device_value<cl_device_fp_config>(id, CL_DEVICE_SINGLE_FP_CONFIG);
+  info.rounds_when_asked = !info.is_cpu && (floats & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+  info.has_atomic_longs = has_extension(id, "cl_khr_int64_base_atomics");
+  info.compute_units = static_cast<int>(device_value<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS));
+  info.work_group_max = static_cast<int>(device_value<std::size_t>(id, CL_DEVICE_MAX_WORK_GROUP_SIZE));
+  info.local_bytes = device_value<cl_ulong>(id, CL_DEVICE_LOCAL_MEM_SIZE);
+  info.memory_bytes = device_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
+  info.buffer_bytes_max = device_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  return info;
+}
+
 std::vector<FoundDevice> find_devices() {
   std::vector<FoundDevice> found;
   cl_uint platform_count = 0;
@@ -61,14 +85,7 @@ std::vector<FoundDevice> find_devices() {
     std::vector<cl_device_id> ids(count);
     check_cl(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr), "clGetDeviceIDs");
     for (cl_device_id id : ids) {
-      DeviceInfo info{static_cast<int>(found.size()),
-                      device_text(id, CL_DEVICE_NAME),
-                      platform_name(platform),
-                      device_text(id, CL_DRIVER_VERSION),
-                      (device_value<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0,
-                      device_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE),
-                      device_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE)};
-      found.push_back({id, std::move(info)});
+      found.push_back({id, info_of(id, static_cast<int>(found.size()), platform_name(platform))});
     }
   }
   return found;
@@ -105,6 +122,8 @@ std::vector<DeviceInfo> list_devices() {
 }
 
 DeviceState::~DeviceState() {
+  for (auto& entry : timed) clReleaseEvent(entry.second);
+  release_staging(*this);
   for (auto& entry : programs) clReleaseProgram(entry.second);
   if (queue != nullptr) clReleaseCommandQueue(queue);
   if (context != nullptr) clReleaseContext(context);
@@ -132,10 +151,19 @@ Device Device::open(const std::string& selector) {
   check_cl(status, state.info.name + ": clCreateContext");
   state.queue = clCreateCommandQueue(state.context, state.device, 0, &status);
   check_cl(status, state.info.name + ": clCreateCommandQueue");
+  state.shape = LaunchShape::of(state.info);
+  return device;
+}
+
+Device Device::open(const DeviceChoice& choice) {
+  Device device = open(choice.selector);
+  if (choice.as_accelerator) device.set_shape(LaunchShape::of_accelerator(device.info()));
   return device;
 }
 
 const DeviceInfo& Device::info() const { return state_->info; }
+const LaunchShape& Device::shape() const { return state_->shape; }
+void Device::set_shape(const LaunchShape& shape) { state_->shape = shape; }
 const std::map<std::string, std::uint64_t>& Device::launch_counts() const { return state_->launch_counts; }
 std::uint64_t Device::launch_total() const {
   std::uint64_t sum = 0;
@@ -161,7 +189,14 @@ std::shared_ptr<void> create_memory(const DeviceState& state, cl_mem_flags flags
   cl_int status = CL_SUCCESS;
   cl_mem memory = clCreateBuffer(state.context, flags, std::max<std::size_t>(byte_count, 1), host, &status);
   check_cl(status, fmt::format("{}: a buffer of {} bytes", what, byte_count));
-  return {memory, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
+  const std::shared_ptr<BufferBytes> counted = state.buffer_bytes;
+  const std::size_t bytes = (flags & CL_MEM_USE_HOST_PTR) != 0 ? 0 : byte_count;
+  counted->now += bytes;
+  counted->peak = std::max(counted->peak, counted->now);
+  return {memory, [counted, bytes](void* m) {
+            counted->now -= bytes;
+            clReleaseMemObject(static_cast<cl_mem>(m));
+          }};
 }
 
 }  // namespace
@@ -175,51 +210,43 @@ DeviceBuffer Device::make_buffer(std::size_t byte_count, const std::string& what
 
 DeviceBuffer Device::wrap_buffer(const void* data, std::size_t byte_count, const std::string& what) {
   DeviceBuffer buffer;
-  const cl_mem_flags how = state_->info.is_cpu ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR;
+  const cl_mem_flags how = state_->shape.staging_bytes == 0 ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR;
   buffer.memory_ = create_memory(*state_, CL_MEM_READ_ONLY | how, byte_count, const_cast<void*>(data), what);
+  state_->count_upload(byte_count);
   buffer.byte_count_ = byte_count;
   return buffer;
-}
-
-void Device::write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
-  MULTUM_CHECK(byte_count <= buffer.byte_count_);
-  check_cl(clEnqueueWriteBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
-                                0, nullptr, nullptr),
-           "clEnqueueWriteBuffer");
-}
-
-void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count) {
-  MULTUM_CHECK(byte_count <= buffer.byte_count_);
-  check_cl(clEnqueueReadBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
-                               0, nullptr, nullptr),
-           "clEnqueueReadBuffer");
-}
-
-void Device::visit(const DeviceBuffer& buffer, const std::function<void(void* bytes)>& body) {
-  const auto memory = static_cast<cl_mem>(buffer.memory_.get());
-  cl_int status = CL_SUCCESS;
-  void* bytes = clEnqueueMapBuffer(state_->queue, memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0,
-                                   std::max<std::size_t>(buffer.byte_count_, 1), 0, nullptr, nullptr, &status);
-  check_cl(status, "clEnqueueMapBuffer");
-  const auto unmap = [&](void*) {
-    clEnqueueUnmapMemObject(state_->queue, memory, bytes, 0, nullptr, nullptr);
-    clFinish(state_->queue);
-  };
-  const std::unique_ptr<void, decltype(unmap)> mapped(bytes, unmap);
-  body(bytes);
-}
-
-void Device::fill_zero(DeviceBuffer& buffer) {
-  visit(buffer, [&](void* bytes) { std::memset(bytes, 0, buffer.byte_count_); });
 }
 
 void Device::finish() { check_cl(clFinish(state_->queue), "clFinish"); }
 void Device::flush() { check_cl(clFlush(state_->queue), "clFlush"); }
 
+std::uint64_t Device::buffer_bytes_peak() const { return state_->buffer_bytes->peak; }
+
+void Device::time_launches(bool on) {
+  if (on == state_->times_launches) return;
+  finish();
+  release_staging(*state_);  // mapped by the queue that goes
+  cl_int status = CL_SUCCESS;
+  cl_command_queue queue =
+      clCreateCommandQueue(state_->context, state_->device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
+  check_cl(status, state_->info.name + ": clCreateCommandQueue");
+  collect_times(*state_);
+  clReleaseCommandQueue(state_->queue);
+  state_->queue = queue;
+  state_->times_launches = on;
+}
+
+std::map<std::string, double> Device::launch_seconds() {
+  finish();
+  collect_times(*state_);
+  return state_->launch_seconds;
+}
+
 void Device::edit_kernels(std::vector<SourceEdit> edits) { state_->edits = std::move(edits); }
 
 Kernel Device::kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant) {
-  const std::string options = build_options(variant);
+  const std::string options =
+      build_options(variant) + (state_->info.rounds_when_asked ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
   std::string key = file + " " + options;
   for (const SourceEdit& edit : state_->edits)
     if (edit.file == file) key += "\n" + edit.text + "\n" + edit.replacement;

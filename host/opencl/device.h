@@ -21,15 +21,31 @@ struct DeviceInfo {
   std::string name;
   std::string platform;
   std::string driver;
+  std::string version;  // of OpenCL, with what the driver adds
   bool is_cpu;
+  bool shares_memory;      // with the host: nothing is gained by few copies
+  bool rounds_when_asked;  // divides and takes roots as IEEE says, but only when a program is built so
+  bool has_atomic_longs;   // cl_khr_int64_base_atomics
+  int compute_units;
+  int work_group_max;         // work-items
+  std::uint64_t local_bytes;  // of a work-group
   std::uint64_t memory_bytes;
   std::uint64_t buffer_bytes_max;
+};
+
+/// Copies between host and device since it was opened; none where they share memory.
+struct TransferCounts {
+  std::uint64_t uploads = 0, upload_bytes = 0;
+  std::uint64_t downloads = 0, download_bytes = 0;
+
+  TransferCounts operator-(const TransferCounts& other) const;
 };
 
 /// Every device of every platform; empty when there is none.
 std::vector<DeviceInfo> list_devices();
 
 class DeviceState;
+struct LaunchShape;
 
 /// Memory on the device. Movable; released when destroyed.
 class DeviceBuffer {
@@ -42,6 +58,12 @@ class DeviceBuffer {
   friend class Kernel;
   std::shared_ptr<void> memory_;
   std::size_t byte_count_ = 0;
+};
+
+/// Bytes [begin, begin + count) of a buffer.
+struct BufferRange {
+  const DeviceBuffer* buffer;
+  std::size_t begin, count;
 };
 
 /// A kernel of one program variant. Arguments are buffers or plain structs and numbers, in the kernel's order.
@@ -77,15 +99,23 @@ class Kernel {
   std::string name_;
 };
 
+/// Which device, and how it is used.
+struct DeviceChoice {
+  std::string selector;         // as Device::open() has it
+  bool as_accelerator = false;  // cut work up as for a GPU whatever it is: the same bytes (LaunchShape)
+};
+
 class Device {
  public:
   /// `selector`: empty = the first GPU, else the first CPU; a number of `multum devices`; or a part of a device's or
   /// platform's name. Throws Error(kEnvironment) when there is no such device, listing those there are.
   static Device open(const std::string& selector);
+  static Device open(const DeviceChoice& choice);
 
   const DeviceInfo& info() const;
-  /// Width of the kernels' fast variant here: 16 on CPUs, 1 on GPUs.
-  int vector_width() const { return info().is_cpu ? 16 : 1; }
+  /// How work is cut up for it (host/opencl/launch_shape.h), and another way of doing so, for tests.
+  const LaunchShape& shape() const;
+  void set_shape(const LaunchShape& shape);
 
   /// Throws Error(kEnvironment) when it is larger than the device's buffers may be.
   DeviceBuffer make_buffer(std::size_t byte_count, const std::string& what);
@@ -94,9 +124,15 @@ class Device {
   /// From and to the buffer's beginning. Wait for the launches before.
   void write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   void read(const DeviceBuffer& buffer, void* data, std::size_t byte_count);
-  /// Calls `body` with the buffer's bytes, on CPUs without a copy; what it changes is in the buffer afterwards. Waits
-  /// for the launches before.
-  void visit(const DeviceBuffer& buffer, const std::function<void(void* bytes)>& body);
+  /// Calls `body` with where the ranges' bytes can be read, on CPUs without a copy. Waits for the launches before.
+  using Bytes = std::vector<unsigned char*>;
+  using WithBytes = std::function<void(const Bytes& bytes)>;
+  void read_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
+  /// The same for writing: what `body` leaves there is in the buffers for the launches that follow. What it does not
+  /// write may hold anything afterwards. Neither may be called from a `body`.
+  void write_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
+  /// Moves bytes within the buffer to a lower place; the two ranges may overlap.
+  void move_down(const BufferRange& from, std::size_t to);
   void fill_zero(DeviceBuffer& buffer);
 
   /// A kernel of kernels/FILE.cl, built with the variant's options or taken from the program cache.
@@ -117,6 +153,14 @@ class Device {
   int program_count() const;
   /// Of these, by kernels/FILE.cl.
   std::map<std::string, int> build_counts() const;
+  const TransferCounts& transfers() const;
+  /// Bytes of buffers that are alive, at most so far. Not those that use the host's memory.
+  std::uint64_t buffer_bytes_peak() const;
+
+  /// From now on the device times every launch, until `time_launches(false)`.
+  void time_launches(bool on);
+  /// Seconds on the device by kernel name, of launches that were timed. Waits for all launches.
+  std::map<std::string, double> launch_seconds();
 
  private:
   std::shared_ptr<DeviceState> state_;

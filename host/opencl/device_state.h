@@ -2,14 +2,31 @@
 // What a Device and its kernels share. Private to host/opencl.
 #pragma once
 
+#include <array>
 #include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/opencl/cl_headers.h"
 #include "host/opencl/device.h"
+#include "host/opencl/launch_shape.h"
 
 namespace multum {
+
+/// Host memory that the device copies from by itself, while the host goes on.
+struct StagingBuffer {
+  cl_mem memory = nullptr;
+  unsigned char* bytes = nullptr;
+  std::size_t size = 0;
+  cl_event copied = nullptr;  // when it may be written again; null: now
+};
+
+/// Of buffers, which may outlive the device's state.
+struct BufferBytes {
+  std::uint64_t now = 0, peak = 0;
+};
 
 class DeviceState {
  public:
@@ -18,14 +35,39 @@ class DeviceState {
   DeviceState(const DeviceState&) = delete;
   DeviceState& operator=(const DeviceState&) = delete;
 
+  void count_upload(std::size_t bytes) {
+    if (shape.staging_bytes == 0) return;
+    ++transfers.uploads;
+    transfers.upload_bytes += bytes;
+  }
+  void count_download(std::size_t bytes) {
+    if (shape.staging_bytes == 0) return;
+    ++transfers.downloads;
+    transfers.download_bytes += bytes;
+  }
+
   DeviceInfo info;
+  LaunchShape shape{};
   cl_device_id device = nullptr;
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
   std::map<std::string, cl_program> programs;  // by file, options and edits of the file
   std::vector<SourceEdit> edits;
   std::map<std::string, std::uint64_t> launch_counts;
+  bool times_launches = false;
+  std::vector<std::pair<std::string, cl_event>> timed;  // launches whose times are still to be asked for
+  std::map<std::string, double> launch_seconds;
+  TransferCounts transfers;
+  std::shared_ptr<BufferBytes> buffer_bytes = std::make_shared<BufferBytes>();
+  std::array<StagingBuffer, 2> staging;  // one is filled while the other one is copied
+  std::size_t next_staging = 0;
 };
+
+/// Gives the staging buffers back to the queue that mapped them.
+void release_staging(DeviceState& state);
+
+/// Adds up the times of launches that have ended; waits for those that have not.
+void collect_times(DeviceState& state);
 
 /// Builds kernels/FILE.cl with `options`, or loads the binary that an earlier run left in the cache folder.
 cl_program load_program(DeviceState& state, const std::string& file, const std::string& options);

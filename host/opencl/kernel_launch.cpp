@@ -20,12 +20,31 @@ void Kernel::set_bytes(int index, const void* bytes, std::size_t byte_count) {
 void Kernel::enqueue(const WorkSize& size) {
   if (size.global == 0) return;
   // An explicit local size: PoCL compiles a kernel once for each, and leaves a thread idle when it must choose itself.
-  const std::size_t local = size.local != 0 ? size.local : (device_->info.is_cpu ? 1 : 64);
+  const std::size_t local = size.local != 0 ? size.local : device_->shape.local_size;
   const std::size_t global = (size.global + local - 1) / local * local;
+  cl_event event = nullptr;
   check_cl(clEnqueueNDRangeKernel(device_->queue, static_cast<cl_kernel>(kernel_.get()), 1, nullptr, &global, &local, 0,
-                                  nullptr, nullptr),
+                                  nullptr, device_->times_launches ? &event : nullptr),
            "kernel " + name_);
   ++device_->launch_counts[name_];
+  if (event == nullptr) return;
+  constexpr std::size_t kTimedMax = 4096;  // events are memory of the driver
+  device_->timed.emplace_back(name_, event);
+  if (device_->timed.size() >= kTimedMax) collect_times(*device_);
+}
+
+void collect_times(DeviceState& state) {
+  for (auto& [name, event] : state.timed) {
+    check_cl(clWaitForEvents(1, &event), "clWaitForEvents");
+    cl_ulong begin = 0, end = 0;
+    check_cl(clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof(begin), &begin, nullptr),
+             "kernel " + name + ": clGetEventProfilingInfo");
+    check_cl(clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof(end), &end, nullptr),
+             "kernel " + name + ": clGetEventProfilingInfo");
+    state.launch_seconds[name] += static_cast<double>(end - begin) * 1e-9;
+    clReleaseEvent(event);
+  }
+  state.timed.clear();
 }
 
 }  // namespace multum

@@ -73,8 +73,8 @@ void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
     settings.kappa_cap = 1e5f;
     settings.kappa_cap_slope = 1000.0f;
     const double expected = fit_in_double(texel, settings).kappa[0];
-    for (const bool scalar : {false, true})
-      worst.add(1.0 / fit_texels(device, {texel}, settings, scalar).front().kappa[0], 1.0 / expected, 1.0,
+    for (const EmForm form : em_forms(device))
+      worst.add(1.0 / fit_texels(device, {texel}, settings, form).front().kappa[0], 1.0 / expected, 1.0,
                 fmt::format("{} degrees wide, kappa {:.3g}", width, expected));
   }
 }
@@ -146,8 +146,8 @@ void samples_of_any_length(Device& device, WorstError& worst) {
       continue;
     }
     // The reference does not clamp; a stored r is never longer than 1.
-    for (const bool scalar : {false, true}) {
-      const std::vector<FittedTexel> found = fit_texels(device, {texel}, settings, scalar);
+    for (const EmForm form : em_forms(device)) {
+      const std::vector<FittedTexel> found = fit_texels(device, {texel}, settings, form);
       for (const glm::dvec4& lobe : found.front().lobes)
         worst.add(std::fmax(glm::length(glm::dvec3(lobe)) - 1.0, 0.0) + 0.0 * lobe.w, fmt::format("length {}", length));
     }
@@ -164,12 +164,12 @@ void a_bad_texel_stays_alone(Device& device, WorstError& worst) {
   EmSettings settings;
   settings.iterations = 8;
   settings.settled_change = 0.01f;
-  for (const bool scalar : {false, true}) {
-    const std::vector<FittedTexel> expected = fit_texels(device, good, settings, scalar);
+  for (const EmForm form : em_forms(device)) {
+    const std::vector<FittedTexel> expected = fit_texels(device, good, settings, form);
     for (const double bad : {kNan, inf, -inf, 1e38}) {
       std::vector<EmTexel> texels = good;
       texels[0].samples[5].normal = glm::dvec3(bad, 0.0, 1.0);
-      const std::vector<FittedTexel> found = fit_texels(device, texels, settings, scalar);
+      const std::vector<FittedTexel> found = fit_texels(device, texels, settings, form);
       for (std::size_t t = 1; t < 16; ++t)
         for (std::size_t j = 0; j < 2; ++j)
           worst.add(found[t].lobes[j] == expected[t].lobes[j] ? 0.0 : 1.0,
@@ -204,22 +204,23 @@ std::vector<NumericalCase> sharp_cases() {
   const SourceEdit no_cap = em_edit("kappa = MIN_V(MAX_V(kappa, (real_v)(KAPPA_MIN)), kappa_max);", "");
   const SourceEdit no_least_share = em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)");
   return {
-      {{"all-normals-equal-and-all-lobes", "movmf_em_texels", "the spread is 0, kappa infinite, its product with 0 NaN",
+      {{"all-normals-equal-and-all-lobes", "movmf_em_texels, movmf_em_team",
+        "the spread is 0, kappa infinite, its product with 0 NaN",
         "a floor of 1e-7 under the spread, a cap on kappa: 500 + 10 kappa_1", 4e-6, "absolute, of a and a r",
         "256 equal additions round alike: 256 * 2^-25 at most"},
        all_normals_equal,
        {no_floor, no_cap, no_least_share}},
-      {{"kappa-to-the-cap", "movmf_em_texels", "lobes of one direction each: kappa grows without bound", "the same",
-        4e-6, "absolute, of a and a r", "as above"},
+      {{"kappa-to-the-cap", "movmf_em_texels, movmf_em_team", "lobes of one direction each: kappa grows without bound",
+        "the same", 4e-6, "absolute, of a and a r", "as above"},
        kappa_to_the_cap,
        {no_floor, no_cap}},
-      {{"kappa-of-sharp-lobes", "movmf_em_texels",
+      {{"kappa-of-sharp-lobes", "movmf_em_texels, movmf_em_team",
         "1 - |r| of an |r| that is the sum of a thousand normals: no digit of kappa 1e5 is right",
         "the spread is a sum of 1 - n . mu, less what mu turned", 3e-7, "absolute, of 1/kappa",
         "the length of mu as floats, 1 within 6e-8, and 1 - n . mu within 1.2e-7"},
        sharp_lobes_keep_their_kappa,
        {em_edit("const real_v spread = fma(-length, turn, d * inverse);", "const real_v spread = 1.0f - length;")}},
-      {{"far-from-every-lobe", "movmf_em_texels", "every density is 0 in float: shares are 0 / 0",
+      {{"far-from-every-lobe", "movmf_em_texels, movmf_em_team", "every density is 0 in float: shares are 0 / 0",
         "logarithms, the largest subtracted", 1e-4, "absolute, of a and a r", "exponents of 1e6 carry 6e-8 each"},
        far_from_every_lobe,
        {em_edit("exp2_in_range_v(MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN)))", "exp2(e[j])")}},
@@ -228,17 +229,17 @@ std::vector<NumericalCase> sharp_cases() {
 
 std::vector<NumericalCase> wide_cases() {
   return {
-      {{"opposite-normals-of-one-lobe", "movmf_em_texels", "r = 0 has no direction: 0 / 0", "the last direction stays",
-        4e-6, "absolute, of a and a r", "64 additions"},
+      {{"opposite-normals-of-one-lobe", "movmf_em_texels, movmf_em_team", "r = 0 has no direction: 0 / 0",
+        "the last direction stays", 4e-6, "absolute, of a and a r", "64 additions"},
        opposite_normals_of_one_lobe,
        {em_edit("sqrt(MAX_V(squared, (real_v)(1e-30f)))", "sqrt(squared)"),
         em_edit("directed ? x * length_inverse : mu_x", "x * length_inverse")}},
-      {{"the-equator-and-below", "movmf_em_texels",
+      {{"the-equator-and-below", "movmf_em_texels, movmf_em_team",
         "a lower half taken for the upper (planar coordinates) folds the sphere",
         "directions are vectors; nothing asks for z > 0", 1e-5, "absolute, of a and a r", kFrom},
        whole_sphere,
        {em_edit("fma(-mu_z, z,", "fma(-mu_z, fabs(z),")}},
-      {{"lobes-that-die", "movmf_em_texels", "2^-1000 wraps to a large number",
+      {{"lobes-that-die", "movmf_em_texels, movmf_em_team", "2^-1000 wraps to a large number",
         "a share is at least 2^-100 of the largest; a lobe below 1e-7 keeps direction and spread", 1e-5,
         "absolute, of a and a r", kFrom},
        dying_lobes,
@@ -248,28 +249,30 @@ std::vector<NumericalCase> wide_cases() {
 
 std::vector<NumericalCase> input_cases() {
   return {
-      {{"one-two-three-normals", "movmf_em_texels", "more lobes than normals: spreads of 0",
+      {{"one-two-three-normals", "movmf_em_texels, movmf_em_team", "more lobes than normals: spreads of 0",
         "the floor under the spread and the cap", 1e-4, "absolute, of a and a r",
         "eight lobes on two normals: those that compete evenly multiply a difference in each iteration"},
        few_normals,
        {em_edit("MAX_V(m.spread, (real_v)(1e-7f))", "m.spread"),
         em_edit("kappa = MIN_V(MAX_V(kappa, (real_v)(KAPPA_MIN)), kappa_max);", "")}},
-      {{"normals-of-any-length", "movmf_em_texels", "normals longer than 1 have a negative spread: |r| grows beyond 1",
-        "the spread is held within 0 and 1", 1e-5, "absolute, of a and a r, or |r| above 1", kFrom},
+      {{"normals-of-any-length", "movmf_em_texels, movmf_em_team",
+        "normals longer than 1 have a negative spread: |r| grows beyond 1", "the spread is held within 0 and 1", 1e-5,
+        "absolute, of a and a r, or |r| above 1", kFrom},
        samples_of_any_length,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
-      {{"a-bad-texel-stays-alone", "movmf_em_texels", "a NaN, Inf or huge normal spreads to the texels beside it",
+      {{"a-bad-texel-stays-alone", "movmf_em_texels, movmf_em_team",
+        "a NaN, Inf or huge normal spreads to the texels beside it",
         "lanes share nothing, not even when to stop (readers repair such normals: docs/READING.md)", kNothingWrong,
         "texels changed", "not a bit may change"},
        a_bad_texel_stays_alone,
        {em_edit("moving = moving & (change > fit.settled_change_squared);",
                 "moving = moving & (change > fit.settled_change_squared); first_sample = samples;")}},
-      {{"denormals-and-signed-zeros", "movmf_em_texels",
+      {{"denormals-and-signed-zeros", "movmf_em_texels, movmf_em_team",
         "a share of a denormal amplitude has a logarithm of -149 or none",
         "an amplitude weighs at least 1e-6 in the E-step", 1e-5, "absolute, of a and a r", kFrom},
        denormals_and_signed_zeros,
        {em_edit("#define AMPLITUDE_MIN 1e-6f", "#define AMPLITUDE_MIN 1e-1f")}},
-      {{"weights-from-tiny-to-huge", "movmf_em_texels",
+      {{"weights-from-tiny-to-huge", "movmf_em_texels, movmf_em_team",
         "a share under a fixed least weight counts for more than it is: means of its normals shrink",
         "the least weight that is divided by is 1e-30", 1e-5, "absolute, of a and a r", kFrom},
        huge_and_tiny_weights,

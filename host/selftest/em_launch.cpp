@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/base/error.h"
+#include "host/opencl/launch_shape.h"
 #include "host/reference/planar_em.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
@@ -95,8 +96,13 @@ glm::dvec3 tilted(double degrees, double azimuth) {
   return {std::sin(t) * std::cos(azimuth), std::sin(t) * std::sin(azimuth), std::cos(t)};
 }
 
+std::vector<EmForm> em_forms(const Device& device) {
+  if (device.shape().vector_width == 1) return {EmForm::kScalar, EmForm::kTeam};
+  return {EmForm::kFast, EmForm::kScalar, EmForm::kTeam};
+}
+
 std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& given, const EmSettings& settings,
-                                    bool scalar) {
+                                    EmForm form) {
   MULTUM_CHECK(!given.empty() && given.size() <= kGroup);
   std::vector<EmTexel> texels;
   for (const EmTexel& texel : given) texels.push_back(rounded(texel));
@@ -117,10 +123,15 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
   const DeviceBuffer directed_buffer = device.make_buffer(level_bytes, "directions");
   device.write(start_buffer, start.data(), start_buffer.byte_count());
   device.write(level_buffer, level.data(), level_bytes);
-  const int width = scalar ? 1 : device.vector_width();
-  device.kernel("movmf_em_texels", "movmf_em_texels", {static_cast<int>(lobe_count), width, true, settings.planar})
-      .launch({kGroup / static_cast<std::size_t>(width)}, sample_buffer, count_buffer, start_buffer, list_buffer,
-              level_buffer, directed_buffer, one_group_fit(texels.front(), settings));
+  const bool by_team = form == EmForm::kTeam;
+  const int width = form == EmForm::kFast ? device.shape().vector_width : 1;
+  const Kernel::WorkSize size = by_team ? Kernel::WorkSize{kGroup * MULTUM_TEAM, MULTUM_TEAM}
+                                        : Kernel::WorkSize{kGroup / static_cast<std::size_t>(width)};
+  device
+      .kernel("movmf_em_texels", by_team ? "movmf_em_team" : "movmf_em_texels",
+              {static_cast<int>(lobe_count), width, true, settings.planar})
+      .launch(size, sample_buffer, count_buffer, start_buffer, list_buffer, level_buffer, directed_buffer,
+              one_group_fit(texels.front(), settings));
   device.read(level_buffer, level.data(), level_bytes);
   device.read(start_buffer, start.data(), start_buffer.byte_count());
   std::vector<FittedTexel> fitted(texels.size());
@@ -152,9 +163,8 @@ FittedTexel fit_in_double(const EmTexel& given, const EmSettings& settings) {
 void add_em_errors(Device& device, const EmTexel& texel, const EmSettings& settings, const std::string& input,
                    WorstError& worst) {
   const FittedTexel expected = fit_in_double(texel, settings);
-  for (const bool scalar : {false, true}) {
-    if (scalar && device.vector_width() == 1) continue;
-    const FittedTexel found = fit_texels(device, {texel}, settings, scalar).front();
+  for (const EmForm form : em_forms(device)) {
+    const FittedTexel found = fit_texels(device, {texel}, settings, form).front();
     for (std::size_t j = 0; j < expected.lobes.size(); ++j) {
       const glm::dvec4 &f = found.lobes[j], &e = expected.lobes[j];
       worst.add(f.w, e.w, 1.0, input);

@@ -32,14 +32,21 @@ struct FittedTexel {
   std::vector<double> kappa;      // of the last E-step
 };
 
+/// The forms of the kernel, which give the same bytes: the device's fast variant, one lane a work-item, and a team of
+/// work-items a texel.
+enum class EmForm { kFast, kScalar, kTeam };
+
+/// Those that differ on a device.
+std::vector<EmForm> em_forms(const Device& device);
+
 /// Up to 16 texels side by side, all of as many samples, weight and lobes as the first.
 std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& texels, const EmSettings& settings,
-                                    bool scalar);
+                                    EmForm form);
 
 /// The reference on one of them.
 FittedTexel fit_in_double(const EmTexel& texel, const EmSettings& settings);
 
-/// Adds |a - a'| and |a r - a' r'| of every lobe, of both variants of the kernel, against the reference.
+/// Adds |a - a'| and |a r - a' r'| of every lobe, of every form of the kernel, against the reference.
 void add_em_errors(Device& device, const EmTexel& texel, const EmSettings& settings, const std::string& input,
                    WorstError& worst);
 

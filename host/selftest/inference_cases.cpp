@@ -12,6 +12,7 @@
 #include "host/bake/texture_inference.h"
 #include "host/bake/texture_system.h"
 #include "host/base/split_mix.h"
+#include "host/opencl/launch_shape.h"
 #include "host/reference/texture_inference.h"
 #include "host/selftest/buffers.h"
 #include "host/selftest/case_lists.h"
@@ -77,9 +78,8 @@ struct PyramidProducts {
 
 PyramidProducts pyramid_products(Device& device, const FilterMatrix& texture, const std::vector<Colour4>& x) {
   const MipLayout layout = texture.layout();
-  const PyramidTables tables =
-      make_pyramid_tables(layout, texture.wrap_s == WrapMode::kPeriodic, texture.wrap_t == WrapMode::kPeriodic,
-                          device.info().is_cpu ? 64 : 1);
+  const PyramidTables tables = make_pyramid_tables(layout, texture.wrap_s == WrapMode::kPeriodic,
+                                                   texture.wrap_t == WrapMode::kPeriodic, device.shape().strip_texels);
   const DeviceBuffer levels = uploaded(device, tables.levels, "levels"), taps = uploaded(device, tables.taps, "taps"),
                      gathers = uploaded(device, tables.gathers, "gathers"),
                      entries = uploaded(device, tables.entries, "entries"),

@@ -12,6 +12,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/asset/movmf_mipmap.h"
+#include "host/opencl/launch_shape.h"
 #include "host/reference/movmf_em.h"
 #include "host/reference/planar_em.h"
 #include "host/selftest/buffers.h"
@@ -66,7 +67,7 @@ void add_start(Device& device, const MultumVmfLobe& parent, WorstError& worst) {
   const double kappa = std::clamp(0.5 * (length > 1e-12 ? reference::kappa_of_mean_length(bounded) : 0.0), 0.05, 1e6);
   const double amplitude = std::max(static_cast<double>(parent.amplitude), 0.02);
   const double log_weight = std::log2(amplitude * kappa / -std::expm1(-2.0 * kappa));
-  for (const int width : {1, device.vector_width()}) {
+  for (const int width : {1, device.shape().vector_width}) {
     const std::vector<double> found = start_from(device, parent, width);
     const std::string input = fmt::format("|r| = {:.9g}, a = {:.3g}", length, parent.amplitude);
     for (int k = 0; k < 3; ++k) {
@@ -175,7 +176,7 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
 
 // Texels of very different numbers of cells side by side, one of none, and slots without a texel: what a texel lacks
 // weighs 0, and nothing behind its cells is read.
-void uneven_cells_side_by_side(Device& device, WorstError& worst) {
+void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count) {
   constexpr int kCapacity = 40, kTexels = 20;
   MultumMovmfFit fit = {};
   fit.slot_count = 2 * MULTUM_GROUP;
@@ -194,8 +195,9 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst) {
       uploaded(device, std::vector<float>(2 * kGroup * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison), "samples");
   const DeviceBuffer sample_counts = uploaded(device, std::vector<int>(2, -1), "sample counts");
   device.kernel("movmf_condense", "movmf_condensed_pack", {1, 1, false})
-      .launch({2, 64}, uploaded(device, condensed, "condensed"), uploaded(device, counts, "counts"),
-              uploaded(device, list, "texels"), samples, sample_counts, fit);
+      .launch({2 * static_cast<std::size_t>(part_count), 64}, uploaded(device, condensed, "condensed"),
+              uploaded(device, counts, "counts"), uploaded(device, list, "texels"), samples, sample_counts, fit,
+              part_count);
   const std::vector<float> found = downloaded<float>(device, samples);
   const std::vector<int> found_counts = downloaded<int>(device, sample_counts);
   for (std::size_t group = 0; group < 2; ++group) {
@@ -217,6 +219,11 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst) {
           worst.add(same ? 0.0 : 1.0, fmt::format("group {}, lane {}, sample {}, value {}", group, lane, i, k));
         }
   }
+}
+
+// By one work-item a group, and by some that share one.
+void uneven_cells_by_any_parts(Device& device, WorstError& worst) {
+  for (const int part_count : {1, 3}) uneven_cells_side_by_side(device, worst, part_count);
 }
 
 // Numbers of the lobes that normals are given to.
@@ -294,7 +301,7 @@ std::vector<NumericalCase> level_cases() {
       {{"uneven-cells-side-by-side", "movmf_condensed_pack", "what lies behind a texel's cells counts as its samples",
         "samples of weight 0 up to the number of the texel that has most", kNothingWrong, "values wrong",
         "none may be: copies"},
-       uneven_cells_side_by_side,
+       uneven_cells_by_any_parts,
        {{"movmf_condense", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},
       {{"a-dead-lobe-takes-nothing", "movmf_level_zero", "a lobe of no normals, or of no direction, is the nearest",
         "lobes of an amplitude up to 1e-6 are passed over", kNothingWrong, "texels wrong", "none may be"},

@@ -70,8 +70,8 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
     for (const double width : {4.0, 1.0, 0.25}) {
       const EmTexel texel = narrow_texel(degrees, width);
       const double expected = fit_in_double(texel, planar_settings(4)).lobes[0].z;
-      for (const bool scalar : {false, true})
-        worst.add(fit_texels(device, {texel}, planar_settings(4), scalar).front().lobes[0].z, expected, expected,
+      for (const EmForm form : em_forms(device))
+        worst.add(fit_texels(device, {texel}, planar_settings(4), form).front().lobes[0].z, expected, expected,
                   fmt::format("{} degrees, {} wide, sigma^2 {:.2g}", degrees, width, expected));
     }
 }
@@ -80,8 +80,8 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
 void variance_never_negative(Device& device, WorstError& worst) {
   for (int i = 0; i < 60; ++i) {
     const EmTexel texel = {repeated({point(1.5 * i, 0.1 * i)}, 7), equal_lobes({point(89.0 - i, 2.0)}, 3.0)};
-    for (const bool scalar : {false, true})
-      worst.add(std::max(-fit_texels(device, {texel}, planar_settings(1), scalar).front().lobes[0].z, 0.0),
+    for (const EmForm form : em_forms(device))
+      worst.add(std::max(-fit_texels(device, {texel}, planar_settings(1), form).front().lobes[0].z, 0.0),
                 fmt::format("point {}", i));
   }
 }

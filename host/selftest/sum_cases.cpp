@@ -17,6 +17,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/base/split_mix.h"
+#include "host/opencl/launch_shape.h"
 #include "host/reference/coverage.h"
 #include "host/selftest/buffers.h"
 #include "host/selftest/case_lists.h"
@@ -151,7 +152,7 @@ void texels_2_28_by_chunks(Device& device, WorstError& worst) {
                      z = device.wrap_buffer(b.planes[2].data(), bytes, "z");
   DeviceBuffer partial = device.make_buffer(static_cast<std::size_t>(kHeight) * 5 * sizeof(float), "partial sums");
   device.fill_zero(partial);
-  const int width = device.vector_width();
+  const int width = device.shape().vector_width;
   const std::size_t items = static_cast<std::size_t>(kHeight) * kGroup / static_cast<std::size_t>(width);
   Kernel sums = device.kernel("movmf_em_chunks", "movmf_em_partial", {1, width, false});
   for (fit.map_first_row = 0; fit.map_first_row < kHeight; fit.map_first_row += kBandRows)
@@ -313,12 +314,14 @@ std::vector<float> even_axes() {
   return axes;
 }
 
-void texels_2_28_into_cells(Device& device, WorstError& worst) {
+// By chunks with tables of their own, or all into one table.
+void texels_2_28_into_cells(Device& device, WorstError& worst, bool atomic) {
   const Band& b = band();
   MultumMovmfFit fit = coarsest_fit();
   fit.cell_side = kSide;
   fit.sample_capacity = kCells;
-  const int chunk_count = 8;
+  const int chunk_count = atomic ? 1 : 8, strip_rows = 5;
+  const int strip_count = (kBandRows + strip_rows - 1) / strip_rows;
   const std::vector<float> axis_values = even_axes();
   const std::size_t bytes = b.planes[0].size() * sizeof(float);
   const DeviceBuffer x = device.wrap_buffer(b.planes[0].data(), bytes, "x"),
@@ -328,15 +331,23 @@ void texels_2_28_into_cells(Device& device, WorstError& worst) {
   std::vector<std::int64_t> cells(static_cast<std::size_t>(chunk_count) * kCells * MULTUM_CELL_SUMS, 0);
   DeviceBuffer out = device.make_buffer(cells.size() * sizeof(std::int64_t), "cells");
   device.fill_zero(out);
-  Kernel add = device.kernel("movmf_condense", "movmf_condense_cells", {1, 1, false});
+  Kernel add = device.kernel("movmf_condense", atomic ? "movmf_condense_add" : "movmf_condense_cells", {1, 1, false});
   for (fit.map_first_row = 0; fit.map_first_row < kHeight; fit.map_first_row += kBandRows)
-    add.launch({static_cast<std::size_t>(chunk_count)}, x, y, z, x, y, z, axes, out, fit, 0, chunk_count, 1);
+    if (atomic)
+      add.launch({static_cast<std::size_t>(fit.sample_columns) * static_cast<std::size_t>(strip_count)}, x, y, z, x, y,
+                 z, axes, out, fit, 0, strip_rows, strip_count, 1);
+    else add.launch({static_cast<std::size_t>(chunk_count)}, x, y, z, x, y, z, axes, out, fit, 0, chunk_count, 1);
   device.read(out, cells.data(), out.byte_count());
   double sum[4] = {0.0, 0.0, 0.0, 0.0};
   for (std::size_t i = 0; i < cells.size(); ++i) sum[i % 4] += static_cast<double>(cells[i]) * 0x1p-30;
   const glm::dvec3 exact = b.sum * (static_cast<double>(kHeight) / kBandRows);
   for (int k = 0; k < 3; ++k) worst.add(sum[k], exact[k], kTexels, fmt::format("component {}", k));
   worst.add(sum[3], kTexels, kTexels, "weight");
+}
+
+void texels_2_28_by_any_way(Device& device, WorstError& worst) {
+  texels_2_28_into_cells(device, worst, false);
+  if (device.info().has_atomic_longs) texels_2_28_into_cells(device, worst, true);
 }
 
 // The same by one float a sum.
@@ -350,7 +361,7 @@ void floats_stand_still(WorstError& worst) {
 }
 
 // Cells of 2^28 normals in all: whole numbers of 2^-30 up to 2^58.
-void means_of_2_58(Device& device, WorstError& worst) {
+void means_of_2_58(Device& device, WorstError& worst, bool by_team) {
   const int chunk_count = 4;
   std::vector<std::int64_t> cells(static_cast<std::size_t>(chunk_count) * 3 * MULTUM_CELL_SUMS, 0);
   const double means[3][3] = {{0.1, -0.2, 0.97}, {-1.0, 1.0, 1e-9}, {0.3, 0.4, 0.5}};
@@ -365,8 +376,9 @@ void means_of_2_58(Device& device, WorstError& worst) {
   DeviceBuffer out = device.make_buffer(samples.size() * sizeof(float), "samples"),
                counts = device.make_buffer(sizeof(int), "counts");
   device.write(out, samples.data(), out.byte_count());
-  device.kernel("movmf_condense", "movmf_condense_means", {1, 1, false})
-      .launch({1}, in, out, counts, 1, chunk_count, 3, 1);
+  device.kernel("movmf_condense", by_team ? "movmf_condense_team_means" : "movmf_condense_means", {1, 1, false})
+      .launch(by_team ? Kernel::WorkSize{MULTUM_TEAM, MULTUM_TEAM} : Kernel::WorkSize{1}, in, out, counts, 1,
+              chunk_count, 3, 1);
   device.read(out, samples.data(), out.byte_count());
   int count = 0;
   device.read(counts, &count, sizeof(count));
@@ -377,6 +389,10 @@ void means_of_2_58(Device& device, WorstError& worst) {
     worst.add(static_cast<double>(samples[cell * 4 + 3]), weights[cell], weights[cell],
               fmt::format("weight of cell {}", cell));
   }
+}
+
+void means_of_2_58_by_any_form(Device& device, WorstError& worst) {
+  for (const bool by_team : {false, true}) means_of_2_58(device, worst, by_team);
 }
 
 // Probes that all lie at one place, or nowhere: straight down is the rim of the disc all around.
@@ -438,17 +454,18 @@ std::vector<NumericalCase> sum_cases() {
         "of the chunk's total of the channel", "exponents of 1e6 carry 6e-8 each"},
        colours_of_uneven_chunks,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
-      {{"texels-2-to-28-into-cells", "movmf_condense_cells", "one float stops at 2^24",
+      {{"texels-2-to-28-into-cells", "movmf_condense_cells, movmf_condense_add", "one float stops at 2^24",
         "whole numbers of 2^-30 in 64 bits: 2^58 at most, in any order", 2e-9, "absolute, of means",
         "2^-30 a normal, rounded towards 0"},
-       texels_2_28_into_cells,
+       texels_2_28_by_any_way,
        {},
        floats_stand_still},
-      {{"means-of-sums-to-2-to-58", "movmf_condense_means", "32 bits overflow at two normals", "64 bits", 2e-7,
-        "absolute, of means; relative, of weights", "two conversions and a division"},
-       means_of_2_58,
-       {{"movmf_condense", "long4 sum = vload4(cell, in);",
-         "long4 sum = convert_long4(convert_int4(vload4(cell, in)));"}}},
+      {{"means-of-sums-to-2-to-58", "movmf_condense_means, movmf_condense_team_means",
+        "32 bits overflow at two normals", "64 bits", 2e-7, "absolute, of means; relative, of weights",
+        "two conversions and a division"},
+       means_of_2_58_by_any_form,
+       {{"movmf_condense", "long4 sum = vload4(cell, chunks);",
+         "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"}}},
       {{"axes-of-no-extent", "movmf_condense_probe, movmf_condense_axes",
         "bins a unit of 63 / 0; straight down lies at 0 / 0", "an extent of 1e-6 at least, 1 + z of 1e-6 at least",
         kNothingWrong, "values that are no axis", "none may be"},

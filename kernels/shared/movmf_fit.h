@@ -5,6 +5,8 @@
 
 // Texels are fitted in groups of this many slots: the width of the vector variant, and the unit of the packed layouts.
 #define MULTUM_GROUP 16
+// Work-items that fit one texel together, on devices that have enough of them (movmf_em_texels.cl, movmf_condense.cl).
+#define MULTUM_TEAM 64
 
 // Values of MovmfFit::order: which same-level neighbours are done when a texel is fitted.
 #define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1)

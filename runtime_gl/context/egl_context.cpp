@@ -65,24 +65,33 @@ struct Candidate {
   EGLDisplay display;
 };
 
+// GPUs first, then whatever the surfaceless platform takes, then what draws in software.
 std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
   std::vector<Candidate> candidates;
   const char* client = egl.QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   const auto get_display =
       reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(egl.GetProcAddress("eglGetPlatformDisplayEXT"));
   if (get_display == nullptr || !has_word(client, "EGL_EXT_platform_base")) return candidates;
-  if (has_word(client, "EGL_MESA_platform_surfaceless"))
-    candidates.push_back({"surfaceless", get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)});
+  std::vector<Candidate> software;
   const auto query_devices = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(egl.GetProcAddress("eglQueryDevicesEXT"));
+  const auto query_text =
+      reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(egl.GetProcAddress("eglQueryDeviceStringEXT"));
   const bool has_devices = has_word(client, "EGL_EXT_device_enumeration") || has_word(client, "EGL_EXT_device_base");
   if (query_devices != nullptr && has_devices && has_word(client, "EGL_EXT_platform_device")) {
     std::array<EGLDeviceEXT, 16> devices{};
     EGLint count = 0;
     if (query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE)
-      for (EGLint i = 0; i < count; ++i)
-        candidates.push_back({"device " + std::to_string(i),
-                              get_display(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr)});
+      for (EGLint i = 0; i < count; ++i) {
+        const EGLDeviceEXT device = devices[static_cast<std::size_t>(i)];
+        const bool is_software =
+            query_text != nullptr && has_word(query_text(device, EGL_EXTENSIONS), "EGL_MESA_device_software");
+        (is_software ? software : candidates)
+            .push_back({"device " + std::to_string(i), get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr)});
+      }
   }
+  if (has_word(client, "EGL_MESA_platform_surfaceless"))
+    candidates.push_back({"surfaceless", get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)});
+  candidates.insert(candidates.end(), software.begin(), software.end());
   return candidates;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // An OpenGL 4.5 core context without a window, a display server or a GPU: one interface, two back-ends behind it.
 //   osmesa  libOSMesa.so.8: Mesa's software renderer, needs nothing but the library.
-//   egl     libEGL.so.1: the surfaceless platform, then each device of the device platform; no config, no surface. This
-//           is the way to a GPU. eglGetDisplay(EGL_DEFAULT_DISPLAY) is not tried: it wants a display server.
+//   egl     libEGL.so.1: each GPU of the device platform, then the surfaceless platform, then software devices; no
+//           config, no surface. This is the way to a GPU. eglGetDisplay(EGL_DEFAULT_DISPLAY) is not tried: it wants a
+//           display server.
 // Both libraries are opened at run time with RTLD_LOCAL, so a program links no GL and both can live in one process.
 #pragma once
 

@@ -81,6 +81,11 @@ namespace multum::gl {
   X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                               \
   X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                               \
   X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                     \
+  X(PFNGLCREATEQUERIESPROC, CreateQueries)                               \
+  X(PFNGLDELETEQUERIESPROC, DeleteQueries)                               \
+  X(PFNGLBEGINQUERYPROC, BeginQuery)                                     \
+  X(PFNGLENDQUERYPROC, EndQuery)                                         \
+  X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                   \
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                                     \
   X(PFNGLDRAWELEMENTSPROC, DrawElements)
 

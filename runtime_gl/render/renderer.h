@@ -20,7 +20,8 @@ namespace multum::gl {
 
 struct Picture {
   FloatImage image;
-  double frame_time_ms;  // glFinish to glFinish of one frame, the median of 3 after a first one; truth: all passes
+  double frame_time_ms;       // glFinish to glFinish of one frame, the median of 3 after a first one; truth: all passes
+  double draw_time_ms = 0.0;  // what the driver's own clock says that drawing took (GL_TIME_ELAPSED); truth: 0
 };
 
 /// One of several things in a picture.

@@ -14,6 +14,7 @@
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/renderer.h"
 #include "tests/gl/shader_harness.h"
+#include "tests/gl/test_context.h"
 #include "tests/gl/test_maps.h"
 
 namespace multum::gl {
@@ -24,7 +25,7 @@ constexpr char kOneMinusCosine[] = "multum_one_minus_cosine(multum_movmf_mean_di
 
 class BrdfTest : public testing::Test {
  protected:
-  void SetUp() override { context_ = make_headless_context(ContextBackend::kOsmesa); }
+  void SetUp() override { context_ = make_headless_context(test_backend()); }
   std::vector<double> evaluate(const ShaderHarnessInput& input) {
     std::vector<double> values;
     for (const glm::vec4& value : evaluate_shader(context_->functions(), input))

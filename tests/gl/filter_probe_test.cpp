@@ -9,6 +9,7 @@
 #include "runtime_gl/probe/texel_classes.h"
 #include "tests/gl/probe_references.h"
 #include "tests/gl/probe_scene.h"
+#include "tests/gl/test_context.h"
 
 namespace multum::gl {
 namespace {
@@ -24,7 +25,7 @@ struct Sampling {
 class Waves {
  public:
   explicit Waves(float repeats)
-      : context_(make_headless_context(ContextBackend::kOsmesa)),
+      : context_(make_headless_context(test_backend())),
         waves_(context_->functions(), wave_mesh(repeats)),
         board_(context_->functions(), board_mesh()) {}
 

@@ -16,6 +16,7 @@
 #include "host/reference/case_page.h"
 #include "host/reference/case_table.h"
 #include "tests/gl/glsl_cases.h"
+#include "tests/gl/test_context.h"
 
 namespace multum::gl {
 namespace {
@@ -29,7 +30,7 @@ NumericalVerdict verdict_of(const GlslCase& c, const GlFunctions& gl) {
 }
 
 TEST(GlslCases, HoldWithTheirGuardsAndBreakWithout) {
-  const auto context = make_headless_context(ContextBackend::kOsmesa);
+  const auto context = make_headless_context(test_backend());
   NumericalRun run{"GL", context->description(), "Mesa", "OSMesa", std::string("multum ") + MULTUM_VERSION, {}};
   for (const GlslCase& c : glsl_cases()) {
     run.verdicts.push_back(verdict_of(c, context->functions()));
@@ -112,7 +113,7 @@ SourceEdit broken(const Formula& f) {
 }
 
 TEST(GlslCases, ABrokenFormulaBreaksThoseThatNameIt) {
-  const auto context = make_headless_context(ContextBackend::kOsmesa);
+  const auto context = make_headless_context(test_backend());
   for (const Formula& f : all_formulas())
     for (const GlslCase& c : glsl_cases()) {
       if (!is_of(c, f)) continue;

@@ -20,6 +20,7 @@
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/pyramid/pyramid_renderer.h"
 #include "runtime_gl/render/picture_error.h"
+#include "tests/gl/test_context.h"
 #include "tests/gl/test_maps.h"
 #include "tests/unit/test_folder.h"
 
@@ -91,7 +92,7 @@ gl::MeshData ball(int steps) {
 class PyramidViewTest : public ::testing::Test {
  protected:
   const gl::GlFunctions& gl() const { return context_->functions(); }
-  std::unique_ptr<gl::HeadlessContext> context_ = gl::make_headless_context(gl::ContextBackend::kOsmesa);
+  std::unique_ptr<gl::HeadlessContext> context_ = gl::make_headless_context(gl::test_backend());
 };
 
 // The plane's derivatives in closed form: where the ray through a pixel's middle meets it, and through its neighbours'.

@@ -16,6 +16,7 @@
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
 #include "tests/gl/sh_test_map.h"
+#include "tests/gl/test_context.h"
 #include "tests/gl/test_maps.h"
 
 namespace multum::gl {
@@ -66,10 +67,9 @@ class ShRenderTest : public testing::TestWithParam<ContextBackend> {
   std::unique_ptr<Renderer> renderer_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Contexts, ShRenderTest, testing::Values(ContextBackend::kOsmesa, ContextBackend::kEgl),
-                         [](const auto& backend) {
-                           return backend.param == ContextBackend::kOsmesa ? "Osmesa" : "Egl";
-                         });
+INSTANTIATE_TEST_SUITE_P(Contexts, ShRenderTest, testing::ValuesIn(test_backends()), [](const auto& backend) {
+  return backend.param == ContextBackend::kOsmesa ? "Osmesa" : "Egl";
+});
 
 // Highlights as broad as the order: nearer with each order, and near the truth; sharp ones are blurred, which is told.
 TEST_P(ShRenderTest, OrdersDrawWhatTheyHave) {

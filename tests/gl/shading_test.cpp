@@ -7,6 +7,7 @@
 
 #include "host/reference/shading.h"
 #include "tests/gl/shader_harness.h"
+#include "tests/gl/test_context.h"
 
 namespace multum::gl {
 namespace {
@@ -34,7 +35,7 @@ void append(const Case& c, ShaderHarnessInput& input) {
 
 class ShadingTest : public testing::Test {
  protected:
-  void SetUp() override { context_ = make_headless_context(ContextBackend::kOsmesa); }
+  void SetUp() override { context_ = make_headless_context(test_backend()); }
   std::vector<double> evaluate(const std::string& expression, const std::vector<Case>& cases) {
     ShaderHarnessInput input{"vec4(" + expression + ")", {}, {}, nullptr};
     for (const Case& c : cases) append(c, input);

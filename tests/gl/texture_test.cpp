@@ -10,6 +10,7 @@
 #include "runtime_gl/gl/half.h"
 #include "runtime_gl/gl/texture.h"
 #include "tests/gl/shader_harness.h"
+#include "tests/gl/test_context.h"
 
 namespace multum::gl {
 namespace {
@@ -100,7 +101,7 @@ double trilinear(const Pyramid& pyramid, WrapMode wrap, const glm::vec4& at, int
 
 class TextureTest : public testing::TestWithParam<TexelFormat> {
  protected:
-  void SetUp() override { context_ = make_headless_context(ContextBackend::kOsmesa); }
+  void SetUp() override { context_ = make_headless_context(test_backend()); }
   const GlFunctions& gl() const { return context_->functions(); }
   std::unique_ptr<HeadlessContext> context_;
 };

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/bake/movmf_bake.h"
+#include "host/opencl/launch_shape.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
@@ -26,7 +27,8 @@ Baked bake(const NormalMap& map, int lobes, Variant variant) {
   static Device device = Device::open("");
   MovmfSettings settings;
   settings.lobe_count = lobes;
-  settings.force_scalar = variant == Variant::kScalar;
+  device.set_shape(variant == Variant::kScalar ? LaunchShape::of_accelerator(device.info())
+                                               : LaunchShape::of(device.info()));
   if (variant == Variant::kReference) make_reference(settings);
   Baked baked;
   baked.mipmap = bake_movmf(device, map, nullptr, settings, baked.report, nullptr);

@@ -11,19 +11,21 @@
 #include "host/asset/movmf_mipmap.h"
 #include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_em_step.h"
+#include "host/opencl/launch_shape.h"
 #include "host/reference/planar_em.h"
 
 namespace multum::testing {
 namespace {
 
-// Planes of rows, each plane whole in `bytes`, as a window.
+// Planes of rows, each plane whole in `bytes`, or all zeros, as a window.
 RowWindow window_of(Device& device, int plane_count, std::size_t row_bytes, int rows, const void* bytes) {
   RowWindow window(device, plane_count, row_bytes, rows, "test");
   const std::size_t plane_bytes = row_bytes * static_cast<std::size_t>(rows);
-  window.move_to(0, rows, [&](int, int, const std::vector<unsigned char*>& planes) {
-    for (std::size_t p = 0; bytes != nullptr && p < planes.size(); ++p)
+  const auto copy = [&](int, int, const std::vector<unsigned char*>& planes) {
+    for (std::size_t p = 0; p < planes.size(); ++p)
       std::memcpy(planes[p], static_cast<const unsigned char*>(bytes) + p * plane_bytes, plane_bytes);
-  });
+  };
+  window.move_to(0, rows, bytes == nullptr ? RowWindow::Fill() : copy);  // a new window holds zeros
   return window;
 }
 
@@ -43,7 +45,6 @@ MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
   settings.alignment = how.alignment;
   settings.kappa_cap = how.kappa_cap;
   settings.kappa_cap_slope = how.kappa_cap_slope;
-  settings.force_scalar = how.scalar;
   return settings;
 }
 
@@ -98,6 +99,7 @@ Device& test_device() {
 std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                             int lobe_count, const LevelFit& how) {
   Device& device = test_device();
+  device.set_shape(how.scalar ? LaunchShape::of_accelerator(device.info()) : LaunchShape::of(device.info()));
   const MovmfSettings settings = settings_of(how, lobe_count);
   const MipSchedule schedule = one_level_schedule(map, settings, how);
   const LevelSchedule& level = schedule.levels[0];

@@ -216,11 +216,17 @@ TEST_P(CondensedTest, ScalarEqualsVectorBitForBit) {
 
 // The map streams by in bands of rows: sums are whole numbers, so that no band can be seen in them.
 TEST_P(CondensedTest, BandsOfAnyHeightGiveTheSameBytes) {
-  const auto whole = fit_with_kernels(map_, parent_, lobes_, how_);
-  for (const int rows : {1, 7, 64}) {
-    how_.condense_rows = rows;
-    const auto banded = fit_with_kernels(map_, parent_, lobes_, how_);
-    EXPECT_EQ(0, std::memcmp(whole.data(), banded.data(), whole.size() * sizeof(MultumVmfLobe))) << rows << " rows";
+  const int all_rows = how_.condense_rows;
+  for (const bool scalar : {false, true}) {
+    how_.scalar = scalar;
+    how_.condense_rows = all_rows;
+    const auto whole = fit_with_kernels(map_, parent_, lobes_, how_);
+    for (const int rows : {1, 7, 64}) {
+      how_.condense_rows = rows;
+      const auto banded = fit_with_kernels(map_, parent_, lobes_, how_);
+      EXPECT_EQ(0, std::memcmp(whole.data(), banded.data(), whole.size() * sizeof(MultumVmfLobe)))
+          << rows << " rows" << (scalar ? ", scalar" : "");
+    }
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "host/bake/movmf_bake.h"
 #include "host/base/error.h"
+#include "host/opencl/launch_shape.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
@@ -163,8 +164,9 @@ TEST_P(BakeBandsTest, ScratchFilesAndThreadsGiveTheSameBytes) {
 
 TEST_P(BakeBandsTest, ScalarKernelsGiveTheSameBytes) {
   const MovmfMipmap vectors = bake();
-  settings_.force_scalar = true;
+  device().set_shape(LaunchShape::of_accelerator(device().info()));
   expect_same(bake(), vectors, "scalar");
+  device().set_shape(LaunchShape::of(device().info()));
 }
 
 }  // namespace

@@ -79,9 +79,6 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
     change(settings);
     EXPECT_TRUE(texts.insert(settings_json(settings)).second);
   }
-  MovmfSettings scalar;
-  scalar.force_scalar = true;
-  EXPECT_EQ(settings_json(scalar), usual) << "both variants give the same bytes";
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "host/base/content_hash.h"
 #include "host/image/four_quarter_map.h"
 #include "host/opencl/device.h"
+#include "host/opencl/launch_shape.h"
 #include "kernels/shared/vmf_lobe.h"
 #include "tools/bench/elapsed.h"
 #include "tools/bench/em_yardstick.h"
@@ -44,8 +45,10 @@ class LevelBench {
       plane_buffers_.push_back(device.wrap_buffer(plane.data(), plane.size() * sizeof(float), "plane"));
     const KernelVariant scalar{options.lobes, 1, false};
     KernelVariant fast = scalar;
-    fast.vector_width = width_ = device.vector_width();
-    texels_kernel_ = device.kernel("movmf_em_texels", "movmf_em_texels", fast);
+    fast.vector_width = width_ = device.shape().vector_width;
+    by_teams_ = slots_ <= device.shape().team_texels_max && fit_.sample_columns * fit_.sample_rows >= MULTUM_TEAM;
+    texels_kernel_ = by_teams_ ? device.kernel("movmf_em_texels", "movmf_em_team", scalar)
+                               : device.kernel("movmf_em_texels", "movmf_em_texels", fast);
     partial_kernel_ = device.kernel("movmf_em_chunks", "movmf_em_partial", fast);
     mstep_kernel_ = device.kernel("movmf_em_mstep", "movmf_em_mstep", scalar);
     list_buffer_ = device.make_buffer(list.size() * sizeof(int), "list");
@@ -92,8 +95,10 @@ class LevelBench {
                                directed_buffer_, fit_, i);
         }
       } else {
-        texels_kernel_.launch({slots_ / static_cast<std::size_t>(width_)}, sample_buffer_, sample_count_buffer_,
-                              start_buffer_, list_buffer_, result_buffer_, directed_buffer_, fit_);
+        texels_kernel_.launch(by_teams_ ? Kernel::WorkSize{slots_ * MULTUM_TEAM, MULTUM_TEAM}
+                                        : Kernel::WorkSize{slots_ / static_cast<std::size_t>(width_)},
+                              sample_buffer_, sample_count_buffer_, start_buffer_, list_buffer_, result_buffer_,
+                              directed_buffer_, fit_);
       }
       device_.finish();
     });
@@ -144,6 +149,7 @@ class LevelBench {
   MultumMovmfFit fit_;
   std::size_t lobes_, slots_ = 0;
   int width_ = 1;
+  bool by_teams_ = false;
   std::vector<std::vector<float>> planes_;
   std::vector<float> samples_, start_, yardstick_result_;
   std::vector<MultumVmfLobe> result_;
@@ -183,7 +189,7 @@ double sum_over_levels(const Json& levels, const char* key) {
 
 Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   omp_set_num_threads(options.threads);
-  Device device = Device::open("");
+  Device device = Device::open(options.device);
   const NormalMap map = make_four_quarter_map(options.size, 7).normals;
   MovmfSettings settings;
   make_reference(settings);  // every normal at every level

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "host/base/progress.h"
 #include "tools/bench/result_view.h"
@@ -15,6 +16,7 @@ struct EmBenchmarkOptions {
   int iterations = 10;
   int repetitions = 7;
   int threads = 2;
+  std::string device;  // as Device::open() has it
 };
 
 /// Milliseconds of both, a level, and their ratio; the sum over levels; the mean difference of results.

@@ -293,7 +293,7 @@ Json run_system(Device& device, const std::string& name, const Stack& stack, Inf
 }  // namespace
 
 Json run_inference_benchmark(const InferenceBenchmarkOptions& options, Progress* progress) {
-  Device device = Device::open("");
+  Device device = Device::open(options.device);
   Json systems = Json::array();
   ContentHash hash;
   const auto add = [&](const std::string& name, const Stack& stack, InferenceForm form) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "host/base/progress.h"
 #include "tools/bench/result_view.h"
@@ -17,6 +18,7 @@ struct InferenceBenchmarkOptions {
   int iterations = 20;  // of a timed solve, >= 4
   int repetitions = 7;  // pairs of runs
   int threads = 2;
+  std::string device;  // as Device::open() has it
 };
 
 /// Milliseconds an iteration of both, their ratio and the difference of what they find; products; iterations; forms.

@@ -15,8 +15,10 @@
 #include "tools/bench/build_info.h"
 #include "tools/bench/command_text.h"
 #include "tools/bench/em_benchmark.h"
+#include "tools/bench/frames_benchmark.h"
 #include "tools/bench/inference_benchmark.h"
 #include "tools/bench/load_benchmark.h"
+#include "tools/bench/on_gpu.h"
 #include "tools/bench/result_file.h"
 #include "tools/bench/scale_benchmark.h"
 #include "tools/command_line/choices.h"
@@ -27,6 +29,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kDeviceHelp =
+    "OpenCL device: a number of `multum devices` or part of a name (default: a GPU first)";
 constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
 
 const Choices<gl::ContextBackend> kContexts = {
@@ -85,6 +89,7 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
   command->add_option("--iterations", em.iterations)->check(CLI::Range(1, 100))->capture_default_str();
   add_repetitions(*command, em, "pairs of runs a level");
   command->add_option("--threads", em.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  command->add_option("--device", em.device, kDeviceHelp);
   return {command, "", [&em](Progress* progress) {
             set_device_threads(em.threads);
             return run_em_benchmark(em, progress);
@@ -102,6 +107,7 @@ Benchmark add_infer(CLI::App& app, InferenceBenchmarkOptions& infer) {
       ->capture_default_str();
   add_repetitions(*command, infer, "pairs of runs");
   command->add_option("--threads", infer.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  command->add_option("--device", infer.device, kDeviceHelp);
   return {command, "", [&infer](Progress* progress) {
             set_device_threads(infer.threads);
             return run_inference_benchmark(infer, progress);
@@ -138,6 +144,41 @@ Benchmark add_load(CLI::App& app, LoadBenchmarkOptions& load) {
   return {command, "", [&load](Progress* progress) { return run_load_benchmark(load, progress); }};
 }
 
+Benchmark add_frames(CLI::App& app, FramesBenchmarkOptions& frames) {
+  CLI::App* command = app.add_subcommand("frames", "frames of lobes, moments and harmonics beside averaged normals");
+  add_side(*command, "--size", frames.size, "side of the map");
+  const auto set_picture = [&frames](const std::string& text) {
+    const bool is_size = std::sscanf(text.c_str(), "%dx%d", &frames.width, &frames.height) == 2;
+    if (!is_size || frames.width < 1 || frames.height < 1 || frames.width > 8192 || frames.height > 8192)
+      throw CLI::ValidationError("--picture", "is '" + text + "', expected WIDTHxHEIGHT, 1 to 8192 pixels each");
+  };
+  command->add_option_function<std::string>("--picture", set_picture, "its size, pixels (default: 1920x1080)");
+  add_repetitions(*command, frames, "of every picture, in turns");
+  command->add_option("--device", frames.device, kDeviceHelp);
+  command->add_option("--folder", frames.folder, "where bakes go for the time being (default: $TMPDIR, /tmp)")
+      ->check(CLI::ExistingDirectory);
+  add_choice(*command, "--context", frames.context, kContexts, "who gives the GL context");
+  return {command, "", [&frames](Progress* progress) { return run_frames_benchmark(frames, progress); }};
+}
+
+CLI::App* add_on_gpu(CLI::App& app, OnGpuOptions& options, std::string& from) {
+  CLI::App* command = app.add_subcommand(
+      "on-gpu", "measure everything that a GPU does with multum: OUTPUT.json and OUTPUT.md, written after each step");
+  command->add_option("--minutes", options.minutes, "for all steps; what does not fit any more is left out")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
+  command->add_option("-o,--output", options.output, "what the two files are called, without their endings")
+      ->capture_default_str();
+  command->add_option("--device", options.device, kDeviceHelp);
+  command->add_flag("--any-device", options.any_device, "take a processor, and GL in software, where there is no GPU");
+  command->add_flag("--small", options.small, "small maps and few of them, to try the command itself");
+  command->add_option("--folder", options.folder, "where maps and bakes go for the time being (default: $TMPDIR, /tmp)")
+      ->check(CLI::ExistingDirectory);
+  command->add_option("--from", from, "measure nothing: write the page of this OUTPUT.json again, to OUTPUT.md")
+      ->check(CLI::ExistingFile);
+  return command;
+}
+
 CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
   CLI::App* command = app.add_subcommand("accuracy", "make docs/ACCURACY.md: every figure of it");
   command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
@@ -160,7 +201,7 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
   command->add_option("-o,--output", document.output, "Markdown file to write")->required();
   command
       ->add_option("--json", document.results,
-                   "a result of em, bake, scale, load or infer; more than one in this order")
+                   "a result of em, bake, scale, load, infer or frames; more than one in this order")
       ->required();
   return command;
 }
@@ -187,14 +228,18 @@ int run(int argc, char** argv) {
   ScaleBenchmarkOptions scale;
   LoadBenchmarkOptions load;
   InferenceBenchmarkOptions infer;
-  std::vector<Benchmark> benchmarks = {add_em(app, em), add_bake(app, bake), add_scale(app, scale), add_load(app, load),
-                                       add_infer(app, infer)};
+  FramesBenchmarkOptions frames;
+  OnGpuOptions on_gpu;
+  std::string on_gpu_from;
+  std::vector<Benchmark> benchmarks = {add_em(app, em),     add_bake(app, bake),   add_scale(app, scale),
+                                       add_load(app, load), add_infer(app, infer), add_frames(app, frames)};
   for (Benchmark& benchmark : benchmarks)
     benchmark.command->add_option("--json", benchmark.json, "write the result here too, for multum-bench document");
   AccuracyDocumentOptions accuracy;
   BenchmarksDocumentOptions document;
   const CLI::App* accuracy_command = add_accuracy(app, accuracy);
   const CLI::App* document_command = add_document(app, document);
+  const CLI::App* on_gpu_command = add_on_gpu(app, on_gpu, on_gpu_from);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -203,6 +248,11 @@ int run(int argc, char** argv) {
   if (document_command->parsed()) return write_benchmarks_document(document);
   for (const Benchmark& benchmark : benchmarks)
     if (benchmark.command->parsed()) return run_benchmark(benchmark, command_line(argc, argv));
+  if (on_gpu_command->parsed()) {
+    if (on_gpu_from.empty()) return run_on_gpu(on_gpu, command_line(argc, argv), make_terminal_progress(false).get());
+    write_text_file(on_gpu.output + ".md", on_gpu_page(on_gpu_from));
+    return 0;
+  }
   MULTUM_CHECK(accuracy_command->parsed());
   set_device_threads(accuracy.threads);
   return write_accuracy_document(accuracy);

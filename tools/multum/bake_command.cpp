@@ -24,7 +24,7 @@ namespace {
 struct BakeOptions {
   CommonOptions common;
   BakeJob job;
-  std::string device;
+  DeviceChoice device;
   MapOptions map;
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
@@ -57,9 +57,9 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("-o,--output", o.job.output,
                   "file to write, *.ndf.exr; of several maps: a folder, or a name with <UDIM>");
   bake.add_option("--report", o.job.report, "write times, counts and errors as JSON; of several maps: as --output");
-  bake.add_option("--device", o.device, "OpenCL device: a number of `multum devices` or part of a name");
-  bake.add_flag("--scalar", o.job.fitting.force_scalar,
-                "run the kernels' scalar variant, as GPUs do: same bytes, slower on CPUs");
+  bake.add_option("--device", o.device.selector, "OpenCL device: a number of `multum devices` or part of a name");
+  bake.add_flag("--scalar", o.device.as_accelerator,
+                "work as on a GPU, with scalar kernels, teams of work-items and copies: same bytes, slower on CPUs");
   bake.add_option(
           "--memory", o.job.memory_bytes,
           "resident memory to stay within, as 800M or 2G: larger maps are baked in bands of rows, with the same "
@@ -169,6 +169,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   job.measure = !o.no_measure;
   job.region = parse_region(o.region);
   Device device = Device::open(o.device);
+  device.time_launches(o.run_stats);
   const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   if (jobs.size() > 1) return bake_several(jobs, o, device);
   if (has_target(o)) return bake_chosen(jobs[0], o, device), 0;

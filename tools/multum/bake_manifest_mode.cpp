@@ -100,13 +100,13 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
   }
 }
 
-int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const std::string& device_name,
+int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const DeviceChoice& device_choice,
                  BakePrinting printing) {
   const auto start = std::chrono::steady_clock::now();
   if (o.summary == kStdout) printing.out = stderr;
   const std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
   check_result_files(o, maps);
-  Device device = Device::open(device_name);
+  Device device = Device::open(device_choice);
   ManifestOutcome outcome{o.manifest, o.run, {}, 0.0};
   for (const ManifestMap& map : maps) outcome.results.push_back(run_map(map, o, device, printing));
   outcome.seconds = seconds_since(start);

@@ -25,7 +25,7 @@ void add_manifest_options(CLI::App& bake, ManifestModeOptions& options);
 void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& options);
 
 /// Returns the exit code. `pattern` has what is the same for all maps.
-int run_manifest(const ManifestModeOptions& options, const BakeJob& pattern, const std::string& device,
+int run_manifest(const ManifestModeOptions& options, const BakeJob& pattern, const DeviceChoice& device,
                  BakePrinting printing);
 
 }  // namespace multum

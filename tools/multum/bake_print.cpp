@@ -20,8 +20,19 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
   for (const LevelReport& level : report.levels)
     std::fprintf(out, "level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
                  level.seconds, static_cast<unsigned long long>(level.launches));
-  for (const auto& [kernel, count] : report.launches)
-    std::fprintf(out, "%-24s %6llu launches\n", kernel.c_str(), static_cast<unsigned long long>(count));
+  std::fprintf(out, "choosing a start %.3f s, condensing normals %.3f s\n", report.start_seconds,
+               report.condense_seconds);
+  for (const auto& [kernel, count] : report.launches) {
+    const auto found = report.launch_seconds.find(kernel);
+    std::fprintf(out, "%-26s %6llu launches", kernel.c_str(), static_cast<unsigned long long>(count));
+    if (found != report.launch_seconds.end()) std::fprintf(out, "  %8.3f s on the device", found->second);
+    std::fputc('\n', out);
+  }
+  const TransferCounts& t = report.transfers;
+  if (t.uploads + t.downloads > 0)
+    std::fprintf(out, "copies: %llu to the device, %.1f MiB; %llu back, %.1f MiB\n",
+                 static_cast<unsigned long long>(t.uploads), static_cast<double>(t.upload_bytes) / (1 << 20),
+                 static_cast<unsigned long long>(t.downloads), static_cast<double>(t.download_bytes) / (1 << 20));
 }
 
 }  // namespace multum

@@ -15,6 +15,7 @@
 #include "host/asset/pyramid_file.h"
 #include "host/asset/sh_mipmap.h"
 #include "host/bake/accuracy_table.h"
+#include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
 #include "host/opencl/device.h"
@@ -167,8 +168,30 @@ int run_verify(const std::string& path, const CommonOptions& common) {
   return 0;
 }
 
-int run_devices() {
+nlohmann::ordered_json device_json(const DeviceInfo& d) {
+  return {{"index", d.index},
+          {"name", d.name},
+          {"platform", d.platform},
+          {"driver", d.driver},
+          {"version", d.version},
+          {"is_cpu", d.is_cpu},
+          {"shares_memory", d.shares_memory},
+          {"rounds_when_asked", d.rounds_when_asked},
+          {"has_atomic_longs", d.has_atomic_longs},
+          {"compute_units", d.compute_units},
+          {"work_group_max", d.work_group_max},
+          {"local_bytes", d.local_bytes},
+          {"memory_bytes", d.memory_bytes},
+          {"buffer_bytes_max", d.buffer_bytes_max}};
+}
+
+int run_devices(const std::string& json_path) {
   const std::vector<DeviceInfo> devices = list_devices();
+  if (!json_path.empty()) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const DeviceInfo& d : devices) json.push_back(device_json(d));
+    write_text_file(json_path, json.dump(2) + "\n");
+  }
   if (devices.empty())
     throw Error(ErrorCode::kEnvironment,
                 "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
@@ -199,7 +222,9 @@ void add_verify_command(CLI::App& app, int* exit_code) {
 
 void add_devices_command(CLI::App& app, int* exit_code) {
   CLI::App* devices = app.add_subcommand("devices", "list the OpenCL devices");
-  devices->callback([exit_code] { *exit_code = run_devices(); });
+  auto json = std::make_shared<std::string>();
+  devices->add_option("--json", *json, "write their properties to this file, too");
+  devices->callback([json, exit_code] { *exit_code = run_devices(*json); });
 }
 
 void add_testmap_command(CLI::App& app, int* exit_code) {

@@ -85,7 +85,7 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
   }
 }
 
-int run_scene(const std::string& scene_file, BakeJob pattern, const std::string& device_name,
+int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice& device_choice,
               const CommonOptions& common, const BakePrinting& printing) {
   const SceneFiles files{pattern.output};
   pattern.output.clear();
@@ -101,7 +101,7 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const std::string&
   const ScenePlan plan = plan_scene(scene, settings, progress.get());
   progress_finish(progress.get());
   if (!printing.quiet) std::fputs(plan_text(scene, plan, terminal_width()).c_str(), printing.out);
-  Device device = Device::open(device_name);
+  Device device = Device::open(device_choice);
   const auto done = [&](const MapPlan& map, const SceneMapReport& report) {
     BakeJob job = map.job;
     job.output = files.baked(map);

@@ -13,7 +13,7 @@ namespace multum {
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene);
 
 /// `pattern` has what the command line says of every bake; its output is the folder. Returns the exit code.
-int run_scene(const std::string& scene, BakeJob pattern, const std::string& device, const CommonOptions& common,
+int run_scene(const std::string& scene, BakeJob pattern, const DeviceChoice& device, const CommonOptions& common,
               const BakePrinting& printing);
 
 }  // namespace multum

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The GL contexts that tests run on: OSMesa and EGL, or the one that MULTUM_TEST_GL names (osmesa or egl), where a
+// machine has only one, or where the GPU behind EGL is what is to be tested.
+#pragma once
+
+#include <cstdlib>
+#include <vector>
+
+#include "runtime_gl/context/headless_context.h"
+
+namespace multum::gl {
+
+inline std::vector<ContextBackend> test_backends() {
+  const char* const named = std::getenv("MULTUM_TEST_GL");
+  const auto wanted = named != nullptr ? parse_context_backend(named) : std::nullopt;
+  if (wanted && *wanted != ContextBackend::kAuto) return {*wanted};
+  return {ContextBackend::kOsmesa, ContextBackend::kEgl};
+}
+
+/// For tests that one context is enough for.
+inline ContextBackend test_backend() { return test_backends().front(); }
+
+}  // namespace multum::gl

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/frames_benchmark.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <vector>
+
+#include "host/asset/baked_file.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "runtime_gl/materials/moment_material.h"
+#include "runtime_gl/materials/movmf_material.h"
+#include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/materials/sh_material.h"
+#include "runtime_gl/render/renderer.h"
+#include "tools/bench/bake_programs.h"
+#include "tools/bench/markdown_table.h"
+#include "tools/bench/measured_program.h"
+#include "tools/bench/scratch_folder.h"
+#include "tools/bench/statistics.h"
+
+namespace multum::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kLobesMax = 8;
+constexpr float kAnisotropies[] = {1.0f, 16.0f};
+
+// The picture of `multum-view` untold: the map sixty times across a plane seen at a glancing angle.
+constexpr float kRepeats = 60.0f;
+
+gl::Scene plane_scene() {
+  gl::Scene scene;
+  scene.uv_scale = kRepeats;
+  scene.brdf.exponent = 100.0f;
+  return scene;
+}
+
+gl::MeshData plane() {
+  gl::MeshData mesh;
+  for (const float v : {0.0f, 1.0f})
+    for (const float u : {0.0f, 1.0f}) {
+      gl::MeshVertex vertex{};
+      vertex.position = {kRepeats * (u - 0.5f), kRepeats * v, 0.0f};
+      vertex.normal = {0.0f, 0.0f, 1.0f};
+      vertex.uv = {u, v};
+      vertex.tangent = {1.0f, 0.0f, 0.0f, 1.0f};
+      mesh.vertices.push_back(vertex);
+    }
+  mesh.indices = {0, 1, 2, 2, 1, 3};
+  return mesh;
+}
+
+struct Baked {
+  std::string name, file;
+  std::vector<std::string> options;
+};
+
+// Something to draw, with how long it took.
+struct Subject {
+  std::string name;
+  float anisotropy;
+  std::unique_ptr<gl::Material> material;
+  std::vector<double> draw_ms, ratios;
+};
+
+std::vector<Baked> all_files(const ScratchFolder& folder) {
+  std::vector<Baked> files;
+  for (int lobes = 1; lobes <= kLobesMax; ++lobes)
+    files.push_back({fmt::format("{} lobe{}", lobes, lobes == 1 ? "" : "s"),
+                     folder / fmt::format("{}.ndf.exr", lobes),
+                     {"--lobes", std::to_string(lobes)}});
+  files.push_back({"moments (LEAN)", folder / "moments.ndf.exr", {"--ndf", "moments"}});
+  for (const int order : {4, 8})
+    files.push_back({fmt::format("harmonics, order {}", order),
+                     folder / fmt::format("sh{}.ndf.exr", order),
+                     {"--ndf", "sh", "--sh-order", std::to_string(order)}});
+  return files;
+}
+
+void bake_all(const std::vector<Baked>& files, const std::string& map, const FramesBenchmarkOptions& options,
+              Progress* progress) {
+  for (const Baked& baked : files) {
+    std::vector<std::string> more = {"--no-measure"};
+    more.insert(more.end(), baked.options.begin(), baked.options.end());
+    if (!options.device.empty()) more.insert(more.end(), {"--device", options.device});
+    BakeCommandOptions bake;
+    bake.appended = more;
+    run_to_disk(multum_bake_command(map, baked.file, bake), baked.file, progress);
+  }
+}
+
+std::unique_ptr<gl::Material> material_of(const gl::GlFunctions& functions, const Baked& baked, float anisotropy) {
+  switch (read_baked_header(baked.file).representation) {
+    case Representation::kMoments: {
+      auto material = std::make_unique<gl::MomentMaterial>(functions, read_moment_mipmap(baked.file), anisotropy);
+      material->set_shading(gl::MomentShading::kLeanJacobian);
+      return material;
+    }
+    case Representation::kSh:
+      return std::make_unique<gl::ShMaterial>(functions, read_sh_mipmap(baked.file), anisotropy);
+    default: return std::make_unique<gl::MovmfMaterial>(functions, read_movmf_mipmap(baked.file), anisotropy);
+  }
+}
+
+std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::vector<Baked>& files, float anisotropy) {
+  std::vector<Subject> subjects;
+  const gl::NormalImage image = gl::finest_normals(read_movmf_mipmap(files[0].file));
+  auto toksvig =
+      std::make_unique<gl::NormalMaterial>(functions, image, gl::NormalMaterial::Sampling::kMipmapped, anisotropy);
+  toksvig->set_baseline(gl::Baseline::kToksvig);
+  subjects.push_back({"averaged normals, Toksvig", anisotropy, std::move(toksvig), {}, {}});
+  for (const Baked& baked : files)
+    subjects.push_back({baked.name, anisotropy, material_of(functions, baked, anisotropy), {}, {}});
+  return subjects;
+}
+
+// All of one anisotropy, in turns; the first is what the others are compared with.
+void time_in_turns(const gl::GlFunctions& functions, const FramesBenchmarkOptions& options,
+                   std::vector<Subject>& subjects, ContentHash& hash, Progress* progress) {
+  const gl::Mesh mesh(functions, plane());
+  gl::Renderer renderer(functions, options.width, options.height);
+  const gl::Scene scene = plane_scene();
+  for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first compiles, and does not count
+    double first = 0.0;
+    for (Subject& subject : subjects) {
+      const gl::Picture picture = renderer.draw(mesh, *subject.material, scene);
+      if (turn == 0) {
+        hash.update(picture.image.rgba.data(), picture.image.rgba.size() * sizeof(float));
+        continue;
+      }
+      if (&subject == subjects.data()) first = picture.draw_time_ms;
+      subject.draw_ms.push_back(picture.draw_time_ms);
+      subject.ratios.push_back(picture.draw_time_ms / first);
+      progress_advance(progress, 0);
+    }
+  }
+}
+
+}  // namespace
+
+Json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progress) {
+  const auto context = gl::make_headless_context(options.context);
+  const ScratchFolder folder(options.folder);
+  const std::vector<Baked> files = all_files(folder);
+  bake_all(files, make_map_file(folder.path(), options.size, progress), options, progress);
+  Json rows = Json::array();
+  ContentHash hash;
+  for (const float anisotropy : kAnisotropies) {
+    std::vector<Subject> subjects = all_subjects(context->functions(), files, anisotropy);
+    time_in_turns(context->functions(), options, subjects, hash, progress);
+    for (const Subject& subject : subjects)
+      rows.push_back({{"name", subject.name},
+                      {"anisotropy", subject.anisotropy},
+                      {"draw_ms", spread_json(spread_of(subject.draw_ms))},
+                      {"ratio", spread_json(spread_of(subject.ratios))}});
+  }
+  return {{"device", context->description()},
+          {"size", options.size},
+          {"width", options.width},
+          {"height", options.height},
+          {"repetitions", options.repetitions},
+          {"result_hash", hash.finish()},
+          {"rows", rows}};
+}
+
+ResultView view_frames(const Json& result) {
+  MarkdownTable table({"what is drawn", "anisotropy", "a frame, ms", "to Toksvig's"});
+  for (const Json& row : result.at("rows"))
+    table.add({row.at("name").get<std::string>(), fmt::format("{:.0f}", row.at("anisotropy").get<double>()),
+               spread_text(parse_spread(row.at("draw_ms"))), spread_text(parse_spread(row.at("ratio")))});
+  return {"Frames",
+          fmt::format("Pictures of {} x {} of the four-quarter map of {} x {}, all levels, {:.0f} times across a plane "
+                      "that runs to the horizon, Blinn-Phong with s = 100, one light. Times by the driver's clock "
+                      "(GL_TIME_ELAPSED), {} of each in turns after one that does not count; the averaged normals are "
+                      "RGBA32F, two textures.",
+                      result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
+                      result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
+          table.text()};
+}
+
+}  // namespace multum::bench

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/on_gpu.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "host/asset/baked_file.h"
+#include "host/base/atomic_file.h"
+#include "host/base/child_process.h"
+#include "host/base/error.h"
+#include "host/base/output_paths.h"
+#include "tools/bench/command_text.h"
+#include "tools/bench/driver_search.h"
+#include "tools/bench/machine.h"
+#include "tools/bench/on_gpu_page.h"
+#include "tools/bench/result_file.h"
+#include "tools/bench/scratch_folder.h"
+
+namespace multum::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+// Tests that need no other program; of the last but two those that read no sources.
+constexpr std::pair<const char*, const char*> kTests[] = {{"kernel_test", "*"},
+                                                          {"pyramid_test", "*"},
+                                                          {"inference_test", "*"},
+                                                          {"hard_case_test", "*"},
+                                                          {"stability_test", "-SelftestRegistry.*:Of/SelftestCases.*"},
+                                                          {"gl_test", "*"},
+                                                          {"environment_test", "*"},
+                                                          {"probe_test", "*"},
+                                                          {"gl_stability_test", "GlslCases.Hold*"}};
+
+Json read_json(const std::string& path) {
+  std::ifstream in(path);
+  return in ? Json::parse(in, nullptr, false) : Json();
+}
+
+// The end of what a program said.
+std::string last_words(const std::string& output) {
+  constexpr std::size_t kShown = 1200;
+  std::string said = output.size() > kShown ? "..." + output.substr(output.size() - kShown) : output;
+  while (said.ends_with('\n')) said.pop_back();
+  return said;
+}
+
+// A step that ended otherwise than it should: a line of the table.
+struct StepFailure {
+  std::string reason;
+};
+
+class OnGpuRun {
+ public:
+  OnGpuRun(const OnGpuOptions& options, const std::string& command, Progress* progress)
+      : options_(options),
+        progress_(progress),
+        folder_(options.folder),
+        bin_(fs::read_symlink("/proc/self/exe").parent_path()),
+        end_(Clock::now() + std::chrono::milliseconds(static_cast<long>(options.minutes * 60000.0))) {
+    const DriverSearch drivers = find_drivers();
+    name_drivers(drivers, folder_.path());
+    // Nothing is compiled already, and nothing of the user's is written to.
+    for (const char* variable : {"MULTUM_CACHE_DIR", "POCL_CACHE_DIR", "CUDA_CACHE_PATH"}) {
+      const std::string cache = folder_ / variable;
+      fs::create_directories(cache);
+      setenv(variable, cache.c_str(), 1);
+    }
+    result_ = make_result("on-gpu", command, Json::object());
+    result_["drivers"] = {{"opencl", drivers_json(drivers.opencl)}, {"egl", drivers_json(drivers.egl)}};
+    result_["steps"] = Json::array();
+  }
+
+  int run() {
+    choose_device();
+    const std::vector<int> sizes = options_.small ? std::vector<int>{64, 128} : std::vector<int>{1024, 4096};
+    const std::vector<int> em_sizes = options_.small ? std::vector<int>{64} : std::vector<int>{512, 2048, 4096};
+    step("first bake", 10, [&](double left) { return first_bake(left); });
+    step("selftest", 20, [&](double left) { return selftest(left); });
+    for (const int size : sizes)
+      for (const auto& [name, device] : devices_)
+        step(fmt::format("bake {} on {}", size, name), size > 2048 ? 20 : 5,
+             [&, size = size, device = device](double left) { return bake(size, device, left); });
+    for (const auto& [name, device] : devices_)
+      for (const int size : em_sizes)
+        step(fmt::format("em {} on {}", size, name), size > 2048 ? 40 : 10,
+             [&, size = size, device = device](double left) { return em(size, device, left); });
+    step("frames", 30, [&](double left) { return frames(left); });
+    step("texture inference", 30, [&](double left) { return infer(left); });
+    if (!options_.small) step("bake 16384", 60, [&](double left) { return bake(16384, options_.device, left); });
+    for (const auto& [name, filter] : kTests)
+      step(fmt::format("tests {}", name), 15,
+           [&, name = name, filter = filter](double left) { return tests(name, filter, left); });
+    write();
+    fmt::print("{}.json and {}.md written\n", options_.output, options_.output);
+    return has_broken_ ? exit_code(ErrorCode::kVerification) : 0;
+  }
+
+ private:
+  static Json drivers_json(const std::vector<FoundDriver>& drivers) {
+    Json json = Json::array();
+    for (const FoundDriver& driver : drivers)
+      json.push_back({{"library", driver.library}, {"named_by", driver.named_by}});
+    return json;
+  }
+
+  std::string program(const std::string& name) const {
+    for (const fs::path& path : {bin_ / name, bin_ / "test" / name})
+      if (fs::exists(path)) return path.string();
+    throw StepFailure{name + " is not in " + bin_.string()};
+  }
+
+  // Runs a program for at most so long; its exit code must be one of those given.
+  ChildResult child(const std::vector<std::string>& command, double seconds, const std::vector<int>& expected = {0}) {
+    ChildLimits limits;
+    limits.time_max = std::chrono::milliseconds(static_cast<long>(seconds * 1000.0));
+    const ChildResult result = run_child(command, limits);
+    progress_advance(progress_, 0);
+    if (result.is_over_time) throw StepFailure{fmt::format("not done after {:.0f} s", seconds)};
+    if (result.signal != 0)
+      throw StepFailure{fmt::format("ended by signal {}: {}", result.signal, last_words(result.output))};
+    if (std::find(expected.begin(), expected.end(), result.exit_code) == expected.end())
+      throw StepFailure{fmt::format("exit code {}: {}", result.exit_code, last_words(result.output))};
+    return result;
+  }
+
+  void step(const std::string& name, double seconds_wanted, const std::function<Json(double left)>& body) {
+    const double left = std::chrono::duration<double>(end_ - Clock::now()).count();
+    Json row = {{"name", name}};
+    if (left < seconds_wanted) {
+      row["status"] = "left out";
+      row["reason"] = fmt::format("{:.0f} s were left, it wants {:.0f}", std::max(left, 0.0), seconds_wanted);
+    } else {
+      fmt::print(stderr, "on_gpu: {} ...\n", name);
+      const auto begin = Clock::now();
+      try {
+        row["result"] = body(left);
+        const bool is_broken = row["result"].value("broken", 0) > 0;
+        row["status"] = is_broken ? "broken" : "done";
+        has_broken_ = has_broken_ || is_broken;
+      } catch (const StepFailure& failure) {
+        row["status"] = "failed";
+        row["reason"] = failure.reason;
+      } catch (const Cancelled&) {
+        throw;
+      } catch (const std::exception& error) {
+        row["status"] = "failed";
+        row["reason"] = error.what();
+      }
+      row["seconds"] = std::chrono::duration<double>(Clock::now() - begin).count();
+    }
+    fmt::print(stderr, "on_gpu: {}: {}\n", name, row["status"].get<std::string>());
+    result_["steps"].push_back(row);
+    write();
+  }
+
+  void write() {
+    write_text_file(options_.output + ".json", result_.dump(2) + "\n");
+    write_text_file(options_.output + ".md", page_of_run(result_));
+  }
+
+  void choose_device() {
+    const std::string listed = folder_ / "devices.json";
+    Json devices = Json::array();
+    try {
+      child({program("multum"), "devices", "--json", listed}, 60);
+      devices = read_json(listed);
+    } catch (const StepFailure& failure) {
+      if (!devices.is_array() || devices.empty()) throw Error(ErrorCode::kEnvironment, failure.reason);
+    }
+    result_["devices"] = devices;
+    const Json* gpu = nullptr;
+    const Json* cpu = nullptr;
+    for (const Json& device : devices) {
+      const bool is_cpu = device.at("is_cpu").get<bool>();
+      const bool is_wanted = options_.device.empty()
+                                 ? !is_cpu
+                                 : std::to_string(device.at("index").get<int>()) == options_.device ||
+                                       device.at("name").get<std::string>().find(options_.device) != std::string::npos;
+      if (is_wanted && gpu == nullptr) gpu = &device;
+      if (is_cpu && cpu == nullptr) cpu = &device;
+    }
+    if (gpu == nullptr && options_.any_device) gpu = cpu;
+    if (gpu == nullptr)
+      throw Error(
+          ErrorCode::kEnvironment,
+          fmt::format("found {} OpenCL devices and {} libraries of OpenCL drivers, but no GPU{}; expected one, or "
+                      "--any-device to measure a processor",
+                      devices.size(), result_["drivers"]["opencl"].size(),
+                      options_.device.empty() ? "" : " that matches '" + options_.device + "'"));
+    options_.device = std::to_string(gpu->at("index").get<int>());
+    result_["device"] = gpu->at("name");
+    result_["is_gpu"] = !gpu->at("is_cpu").get<bool>();
+    devices_.emplace_back(gpu->at("is_cpu").get<bool>() ? "the processor" : "the GPU", options_.device);
+    if (cpu != nullptr && cpu != gpu)
+      devices_.emplace_back("the processor", std::to_string(cpu->at("index").get<int>()));
+    write();
+  }
+
+  std::string map_of(int size, double left) {
+    const std::string prefix = folder_ / std::to_string(size), map = prefix + "_normal.png";
+    if (!fs::exists(map)) child({program("multum"), "testmap", prefix, "--size", std::to_string(size)}, left);
+    return map;
+  }
+
+  // A bake's report, with what the whole process took and the checksum of what it wrote.
+  Json bake_once(const std::string& map, const std::string& device, const std::vector<std::string>& more, double left) {
+    const std::string output = folder_ / "baked.ndf.exr", report = folder_ / "report.json";
+    std::vector<std::string> command = {program("multum"), "bake",    map,        "-o",   output,     "--green", "up",
+                                        "--force",         "--quiet", "--report", report, "--device", device};
+    command.insert(command.end(), more.begin(), more.end());
+    const ChildResult result = child(command, left);
+    Json row = read_json(report);
+    row["process"] = {{"wall_s", result.usage.wall_seconds},
+                      {"cpu_s", result.usage.cpu_seconds()},
+                      {"peak_bytes", result.usage.peak_memory_bytes}};
+    row["content_hash"] = read_baked_header(output).provenance.content_hash;
+    return row;
+  }
+
+  Json first_bake(double left) {
+    const std::string map = map_of(options_.small ? 64 : 512, left);
+    Json result;
+    for (const char* name : {"first", "second"}) result[name] = bake_once(map, options_.device, {"--no-measure"}, left);
+    return result;
+  }
+
+  Json selftest(double left) {
+    const std::string file = folder_ / "selftest.json";
+    std::vector<std::string> command = {program("multum"), "selftest", "--quiet", "--device",
+                                        options_.device,   "--json",   file};
+    if (options_.small) command.insert(command.end(), {"--filter", "moment"});
+    child(command, left, {0, exit_code(ErrorCode::kVerification)});
+    Json result = read_json(file);
+    int broken = 0;
+    for (const Json& verdict : result.at("cases")) broken += verdict.at("holds").get<bool>() ? 0 : 1;
+    result["broken"] = broken;
+    return result;
+  }
+
+  // Once for what is compiled, once as it is from then on, and once with every launch timed, which costs some of them.
+  Json bake(int size, const std::string& device, double left) {
+    const std::string map = map_of(size, left);
+    if (size <= 4096) bake_once(map, device, {"--no-measure"}, left);
+    Json result = {{"size", size}, {"bake", bake_once(map, device, {"--no-measure"}, left)}};
+    if (size <= 4096) {
+      result["timed"] = bake_once(map, device, {"--runstats"}, left);
+      result["error"] = result["timed"]["error"];
+    }
+    return result;
+  }
+
+  Json em(int size, const std::string& device, double left) {
+    return bench({"em", "--size", std::to_string(size), "--device", device, "--repetitions",
+                  options_.small ? "1"
+                  : size > 2048  ? "2"
+                                 : "5",
+                  "--threads", std::to_string(core_count())},
+                 left);
+  }
+
+  Json frames(double left) {
+    std::vector<std::string> command = {"frames", "--device", options_.device, "--context", "auto"};
+    if (options_.small) command.insert(command.end(), {"--size", "64", "--picture", "96x54", "--repetitions", "1"});
+    return bench(command, left);
+  }
+
+  Json infer(double left) {
+    std::vector<std::string> command = {
+        "infer", "--device", options_.device, "--threads", std::to_string(core_count()), "--repetitions", "2"};
+    command.insert(command.end(), {"--size", options_.small ? "32" : "512", "--views", options_.small ? "1" : "4"});
+    return bench(command, left);
+  }
+
+  Json bench(std::vector<std::string> command, double left) {
+    const std::string file = folder_ / "bench.json";
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    command.insert(command.begin(), program("multum-bench"));
+    command.insert(command.end(), {"--json", file});
+    child(command, left);
+    return read_json(file);
+  }
+
+  // The tests' own program says what failed.
+  Json tests(const std::string& name, const std::string& filter, double left) {
+    const std::string file = folder_ / "tests.json";
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    // A machine lent for its GPU often has no OSMesa.
+    setenv("MULTUM_TEST_GL", result_.value("is_gpu", false) ? "egl" : "osmesa", 1);
+    child({program(name), "--gtest_brief=1", "--gtest_filter=" + (options_.small ? "Numerics*" : filter),
+           "--gtest_output=json:" + file},
+          left, {0, 1});
+    const Json said = read_json(file);
+    Json result = {{"tests", said.at("tests")}, {"broken", said.at("failures")}, {"failures", Json::array()}};
+    for (const Json& suite : said.at("testsuites"))
+      for (const Json& test : suite.at("testsuite"))
+        if (test.contains("failures"))
+          result["failures"].push_back(
+              {{"name", suite.at("name").get<std::string>() + "." + test.at("name").get<std::string>()},
+               {"says", test.at("failures").at(0).at("failure").get<std::string>().substr(0, 400)}});
+    return result;
+  }
+
+  OnGpuOptions options_;
+  Progress* progress_;
+  const ScratchFolder folder_;
+  const fs::path bin_;
+  const Clock::time_point end_;
+  std::vector<std::pair<std::string, std::string>> devices_;  // what a row calls it, and its number
+  Json result_;
+  bool has_broken_ = false;
+};
+
+}  // namespace
+
+int run_on_gpu(const OnGpuOptions& options, const std::string& command, Progress* progress) {
+  check_writable(options.output + ".json");
+  check_writable(options.output + ".md");
+  return OnGpuRun(options, command, progress).run();
+}
+
+std::string on_gpu_page(const std::string& json_path) {
+  const Json result = read_json(json_path);
+  if (!result.is_object() || result.value("benchmark", "") != "on-gpu")
+    throw Error(ErrorCode::kInput, json_path + ": not a result of multum-bench on-gpu, expected its JSON file");
+  return page_of_run(result);
+}
+
+}  // namespace multum::bench
