@@ -201,7 +201,7 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
                                               const std::vector<const PlaneStore*>& features,
                                               const MipSchedule& schedule, Representation representation, int band_rows,
-                                              const StorePlace& place, Progress* progress) {
+                                              MapOnDevice* on_device, const StorePlace& place, Progress* progress) {
   const KernelVariant variant{1, 1, schedule.weighted, representation == Representation::kGmm};
   std::map<int, LevelCondenser> levels;
   for (const LevelSchedule& level : schedule.levels)
@@ -211,25 +211,29 @@ std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& 
   if (levels.empty()) return condensed;
 
   band_rows = std::min(band_rows, normals.height());
-  MapWindow window(device, normals, band_rows, "a band of normals");
-  std::vector<MapWindow> triples;
-  for (const PlaneStore* triple : features) triples.emplace_back(device, *triple, band_rows, "a band of features");
+  std::optional<MapOnDevice> bands;
+  if (on_device == nullptr || band_rows < normals.height()) {
+    bands = MapOnDevice{MapWindow(device, normals, band_rows, "a band of normals"), {}};
+    for (const PlaneStore* triple : features)
+      bands->triples.emplace_back(device, *triple, band_rows, "a band of features");
+  }
+  MapOnDevice& map = bands ? *bands : *on_device;
   const auto for_each_band = [&](const auto& body) {
+    if (bands) map.normals.move_to(0, 0);  // windows slide down alone
     for (int row = 0; row < normals.height(); row += band_rows) {
-      window.move_to(row, std::min(band_rows, normals.height() - row));
+      map.normals.move_to(row, std::min(band_rows, normals.height() - row));
       body();
       device.finish();
       progress_advance(progress, 0);  // a chance to cancel
     }
-    window.move_to(0, 0);
   };
   for_each_band([&] {
-    for (auto& entry : levels) entry.second.probe(window);
+    for (auto& entry : levels) entry.second.probe(map.normals);
   });
   for (auto& entry : levels) entry.second.begin_cells();
   for_each_band([&] {
-    for (MapWindow& triple : triples) triple.move_to(window.first_row(), window.row_count());
-    for (auto& entry : levels) entry.second.add(window, triples);
+    for (MapWindow& triple : map.triples) triple.move_to(map.normals.first_row(), map.normals.row_count());
+    for (auto& entry : levels) entry.second.add(map.normals, map.triples);
   });
   for (auto& entry : levels) condensed.try_emplace(entry.first, entry.second.take());
   return condensed;

@@ -30,11 +30,12 @@ struct CondensedLevel {
 RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samples, std::size_t texel_bytes);
 
 /// By level: those of `schedule` whose method is kCondensed, as samples of such lobes. `features` are triples. The map
-/// passes in bands of at most `band_rows` rows, which change nothing in the result. Throws Cancelled.
+/// passes in bands of at most `band_rows` rows, which change nothing in the result; where that is all of them, and the
+/// map is `on_device` already (null: it is not), it is taken from there. Throws Cancelled.
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
                                               const std::vector<const PlaneStore*>& features,
                                               const MipSchedule& schedule, Representation representation, int band_rows,
-                                              const StorePlace& place, Progress* progress);
+                                              MapOnDevice* on_device, const StorePlace& place, Progress* progress);
 
 /// Bytes of the buffers of condense_levels(), about.
 std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count, const LaunchShape& shape);

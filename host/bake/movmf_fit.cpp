@@ -49,8 +49,10 @@ class MovmfFitter {
     const double start_seconds = now_seconds();
     const std::uint64_t launches_before = device_.launch_total();
     progress_stage(progress_, "condense normals");
-    condensed_ = condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_,
-                                 settings_.representation, plan_.condense_rows, plan_.place, progress_);
+    on_device_ = map_on_device(device_, *inputs_.normals, inputs_.features.triples);
+    condensed_ =
+        condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_, settings_.representation,
+                        plan_.condense_rows, on_device_ ? &*on_device_ : nullptr, plan_.place, progress_);
     report_.condense_seconds = now_seconds() - start_seconds;
     report_.condense_launches = device_.launch_total() - launches_before;
     for (const LevelSchedule& level : schedule_.levels) fit(level);
@@ -70,6 +72,7 @@ class MovmfFitter {
     const std::uint64_t launches_before = device_.launch_total(), zero_launches = zero_launches_;
     LevelInputs inputs;
     inputs.normals = inputs_.normals;
+    inputs.on_device = on_device_ ? &*on_device_ : nullptr;
     inputs.features = inputs_.features.triples;
     const auto condensed = condensed_.find(level.level);
     if (condensed != condensed_.end()) inputs.condensed = &condensed->second;
@@ -307,6 +310,7 @@ class MovmfFitter {
   MovmfEmStep em_step_;
   Kernel level_zero_kernel_;
   const int map_width_, map_height_;
+  std::optional<MapOnDevice> on_device_;  // the whole map, where the device has room for it
   std::map<int, CondensedLevel> condensed_;
   // The level before, rows [lobe][column]: in the checkpoint, or here.
   BakeCheckpoint::Level* coarser_kept_ = nullptr;

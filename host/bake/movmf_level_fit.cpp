@@ -101,14 +101,20 @@ class LevelFit {
       for (std::size_t t = 0; t < inputs.features.size(); ++t)
         condensed_triples_.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed features");
     } else {
-      normals_.emplace(device, *inputs.normals, rows.map, "normals");
-      for (const PlaneStore* triple : inputs.features) triples_.emplace_back(device, *triple, rows.map, "features");
+      if (inputs.on_device == nullptr || !whole_) {
+        windows_of_map_ = MapOnDevice{MapWindow(device, *inputs.normals, rows.map, "normals"), {}};
+        for (const PlaneStore* triple : inputs.features)
+          windows_of_map_->triples.emplace_back(device, *triple, rows.map, "features");
+      }
+      map_ = windows_of_map_ ? &*windows_of_map_ : inputs.on_device;
     }
     windows_.lobes = &lobes_;
     windows_.directed = &directed_;
     if (inputs.parent != nullptr) windows_.parent = &parent_;
-    if (normals_) windows_.normals = &*normals_;
-    for (MapWindow& triple : triples_) windows_.triples.push_back(&triple);
+    if (map_ != nullptr) {
+      windows_.normals = &map_->normals;
+      for (MapWindow& triple : map_->triples) windows_.triples.push_back(&triple);
+    }
     windows_.condensed = &condensed_;
     windows_.condensed_counts = &condensed_counts_;
     for (const RowWindow& triple : condensed_triples_) windows_.condensed_triples.push_back(&triple);
@@ -129,7 +135,7 @@ class LevelFit {
       const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
       for (int row = done.begin; row < done.end; row += handed_rows_)
         finished({row, std::min(handed_rows_, done.end - row), &lobes_, has_features() ? &features_ : nullptr,
-                  level_.method == FitMethod::kTexels ? &*normals_ : nullptr, fit_});
+                  level_.method == FitMethod::kTexels ? &map_->normals : nullptr, fit_});
       if (whole_) break;
     }
   }
@@ -175,8 +181,8 @@ class LevelFit {
     } else if (level_.method == FitMethod::kTexels) {
       const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
       const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
-      normals_->move_to(begin, end - begin);
-      for (MapWindow& triple : triples_) triple.move_to(begin, end - begin);
+      map_->normals.move_to(begin, end - begin);
+      for (MapWindow& triple : map_->triples) triple.move_to(begin, end - begin);
       fit_.map_first_row = wrapped_row(begin, fit_.map_height);
       fit_.map_window_rows = end - begin;
     }
@@ -239,8 +245,8 @@ class LevelFit {
   Progress* progress_;
   RowWindow lobes_, directed_, features_, parent_, condensed_, condensed_counts_;
   std::vector<RowWindow> condensed_triples_;
-  std::optional<MapWindow> normals_;
-  std::vector<MapWindow> triples_;
+  std::optional<MapOnDevice> windows_of_map_;
+  MapOnDevice* map_ = nullptr;  // those, or the whole map
   StepWindows windows_;
 };
 

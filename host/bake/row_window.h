@@ -8,6 +8,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,5 +77,16 @@ class MapWindow {
   const PlaneStore* store_;
   std::vector<RowWindow> planes_;
 };
+
+/// A map and its features whole on a device, copied there once for all levels.
+struct MapOnDevice {
+  MapWindow normals;
+  std::vector<MapWindow> triples;
+};
+
+/// On a device with memory of its own that has room for it beside the windows of levels; else none, and windows of some
+/// rows do.
+std::optional<MapOnDevice> map_on_device(Device& device, const PlaneStore& normals,
+                                         const std::vector<const PlaneStore*>& triples);
 
 }  // namespace multum

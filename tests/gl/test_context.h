@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdlib>
+#include <string>
 #include <vector>
 
 #include "runtime_gl/context/headless_context.h"
@@ -15,6 +16,12 @@ inline std::vector<ContextBackend> test_backends() {
   const auto wanted = named != nullptr ? parse_context_backend(named) : std::nullopt;
   if (wanted && *wanted != ContextBackend::kAuto) return {*wanted};
   return {ContextBackend::kOsmesa, ContextBackend::kEgl};
+}
+
+/// What two ways of filtering the same textures may differ by: Mesa's software takes the weights of texels as floats,
+/// GPUs round them to 8 bits or so.
+inline double filter_tolerance(const HeadlessContext& context, double of_software, double of_gpus) {
+  return context.description().find("llvmpipe") != std::string::npos ? of_software : of_gpus;
 }
 
 /// For tests that one context is enough for.

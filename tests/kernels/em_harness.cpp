@@ -121,7 +121,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   windows.directed = &directed;
   windows.normals = &normals;
   const auto condensed =
-      condense_levels(device, planes, {}, schedule, settings.representation, how.condense_rows, {}, nullptr);
+      condense_levels(device, planes, {}, schedule, settings.representation, how.condense_rows, nullptr, {}, nullptr);
   RowWindow samples, counts;
   if (how.method == FitMethod::kCondensed) {
     const CondensedLevel& from = condensed.at(how.level);

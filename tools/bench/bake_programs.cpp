@@ -26,9 +26,9 @@ std::string multum_program() {
 
 std::vector<std::string> multum_bake_command(const std::string& map, const std::string& output,
                                              const BakeCommandOptions& options) {
-  std::vector<std::string> command = {
-      multum_program(), "bake",   map, "-o", output, "--green", "up", "--lobes", std::to_string(options.lobes),
-      "--quiet",        "--force"};
+  std::vector<std::string> command = {multum_program(), "bake", map, "-o", output, "--green", "up"};
+  if (options.lobes > 0) command.insert(command.end(), {"--lobes", std::to_string(options.lobes)});
+  command.insert(command.end(), {"--quiet", "--force"});
   if (options.threads > 0) command.insert(command.end(), {"--threads", std::to_string(options.threads)});
   if (!options.report.empty()) command.insert(command.end(), {"--report", options.report});
   command.insert(command.end(), options.appended.begin(), options.appended.end());

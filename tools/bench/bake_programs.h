@@ -10,7 +10,7 @@
 namespace multum::bench {
 
 struct BakeCommandOptions {
-  int lobes = 4;
+  int lobes = 4;                      // 0: says nothing of lobes
   int threads = 0;                    // 0: all cores, as both programs do untold
   std::string report;                 // JSON file that the bake writes; empty: none
   std::vector<std::string> appended;  // more options of `multum bake`

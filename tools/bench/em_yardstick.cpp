@@ -273,7 +273,7 @@ std::vector<float> fit(const YardstickLevel& level) {
 
 }  // namespace
 
-std::vector<float> fit_with_yardstick(const YardstickLevel& level) {
+std::vector<float> MULTUM_YARDSTICK_NAME(const YardstickLevel& level) {
   switch (level.lobe_count) {
     case 4: return fit<4>(level);
     case 6: return fit<6>(level);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/asset/baked_file.h"
+#include "host/asset/gpu_bytes.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "runtime_gl/materials/moment_material.h"
@@ -62,6 +63,7 @@ struct Baked {
 struct Subject {
   std::string name;
   float anisotropy;
+  std::uint64_t gpu_bytes;
   std::unique_ptr<gl::Material> material;
   std::vector<double> draw_ms, ratios;
 };
@@ -87,6 +89,7 @@ void bake_all(const std::vector<Baked>& files, const std::string& map, const Fra
     more.insert(more.end(), baked.options.begin(), baked.options.end());
     if (!options.device.empty()) more.insert(more.end(), {"--device", options.device});
     BakeCommandOptions bake;
+    bake.lobes = 0;
     bake.appended = more;
     run_to_disk(multum_bake_command(map, baked.file, bake), baked.file, progress);
   }
@@ -111,9 +114,15 @@ std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::v
   auto toksvig =
       std::make_unique<gl::NormalMaterial>(functions, image, gl::NormalMaterial::Sampling::kMipmapped, anisotropy);
   toksvig->set_baseline(gl::Baseline::kToksvig);
-  subjects.push_back({"averaged normals, Toksvig", anisotropy, std::move(toksvig), {}, {}});
+  subjects.push_back({"averaged normals, Toksvig",
+                      anisotropy,
+                      usual_gpu_bytes(image.width, image.height),
+                      std::move(toksvig),
+                      {},
+                      {}});
   for (const Baked& baked : files)
-    subjects.push_back({baked.name, anisotropy, material_of(functions, baked, anisotropy), {}, {}});
+    subjects.push_back(
+        {baked.name, anisotropy, baked_gpu_bytes(baked.file), material_of(functions, baked, anisotropy), {}, {}});
   return subjects;
 }
 
@@ -154,6 +163,7 @@ Json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progr
     for (const Subject& subject : subjects)
       rows.push_back({{"name", subject.name},
                       {"anisotropy", subject.anisotropy},
+                      {"gpu_bytes", subject.gpu_bytes},
                       {"draw_ms", spread_json(spread_of(subject.draw_ms))},
                       {"ratio", spread_json(spread_of(subject.ratios))}});
   }
@@ -167,18 +177,21 @@ Json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progr
 }
 
 ResultView view_frames(const Json& result) {
-  MarkdownTable table({"what is drawn", "anisotropy", "a frame, ms", "to Toksvig's"});
+  MarkdownTable table({"what is drawn", "anisotropy", "textures, MiB", "a frame, ms", "to Toksvig's"});
   for (const Json& row : result.at("rows"))
     table.add({row.at("name").get<std::string>(), fmt::format("{:.0f}", row.at("anisotropy").get<double>()),
+               rounded_text(row.at("gpu_bytes").get<double>() / (1 << 20)),
                spread_text(parse_spread(row.at("draw_ms"))), spread_text(parse_spread(row.at("ratio")))});
-  return {"Frames",
-          fmt::format("Pictures of {} x {} of the four-quarter map of {} x {}, all levels, {:.0f} times across a plane "
-                      "that runs to the horizon, Blinn-Phong with s = 100, one light. Times by the driver's clock "
-                      "(GL_TIME_ELAPSED), {} of each in turns after one that does not count; the averaged normals are "
-                      "RGBA32F, two textures.",
-                      result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
-                      result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
-          table.text()};
+  return {
+      "Frames",
+      fmt::format(
+          "Pictures of {} x {} of the four-quarter map of {} x {}, all levels, {:.0f} times across a plane "
+          "that runs to the horizon, Blinn-Phong with s = 100, one light. Times by the driver's clock "
+          "(GL_TIME_ELAPSED), {} of each in turns after one that does not count. Averaged normals are drawn from two "
+          "RGBA32F textures; the memory named is that of the BC5 normal and BC4 roughness that engines keep.",
+          result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
+          result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
+      table.text()};
 }
 
 }  // namespace multum::bench

@@ -88,10 +88,12 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
   command->add_option("--lobes", em.lobes, "lobes a texel")->check(CLI::IsMember({4, 6, 8}))->capture_default_str();
   command->add_option("--iterations", em.iterations)->check(CLI::Range(1, 100))->capture_default_str();
   add_repetitions(*command, em, "pairs of runs a level");
-  command->add_option("--threads", em.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  command->add_option("--threads", em.threads, "0: as many as are fastest, of each level")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
   command->add_option("--device", em.device, kDeviceHelp);
   return {command, "", [&em](Progress* progress) {
-            set_device_threads(em.threads);
+            if (em.threads > 0) set_device_threads(em.threads);
             return run_em_benchmark(em, progress);
           }};
 }

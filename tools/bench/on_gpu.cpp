@@ -97,7 +97,7 @@ class OnGpuRun {
              [&, size = size, device = device](double left) { return em(size, device, left); });
     step("frames", 30, [&](double left) { return frames(left); });
     step("texture inference", 30, [&](double left) { return infer(left); });
-    if (!options_.small) step("bake 16384", 60, [&](double left) { return bake(16384, options_.device, left); });
+    if (!options_.small) step("bake 16384", 150, [&](double left) { return bake(16384, options_.device, left); });
     for (const auto& [name, filter] : kTests)
       step(fmt::format("tests {}", name), 15,
            [&, name = name, filter = filter](double left) { return tests(name, filter, left); });
@@ -229,8 +229,9 @@ class OnGpuRun {
   }
 
   Json first_bake(double left) {
-    const std::string map = map_of(options_.small ? 64 : 512, left);
-    Json result;
+    const int size = options_.small ? 64 : 512;
+    const std::string map = map_of(size, left);
+    Json result = {{"size", size}};
     for (const char* name : {"first", "second"}) result[name] = bake_once(map, options_.device, {"--no-measure"}, left);
     return result;
   }
@@ -265,7 +266,7 @@ class OnGpuRun {
                   options_.small ? "1"
                   : size > 2048  ? "2"
                                  : "5",
-                  "--threads", std::to_string(core_count())},
+                  "--threads", "0"},
                  left);
   }
 

@@ -93,12 +93,13 @@ double stage(const Json& bake, const std::string& name) {
 std::string first_bake_text(const Json& result) {
   std::string text;
   for (const Json* step : steps_named(result, "first bake")) {
+    const int size = (*step)["result"].at("size").get<int>();
     const Json &first = (*step)["result"].at("first"), &second = (*step)["result"].at("second");
     text += fmt::format(
         "The first bake on a machine compiles {} program variants: {:.2f} s for the whole program, where the second "
-        "takes {:.2f} s (a four-quarter map of 512 x 512, empty caches of multum and of the driver before).\n\n",
+        "takes {:.2f} s (a four-quarter map of {} x {}, empty caches of multum and of the driver before).\n\n",
         first.at("programs").get<int>(), first.at("process").at("wall_s").get<double>(),
-        second.at("process").at("wall_s").get<double>());
+        second.at("process").at("wall_s").get<double>(), size, size);
   }
   return text;
 }

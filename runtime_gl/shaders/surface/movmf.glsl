@@ -8,7 +8,8 @@
 float multum_lobe_visibility(vec4 lobe, float n_l, vec3 v, vec3 h) {
   float n_v = multum_movmf_lambert(lobe, v) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
   vec3 n = multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent;
-  float n_h = max(dot(n, h), 0.0) / max(length(n), 1e-6);  // where the two point apart and cancel, none
+  float size = length(n);
+  float n_h = size > 1e-6 ? max(dot(n, h), 0.0) / size : 0.0;  // where the two point apart and cancel, none
   return multum_visibility(n_l, n_v, n_h, dot(v, h));
 }
 #endif

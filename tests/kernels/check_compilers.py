@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Compiles every kernel with compilers other than PoCL's, as OpenCL C 1.2 and 3.0: clang to SPIR-V, which the validator
+of SPIR-V reads, and clang to NVPTX, whose listing says what a kernel takes of a GPU.
+
+Usage: check_compilers.py KERNEL_FOLDER FLATTENED_FOLDER [--ptxas PTXAS] [--table]
+A kernel may keep STACK_MAX bytes outside registers; by ptxas, where there is one, it may spill nothing. --table prints
+what each takes. A missing compiler is said and passed over. Exit code 1 when a kernel fails.
+"""
+import argparse
+import concurrent.futures
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+# movmf_condense_axes counts 63 bins and movmf_condense_cells notes 64 cells in arrays; 8 lobes' sums are 320 bytes.
+STACK_MAX = 512
+REGISTERS_MAX = 255  # of one work-item of NVIDIA's GPUs
+CLANG = ["clang", "-x", "cl", "-Xclang", "-finclude-default-header", "-Wall", "-Werror", "-Wno-unused-function"]
+
+
+def variants(name):
+    """Names and definitions of the scalar variants that GPUs run."""
+    if name.startswith("movmf_") and name != "movmf_shade":
+        for lobes in (4, 8):
+            for weighted in (0, 1):
+                for planar in (0, 1):
+                    yield f"{lobes} lobes, weighted {weighted}, planar {planar}", [
+                        f"-DMULTUM_LOBES={lobes}", f"-DMULTUM_WEIGHTED={weighted}", f"-DMULTUM_PLANAR={planar}"]
+    elif name.startswith("sh_"):
+        for order in (4, 8, 20):
+            yield f"order {order}", [f"-DMULTUM_SH_ORDER={order}"]
+    else:
+        yield "the only one", []
+
+
+def run(command):
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def spirv(source, definitions, standard, folder):
+    """What is wrong with a kernel as SPIR-V, or ''."""
+    bitcode, module = folder / "kernel.bc", folder / "kernel.spv"
+    steps = [CLANG + [f"-cl-std={standard}", "-target", "spir64-unknown-unknown", "-O0", "-emit-llvm", "-c",
+                      "-DMULTUM_VECTOR_WIDTH=1", *definitions, str(source), "-o", str(bitcode)]]
+    translator = shutil.which("llvm-spirv-14") or shutil.which("llvm-spirv")
+    if translator:
+        # Not as a profile of OpenCL: those know no 64-bit atomics, an extension that movmf_condense_add uses.
+        version, environment = ("1.0", "spv1.0") if standard == "CL1.2" else ("1.2", "spv1.2")
+        steps.append([translator, f"--spirv-max-version={version}", str(bitcode), "-o", str(module)])
+        if shutil.which("spirv-val"):
+            steps.append(["spirv-val", "--target-env", environment, str(module)])
+    for step in steps:
+        result = run(step)
+        if result.returncode != 0:
+            return f"{os.path.basename(step[0])}: {(result.stderr or result.stdout).strip()[:2000]}"
+    return ""
+
+
+def nvptx(source, definitions, ptxas, folder):
+    """(what is wrong or '', rows of kernel, bytes of stack, registers, bytes spilled)."""
+    listing = folder / "kernel.ptx"
+    # As clang knows no extension of this target; the driver's compiler says that it has it.
+    definitions = [*definitions, "-DMULTUM_VECTOR_WIDTH=1", "-include", str(HERE / "nvptx_builtins.clh")]
+    result = run(CLANG + ["-cl-std=CL1.2", "-target", "nvptx64-unknown-unknown", "-Xclang", "-target-cpu", "-Xclang",
+                          "sm_75", "-O2", "-S", *definitions, str(source), "-o", str(listing)])
+    if result.returncode != 0:
+        return f"clang for NVPTX: {result.stderr.strip()[:2000]}", []
+    rows = []
+    for entry in re.finditer(r"\.entry (\w+)\((.*?)^}", listing.read_text(), re.DOTALL | re.MULTILINE):
+        depot = re.search(r"__local_depot\d+\[(\d+)\]", entry.group(2))
+        rows.append([entry.group(1), int(depot.group(1)) if depot else 0, None, None])
+    wrong = "; ".join(f"{row[0]} keeps {row[1]} bytes outside registers, at most {STACK_MAX}" for row in rows
+                      if row[1] > STACK_MAX)
+    if ptxas:
+        result = run([ptxas, "-arch=sm_75", "-v", str(listing), "-o", str(folder / "kernel.cubin")])
+        if result.returncode != 0:
+            return f"ptxas: {result.stderr.strip()[:2000]}", rows
+        found = re.findall(r"Compiling entry function '(\w+)'.*?(\d+) bytes spill stores.*?Used (\d+) registers",
+                           result.stderr, re.DOTALL)
+        for name, spilled, registers in found:
+            for row in rows:
+                if row[0] == name:
+                    row[2:] = [int(registers), int(spilled)]
+        bad = [row for row in rows if row[3]]
+        wrong += "; ".join(f"{row[0]} spills {row[3]} bytes of {row[2]} registers" for row in bad)
+    return wrong, rows
+
+
+def check(job):
+    source, name, label, definitions, ptxas = job
+    failures = []
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        for standard in ("CL1.2", "CL3.0"):
+            wrong = spirv(source, definitions, standard, folder)
+            if wrong:
+                failures.append(f"{name}, {label}, {standard}: {wrong}")
+        wrong, rows = nvptx(source, definitions, ptxas, folder)
+        if wrong:
+            failures.append(f"{name}, {label}: {wrong}")
+    return failures, [(name, label, *row) for row in rows]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("kernels", type=pathlib.Path)
+    parser.add_argument("flattened", type=pathlib.Path, help="the same without #include, as the programs hold them")
+    parser.add_argument("--ptxas", default=shutil.which("ptxas"))
+    parser.add_argument("--table", action="store_true")
+    options = parser.parse_args()
+    for tool, what in (("llvm-spirv-14", "SPIR-V is not made"), ("spirv-val", "SPIR-V is not validated")):
+        if not shutil.which(tool):
+            print(f"check_compilers: no {tool} here: {what}")
+    if not options.ptxas:
+        print("check_compilers: no ptxas here: registers are not counted, LLVM's stack frames are")
+    jobs = [(options.flattened / source.name, source.stem, label, definitions, options.ptxas)
+            for source in sorted(options.kernels.glob("*.cl")) for label, definitions in variants(source.stem)]
+    failures, rows = [], []
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for failed, taken in pool.map(check, jobs):
+            failures += failed
+            rows += taken
+    if options.table:
+        print("| kernel | variant | stack, bytes | registers | spilled, bytes |\n|---|---|---|---|---|")
+        for _, label, kernel, stack, registers, spilled in rows:
+            print(f"| `{kernel}` | {label} | {stack} | {'-' if registers is None else registers} | "
+                  f"{'-' if spilled is None else spilled} |")
+    for failure in failures:
+        print(f"check_compilers: {failure}", file=sys.stderr)
+    most = max((row[4] or 0 for row in rows), default=0)
+    print(f"check_compilers: {len(jobs)} variants of {len({job[1] for job in jobs})} files, {len(rows)} kernels for NVPTX, "
+          f"{max((row[3] for row in rows), default=0)} bytes of stack and {most} registers at most, "
+          f"{len(failures)} failures")
+    sys.exit(1 if failures or not rows else 0)
+
+
+main()
