@@ -15,8 +15,9 @@ struct EmBenchmarkOptions {
   int lobes = 6;   // 4, 6 or 8
   int iterations = 10;
   int repetitions = 7;
-  int threads = 2;     // of the yardstick, and of a processor that is the device; 0: of each level the fastest
-  std::string device;  // as Device::open() has it
+  int threads = 2;        // of the yardstick, and of a processor that is the device; 0: of each level the fastest
+  std::string device;     // as Device::open() has it
+  bool yardstick = true;  // false: the kernels alone
 };
 
 /// Milliseconds of both, a level, and their ratio; the sum over levels; the mean difference of results.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/em_yardstick.h"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -266,6 +268,8 @@ std::vector<float> fit(const YardstickLevel& level) {
 #pragma omp parallel for schedule(dynamic)
     for (int group = 0; group < level.group_count; ++group) fit_group<kLobes>(level, group, out.data());
   } else {
+    // As many threads as there are have a texel each, where there are so many; then a texel's chunks are summed by one.
+#pragma omp parallel for schedule(dynamic) if (level.texel_count >= omp_get_max_threads())
     for (int texel = 0; texel < level.texel_count; ++texel) fit_texel<kLobes>(level, texel, out.data());
   }
   return out;

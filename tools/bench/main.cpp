@@ -92,6 +92,7 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command->add_option("--device", em.device, kDeviceHelp);
+  command->add_flag("!--no-yardstick", em.yardstick, "time the kernels alone");
   return {command, "", [&em](Progress* progress) {
             if (em.threads > 0) set_device_threads(em.threads);
             return run_em_benchmark(em, progress);
