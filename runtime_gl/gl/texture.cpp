@@ -149,8 +149,17 @@ std::vector<float> Texture::read_level(int level) const {
   const std::size_t height = static_cast<std::size_t>(level_size(shape_.height, level));
   std::vector<float> values(4 * width * height);
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl_->GetTextureImage(id_, level, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(values.size() * sizeof(float)),
-                       values.data());
+  if (shape_.format == TexelFormat::kRgba16Snorm) {
+    // As integers: NVIDIA's driver (580) reads them as floats by the mapping of OpenGL 4.1, (2 c + 1) / 65535.
+    std::vector<std::int16_t> integers(values.size());
+    gl_->GetTextureImage(id_, level, GL_RGBA, GL_SHORT, static_cast<GLsizei>(integers.size() * sizeof(std::int16_t)),
+                         integers.data());
+    std::transform(integers.begin(), integers.end(), values.begin(),
+                   [](std::int16_t c) { return std::max(static_cast<float>(c) / 32767.0f, -1.0f); });
+  } else {
+    gl_->GetTextureImage(id_, level, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(values.size() * sizeof(float)),
+                         values.data());
+  }
   check_gl(*gl_, "reading level " + std::to_string(level) + " of " + name_);
   return values;
 }

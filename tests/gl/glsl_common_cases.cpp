@@ -556,7 +556,7 @@ std::vector<GlslCase> glsl_common_cases() {
        {"multum_reflectance_place"}},
       {{"glsl-texels-far-outside", "footprint.glsl", "a quotient cut off towards 0: texels left of the map are others",
         "rounded down", kNothingWrong, "texels", "whole numbers"},
-       {glsl_edit("int(floor(float(i) / float(period)))", "(i / period)")},
+       {glsl_edit("(i >= 0 ? i / period : -1 - (-1 - i) / period)", "(i / period)")},
        texels_far_outside,
        {"multum_wrapped"}},
       {{"glsl-places-of-the-billionth-sample", "footprint.glsl",

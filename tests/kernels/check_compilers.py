@@ -134,8 +134,8 @@ def main():
     for failure in failures:
         print(f"check_compilers: {failure}", file=sys.stderr)
     most = max((row[4] or 0 for row in rows), default=0)
-    print(f"check_compilers: {len(jobs)} variants of {len({job[1] for job in jobs})} files, {len(rows)} kernels for NVPTX, "
-          f"{max((row[3] for row in rows), default=0)} bytes of stack and {most} registers at most, "
+    print(f"check_compilers: {len(jobs)} variants of {len({job[1] for job in jobs})} files, {len(rows)} kernels for "
+          f"NVPTX, {max((row[3] for row in rows), default=0)} bytes of stack and {most} registers at most, "
           f"{len(failures)} failures")
     sys.exit(1 if failures or not rows else 0)
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stand-ins for shared libraries that a library names but that nobody here ever calls.
 
-Debian's OpenImageIO links the decoders of every format it knows: films, medical images, volumes, 220 libraries of 320 MB
-in all, and is bound at start, so that each of their symbols must be there. multum hands it PNG, JPEG, WebP, TIFF and
+Debian's OpenImageIO links the decoders of every format it knows: films, medical images, volumes, 220 libraries of 320
+MB in all, and is bound at start, so that each of their symbols must be there. multum hands it PNG, JPEG, WebP, TIFF and
 OpenEXR alone (host/image/image_container.h). A stand-in has the same name, symbols and symbol versions as the library;
 its functions say so and end the process, but for those that return a version as text.
 """

@@ -188,7 +188,9 @@ ResultView view_frames(const Json& result) {
           "Pictures of {} x {} of the four-quarter map of {} x {}, all levels, {:.0f} times across a plane "
           "that runs to the horizon, Blinn-Phong with s = 100, one light. Times by the driver's clock "
           "(GL_TIME_ELAPSED), {} of each in turns after one that does not count. Averaged normals are drawn from two "
-          "RGBA32F textures; the memory named is that of the BC5 normal and BC4 roughness that engines keep.",
+          "RGBA32F textures, where engines keep a BC5 normal and a BC4 roughness: the memory named is theirs, and "
+          "their "
+          "frames are faster.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
           result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
       table.text()};

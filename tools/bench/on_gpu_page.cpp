@@ -173,6 +173,40 @@ std::string bench_text(const Json& result, const std::string& beginning) {
   return text;
 }
 
+// The figures that people ask for first.
+std::string summary_text(const Json& result) {
+  std::string text;
+  const std::vector<const Json*> em = steps_named(result, "em "), bakes = steps_named(result, "bake ");
+  for (std::size_t i = 0; i + 1 < em.size(); ++i) {
+    const Json &gpu = (*em[i])["result"], &cpu = (*em[i + 1])["result"];
+    if (gpu.at("size") != cpu.at("size")) continue;
+    const double a = gpu.at("kernels_ms").get<double>(), b = cpu.at("kernels_ms").get<double>();
+    text += fmt::format(
+        "- EM of {0} x {0}: {1} ms; the processor's {2} cores need {3} ms with the same kernels, "
+        "{4} times as long.\n",
+        gpu.at("size").get<int>(), rounded_text(a), result.at("cores").get<int>(), rounded_text(b),
+        rounded_text(b / a));
+  }
+  for (std::size_t i = 0; i + 1 < bakes.size(); ++i) {
+    const Json &gpu = (*bakes[i])["result"], &cpu = (*bakes[i + 1])["result"];
+    if (gpu.at("size") != cpu.at("size")) continue;
+    const auto seconds = [](const Json& bake) { return bake.at("bake").at("process").at("wall_s").get<double>(); };
+    text += fmt::format(
+        "- A whole bake of {0} x {0}, from file to file: {1} s, on the processor {2} s; reading, rounding, "
+        "compressing and writing are the processor's in both.\n",
+        gpu.at("size").get<int>(), rounded_text(seconds(gpu)), rounded_text(seconds(cpu)));
+  }
+  for (const Json* step : steps_named(result, "frames"))
+    for (const Json& row : (*step)["result"].at("rows"))
+      if (row.at("name") == "4 lobes")
+        text += fmt::format(
+            "- A frame of four lobes, anisotropy {:.0f}: {} ms, {} times that of averaged normals with "
+            "Toksvig's rule.\n",
+            row.at("anisotropy").get<double>(), rounded_text(parse_spread(row.at("draw_ms")).median),
+            rounded_text(parse_spread(row.at("ratio")).median));
+  return text.empty() ? "" : "## In short\n\n" + text + "\n";
+}
+
 }  // namespace
 
 std::string page_of_run(const Json& result) {
@@ -182,7 +216,7 @@ std::string page_of_run(const Json& result) {
   if (result.contains("is_gpu") && !result.at("is_gpu").get<bool>())
     text += "**This device is a processor: the page shows that the command works, not what a GPU does.**\n\n";
   if (!result.contains("devices")) return text;
-  text += devices_text(result) + steps_text(result) + checks_text(result);
+  text += summary_text(result) + devices_text(result) + steps_text(result) + checks_text(result);
   if (!steps_named(result, "bake ").empty())
     text += bakes_text(result) + first_bake_text(result) + bytes_text(result) + kernels_text(result);
   if (!steps_named(result, "em ").empty()) text += "## EM\n\n" + bench_text(result, "em ");

@@ -24,7 +24,8 @@ int multum_wrapped(int i, int size, int mode) {
   if (mode == 1) return clamp(i, 0, size - 1);
   if (mode == 0) return i >= 0 && i < size ? i : -1;
   int period = mode == 2 ? size : 2 * size;
-  i -= period * int(floor(float(i) / float(period)));
+  // Whole numbers alone: 37.0 / 37.0 is less than 1 where a GPU divides by multiplying (seen on NVIDIA 580).
+  i -= period * (i >= 0 ? i / period : -1 - (-1 - i) / period);
   return i < size ? i : period - 1 - i;
 }
 

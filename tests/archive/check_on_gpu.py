@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""multum-bench on-gpu with a processor as the GPU: what it writes, what it does without the time, and what it refuses.
+
+Usage: check_on_gpu.py MULTUM_BENCH OUTPUT_PREFIX
+"""
+import json
+import pathlib
+import subprocess
+import sys
+
+bench, output = sys.argv[1], sys.argv[2]
+
+
+def run(*arguments, expected):
+    result = subprocess.run([bench, "on-gpu", *arguments], capture_output=True, text=True, timeout=500)
+    assert result.returncode == expected, f"{arguments}: exit code {result.returncode}\n{result.stdout}{result.stderr}"
+    return result
+
+
+def read():
+    return json.loads(pathlib.Path(output + ".json").read_text()), pathlib.Path(output + ".md").read_text()
+
+
+# Every step, small.
+run("--small", "--any-device", "--minutes", "5", "--output", output, expected=0)
+result, page = read()
+steps = {step["name"]: step for step in result["steps"]}
+assert [name for name, step in steps.items() if step["status"] != "done"] == [], steps
+assert result["devices"] and result["device"] in page
+assert not result["is_gpu"] and "not what a GPU does" in page
+for name in ("first bake", "selftest", "bake 64 on the processor", "bake 128 on the processor",
+             "em 64 on the processor", "frames", "texture inference", "tests kernel_test", "tests gl_test"):
+    assert name in steps, sorted(steps)
+assert steps["tests kernel_test"]["result"]["tests"] > 0
+bake = steps["bake 128 on the processor"]["result"]
+assert bake["bake"]["device_bytes_peak"] > 0 and bake["timed"]["launch_seconds"]["movmf_em_texels"] > 0
+for title in ("## Devices", "## Steps", "## Checks", "## Whole bakes", "### Kernels of the bake", "## EM", "## Drawing",
+              "## Texture inference"):
+    assert title in page, title
+
+# The page of what was measured, again.
+pathlib.Path(output + ".md").unlink()
+run("--from", output + ".json", "--output", output, expected=0)
+assert read()[1] == page
+
+# Without the time, steps are left out and named.
+run("--small", "--any-device", "--minutes", "0.1", "--output", output, expected=0)
+result, page = read()
+assert all(step["status"] in ("done", "left out", "failed") for step in result["steps"])
+left_out = [step for step in result["steps"] if step["status"] == "left out"]
+assert left_out and all("s were left" in step["reason"] for step in left_out), result["steps"]
+
+# A device that is not there.
+refused = run("--small", "--device", "no such device", "--output", output, expected=4)
+assert "no such device" in refused.stderr and "--any-device" in refused.stderr, refused.stderr
+print(f"on_gpu: {len(steps)} steps, then {len(left_out)} left out")

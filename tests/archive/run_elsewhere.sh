@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# The archive of tools/bundle where nothing of it was built: in an empty folder of this machine, and in a root of the next
+# release of Debian with nothing in it but drivers (PoCL for OpenCL, OSMesa for GL). It bakes, draws and serves there.
+#   run_elsewhere.sh REPOSITORY BUILD_FOLDER
+# Exit code 77, a skipped test, without root, debootstrap, patchelf or a Debian mirror: the first part is done all the same.
+set -euo pipefail
+repository=$1
+build=$2
+release=trixie
+work=$(mktemp -d)
+root=$work/root
+finish() {
+  for mounted in dev proc; do
+    if mountpoint -q "$root/$mounted"; then umount -l "$root/$mounted"; fi
+  done
+  rm -rf --one-file-system "$work"
+}
+trap finish EXIT
+skip() { printf 'run_elsewhere: passed over: %s\n' "$*"; exit 77; }
+
+command -v patchelf > /dev/null || skip 'patchelf is not here (Debian package patchelf)'
+"$repository/tools/bundle" --build "$build" --output "$work/multum.tar.xz"
+
+# What a stranger does with it; run inside the folder that it was unpacked to.
+cat > "$work/try.sh" << 'TEXT'
+set -euo pipefail
+cd "$1"
+bin=$PWD/bin
+here=$2
+mkdir -p "$here"
+cd "$here"
+"$bin/multum" devices
+"$bin/multum" testmap map --size 64 > /dev/null
+"$bin/multum" bake map_normal.png -o map.ndf.exr --green up --quiet
+"$bin/multum" verify map.ndf.exr
+"$bin/multum" info map.ndf.exr | grep '^checksum'
+"$bin/multum-view" map.ndf.exr --context osmesa --size 96x64 -o frame.png
+[ -s frame.png ]
+# A daemon of this folder, and a client that asks it.
+"$bin/multum" serve --data served --listen "unix:$here/socket" --root "$here" > serve.txt 2>&1 &
+daemon=$!
+trap 'kill $daemon 2> /dev/null || true; wait $daemon 2> /dev/null || true' EXIT
+for _ in $(seq 100); do
+  [ ! -S socket ] || break
+  sleep 0.1
+done
+[ -S socket ] || { cat serve.txt; exit 1; }
+"$bin/multum" list --server "unix:$here/socket"
+"$bin/test/pyramid_test" --gtest_brief=1 | tail -n 1
+TEXT
+
+echo 'run_elsewhere: in an empty folder'
+mkdir "$work/elsewhere"
+tar -xJf "$work/multum.tar.xz" -C "$work/elsewhere"
+unpacked=$(echo "$work"/elsewhere/multum-*)
+env -i PATH=/usr/bin:/bin HOME="$work/elsewhere" LANG=C.UTF-8 bash "$work/try.sh" "$unpacked" "$work/elsewhere/tried" |
+  tee "$work/here.txt"
+
+[ "$(id -u)" -eq 0 ] || skip "a root of $release wants root"
+command -v debootstrap > /dev/null || skip 'debootstrap is not here (Debian package debootstrap)'
+mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2> /dev/null |
+  sed -n 's/^URIs: *\([^ ]*\).*/\1/p; s/^deb  *\(\[[^]]*\] *\)\?\([^ ]*\).*/\2/p' | grep -v security | sed -n 1p) ||
+  true
+[ -n "$mirror" ] || skip 'apt names no mirror of Debian'
+echo "run_elsewhere: in a root of $release"
+debootstrap --variant=minbase --include=pocl-opencl-icd,libosmesa6 "$release" "$root" "$mirror" > "$work/root.log" 2>&1 ||
+  { tail -n 5 "$work/root.log"; skip "debootstrap could not make a root of $release"; }
+mount --bind /dev "$root/dev"
+mount -t proc proc "$root/proc"
+mkdir "$root/opt/multum"
+tar -xJf "$work/multum.tar.xz" -C "$root/opt/multum" --strip-components=1
+cp "$work/try.sh" "$root/try.sh"
+chroot "$root" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/tmp LANG=C.UTF-8 bash /try.sh /opt/multum /tmp/tried |
+  tee "$work/there.txt"
+# Another C library, another PoCL, another compiler behind it: the same bytes.
+cmp <(grep '^checksum' "$work/here.txt") <(grep '^checksum' "$work/there.txt")
+echo 'run_elsewhere: both bakes have the same checksum'
