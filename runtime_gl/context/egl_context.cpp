@@ -6,6 +6,8 @@
 
 #include <array>
 #include <cstring>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "host/base/error.h"
@@ -63,6 +65,7 @@ bool has_word(const char* list, const char* word) {
 struct Candidate {
   std::string name;
   EGLDisplay display;
+  bool is_software = false;
 };
 
 // GPUs first, then whatever the surfaceless platform takes, then what draws in software.
@@ -86,7 +89,8 @@ std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
         const bool is_software =
             query_text != nullptr && has_word(query_text(device, EGL_EXTENSIONS), "EGL_MESA_device_software");
         (is_software ? software : candidates)
-            .push_back({"device " + std::to_string(i), get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr)});
+            .push_back(
+                {"device " + std::to_string(i), get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr), is_software});
       }
   }
   if (has_word(client, "EGL_MESA_platform_surfaceless"))
@@ -97,9 +101,13 @@ std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
 
 class EglContext final : public HeadlessContext {
  public:
-  EglContext() : library_("libEGL.so.1"), egl_(library_) {
+  // On the first display that gives one, or on the display of that number alone.
+  explicit EglContext(std::optional<std::size_t> only = std::nullopt) : library_("libEGL.so.1"), egl_(library_) {
     std::string reasons;
-    for (const Candidate& candidate : candidate_displays(egl_)) {
+    const std::vector<Candidate> candidates = candidate_displays(egl_);
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const Candidate& candidate = candidates[i];
+      if (only && i != *only) continue;
       const std::string reason = open(candidate.display);
       if (reason.empty()) {
         load_or_close();
@@ -175,5 +183,21 @@ class EglContext final : public HeadlessContext {
 }  // namespace
 
 std::unique_ptr<HeadlessContext> make_egl_context() { return std::make_unique<EglContext>(); }
+
+std::vector<EglOffer> list_egl_offers() {
+  const SharedLibrary library("libEGL.so.1");
+  const std::vector<Candidate> candidates = candidate_displays(EglFunctions(library));
+  std::vector<EglOffer> offers;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    EglOffer offer{candidates[i].name, candidates[i].is_software, "", ""};
+    try {
+      offer.description = EglContext(i).description();
+    } catch (const Error& error) {
+      offer.reason = error.what();
+    }
+    offers.push_back(std::move(offer));
+  }
+  return offers;
+}
 
 }  // namespace multum::gl

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "runtime_gl/context/headless_context.h"
 
@@ -11,5 +13,16 @@ namespace multum::gl {
 
 /// Throws Error(kEnvironment) that says what every display that was tried lacked.
 std::unique_ptr<HeadlessContext> make_egl_context();
+
+/// A display that EGL offers, in the order in which make_egl_context() tries them.
+struct EglOffer {
+  std::string display;      // "device 0", "surfaceless"
+  bool is_software;         // as the driver says of a device
+  std::string description;  // of the context that it gives; empty: it gives none
+  std::string reason;       // why not
+};
+
+/// Opens and closes a context on each. Throws Error(kEnvironment) without libEGL.so.1.
+std::vector<EglOffer> list_egl_offers();
 
 }  // namespace multum::gl

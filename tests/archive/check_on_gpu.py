@@ -29,9 +29,11 @@ steps = {step["name"]: step for step in result["steps"]}
 assert [name for name, step in steps.items() if step["status"] != "done"] == [], steps
 assert result["devices"] and result["device"] in page
 assert not result["is_gpu"] and "not what a GPU does" in page
-for name in ("first bake", "selftest", "bake 64 on the processor", "bake 128 on the processor",
+for name in ("GL contexts", "first bake", "selftest", "bake 64 on the processor", "bake 128 on the processor",
              "em 64 on the processor", "frames", "texture inference", "tests kernel_test", "tests gl_test"):
     assert name in steps, sorted(steps)
+contexts = steps["GL contexts"]["result"]["contexts"]
+assert any(row["display"] == "OSMesa" and "llvmpipe" in row["description"] for row in contexts), contexts
 assert steps["tests kernel_test"]["result"]["tests"] > 0
 bake = steps["bake 128 on the processor"]["result"]
 assert bake["bake"]["device_bytes_peak"] > 0 and bake["timed"]["launch_seconds"]["movmf_em_texels"] > 0

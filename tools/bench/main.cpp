@@ -16,6 +16,7 @@
 #include "tools/bench/command_text.h"
 #include "tools/bench/em_benchmark.h"
 #include "tools/bench/frames_benchmark.h"
+#include "tools/bench/gl_contexts.h"
 #include "tools/bench/inference_benchmark.h"
 #include "tools/bench/load_benchmark.h"
 #include "tools/bench/on_gpu.h"
@@ -242,6 +243,9 @@ int run(int argc, char** argv) {
   BenchmarksDocumentOptions document;
   const CLI::App* accuracy_command = add_accuracy(app, accuracy);
   const CLI::App* document_command = add_document(app, document);
+  std::string contexts_json;
+  CLI::App* contexts_command = app.add_subcommand("contexts", "list the GL contexts that this machine gives");
+  contexts_command->add_option("--json", contexts_json, "write them to this file, too");
   const CLI::App* on_gpu_command = add_on_gpu(app, on_gpu, on_gpu_from);
   try {
     app.parse(argc, argv);
@@ -251,6 +255,15 @@ int run(int argc, char** argv) {
   if (document_command->parsed()) return write_benchmarks_document(document);
   for (const Benchmark& benchmark : benchmarks)
     if (benchmark.command->parsed()) return run_benchmark(benchmark, command_line(argc, argv));
+  if (contexts_command->parsed()) {
+    const Json contexts = list_gl_contexts();
+    for (const Json& row : contexts)
+      fmt::print(
+          "{}: {}\n", row["display"].get<std::string>(),
+          (row["description"].get<std::string>().empty() ? row["reason"] : row["description"]).get<std::string>());
+    if (!contexts_json.empty()) write_text_file(contexts_json, contexts.dump(2) + "\n");
+    return 0;
+  }
   if (on_gpu_command->parsed()) {
     if (on_gpu_from.empty()) return run_on_gpu(on_gpu, command_line(argc, argv), make_terminal_progress(false).get());
     write_text_file(on_gpu.output + ".md", on_gpu_page(on_gpu_from));

@@ -88,6 +88,11 @@ class OnGpuRun {
     choose_device();
     const std::vector<int> sizes = options_.small ? std::vector<int>{64, 128} : std::vector<int>{1024, 4096};
     const std::vector<int> em_sizes = options_.small ? std::vector<int>{64} : std::vector<int>{512, 2048, 4096};
+    step("GL contexts", 5, [&](double left) {
+      const std::string file = folder_ / "contexts.json";
+      child({program("multum-bench"), "contexts", "--json", file}, left);
+      return Json{{"contexts", read_json(file)}};
+    });
     step("first bake", 10, [&](double left) { return first_bake(left); });
     step("selftest", 20, [&](double left) { return selftest(left); });
     for (const int size : sizes)

@@ -52,7 +52,17 @@ std::string devices_text(const Json& result) {
       const auto named = driver.at("named_by").get<std::string>();
       drivers.add({driver.at("library"), kind, named.empty() ? "nothing: on_gpu named it" : named});
     }
-  return text + drivers.text() + "\n";
+  text += drivers.text() + "\n";
+  for (const Json* step : steps_named(result, "GL contexts")) {
+    MarkdownTable contexts({"GL by", "software, says the driver", "gives"});
+    for (const Json& row : (*step)["result"].at("contexts")) {
+      const auto description = row.at("description").get<std::string>();
+      contexts.add({row.at("display"), row.at("is_software").get<bool>() ? "yes" : "no",
+                    one_line(description.empty() ? "nothing: " + row.at("reason").get<std::string>() : description)});
+    }
+    text += contexts.text() + "\n";
+  }
+  return text;
 }
 
 std::string steps_text(const Json& result) {
