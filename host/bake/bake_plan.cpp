@@ -13,23 +13,30 @@ namespace {
 constexpr int kBandRows[] = {4096, 2048, 1024, 512, 256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4, 2, 1};
 constexpr int kBandRowsWanted = 8;  // fewer leave too little for many threads: more memory than is useful is better
 
-[[noreturn]] void refuse(std::uint64_t found, std::uint64_t wanted, const std::string& what) {
-  throw Error(ErrorCode::kUsage,
-              fmt::format("--memory leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} "
-                          "MiB: {} needs as much",
-                          static_cast<double>(found) / (1 << 20), static_cast<double>(wanted) / (1 << 20), what));
+// What the windows may take, and who says so.
+struct WindowMemory {
+  std::uint64_t bytes;
+  bool on_device;
+};
+
+[[noreturn]] void refuse(const WindowMemory& found, std::uint64_t wanted, const std::string& what) {
+  throw Error(
+      found.on_device ? ErrorCode::kEnvironment : ErrorCode::kUsage,
+      fmt::format("{} leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} MiB: {} needs as much",
+                  found.on_device ? "the device" : "--memory", static_cast<double>(found.bytes) / (1 << 20),
+                  static_cast<double>(wanted) / (1 << 20), what));
 }
 
 // The most rows whose bytes are useful, or that are wanted and fit.
 template <typename BytesOf>
-int choose_rows(int rows_max, std::uint64_t memory_bytes, std::uint64_t useful_bytes, const BytesOf& bytes_of,
+int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
                 const std::string& what) {
-  const std::uint64_t useful = std::min(memory_bytes, useful_bytes);
+  const std::uint64_t useful = std::min(memory.bytes, useful_bytes);
   for (int rows : kBandRows) {
     const std::uint64_t bytes = bytes_of(std::min(rows, rows_max));
-    if (bytes <= useful || (rows <= kBandRowsWanted && bytes <= memory_bytes)) return std::min(rows, rows_max);
+    if (bytes <= useful || (rows <= kBandRowsWanted && bytes <= memory.bytes)) return std::min(rows, rows_max);
   }
-  refuse(memory_bytes, bytes_of(1), what);
+  refuse(memory, bytes_of(1), what);
 }
 
 }  // namespace
@@ -55,19 +62,20 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
       if (bytes_of(band.map_band_rows) > memory_bytes)
-        refuse(memory_bytes, bytes_of(1),
+        refuse({memory_bytes, on_device}, bytes_of(1),
                fmt::format("level {}, all its texels at once (--coarse-normals all),", level.level));
     } else {
       const auto bytes_of = [&](int rows) {
         return fit_level_bytes(level, settings, triple_count, {rows, map_height});
       };
-      band = {choose_rows(height, memory_bytes, useful, bytes_of, fmt::format("a row of level {}", level.level)),
+      band = {choose_rows(height, {memory_bytes, on_device}, useful, bytes_of,
+                          fmt::format("a row of level {}", level.level)),
               map_height};
     }
   }
   const int map_height = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_height;
   plan.condense_rows = choose_rows(
-      map_height, on_device ? memory_bytes : memory.bytes, useful,
+      map_height, {on_device ? memory_bytes : memory.bytes, on_device}, useful,
       [&](int rows) { return condense_bytes(schedule, rows, triple_count, shape); }, "condensing a row of normals");
   return plan;
 }

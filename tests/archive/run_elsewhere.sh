@@ -11,7 +11,7 @@ release=trixie
 work=$(mktemp -d)
 root=$work/root
 finish() {
-  for mounted in dev proc; do
+  for mounted in dev proc sys; do
     if mountpoint -q "$root/$mounted"; then umount -l "$root/$mounted"; fi
   done
   rm -rf --one-file-system "$work"
@@ -68,6 +68,7 @@ debootstrap --variant=minbase --include=pocl-opencl-icd,libosmesa6 "$release" "$
   { tail -n 5 "$work/root.log"; skip "debootstrap could not make a root of $release"; }
 mount --bind /dev "$root/dev"
 mount -t proc proc "$root/proc"
+mount --bind /sys "$root/sys"  # PoCL counts processors there
 mkdir "$root/opt/multum"
 tar -xJf "$work/multum.tar.xz" -C "$root/opt/multum" --strip-components=1
 cp "$work/try.sh" "$root/try.sh"
