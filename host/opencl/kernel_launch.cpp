@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arguments and launches. Every failure names the kernel and OpenCL's own word for it.
+#include <algorithm>
+
 #include "host/base/error.h"
 #include "host/opencl/cl_error.h"
 #include "host/opencl/device.h"
@@ -20,7 +22,9 @@ void Kernel::set_bytes(int index, const void* bytes, std::size_t byte_count) {
 void Kernel::enqueue(const WorkSize& size) {
   if (size.global == 0) return;
   // An explicit local size: PoCL compiles a kernel once for each, and leaves a thread idle when it must choose itself.
-  const std::size_t local = size.local != 0 ? size.local : device_->shape.local_size;
+  // Teams, whose size is part of what they do, are not for a device without room for them (LaunchShape).
+  const std::size_t wanted = size.local != 0 ? size.local : device_->shape.local_size;
+  const std::size_t local = std::min(wanted, static_cast<std::size_t>(std::max(1, device_->info.work_group_max)));
   const std::size_t global = (size.global + local - 1) / local * local;
   cl_event event = nullptr;
   check_cl(clEnqueueNDRangeKernel(device_->queue, static_cast<cl_kernel>(kernel_.get()), 1, nullptr, &global, &local, 0,

@@ -4,7 +4,8 @@
 //
 //                            CPU                               others
 //   variant of a kernel      16 lanes of a vector              one lane (MULTUM_VECTOR_WIDTH 1)
-//   local size               1: a thread takes items in turn   64: two warps of NVIDIA, a wavefront of AMD
+//   local size               1: a thread takes items in turn   64: two warps of NVIDIA, a wavefront of AMD; launches
+//                                                              that ask for more get what the device has
 //   EM of a texel            by one work-item                  by a team of 64 where texels are too few to keep the
 //                                                              device busy by themselves (movmf_em_texels.cl)
 //   cells of coarse texels   a table a chunk of columns        one table that all add to, where the device adds longs
