@@ -31,6 +31,11 @@ std::string one_line(std::string text) {
   return text;
 }
 
+// Where a file lies is the machine's own affair.
+std::string file_name(const Json& path) {
+  return path.get<std::string>().substr(path.get<std::string>().rfind('/') + 1);
+}
+
 std::string devices_text(const Json& result) {
   std::string text = "## Devices\n\n";
   MarkdownTable devices({"device", "platform, driver", "OpenCL", "compute units", "memory, GiB", "local memory, KiB",
@@ -49,8 +54,8 @@ std::string devices_text(const Json& result) {
   MarkdownTable drivers({"driver library", "for", "named by"});
   for (const char* kind : {"opencl", "egl"})
     for (const Json& driver : result.at("drivers").at(kind)) {
-      const auto named = driver.at("named_by").get<std::string>();
-      drivers.add({driver.at("library"), kind, named.empty() ? "nothing: on_gpu named it" : named});
+      const std::string named = file_name(driver.at("named_by"));
+      drivers.add({file_name(driver.at("library")), kind, named.empty() ? "nothing: on_gpu named it" : named});
     }
   text += drivers.text() + "\n";
   for (const Json* step : steps_named(result, "GL contexts")) {
