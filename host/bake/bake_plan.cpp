@@ -47,6 +47,7 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
   MULTUM_CHECK(memory.writer_bytes <= memory.bytes);
   const bool on_device = shape.window_bytes_max > 0;
   const std::uint64_t memory_bytes = on_device ? shape.window_bytes_max : memory.bytes - memory.writer_bytes;
+  const WindowMemory fitting{memory_bytes, on_device}, condensing{on_device ? memory_bytes : memory.bytes, on_device};
   plan.memory_bytes = memory_bytes;
   const int map_width = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_width;
   const std::uint64_t useful =
@@ -62,21 +63,20 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
       if (bytes_of(band.map_band_rows) > memory_bytes)
-        refuse({memory_bytes, on_device}, bytes_of(1),
+        refuse(fitting, bytes_of(1),
                fmt::format("level {}, all its texels at once (--coarse-normals all),", level.level));
     } else {
       const auto bytes_of = [&](int rows) {
         return fit_level_bytes(level, settings, triple_count, {rows, map_height});
       };
-      band = {choose_rows(height, {memory_bytes, on_device}, useful, bytes_of,
-                          fmt::format("a row of level {}", level.level)),
+      band = {choose_rows(height, fitting, useful, bytes_of, fmt::format("a row of level {}", level.level)),
               map_height};
     }
   }
   const int map_height = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_height;
   plan.condense_rows = choose_rows(
-      map_height, {on_device ? memory_bytes : memory.bytes, on_device}, useful,
-      [&](int rows) { return condense_bytes(schedule, rows, triple_count, shape); }, "condensing a row of normals");
+      map_height, condensing, useful, [&](int rows) { return condense_bytes(schedule, rows, triple_count, shape); },
+      "condensing a row of normals");
   return plan;
 }
 

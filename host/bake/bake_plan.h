@@ -33,9 +33,8 @@ struct PlanMemory {
   std::uint64_t writer_bytes = 0;  // of these, what others hold while levels are fitted; condensing comes before
 };
 
-/// `shape`: a device with memory of its own has the windows there, and `memory` is not asked. Throws Error(kUsage)
-/// naming
-/// --memory when not even a row of some level fits.
+/// `shape`: a device with memory of its own has the windows there, and `memory` is not asked. Throws Error(kUsage) that
+/// names --memory, or Error(kEnvironment) that names the device, when not even a row of some level fits.
 BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
                         const PlanMemory& memory, const StorePlace& place, const LaunchShape& shape);
 

@@ -106,7 +106,7 @@ class LevelCondenser {
   };
 
   bool is_atomic() const { return device_.shape().atomic_cells; }
-  bool by_teams() const { return device_.shape().team_texels_max > 0; }
+  bool by_teams() const { return device_.shape().has_teams(); }
 
   DeviceBuffer make_cells() {
     return device_.make_buffer(width_ * static_cast<std::size_t>(chunk_count_) * cell_bytes(fit_), "cells of normals");
@@ -201,7 +201,7 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
                                               const std::vector<const PlaneStore*>& features,
                                               const MipSchedule& schedule, Representation representation, int band_rows,
-                                              MapOnDevice* on_device, const StorePlace& place, Progress* progress) {
+                                              MapWindows* on_device, const StorePlace& place, Progress* progress) {
   const KernelVariant variant{1, 1, schedule.weighted, representation == Representation::kGmm};
   std::map<int, LevelCondenser> levels;
   for (const LevelSchedule& level : schedule.levels)
@@ -211,13 +211,9 @@ std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& 
   if (levels.empty()) return condensed;
 
   band_rows = std::min(band_rows, normals.height());
-  std::optional<MapOnDevice> bands;
-  if (on_device == nullptr || band_rows < normals.height()) {
-    bands = MapOnDevice{MapWindow(device, normals, band_rows, "a band of normals"), {}};
-    for (const PlaneStore* triple : features)
-      bands->triples.emplace_back(device, *triple, band_rows, "a band of features");
-  }
-  MapOnDevice& map = bands ? *bands : *on_device;
+  std::optional<MapWindows> bands;
+  if (on_device == nullptr || band_rows < normals.height()) bands.emplace(device, normals, features, band_rows);
+  MapWindows& map = bands ? *bands : *on_device;
   const auto for_each_band = [&](const auto& body) {
     if (bands) map.normals.move_to(0, 0);  // windows slide down alone
     for (int row = 0; row < normals.height(); row += band_rows) {

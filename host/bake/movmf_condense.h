@@ -35,7 +35,7 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
                                               const std::vector<const PlaneStore*>& features,
                                               const MipSchedule& schedule, Representation representation, int band_rows,
-                                              MapOnDevice* on_device, const StorePlace& place, Progress* progress);
+                                              MapWindows* on_device, const StorePlace& place, Progress* progress);
 
 /// Bytes of the buffers of condense_levels(), about.
 std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count, const LaunchShape& shape);

@@ -112,7 +112,7 @@ void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, const Step
 void MovmfEmStep::fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel,
                              Kernel& team_kernel, const StepWindows& windows) {
   const auto slots = static_cast<std::size_t>(fit.slot_count);
-  const bool by_teams = slots <= device_.shape().team_texels_max && fit.sample_capacity >= MULTUM_TEAM;
+  const bool by_teams = device_.shape().fits_by_teams(slots, fit.sample_capacity);
   const Kernel::WorkSize size = by_teams ? Kernel::WorkSize{slots * MULTUM_TEAM, MULTUM_TEAM}
                                          : Kernel::WorkSize{slots / static_cast<std::size_t>(variant.vector_width)};
   KernelVariant used = variant;

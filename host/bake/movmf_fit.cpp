@@ -310,7 +310,7 @@ class MovmfFitter {
   MovmfEmStep em_step_;
   Kernel level_zero_kernel_;
   const int map_width_, map_height_;
-  std::optional<MapOnDevice> on_device_;  // the whole map, where the device has room for it
+  std::optional<MapWindows> on_device_;  // the whole map, where the device has room for it
   std::map<int, CondensedLevel> condensed_;
   // The level before, rows [lobe][column]: in the checkpoint, or here.
   BakeCheckpoint::Level* coarser_kept_ = nullptr;

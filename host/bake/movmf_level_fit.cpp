@@ -101,11 +101,8 @@ class LevelFit {
       for (std::size_t t = 0; t < inputs.features.size(); ++t)
         condensed_triples_.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed features");
     } else {
-      if (inputs.on_device == nullptr || !whole_) {
-        windows_of_map_ = MapOnDevice{MapWindow(device, *inputs.normals, rows.map, "normals"), {}};
-        for (const PlaneStore* triple : inputs.features)
-          windows_of_map_->triples.emplace_back(device, *triple, rows.map, "features");
-      }
+      if (inputs.on_device == nullptr || !whole_)
+        windows_of_map_.emplace(device, *inputs.normals, inputs.features, rows.map);
       map_ = windows_of_map_ ? &*windows_of_map_ : inputs.on_device;
     }
     windows_.lobes = &lobes_;
@@ -181,8 +178,7 @@ class LevelFit {
     } else if (level_.method == FitMethod::kTexels) {
       const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
       const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
-      map_->normals.move_to(begin, end - begin);
-      for (MapWindow& triple : map_->triples) triple.move_to(begin, end - begin);
+      map_->move_to(begin, end - begin);
       fit_.map_first_row = wrapped_row(begin, fit_.map_height);
       fit_.map_window_rows = end - begin;
     }
@@ -245,8 +241,8 @@ class LevelFit {
   Progress* progress_;
   RowWindow lobes_, directed_, features_, parent_, condensed_, condensed_counts_;
   std::vector<RowWindow> condensed_triples_;
-  std::optional<MapOnDevice> windows_of_map_;
-  MapOnDevice* map_ = nullptr;  // those, or the whole map
+  std::optional<MapWindows> windows_of_map_;
+  MapWindows* map_ = nullptr;  // those, or the whole map
   StepWindows windows_;
 };
 

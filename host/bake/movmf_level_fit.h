@@ -31,7 +31,7 @@ struct TexelRange {
 /// What the fit of a level reads.
 struct LevelInputs {
   const PlaneStore* normals = nullptr;
-  MapOnDevice* on_device = nullptr;           // the same, whole; null: windows of it are made
+  MapWindows* on_device = nullptr;            // the same, whole; null: windows of it are made
   std::vector<const PlaneStore*> features;    // triples
   const CondensedLevel* condensed = nullptr;  // kCondensed
   const RowStore* parent = nullptr;           // lobes of the next coarser level, by rows [lobe][column]; null: none

@@ -123,18 +123,25 @@ MapWindow::MapWindow(Device& device, const PlaneStore& store, int capacity_rows,
     planes_.emplace_back(device, 1, static_cast<std::size_t>(store.width()) * sizeof(float), capacity_rows, what);
 }
 
-std::optional<MapOnDevice> map_on_device(Device& device, const PlaneStore& normals,
-                                         const std::vector<const PlaneStore*>& triples) {
+MapWindows::MapWindows(Device& device, const PlaneStore& normals_store, const std::vector<const PlaneStore*>& stores,
+                       int capacity_rows)
+    : normals(device, normals_store, capacity_rows, "normals") {
+  for (const PlaneStore* store : stores) triples.emplace_back(device, *store, capacity_rows, "features");
+}
+
+void MapWindows::move_to(int first_row, int row_count) {
+  normals.move_to(first_row, row_count);
+  for (MapWindow& triple : triples) triple.move_to(first_row, row_count);
+}
+
+std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
+                                        const std::vector<const PlaneStore*>& triples) {
   const std::uint64_t texels =
       static_cast<std::uint64_t>(normals.width()) * static_cast<std::uint64_t>(normals.height());
   const std::uint64_t bytes = texels * 3 * sizeof(float) * (1 + triples.size());
   if (bytes > device.shape().window_bytes_useful / 2) return std::nullopt;  // of a CPU 0: its maps are where they are
-  MapOnDevice map{MapWindow(device, normals, normals.height(), "the normals of the map"), {}};
-  map.normals.move_to(0, normals.height());
-  for (const PlaneStore* triple : triples) {
-    map.triples.emplace_back(device, *triple, normals.height(), "the features of the map");
-    map.triples.back().move_to(0, normals.height());
-  }
+  MapWindows map(device, normals, triples, normals.height());
+  map.move_to(0, normals.height());
   return map;
 }
 

@@ -78,15 +78,19 @@ class MapWindow {
   std::vector<RowWindow> planes_;
 };
 
-/// A map and its features whole on a device, copied there once for all levels.
-struct MapOnDevice {
+/// The same rows of a map's normals and of its features.
+struct MapWindows {
   MapWindow normals;
   std::vector<MapWindow> triples;
+
+  MapWindows(Device& device, const PlaneStore& normals, const std::vector<const PlaneStore*>& triples,
+             int capacity_rows);
+  void move_to(int first_row, int row_count);
 };
 
-/// On a device with memory of its own that has room for it beside the windows of levels; else none, and windows of some
-/// rows do.
-std::optional<MapOnDevice> map_on_device(Device& device, const PlaneStore& normals,
-                                         const std::vector<const PlaneStore*>& triples);
+/// All rows, copied once for all levels, on a device with memory of its own that has room for them beside the windows
+/// of levels; else none, and windows of some rows do.
+std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
+                                        const std::vector<const PlaneStore*>& triples);
 
 }  // namespace multum

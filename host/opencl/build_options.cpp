@@ -7,13 +7,15 @@
 
 namespace multum {
 
-std::string build_options(const KernelVariant& variant) {
+std::string build_options(const KernelVariant& variant, bool rounds_when_asked) {
   MULTUM_CHECK(variant.lobes >= 1 && variant.lobes <= 9);  // 8 of a file, and the normal map's when errors are measured
   MULTUM_CHECK(variant.vector_width == 1 || variant.vector_width == 16);
   MULTUM_CHECK(variant.sh_order >= 0 && variant.sh_order <= 20);
   const std::string sh = variant.sh_order > 0 ? fmt::format(" -DMULTUM_SH_ORDER={}", variant.sh_order) : "";
-  return fmt::format("-cl-std=CL1.2 -DMULTUM_LOBES={} -DMULTUM_VECTOR_WIDTH={} -DMULTUM_WEIGHTED={}{}{}", variant.lobes,
-                     variant.vector_width, variant.weighted ? 1 : 0, variant.planar ? " -DMULTUM_PLANAR=1" : "", sh);
+  return fmt::format("-cl-std=CL1.2 -DMULTUM_LOBES={} -DMULTUM_VECTOR_WIDTH={} -DMULTUM_WEIGHTED={}{}{}{}",
+                     variant.lobes, variant.vector_width, variant.weighted ? 1 : 0,
+                     variant.planar ? " -DMULTUM_PLANAR=1" : "", sh,
+                     rounds_when_asked ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
 }
 
 }  // namespace multum

@@ -16,6 +16,7 @@ struct KernelVariant {
   int sh_order = 0;       // of spherical harmonics, 1..20; 0: a kernel without any
 };
 
-std::string build_options(const KernelVariant& variant);
+/// `rounds_when_asked`: the device divides and takes roots as IEEE says only in programs that are built so.
+std::string build_options(const KernelVariant& variant, bool rounds_when_asked);
 
 }  // namespace multum

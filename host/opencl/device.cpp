@@ -84,9 +84,8 @@ std::vector<FoundDevice> find_devices() {
     if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;
     std::vector<cl_device_id> ids(count);
     check_cl(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr), "clGetDeviceIDs");
-    for (cl_device_id id : ids) {
+    for (cl_device_id id : ids)
       found.push_back({id, info_of(id, static_cast<int>(found.size()), platform_name(platform))});
-    }
   }
   return found;
 }
@@ -97,29 +96,35 @@ bool matches(const DeviceInfo& info, const std::string& selector) {
   return info.name.find(selector) != std::string::npos || info.platform.find(selector) != std::string::npos;
 }
 
-const FoundDevice* choose(const std::vector<FoundDevice>& devices, const std::string& selector) {
-  if (selector.empty()) {
-    for (bool want_cpu : {false, true})
-      for (const FoundDevice& device : devices)
-        if (device.info.is_cpu == want_cpu) return &device;
-    return nullptr;
-  }
-  for (const FoundDevice& device : devices)
-    if (matches(device.info, selector)) return &device;
-  return nullptr;
-}
-
 void CL_CALLBACK on_context_error(const char* message, const void*, std::size_t, void*) {
   log_warning(std::string("OpenCL: ") + message);
 }
 
 }  // namespace
 
-std::vector<DeviceInfo> list_devices() {
+std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices, const std::string& selector) {
+  if (selector.empty()) {
+    for (bool want_cpu : {false, true})
+      for (std::size_t i = 0; i < devices.size(); ++i)
+        if (devices[i].is_cpu == want_cpu) return i;
+    return std::nullopt;
+  }
+  for (std::size_t i = 0; i < devices.size(); ++i)
+    if (matches(devices[i], selector)) return i;
+  return std::nullopt;
+}
+
+namespace {
+
+std::vector<DeviceInfo> infos_of(const std::vector<FoundDevice>& devices) {
   std::vector<DeviceInfo> infos;
-  for (FoundDevice& device : find_devices()) infos.push_back(std::move(device.info));
+  for (const FoundDevice& device : devices) infos.push_back(device.info);
   return infos;
 }
+
+}  // namespace
+
+std::vector<DeviceInfo> list_devices() { return infos_of(find_devices()); }
 
 DeviceState::~DeviceState() {
   for (auto& entry : timed) clReleaseEvent(entry.second);
@@ -134,8 +139,8 @@ Device Device::open(const std::string& selector) {
   if (devices.empty())
     throw Error(ErrorCode::kEnvironment,
                 "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
-  const FoundDevice* chosen = choose(devices, selector);
-  if (chosen == nullptr) {
+  const std::optional<std::size_t> number = choose_device(infos_of(devices), selector);
+  if (!number) {
     std::string known;
     for (const FoundDevice& device : devices) known += fmt::format("\n  {}: {}", device.info.index, device.info.name);
     throw Error(ErrorCode::kEnvironment,
@@ -144,8 +149,8 @@ Device Device::open(const std::string& selector) {
   Device device;
   device.state_ = std::make_shared<DeviceState>();
   DeviceState& state = *device.state_;
-  state.info = chosen->info;
-  state.device = chosen->id;
+  state.info = devices[*number].info;
+  state.device = devices[*number].id;
   cl_int status = CL_SUCCESS;
   state.context = clCreateContext(nullptr, 1, &state.device, on_context_error, nullptr, &status);
   check_cl(status, state.info.name + ": clCreateContext");
@@ -245,8 +250,7 @@ std::map<std::string, double> Device::launch_seconds() {
 void Device::edit_kernels(std::vector<SourceEdit> edits) { state_->edits = std::move(edits); }
 
 Kernel Device::kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant) {
-  const std::string options =
-      build_options(variant) + (state_->info.rounds_when_asked ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
+  const std::string options = build_options(variant, state_->info.rounds_when_asked);
   std::string key = file + " " + options;
   for (const SourceEdit& edit : state_->edits)
     if (edit.file == file) key += "\n" + edit.text + "\n" + edit.replacement;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,6 +44,9 @@ struct TransferCounts {
 
 /// Every device of every platform; empty when there is none.
 std::vector<DeviceInfo> list_devices();
+
+/// Which of some devices a selector means, as Device::open() has it; none where it means none of them.
+std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices, const std::string& selector);
 
 class DeviceState;
 struct LaunchShape;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kernels/shared/movmf_fit.h"
+
 namespace multum {
 
 LaunchShape LaunchShape::of(const DeviceInfo& info) {
@@ -14,6 +16,10 @@ LaunchShape LaunchShape::of(const DeviceInfo& info) {
   shape.strip_texels = 64;
   shape.strip_local_size = 4;
   return shape;
+}
+
+bool LaunchShape::fits_by_teams(std::size_t texels, int sample_capacity) const {
+  return texels <= team_texels_max && sample_capacity >= MULTUM_TEAM;
 }
 
 LaunchShape LaunchShape::of_accelerator(const DeviceInfo& info) {

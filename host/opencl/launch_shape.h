@@ -35,6 +35,10 @@ struct LaunchShape {
   std::uint64_t window_bytes_max;     // for rows that are fitted at once; 0: what --memory leaves
   std::uint64_t window_bytes_useful;  // more is no faster; 0: as caches have it (host/bake/bake_plan.h)
 
+  bool has_teams() const { return team_texels_max > 0; }
+  /// Whether teams fit so many texels at once, of at most so many samples each.
+  bool fits_by_teams(std::size_t texels, int sample_capacity) const;
+
   static LaunchShape of(const DeviceInfo& info);
   /// As if the device were no CPU: what other devices do, tried on this one (`multum bake --scalar`).
   static LaunchShape of_accelerator(const DeviceInfo& info);

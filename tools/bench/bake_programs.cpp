@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/bake_programs.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,23 +12,20 @@
 #include "tools/bench/measured_program.h"
 
 namespace multum::bench {
-namespace {
-
 namespace fs = std::filesystem;
 
-std::string multum_program() {
-  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "multum";
-  if (!fs::exists(program))
-    throw Error(ErrorCode::kEnvironment,
-                program.string() + ": not found, expected multum in the folder of multum-bench (build target multum)");
-  return program.string();
+std::string neighbouring_program(const std::string& name) {
+  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  for (const fs::path& program : {folder / name, folder / "test" / name})
+    if (fs::exists(program)) return program.string();
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: not found, expected {} in the folder of multum-bench (build "
+                                                   "target {})",
+                                                   (folder / name).string(), name, name));
 }
-
-}  // namespace
 
 std::vector<std::string> multum_bake_command(const std::string& map, const std::string& output,
                                              const BakeCommandOptions& options) {
-  std::vector<std::string> command = {multum_program(), "bake", map, "-o", output, "--green", "up"};
+  std::vector<std::string> command = {neighbouring_program("multum"), "bake", map, "-o", output, "--green", "up"};
   if (options.lobes > 0) command.insert(command.end(), {"--lobes", std::to_string(options.lobes)});
   command.insert(command.end(), {"--quiet", "--force"});
   if (options.threads > 0) command.insert(command.end(), {"--threads", std::to_string(options.threads)});
@@ -60,7 +59,7 @@ std::string maketx_version() {
 std::string make_map_file(const std::string& folder, int size, Progress* progress) {
   const std::string prefix = folder + "/map";
   const std::string map = prefix + "_normal.png";
-  run_to_disk({multum_program(), "testmap", prefix, "--size", std::to_string(size)}, map, progress);
+  run_to_disk({neighbouring_program("multum"), "testmap", prefix, "--size", std::to_string(size)}, map, progress);
   fs::remove(prefix + "_albedo.png");
   return map;
 }

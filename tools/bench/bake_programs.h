@@ -16,6 +16,10 @@ struct BakeCommandOptions {
   std::vector<std::string> appended;  // more options of `multum bake`
 };
 
+/// A program from the folder of this one, or a test of the archive's below it (tools/bundle). Throws
+/// Error(kEnvironment) that names the folder.
+std::string neighbouring_program(const std::string& name);
+
 /// Of the four-quarter map, to a baked file. Quiet, since nobody reads it.
 std::vector<std::string> multum_bake_command(const std::string& map, const std::string& output,
                                              const BakeCommandOptions& options);

@@ -48,7 +48,7 @@ class LevelBench {
     const KernelVariant scalar{options.lobes, 1, false};
     KernelVariant fast = scalar;
     fast.vector_width = width_ = device.shape().vector_width;
-    by_teams_ = slots_ <= device.shape().team_texels_max && fit_.sample_columns * fit_.sample_rows >= MULTUM_TEAM;
+    by_teams_ = device.shape().fits_by_teams(slots_, fit_.sample_columns * fit_.sample_rows);
     texels_kernel_ = by_teams_ ? device.kernel("movmf_em_texels", "movmf_em_team", scalar)
                                : device.kernel("movmf_em_texels", "movmf_em_texels", fast);
     partial_kernel_ = device.kernel("movmf_em_chunks", "movmf_em_partial", fast);

@@ -15,10 +15,7 @@ namespace multum::bench {
 namespace {
 
 void check_result(const std::string& program, const ChildResult& result, const std::string& output) {
-  constexpr std::size_t kOutputShown = 2000;
-  const std::size_t begin = result.output.size() > kOutputShown ? result.output.size() - kOutputShown : 0;
-  std::string said = result.output.substr(begin);
-  while (said.ends_with('\n')) said.pop_back();
+  const std::string said = last_words(result.output);
   if (result.signal != 0)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: ended by signal {}, expected exit code 0\n{}", program, result.signal, said));
@@ -36,6 +33,13 @@ nlohmann::ordered_json spread_of_member(const std::vector<ProgramCost>& costs, d
 }
 
 }  // namespace
+
+std::string last_words(const std::string& output) {
+  constexpr std::size_t kOutputShown = 2000;
+  std::string said = output.substr(output.size() > kOutputShown ? output.size() - kOutputShown : 0);
+  while (said.ends_with('\n')) said.pop_back();
+  return said;
+}
 
 ProgramCost run_to_disk(const std::vector<std::string>& command, const std::string& output, Progress* progress) {
   std::filesystem::remove(output);

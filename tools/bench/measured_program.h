@@ -22,6 +22,9 @@ struct ProgramCost {
 /// with the end of what the command said when it fails: kUsage when its exit code says so, else kEnvironment.
 ProgramCost run_to_disk(const std::vector<std::string>& command, const std::string& output, Progress* progress);
 
+/// The end of what a program said, for a message that says how it failed.
+std::string last_words(const std::string& output);
+
 /// Medians and quartiles of some runs of a program: {"wall_s": ..., "cpu_s": ..., "peak_mib": ..., "output_mb": ...}.
 nlohmann::ordered_json costs_json(const std::vector<ProgramCost>& costs);
 

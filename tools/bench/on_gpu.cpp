@@ -17,9 +17,11 @@
 #include "host/base/child_process.h"
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
-#include "tools/bench/command_text.h"
+#include "host/opencl/device.h"
+#include "tools/bench/bake_programs.h"
 #include "tools/bench/driver_search.h"
 #include "tools/bench/machine.h"
+#include "tools/bench/measured_program.h"
 #include "tools/bench/on_gpu_page.h"
 #include "tools/bench/result_file.h"
 #include "tools/bench/scratch_folder.h"
@@ -50,26 +52,12 @@ Json read_json(const std::string& path) {
   return in ? Json::parse(in, nullptr, false) : Json();
 }
 
-// The end of what a program said.
-std::string last_words(const std::string& output) {
-  constexpr std::size_t kShown = 1200;
-  std::string said = output.size() > kShown ? "..." + output.substr(output.size() - kShown) : output;
-  while (said.ends_with('\n')) said.pop_back();
-  return said;
-}
-
-// A step that ended otherwise than it should: a line of the table.
-struct StepFailure {
-  std::string reason;
-};
-
 class OnGpuRun {
  public:
   OnGpuRun(const OnGpuOptions& options, const std::string& command, Progress* progress)
       : options_(options),
         progress_(progress),
         folder_(options.folder),
-        bin_(fs::read_symlink("/proc/self/exe").parent_path()),
         end_(Clock::now() + std::chrono::milliseconds(static_cast<long>(options.minutes * 60000.0))) {
     const DriverSearch drivers = find_drivers();
     name_drivers(drivers, folder_.path());
@@ -90,7 +78,7 @@ class OnGpuRun {
     const std::vector<int> em_sizes = options_.small ? std::vector<int>{64} : std::vector<int>{512, 2048, 4096};
     step("GL contexts", 5, [&](double left) {
       const std::string file = folder_ / "contexts.json";
-      child({program("multum-bench"), "contexts", "--json", file}, left);
+      child({neighbouring_program("multum-bench"), "contexts", "--json", file}, left);
       return Json{{"contexts", read_json(file)}};
     });
     step("first bake", 10, [&](double left) { return first_bake(left); });
@@ -125,23 +113,17 @@ class OnGpuRun {
     return json;
   }
 
-  std::string program(const std::string& name) const {
-    for (const fs::path& path : {bin_ / name, bin_ / "test" / name})
-      if (fs::exists(path)) return path.string();
-    throw StepFailure{name + " is not in " + bin_.string()};
-  }
-
   // Runs a program for at most so long; its exit code must be one of those given.
   ChildResult child(const std::vector<std::string>& command, double seconds, const std::vector<int>& expected = {0}) {
     ChildLimits limits;
     limits.time_max = std::chrono::milliseconds(static_cast<long>(seconds * 1000.0));
     const ChildResult result = run_child(command, limits);
     progress_advance(progress_, 0);
-    if (result.is_over_time) throw StepFailure{fmt::format("not done after {:.0f} s", seconds)};
-    if (result.signal != 0)
-      throw StepFailure{fmt::format("ended by signal {}: {}", result.signal, last_words(result.output))};
+    const auto fail = [&](const std::string& how) { throw Error(ErrorCode::kEnvironment, how); };
+    if (result.is_over_time) fail(fmt::format("not done after {:.0f} s", seconds));
+    if (result.signal != 0) fail(fmt::format("ended by signal {}: {}", result.signal, last_words(result.output)));
     if (std::find(expected.begin(), expected.end(), result.exit_code) == expected.end())
-      throw StepFailure{fmt::format("exit code {}: {}", result.exit_code, last_words(result.output))};
+      fail(fmt::format("exit code {}: {}", result.exit_code, last_words(result.output)));
     return result;
   }
 
@@ -159,9 +141,6 @@ class OnGpuRun {
         const bool is_broken = row["result"].value("broken", 0) > 0;
         row["status"] = is_broken ? "broken" : "done";
         has_broken_ = has_broken_ || is_broken;
-      } catch (const StepFailure& failure) {
-        row["status"] = "failed";
-        row["reason"] = failure.reason;
       } catch (const Cancelled&) {
         throw;
       } catch (const std::exception& error) {
@@ -180,57 +159,57 @@ class OnGpuRun {
     write_text_file(options_.output + ".md", page_of_run(result_));
   }
 
+  // By what a child lists, as Device::open() chooses; a driver that crashes ends the child.
   void choose_device() {
     const std::string listed = folder_ / "devices.json";
-    Json devices = Json::array();
-    try {
-      child({program("multum"), "devices", "--json", listed}, 60);
-      devices = read_json(listed);
-    } catch (const StepFailure& failure) {
-      if (!devices.is_array() || devices.empty()) throw Error(ErrorCode::kEnvironment, failure.reason);
+    child({neighbouring_program("multum"), "devices", "--json", listed}, 60);
+    result_["devices"] = read_json(listed);
+    std::vector<DeviceInfo> devices;
+    std::string cpu;
+    for (const Json& row : result_["devices"]) {
+      DeviceInfo info{};
+      info.index = row.at("index");
+      info.name = row.at("name");
+      info.platform = row.at("platform");
+      info.is_cpu = row.at("is_cpu");
+      devices.push_back(info);
+      if (info.is_cpu && cpu.empty()) cpu = std::to_string(info.index);
     }
-    result_["devices"] = devices;
-    const Json* gpu = nullptr;
-    const Json* cpu = nullptr;
-    for (const Json& device : devices) {
-      const bool is_cpu = device.at("is_cpu").get<bool>();
-      const bool is_wanted = options_.device.empty()
-                                 ? !is_cpu
-                                 : std::to_string(device.at("index").get<int>()) == options_.device ||
-                                       device.at("name").get<std::string>().find(options_.device) != std::string::npos;
-      if (is_wanted && gpu == nullptr) gpu = &device;
-      if (is_cpu && cpu == nullptr) cpu = &device;
-    }
-    if (gpu == nullptr && options_.any_device) gpu = cpu;
-    if (gpu == nullptr)
+    auto chosen = multum::choose_device(devices, options_.device);
+    if (!chosen && options_.any_device) chosen = multum::choose_device(devices, "");
+    const bool is_refused = chosen && devices[*chosen].is_cpu && options_.device.empty() && !options_.any_device;
+    if (!chosen || is_refused)
       throw Error(
           ErrorCode::kEnvironment,
-          fmt::format("found {} OpenCL devices and {} libraries of OpenCL drivers, but no GPU{}; expected one, or "
+          fmt::format("no GPU{} among the OpenCL devices found (devices: {}, driver libraries: {}); expected one, or "
                       "--any-device to measure a processor",
-                      devices.size(), result_["drivers"]["opencl"].size(),
-                      options_.device.empty() ? "" : " that matches '" + options_.device + "'"));
-    options_.device = std::to_string(gpu->at("index").get<int>());
-    result_["device"] = gpu->at("name");
-    result_["is_gpu"] = !gpu->at("is_cpu").get<bool>();
-    devices_.emplace_back(gpu->at("is_cpu").get<bool>() ? "the processor" : "the GPU", options_.device);
-    if (cpu != nullptr && cpu != gpu)
-      devices_.emplace_back("the processor", std::to_string(cpu->at("index").get<int>()));
+                      options_.device.empty() ? "" : " that matches '" + options_.device + "'", devices.size(),
+                      result_["drivers"]["opencl"].size()));
+    const DeviceInfo& device = devices[*chosen];
+    options_.device = std::to_string(device.index);
+    result_["device"] = device.name;
+    result_["is_gpu"] = !device.is_cpu;
+    devices_.emplace_back(device.is_cpu ? "the processor" : "the GPU", options_.device);
+    if (!device.is_cpu && !cpu.empty()) devices_.emplace_back("the processor", cpu);
     write();
   }
 
   std::string map_of(int size, double left) {
     const std::string prefix = folder_ / std::to_string(size), map = prefix + "_normal.png";
-    if (!fs::exists(map)) child({program("multum"), "testmap", prefix, "--size", std::to_string(size)}, left);
+    if (!fs::exists(map))
+      child({neighbouring_program("multum"), "testmap", prefix, "--size", std::to_string(size)}, left);
     return map;
   }
 
   // A bake's report, with what the whole process took and the checksum of what it wrote.
   Json bake_once(const std::string& map, const std::string& device, const std::vector<std::string>& more, double left) {
     const std::string output = folder_ / "baked.ndf.exr", report = folder_ / "report.json";
-    std::vector<std::string> command = {program("multum"), "bake",    map,        "-o",   output,     "--green", "up",
-                                        "--force",         "--quiet", "--report", report, "--device", device};
-    command.insert(command.end(), more.begin(), more.end());
-    const ChildResult result = child(command, left);
+    BakeCommandOptions bake;
+    bake.lobes = 0;
+    bake.report = report;
+    bake.appended = {"--device", device};
+    bake.appended.insert(bake.appended.end(), more.begin(), more.end());
+    const ChildResult result = child(multum_bake_command(map, output, bake), left);
     Json row = read_json(report);
     row["process"] = {{"wall_s", result.usage.wall_seconds},
                       {"cpu_s", result.usage.cpu_seconds()},
@@ -249,8 +228,8 @@ class OnGpuRun {
 
   Json selftest(double left) {
     const std::string file = folder_ / "selftest.json";
-    std::vector<std::string> command = {program("multum"), "selftest", "--quiet", "--device",
-                                        options_.device,   "--json",   file};
+    std::vector<std::string> command = {
+        neighbouring_program("multum"), "selftest", "--quiet", "--device", options_.device, "--json", file};
     if (options_.small) command.insert(command.end(), {"--filter", "moment"});
     child(command, left, {0, exit_code(ErrorCode::kVerification)});
     Json result = read_json(file);
@@ -298,7 +277,7 @@ class OnGpuRun {
     const std::string file = folder_ / "bench.json";
     std::error_code ignored;
     fs::remove(file, ignored);
-    command.insert(command.begin(), program("multum-bench"));
+    command.insert(command.begin(), neighbouring_program("multum-bench"));
     command.insert(command.end(), {"--json", file});
     child(command, left);
     return read_json(file);
@@ -311,7 +290,7 @@ class OnGpuRun {
     fs::remove(file, ignored);
     // A machine lent for its GPU often has no OSMesa.
     setenv("MULTUM_TEST_GL", result_.value("is_gpu", false) ? "egl" : "osmesa", 1);
-    child({program(name), "--gtest_brief=1", "--gtest_filter=" + (options_.small ? "Numerics*" : filter),
+    child({neighbouring_program(name), "--gtest_brief=1", "--gtest_filter=" + (options_.small ? "Numerics*" : filter),
            "--gtest_output=json:" + file},
           left, {0, 1});
     const Json said = read_json(file);
@@ -328,7 +307,6 @@ class OnGpuRun {
   OnGpuOptions options_;
   Progress* progress_;
   const ScratchFolder folder_;
-  const fs::path bin_;
   const Clock::time_point end_;
   std::vector<std::pair<std::string, std::string>> devices_;  // what a row calls it, and its number
   Json result_;

@@ -53,7 +53,7 @@ def source_of(soname, wanted, defined):
     return "\n".join(lines) + "\n", "\n".join(script)
 
 
-def write_stub(user, library, soname, output):
+def write_stand_in(user, library, soname, output):
     """Writes `output`, a stand-in for `library` as far as `user` needs its symbols. Needs gcc and binutils."""
     defined = {}
     for name, version, kind, size, is_defined in symbols(library):
@@ -63,10 +63,10 @@ def write_stub(user, library, soname, output):
     source, script = source_of(soname, wanted, defined)
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        (folder / "stub.c").write_text(source)
-        (folder / "stub.map").write_text(script)
+        (folder / "stand_in.c").write_text(source)
+        (folder / "stand_in.map").write_text(script)
         command = ["gcc", "-shared", "-fPIC", "-O1", "-w", f"-Wl,-soname,{output.name}", "-Wl,-z,noexecstack", "-s",
-                   "-o", str(output), str(folder / "stub.c")]
+                   "-o", str(output), str(folder / "stand_in.c")]
         if script:
-            command.append(f"-Wl,--version-script,{folder / 'stub.map'}")
+            command.append(f"-Wl,--version-script,{folder / 'stand_in.map'}")
         subprocess.run(command, check=True)
