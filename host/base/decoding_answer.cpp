@@ -20,7 +20,7 @@ void throw_refusal(const AskedFile& file, std::string_view answer) {
   if (kind == DecodingAnswer::kOutOfMemory)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: its decoding needs more than {} bytes of memory, expected a file that needs less "
-                            "(--decode here sets no limit, for files that you trust)",
+                            "(--decode child:SECONDS,MEMORY allows more, for files that you trust)",
                             file.path, file.memory_max));
 }
 

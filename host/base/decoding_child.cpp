@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/decoding_child.h"
 
+#include <filesystem>
 #include <mutex>
 #include <utility>
 
@@ -35,6 +36,11 @@ IdleChildren& idle_children() {
 }
 
 }  // namespace
+
+std::string decoder_beside_this_program() {
+  std::error_code error;
+  return (std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "multum-decode").string();
+}
 
 DecodedFile::DecodedFile(DecodingChild child, std::string path, std::string library)
     : child_(std::move(child)),

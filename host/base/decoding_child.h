@@ -2,7 +2,7 @@
 // Files whose libraries die on some of them are decoded in a child process (tools/multum_decode), which hands numbers
 // over in memory that both see. A child that has read a file to its end reads the next one; one that has failed is
 // gone, and a file's failure is no other file's. How much a file may take is its kind's to say:
-// host/image/child_image_file.cpp, host/mesh/child_mesh.cpp.
+// host/image/child_image_file.cpp, host/mesh/mesh_source.cpp.
 #pragma once
 
 #include <chrono>
@@ -16,9 +16,12 @@
 
 namespace multum {
 
+/// multum-decode in the folder of the running program: it must be of the same build, nothing is looked for in PATH.
+std::string decoder_beside_this_program();
+
 /// What a child may take for one request: these, and more for larger files.
 struct DecodingChild {
-  std::string program;                                 // multum-decode
+  std::string program = decoder_beside_this_program();
   std::uint64_t memory_base = std::uint64_t{1} << 30;  // bytes
   int time_base_ms = 30000;
 };

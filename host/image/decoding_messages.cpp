@@ -2,7 +2,6 @@
 #include "host/image/decoding_messages.h"
 
 #include "host/base/byte_message.h"
-#include "host/base/error.h"
 
 namespace multum {
 namespace {
@@ -80,29 +79,5 @@ ImageDescription parse_open_answer(MessageReader& in) {
 }
 
 std::string parse_read_answer(MessageReader& in) { return in.text(); }
-
-std::string ImageDecoder::answer(std::string_view request, SharedMemory& memory) {
-  MessageReader in(request);
-  if (DecodingRequest{in.number<std::uint8_t>()} == DecodingRequest::kOpenImage) {
-    close();
-    ImageFileSettings settings;
-    const std::string path = in.text();
-    settings.texel_count_max = in.number<std::int64_t>();
-    settings.threads = in.number<int>();
-    settings.all_parts = in.number<std::uint8_t>() != 0;
-    file_ = open_in_this_process(path, settings);
-    return open_answer(file_->description());
-  }
-  PixelBlock block;
-  for (int* number :
-       {&block.part, &block.y_begin, &block.y_end, &block.channel_begin, &block.channel_end, &block.base_type})
-    *number = in.number<int>();
-  const auto offset = static_cast<std::size_t>(in.number<std::uint64_t>());
-  std::size_t byte_count = 0;
-  std::byte* const data = memory.see(byte_count);
-  MULTUM_CHECK(file_ != nullptr && offset <= byte_count);
-  MULTUM_CHECK(block_bytes(file_->part(block.part), block) <= byte_count - offset);
-  return MessageWriter().number(DecodingAnswer::kDone).text(file_->read_into(block, data + offset)).take();
-}
 
 }  // namespace multum

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/image/exr_file.h"
 
-#include <OpenImageIO/typedesc.h>
-
 #include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/image/number_type.h"
 
 namespace multum {
 namespace {
@@ -51,12 +50,12 @@ std::vector<float> ExrFile::read(const std::string& channel) {
   if (found == places_.end())
     refuse(path_, fmt::format("has no channel \"{}\"; it has {}", channel, fmt::join(channels_, ", ")));
   const Place& place = found->second;
-  const OIIO::TypeDesc type(static_cast<OIIO::TypeDesc::BASETYPE>(place.type));
-  if (!type.is_floating_point())
-    refuse(path_, fmt::format("channel \"{}\" holds integers ({}), expected half or float", channel, type.c_str()));
+  if (place.type < number_type::kHalf)
+    refuse(path_,
+           fmt::format("channel \"{}\" holds integers ({}), expected half or float", channel, number_name(place.type)));
   std::vector<float> plane(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   const ImagePart& part = file_->part(place.part);
-  const PixelBlock block = {place.part, part.y, part.y + height_, place.index, place.index + 1, OIIO::TypeDesc::FLOAT};
+  const PixelBlock block = {place.part, part.y, part.y + height_, place.index, place.index + 1, number_type::kFloat};
   const std::byte* const memory = file_->reserve(block_bytes(part, block));
   if (const std::string message = file_->read(block, 0); !message.empty())
     refuse(path_, fmt::format("damaged: channel \"{}\" cannot be read: {}", channel, message));
@@ -64,6 +63,6 @@ std::vector<float> ExrFile::read(const std::string& channel) {
   return plane;
 }
 
-bool ExrFile::is_float(const std::string& channel) const { return places_.at(channel).type == OIIO::TypeDesc::FLOAT; }
+bool ExrFile::is_float(const std::string& channel) const { return places_.at(channel).type == number_type::kFloat; }
 
 }  // namespace multum

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/image/image_file.h"
 
-#include <OpenImageIO/typedesc.h>
 #include <fmt/format.h>
 
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/image/number_type.h"
 
 namespace multum {
 namespace {
@@ -14,12 +14,6 @@ namespace {
 [[noreturn]] void refuse(const std::string& path, const std::string& message) {
   throw Error(ErrorCode::kInput, path + ": " + message);
 }
-
-std::size_t type_bytes(int base_type) {
-  return OIIO::TypeDesc(static_cast<OIIO::TypeDesc::BASETYPE>(base_type)).size();
-}
-
-bool is_number_type(int base_type) { return base_type >= OIIO::TypeDesc::UINT8 && base_type <= OIIO::TypeDesc::DOUBLE; }
 
 // OpenImageIO's own bound is not ours to rely on when it speaks from another process.
 constexpr int kChannelCountMax = 1024;
@@ -45,12 +39,11 @@ void check_part(const std::string& path, const ImagePart& part, std::int64_t tex
   for (int channel = 0; channel < part.channel_count(); ++channel)
     if (!is_number_type(part.type_of(channel)) || !is_number_type(part.base_type))
       refuse(path,
-             fmt::format("found samples of type {}, expected integers or floats",
-                         OIIO::TypeDesc(static_cast<OIIO::TypeDesc::BASETYPE>(part.type_of(channel) & 15)).c_str()));
+             fmt::format("found samples of type {}, expected integers or floats", number_name(part.type_of(channel))));
 }
 
 ImageOpener& opener() {
-  static ImageOpener current = open_in_this_process;
+  static ImageOpener current = open_in_child({});
   return current;
 }
 
@@ -58,13 +51,13 @@ ImageOpener& opener() {
 
 std::size_t ImagePart::texel_bytes() const {
   std::size_t sum = 0;
-  for (int channel = 0; channel < channel_count(); ++channel) sum += type_bytes(type_of(channel));
+  for (int channel = 0; channel < channel_count(); ++channel) sum += number_bytes(type_of(channel));
   return sum;
 }
 
 std::size_t block_bytes(const ImagePart& part, const PixelBlock& block) {
   return static_cast<std::size_t>(part.width) * static_cast<std::size_t>(block.y_end - block.y_begin) *
-         static_cast<std::size_t>(block.channel_end - block.channel_begin) * type_bytes(block.base_type);
+         static_cast<std::size_t>(block.channel_end - block.channel_begin) * number_bytes(block.base_type);
 }
 
 void set_image_opener(ImageOpener next) { opener() = std::move(next); }

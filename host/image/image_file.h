@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // An open image file as its numbers: all that the project sees of OpenImageIO's readers. They run in a child process
-// (child_image_file.cpp), since some broken files end the process that opens them, or in this one
-// (library_image_file.cpp). Either way a file reads the same, and is refused in the same words.
+// (child_image_file.cpp), since some broken files end the process that opens them, and since their libraries take a
+// quarter of a second to load.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ struct ImagePart {
   int tile_width = 0, tile_height = 0;  // 0: scan lines
   int alpha_channel = -1;
   bool is_deep = false;
-  int base_type = 0;                         // OpenImageIO's TypeDesc::BASETYPE, of the widest channel
+  int base_type = 0;                         // host/image/number_type.h, of the widest channel
   std::vector<std::string> channel_names;    // one a channel
   std::vector<int> channel_types = {};       // base types where they differ; empty: all are base_type
   std::string colour_space, compression;     // as the file says, or empty
@@ -79,16 +79,10 @@ class ImageFile {
 /// Throws Error(kInput) naming the file: missing, of another format, damaged, or its decoding came to no end.
 std::unique_ptr<ImageFile> open_image_file(const std::string& path, const ImageFileSettings& settings);
 
-/// Where open_image_file() opens, for the whole process: in this process unless a program says otherwise at its start.
+/// How open_image_file() opens, for the whole process: in a child as DecodingChild's defaults have it, unless a program
+/// says otherwise at its start.
 using ImageOpener = std::function<std::unique_ptr<ImageFile>(const std::string&, const ImageFileSettings&)>;
 void set_image_opener(ImageOpener opener);
-
-/// In this process, into any memory.
-class LibraryImageFile : public ImageFile {
- public:
-  virtual std::string read_into(const PixelBlock& block, std::byte* memory) = 0;
-};
-std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, const ImageFileSettings& settings);
 
 /// In a child.
 ImageOpener open_in_child(const DecodingChild& child);

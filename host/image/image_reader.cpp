@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <future>
 
-#include <OpenImageIO/typedesc.h>
 #include <fmt/format.h>
 
 #include "host/base/damaged_file.h"
 #include "host/base/error.h"
 #include "host/image/image_file.h"
+#include "host/image/number_type.h"
 
 namespace multum {
 namespace {
@@ -19,22 +19,19 @@ namespace {
   throw Error(ErrorCode::kInput, path + ": " + message);
 }
 
-OIIO::TypeDesc type_desc(int base_type) { return OIIO::TypeDesc(static_cast<OIIO::TypeDesc::BASETYPE>(base_type)); }
-
 SampleType sample_type_of(const std::string& path, const ImagePart& part) {
   switch (part.base_type) {
-    case OIIO::TypeDesc::UINT8: return SampleType::kUint8;
-    case OIIO::TypeDesc::UINT16: return SampleType::kUint16;
-    case OIIO::TypeDesc::INT8:
-    case OIIO::TypeDesc::INT16:
-    case OIIO::TypeDesc::UINT32:
-    case OIIO::TypeDesc::INT32: return SampleType::kOtherInteger;
-    case OIIO::TypeDesc::HALF: return SampleType::kHalf;
-    case OIIO::TypeDesc::FLOAT:
-    case OIIO::TypeDesc::DOUBLE: return SampleType::kFloat;
+    case number_type::kUint8: return SampleType::kUint8;
+    case number_type::kUint16: return SampleType::kUint16;
+    case number_type::kInt8:
+    case number_type::kInt16:
+    case number_type::kUint32:
+    case number_type::kInt32: return SampleType::kOtherInteger;
+    case number_type::kHalf: return SampleType::kHalf;
+    case number_type::kFloat:
+    case number_type::kDouble: return SampleType::kFloat;
     default:
-      refuse(path,
-             fmt::format("found samples of type {}, expected integers or floats", type_desc(part.base_type).c_str()));
+      refuse(path, fmt::format("found samples of type {}, expected integers or floats", number_name(part.base_type)));
   }
 }
 
@@ -84,7 +81,7 @@ void check_webp_opaque(const std::string& path, ImageFile& file) {
   for (int y = part.y; y < part.y + part.height; y += kRows) {
     const int y_end = std::min(y + kRows, part.y + part.height);
     const std::string message =
-        file.read({0, y, y_end, part.alpha_channel, part.alpha_channel + 1, OIIO::TypeDesc::UINT8}, 0);
+        file.read({0, y, y_end, part.alpha_channel, part.alpha_channel + 1, number_type::kUint8}, 0);
     if (!message.empty())
       refuse(path, fmt::format("damaged: rows from {} of {} cannot be read: {}", y, part.height, message));
     const std::byte* const end = memory + width * static_cast<std::size_t>(y_end - y);
@@ -98,9 +95,7 @@ void check_webp_opaque(const std::string& path, ImageFile& file) {
 }
 
 // What is stored of a sample: the file's own type, or floats where the channels' types differ.
-int stored_type(const ImagePart& part) {
-  return part.channel_types.empty() ? part.base_type : int{OIIO::TypeDesc::FLOAT};
-}
+int stored_type(const ImagePart& part) { return part.channel_types.empty() ? part.base_type : number_type::kFloat; }
 
 RawImageInfo image_info(const std::string& path, const ImagePart& part, const std::string& container_format,
                         bool all_channels) {
@@ -115,11 +110,11 @@ RawImageInfo image_info(const std::string& path, const ImagePart& part, const st
   info.channel_names = part.channel_names;
   info.channel_names.resize(static_cast<std::size_t>(info.channel_count));
   info.base_type = stored_type(part);
-  info.row_bytes = info.row_values() * type_desc(info.base_type).size();
+  info.row_bytes = info.row_values() * number_bytes(info.base_type);
   info.colour_space = part.colour_space;
   info.has_alpha = part.alpha_channel >= 0;
   info.format =
-      fmt::format("{} {}, {} channel{}{}", container_format, type_desc(part.base_type).c_str(), part.channel_count(),
+      fmt::format("{} {}, {} channel{}{}", container_format, number_name(part.base_type), part.channel_count(),
                   part.channel_count() == 1 ? "" : "s", info.has_alpha && !all_channels ? " (alpha not read)" : "");
   if (part.x != part.full_x || part.y != part.full_y || part.width != part.full_width ||
       part.height != part.full_height)
@@ -133,7 +128,7 @@ RawImageInfo image_info(const std::string& path, const ImagePart& part, const st
 // for (ImageReaderTest.DoublesOfTiffAreRead). A single row that is left over is read with the band before it.
 int whole_block_rows(const ImagePart& part) {
   if (part.tile_width > 0) return part.tile_height;
-  return part.base_type == OIIO::TypeDesc::DOUBLE ? std::max(1, part.rows_per_strip) : 1;
+  return part.base_type == number_type::kDouble ? std::max(1, part.rows_per_strip) : 1;
 }
 
 // Rows that are decoded together: a band that cuts through them may have them decoded twice.
@@ -179,7 +174,7 @@ ImageReader::State::State(const std::string& image_path, const ImageReadSettings
   const std::string& format = file->description().format;
   info = image_info(path, part, format, settings.all_channels);
   check_plausible_size(path, part, file->description().file_size);
-  if (format == "tiff" && part.base_type == OIIO::TypeDesc::DOUBLE && part.height == 1)
+  if (format == "tiff" && part.base_type == number_type::kDouble && part.height == 1)
     refuse(path,
            "found one row of 64-bit floats, which OpenImageIO leaves unread; expected 32-bit floats, or more rows");
   rows = band_rows(part, info, settings.band_rows);

@@ -7,9 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "host/base/damaged_file.h"
-#include "host/mesh/mesh_import.h"
-#include "host/mesh/mesh_source.h"
+#include "host/base/error.h"
+#include "host/mesh/mesh_refusal.h"
 
 namespace multum {
 namespace {
@@ -98,15 +97,6 @@ bool are_sound(const ObjectMeshes& meshes) {
   return true;
 }
 
-template <typename Meshes>
-void put_arrays(const Meshes& meshes, std::byte* memory, std::size_t byte_count) {
-  MULTUM_CHECK(array_bytes(meshes) <= byte_count);
-  for_each_array(meshes, [&](const auto& array) {
-    if (!array.empty()) std::memcpy(memory, array.data(), bytes_of(array));
-    memory += bytes_of(array);
-  });
-}
-
 }  // namespace
 
 std::string open_mesh_request(DecodingRequest kind, const std::string& path, int uv_set) {
@@ -140,6 +130,24 @@ std::size_t array_bytes(const Meshes& meshes) {
 }
 
 template <typename Meshes>
+std::string open_mesh_answer(const Meshes& meshes) {
+  MessageWriter out;
+  out.number(DecodingAnswer::kDone);
+  write(out, meshes);
+  for_each_array(meshes, [&](const auto& array) { out.number(std::uint64_t{array.size()}); });
+  return out.take();
+}
+
+template <typename Meshes>
+void put_arrays(const Meshes& meshes, std::byte* memory, std::size_t byte_count) {
+  MULTUM_CHECK(array_bytes(meshes) <= byte_count);
+  for_each_array(meshes, [&](const auto& array) {
+    if (!array.empty()) std::memcpy(memory, array.data(), bytes_of(array));
+    memory += bytes_of(array);
+  });
+}
+
+template <typename Meshes>
 void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes) {
   for_each_array(meshes, [&](auto& array) {
     if (!array.empty()) std::memcpy(array.data(), memory, bytes_of(array));
@@ -151,37 +159,13 @@ void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes)
 
 template TriangleMesh parse_mesh_answer(const AskedFile&, MessageReader&);
 template ObjectMeshes parse_mesh_answer(const AskedFile&, MessageReader&);
+template std::string open_mesh_answer(const TriangleMesh&);
+template std::string open_mesh_answer(const ObjectMeshes&);
+template void put_arrays(const TriangleMesh&, std::byte*, std::size_t);
+template void put_arrays(const ObjectMeshes&, std::byte*, std::size_t);
 template std::size_t array_bytes(const TriangleMesh&);
 template std::size_t array_bytes(const ObjectMeshes&);
 template void take_arrays(const AskedFile&, const std::byte*, TriangleMesh&);
 template void take_arrays(const AskedFile&, const std::byte*, ObjectMeshes&);
-
-std::string MeshDecoder::answer(std::string_view request, SharedMemory& memory) {
-  MessageReader in(request);
-  MessageWriter out;
-  out.number(DecodingAnswer::kDone);
-  const DecodingRequest kind{in.number<std::uint8_t>()};
-  if (kind == DecodingRequest::kReadMesh) {
-    std::size_t byte_count = 0;
-    std::byte* const data = memory.see(byte_count);
-    std::visit([&](const auto& meshes) { put_arrays(meshes, data, byte_count); }, meshes_);
-    close();
-    return out.take();
-  }
-  close();
-  const std::string path = in.text();
-  const int uv_set = in.number<int>();
-  with_damage_named(path, [&] {
-    if (kind == DecodingRequest::kOpenMesh) meshes_ = read_mesh_here(path, uv_set);
-    else meshes_ = read_object_meshes_here(path, uv_set);
-  });
-  std::visit(
-      [&](const auto& meshes) {
-        write(out, meshes);
-        for_each_array(meshes, [&](const auto& array) { out.number(std::uint64_t{array.size()}); });
-      },
-      meshes_);
-  return out.take();
-}
 
 }  // namespace multum

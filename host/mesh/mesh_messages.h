@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a process and its decoder of meshes say to each other (host/base/decoding_answer.h).
+// What a process and its decoder of meshes (host/decoder/mesh_decoder.h) say to each other.
 //
 //   request   kOpenMesh, path, uv_set      answer   counts, parts
 //             kOpenObjects, path, uv_set            of each object: counts, name, place
@@ -7,12 +7,9 @@
 #pragma once
 
 #include <string>
-#include <string_view>
-#include <variant>
 #include <vector>
 
 #include "host/base/decoding_answer.h"
-#include "host/base/shared_memory.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/object_mesh.h"
 
@@ -36,14 +33,10 @@ std::size_t array_bytes(const Meshes& meshes);
 template <typename Meshes>
 void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes);
 
-/// The child's side: one file at a time. Throws Error where it cannot do as asked.
-class MeshDecoder {
- public:
-  std::string answer(std::string_view request, SharedMemory& memory);
-  void close() { meshes_ = {}; }
-
- private:
-  std::variant<TriangleMesh, ObjectMeshes> meshes_;
-};
+/// The child's side: its answer to a request to open, and its arrays put where the other side takes them from.
+template <typename Meshes>
+std::string open_mesh_answer(const Meshes& meshes);
+template <typename Meshes>
+void put_arrays(const Meshes& meshes, std::byte* memory, std::size_t byte_count);
 
 }  // namespace multum

@@ -10,13 +10,15 @@
 
 #include "host/base/error.h"
 #include "host/mesh/gltf_document.h"
+#include "host/mesh/mesh.h"
 #include "host/mesh/mesh_messages.h"
+#include "host/mesh/object_mesh.h"
 
 namespace multum {
 namespace {
 
-std::optional<DecodingChild>& mesh_child() {
-  static std::optional<DecodingChild> child;
+DecodingChild& mesh_child() {
+  static DecodingChild child;
   return child;
 }
 
@@ -43,7 +45,7 @@ std::uint64_t buffer_bytes(const std::string& path) {
 template <typename Meshes>
 Meshes read_in_child(DecodingRequest kind, const std::string& path, int uv_set) {
   constexpr std::uint64_t kMemoryTimes = 64, kBytesASecond = std::uint64_t{1} << 20;
-  DecodedFile file(*mesh_child(), path, "assimp");
+  DecodedFile file(mesh_child(), path, "assimp");
   const std::uint64_t bytes = file_bytes(path) + (is_gltf_name(path) ? buffer_bytes(path) : 0);
   file.allow(kMemoryTimes * bytes, std::chrono::seconds(bytes / kBytesASecond));
   auto meshes = file.ask(open_mesh_request(kind, path, uv_set),
@@ -56,16 +58,14 @@ Meshes read_in_child(DecodingRequest kind, const std::string& path, int uv_set) 
 
 }  // namespace
 
-void set_mesh_child(std::optional<DecodingChild> child) { mesh_child() = std::move(child); }
+void set_mesh_child(DecodingChild child) { mesh_child() = std::move(child); }
 
 TriangleMesh read_mesh(const std::string& path, int uv_set) {
-  return mesh_child() ? read_in_child<TriangleMesh>(DecodingRequest::kOpenMesh, path, uv_set)
-                      : read_mesh_here(path, uv_set);
+  return read_in_child<TriangleMesh>(DecodingRequest::kOpenMesh, path, uv_set);
 }
 
 std::vector<ObjectMesh> read_object_meshes(const std::string& path, int uv_set) {
-  return mesh_child() ? read_in_child<ObjectMeshes>(DecodingRequest::kOpenObjects, path, uv_set)
-                      : read_object_meshes_here(path, uv_set);
+  return read_in_child<ObjectMeshes>(DecodingRequest::kOpenObjects, path, uv_set);
 }
 
 }  // namespace multum

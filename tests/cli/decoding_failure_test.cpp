@@ -69,8 +69,8 @@ TEST_F(DecodingFailureTest, NoDecoderIsAnErrorOfTheMachine) {
                  {"bin/multum-decode: cannot be started"});
 }
 
-// With no decoder in reach, all of them must read here: the sweep's multum-view, too.
-TEST_F(DecodingFailureTest, DecodingHereNeedsNoDecoder) {
+// With no decoder in reach nothing is read. With one, what it may take is handed on to the sweep's multum-view.
+TEST_F(DecodingFailureTest, SweepsAndPlansReadByTheDecoder) {
   install("");
   write_bytes(path("scene.toml"),
               "[[map]]\nname = \"wall\"\nnormal = \"map_normal.png\"\n[[material]]\nname = \"paint\"\nbrdf = "
@@ -78,9 +78,10 @@ TEST_F(DecodingFailureTest, DecodingHereNeedsNoDecoder) {
               "distance = [1, 2]\n[[light]]\ndirection = [0, 0, 1]\n");
   const std::string multum = path("bin/multum");
   EXPECT_EQ(run_program({multum, "plan", path("scene.toml")}).exit_code, kEnvironment);
+  install("multum-decode");
   for (const std::vector<std::string>& command :
-       {std::vector<std::string>{multum, "plan", path("scene.toml"), "--decode", "here"},
-        {multum, "tradeoff", path("map_normal.png"), "-o", path("page.html"), "--quick", "--decode", "here"}}) {
+       {std::vector<std::string>{multum, "plan", path("scene.toml"), "--decode", "child:60"},
+        {multum, "tradeoff", path("map_normal.png"), "-o", path("page.html"), "--quick", "--decode", "child:60,2G"}}) {
     const ProgramResult result = run_program(command);
     EXPECT_EQ(result.exit_code, 0) << result.err;
   }
@@ -103,22 +104,29 @@ TEST_F(DecodingFailureTest, TheViewerRefusesWhatEndsItsDecoder) {
 }
 
 #ifndef MULTUM_SHADOW_MEMORY
+TEST_F(DecodingFailureTest, TheMemoryOfADecoderIsTheOptions) {
+  install("multum-decode");
+  expect_refused({"multum", "bake", path("map_normal.png"), "--decode", "child:30,1M"}, kInput,
+                 {"map_normal.png: its decoding needs more than 10", "--decode child:SECONDS,MEMORY allows more"});
+}
+
 TEST_F(DecodingFailureTest, MeshesThatNeedTooMuchMemoryAreRefused) {
   install("multum-decode");
   const std::string baked = path("map.ndf.exr");
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", baked, "-q", "--no-measure"}).exit_code, 0);
   write_bytes(path("bomb.gltf"), gltf_bomb());
   expect_refused({"multum-view", baked, "--mesh", path("bomb.gltf")}, kInput,
-                 {"bomb.gltf: its decoding needs more than 1073", "--decode here sets no limit"});
+                 {"bomb.gltf: its decoding needs more than 1073", "--decode child:SECONDS,MEMORY allows more"});
 }
 #endif
 
 TEST_F(DecodingFailureTest, WhereFilesAreDecodedIsChecked) {
   make_map("map", 16);
-  for (const char* place : {"there", "child:0", "child:2x"}) {
+  for (const char* place : {"there", "here", "child:0", "child:2x", "child:2,", "child:2,much", "child:,1G"}) {
     const ProgramResult result = multum({"bake", path("map_normal.png"), "-o", path("a.exr"), "--decode", place});
     EXPECT_EQ(result.exit_code, 2) << place;
-    EXPECT_NE(result.err.find("expected child, child:SECONDS (1 to 86400) or here"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("expected child, child:SECONDS (1 to 86400) or child:SECONDS,MEMORY"), std::string::npos)
+        << result.err;
   }
   EXPECT_NE(multum({"tradeoff", "--help"}).out.find("--decode"), std::string::npos);
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A decoder that has lost its mind: what follows the chosen reader is its answer to "open", and its pixels. Everything
 // that reads pictures goes on from there: sizes, bands, encodings, heights, colours, weights, Cryptomatte.
-#include <OpenImageIO/typedesc.h>
-
 #include <algorithm>
 #include <cstring>
 #include <numeric>
@@ -13,6 +11,7 @@
 #include "host/image/exr_layers.h"
 #include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
+#include "host/image/number_type.h"
 #include "host/image/object_index.h"
 #include "host/image/small_picture.h"
 #include "tests/fuzz/fuzz.h"
@@ -64,7 +63,7 @@ std::string input_of(const ImageDescription& description, unsigned reader, const
   return input + answer + pixels;
 }
 
-ImageDescription picture(int width, int height, OIIO::TypeDesc::BASETYPE type, std::vector<std::string> channels) {
+ImageDescription picture(int width, int height, int type, std::vector<std::string> channels) {
   ImagePart part;
   part.width = part.full_width = width;
   part.height = part.full_height = height;
@@ -118,24 +117,24 @@ std::vector<std::string> fuzz::seeds() {
   const std::vector<std::string> rgb = {"R", "G", "B"};
   std::vector<std::string> seeds;
   for (unsigned reader = 0; reader < 7; ++reader)
-    for (const auto type : {OIIO::TypeDesc::UINT8, OIIO::TypeDesc::UINT16, OIIO::TypeDesc::HALF})
+    for (const auto type : {number_type::kUint8, number_type::kUint16, number_type::kHalf})
       seeds.push_back(input_of(picture(8, 8, type, rgb), reader, pixels));
-  seeds.push_back(input_of(picture(8, 8, OIIO::TypeDesc::FLOAT, {"Y"}), 1, pixels));
-  seeds.push_back(input_of(picture(8, 8, OIIO::TypeDesc::FLOAT, rgb), 7, pixels));
-  seeds.push_back(input_of(picture(8, 8, OIIO::TypeDesc::UINT8, {"Y"}), 9, pixels));
-  seeds.push_back(input_of(picture(16, 8, OIIO::TypeDesc::HALF, rgb), 10, pixels));
-  seeds.push_back(input_of(picture(40, 30, OIIO::TypeDesc::UINT8, rgb), 11, pixels));
-  ImageDescription matte = picture(8, 8, OIIO::TypeDesc::FLOAT, {"CryptoObject00.r", "CryptoObject00.g"});
+  seeds.push_back(input_of(picture(8, 8, number_type::kFloat, {"Y"}), 1, pixels));
+  seeds.push_back(input_of(picture(8, 8, number_type::kFloat, rgb), 7, pixels));
+  seeds.push_back(input_of(picture(8, 8, number_type::kUint8, {"Y"}), 9, pixels));
+  seeds.push_back(input_of(picture(16, 8, number_type::kHalf, rgb), 10, pixels));
+  seeds.push_back(input_of(picture(40, 30, number_type::kUint8, rgb), 11, pixels));
+  ImageDescription matte = picture(8, 8, number_type::kFloat, {"CryptoObject00.r", "CryptoObject00.g"});
   matte.parts[0].texts = {{"cryptomatte/1/name", "CryptoObject"},
                           {"cryptomatte/1/hash", "MurmurHash3_32"},
                           {"cryptomatte/1/conversion", "uint32_to_float32"},
                           {"cryptomatte/1/manifest", R"({"thing":"3f800000"})"}};
   seeds.push_back(input_of(matte, 8, pixels));
-  ImageDescription tiles = picture(32, 32, OIIO::TypeDesc::HALF, rgb);
+  ImageDescription tiles = picture(32, 32, number_type::kHalf, rgb);
   tiles.parts[0].tile_width = tiles.parts[0].tile_height = 16;
-  tiles.parts[0].channel_types = {OIIO::TypeDesc::HALF, OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::HALF};
+  tiles.parts[0].channel_types = {number_type::kHalf, number_type::kFloat, number_type::kHalf};
   seeds.push_back(input_of(tiles, 0, pixels));
-  ImageDescription webp = picture(8, 8, OIIO::TypeDesc::UINT8, {"R", "G", "B", "A"});
+  ImageDescription webp = picture(8, 8, number_type::kUint8, {"R", "G", "B", "A"});
   webp.format = "webp";
   webp.parts[0].alpha_channel = 3;
   seeds.push_back(input_of(webp, 0, std::string(8, '\xff')));

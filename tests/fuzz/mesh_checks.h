@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "host/decoder/mesh_readers.h"
 #include "host/mesh/mesh_messages.h"
-#include "host/mesh/mesh_source.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum::fuzz {
@@ -26,10 +26,10 @@ inline void check(const ObjectMeshes& meshes) {
 }
 
 inline void read_whole(const std::string& path) {
-  const TriangleMesh mesh = read_mesh_here(path, 0);
+  const TriangleMesh mesh = import_mesh(path, 0);
   check(mesh);
   for (const glm::vec3& normal : mesh.normals) MULTUM_CHECK(std::isfinite(normal.x + normal.y + normal.z));
 }
-inline void read_objects(const std::string& path) { check(read_object_meshes_here(path, 0)); }
+inline void read_objects(const std::string& path) { check(import_object_meshes(path, 0)); }
 
 }  // namespace multum::fuzz

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "host/decoder/mesh_decoder.h"
 #include "host/mesh/gltf_material.h"
 #include "tests/fuzz/mesh_checks.h"
 

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "host/base/sanitizers.h"
+#include "host/decoder/library_image_file.h"
 #include "host/image/exr_layers.h"
 #include "host/image/image_file.h"
 #include "host/image/image_reader.h"
@@ -30,7 +31,7 @@ DecodingChild child_of(const std::string& program) {
 class ImageDecodingTest : public ::testing::Test {
  protected:
   ImageDecodingTest() { set_image_opener(open_in_child(child_of("multum-decode"))); }
-  ~ImageDecodingTest() override { set_image_opener(open_in_this_process); }
+  ~ImageDecodingTest() override { set_image_opener(open_in_child({})); }
 
   std::string write(const std::string& name, const TestImage& image) const {
     write_test_image(folder_ / name, image);
@@ -92,7 +93,7 @@ TEST_F(ImageDecodingTest, FilesReadAsInThisProcess) {
     const Picture there = read_picture(path);
     const auto channels_there =
         path.ends_with(".exr") ? read_exr_channels(path, {"G"}).channels : decltype(ExrLayers::channels){};
-    set_image_opener(open_in_this_process);
+    set_image_opener(open_library_image);
     const Picture here = read_picture(path);
     const auto channels_here =
         path.ends_with(".exr") ? read_exr_channels(path, {"G"}).channels : decltype(ExrLayers::channels){};
@@ -116,7 +117,7 @@ TEST_F(ImageDecodingTest, RefusalsSayTheSame) {
                                           write("many.exr", many)};
   for (const std::string& path : paths) {
     const std::string there = refusal_of(path);
-    set_image_opener(open_in_this_process);
+    set_image_opener(open_library_image);
     EXPECT_EQ(there, refusal_of(path));
     EXPECT_NE(there, "");
     set_image_opener(open_in_child(child_of("multum-decode")));

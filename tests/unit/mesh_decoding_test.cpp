@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/base/sanitizers.h"
+#include "host/decoder/mesh_readers.h"
 #include "host/mesh/mesh_messages.h"
 #include "host/mesh/mesh_source.h"
 #include "tests/unit/animation_test_scene.h"
@@ -20,15 +21,19 @@ namespace fs = std::filesystem;
 
 DecodingChild child_of(const std::string& program) { return {std::string(MULTUM_BIN_DIR) + "/" + program}; }
 
-std::string refusal_of(const std::string& path) {
+std::string refusal_of(const std::string& path, const std::function<void()>& read) {
   try {
-    read_mesh(path);
+    read();
     return "";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInput) << error.what();
     EXPECT_EQ(std::string(error.what()).find(path), 0u) << error.what();
     return error.what();
   }
+}
+
+std::string refusal_of(const std::string& path) {
+  return refusal_of(path, [&] { read_mesh(path); });
 }
 
 class MeshDecodingTest : public ::testing::Test {
@@ -66,7 +71,7 @@ TEST_F(MeshDecodingTest, FilesReadAsInThisProcess) {
       paths.push_back(data + std::string("/mesh/") + name);
   for (const std::string& path : paths) {
     SCOPED_TRACE(path);
-    const TriangleMesh there = read_mesh(path), here = read_mesh_here(path, 0);
+    const TriangleMesh there = read_mesh(path), here = import_mesh(path, 0);
     EXPECT_TRUE(there.positions == here.positions && there.normals == here.normals && there.uvs == here.uvs);
     EXPECT_TRUE(there.tangents == here.tangents && there.indices == here.indices);
     ASSERT_EQ(there.parts.size(), here.parts.size());
@@ -76,7 +81,7 @@ TEST_F(MeshDecodingTest, FilesReadAsInThisProcess) {
       EXPECT_EQ(there.parts[i].first_index, here.parts[i].first_index);
       EXPECT_EQ(there.parts[i].index_count, here.parts[i].index_count);
     }
-    const ObjectMeshes objects_there = read_object_meshes(path, 0), objects_here = read_object_meshes_here(path, 0);
+    const ObjectMeshes objects_there = read_object_meshes(path, 0), objects_here = import_object_meshes(path, 0);
     ASSERT_EQ(objects_there.size(), objects_here.size());
     for (std::size_t i = 0; i < objects_here.size(); ++i) {
       EXPECT_EQ(objects_there[i].name, objects_here[i].name);
@@ -93,10 +98,8 @@ TEST_F(MeshDecodingTest, RefusalsSayTheSame) {
   for (const std::string& path : {folder_ / "none.obj", write("cut.glb", "glTF"), write("bad.gltf", "{\"asset\": "),
                                   write("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
                                   write("far.gltf", gltf_text(far)), write("text.obj", "no mesh")}) {
-    set_mesh_child(child_of("multum-decode"));
     const std::string there = refusal_of(path);
-    set_mesh_child({});
-    EXPECT_EQ(there, refusal_of(path));
+    EXPECT_EQ(there, refusal_of(path, [&] { import_mesh(path, 0); }));
     EXPECT_NE(there, "");
   }
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/command_line/decoding_option.h"
 
-#include <algorithm>
 #include <charconv>
-#include <filesystem>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -13,56 +12,54 @@
 namespace multum {
 namespace {
 
-// It must be of the same build: nothing is looked for in PATH.
-std::string decoder_beside_this_program() {
-  std::error_code error;
-  return (std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "multum-decode").string();
+constexpr int kSecondsMax = 86400;
+
+std::optional<std::uint64_t> byte_count(std::string text) {
+  std::uint64_t bytes = 0;
+  if (!CLI::AsSizeValue(false)(text).empty()) return std::nullopt;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), bytes);
+  return error == std::errc() && end == text.data() + text.size() && bytes > 0 ? std::optional(bytes) : std::nullopt;
 }
 
-void decode_by(const DecodingChild& child) {
-  set_image_opener(open_in_child(child));
-  set_mesh_child(child);
-}
-
-void decode_here() {
-  set_image_opener(open_in_this_process);
-  set_mesh_child(std::nullopt);
-}
-
-// "child:SECONDS" as seconds; 0: it is none.
-int seconds_of(const std::string& place) {
-  constexpr std::string_view kStart = "child:";
-  constexpr int kSecondsMax = 86400;
+// What "child", "child:SECONDS" and "child:SECONDS,MEMORY" mean; none: none of these.
+std::optional<DecodingChild> child_of(std::string_view text) {
+  DecodingChild child;
+  if (text == "child") return child;
+  if (!text.starts_with("child:")) return std::nullopt;
+  text.remove_prefix(std::string_view("child:").size());
+  const std::string_view seconds_text = text.substr(0, text.find(','));
   int seconds = 0;
-  if (!place.starts_with(kStart)) return 0;
-  const auto [end, error] = std::from_chars(place.data() + kStart.size(), place.data() + place.size(), seconds);
-  return error == std::errc() && *end == '\0' && seconds <= kSecondsMax ? std::max(seconds, 0) : 0;
+  const auto [end, error] = std::from_chars(seconds_text.begin(), seconds_text.end(), seconds);
+  if (error != std::errc() || end != seconds_text.end() || seconds < 1 || seconds > kSecondsMax) return std::nullopt;
+  child.time_base_ms = 1000 * seconds;
+  if (seconds_text.size() == text.size()) return child;
+  const std::optional<std::uint64_t> memory = byte_count(std::string(text.substr(seconds_text.size() + 1)));
+  if (!memory) return std::nullopt;
+  child.memory_base = *memory;
+  return child;
 }
 
 }  // namespace
 
-void decode_in_child() { decode_by({decoder_beside_this_program()}); }
-
 void add_decoding_option(CLI::App& app, std::string* as_given) {
-  decode_in_child();
   app.add_option_function<std::string>(
          "--decode",
-         [as_given](const std::string& place) {
-           if (as_given != nullptr) *as_given = place;
-           if (place == "here") return decode_here();
-           DecodingChild child = {decoder_beside_this_program()};
-           if (const int seconds = seconds_of(place); seconds > 0) child.time_base_ms = 1000 * seconds;
-           decode_by(child);
+         [as_given](const std::string& text) {
+           if (as_given != nullptr) *as_given = text;
+           const DecodingChild child = child_of(text).value_or(DecodingChild{});
+           set_image_opener(open_in_child(child));
+           set_mesh_child(child);
          },
-         "where images and meshes are decoded: in a child process, which a broken file may end and which has 30 s for "
-         "a file, and more for a large one (child:SECONDS: so many), or here, if you trust them")
+         "what the child process that decodes images and meshes may take for a file, and more for a large one: 30 s "
+         "and "
+         "1 GiB, or as said, e.g. child:120,4G")
       ->check(CLI::Validator(
-          [](std::string& place) {
-            return place == "child" || place == "here" || seconds_of(place) > 0
+          [](std::string& text) {
+            return child_of(text)
                        ? ""
-                       : "'" + place + "': expected child, child:SECONDS (1 to 86400) or here";
+                       : "'" + text + "': expected child, child:SECONDS (1 to 86400) or child:SECONDS,MEMORY";
           },
-          "child|child:SECONDS|here"))
+          "child|child:SECONDS[,MEMORY]"))
       ->default_str("child");
 }
 

@@ -9,7 +9,6 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/opencl/program_cache.h"
-#include "tools/command_line/decoding_option.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
 
@@ -72,7 +71,6 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   add_infer_command(app, &exit_code);
   add_serve_commands(app, &exit_code);
   add_client_commands(app, &exit_code);
-  decode_in_child();
   set_program_cache_folder(program_cache_folder());
   try {
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes lists

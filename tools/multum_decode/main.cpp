@@ -5,8 +5,8 @@
 
 #include "host/base/error.h"
 #include "host/base/helper_service.h"
-#include "host/image/decoding_messages.h"
-#include "host/mesh/mesh_messages.h"
+#include "host/decoder/image_decoder.h"
+#include "host/decoder/mesh_decoder.h"
 
 namespace multum {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "host/base/error.h"
 #include "host/base/log.h"
-#include "tools/command_line/decoding_option.h"
 #include "tools/multum_view/animated_view.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/scene_arguments.h"
@@ -24,7 +23,6 @@ bool has_option(int argc, char** argv, std::string_view name) {
 }
 
 int run(int argc, char** argv) {
-  decode_in_child();
   if (has_option(argc, argv, "--probe")) return run_probe(argc, argv);
   if (has_option(argc, argv, "--thumbnails")) return run_thumbnails(argc, argv);
   if (has_option(argc, argv, "--sample")) return run_inferred(argc, argv);

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/write_image.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
-#include "host/base/atomic_file.h"
+#include "host/asset/picture_file.h"
 #include "host/base/error.h"
 #include "host/image/colour_map.h"
+#include "host/image/png_writer.h"
 
 namespace multum {
 namespace {
@@ -30,17 +29,6 @@ std::vector<std::uint8_t> encode_srgb(const gl::FloatImage& image, float exposur
   return rgb;
 }
 
-void write(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
-  AtomicFile file(path);
-  const auto output = OIIO::ImageOutput::create(file.temporary_path());
-  const bool done = output != nullptr && output->open(file.temporary_path(), spec) &&
-                    output->write_image(type, pixels) && output->close();
-  if (!done)
-    throw Error(ErrorCode::kEnvironment,
-                path + ": cannot be written: " + (output != nullptr ? output->geterror() : OIIO::geterror()));
-  file.commit();
-}
-
 }  // namespace
 
 void check_picture_path(const std::string& path) {
@@ -51,13 +39,9 @@ void check_picture_path(const std::string& path) {
 void write_picture(const std::string& path, const gl::FloatImage& image, float exposure) {
   check_picture_path(path);
   if (ends_with(path, ".png")) {
-    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    write(path, spec, OIIO::TypeDesc::UINT8, encode_srgb(image, exposure).data());
+    write_png8(path, {image.width, image.height, 3, encode_srgb(image, exposure)});
   } else {
-    OIIO::ImageSpec spec(image.width, image.height, 4, OIIO::TypeDesc::FLOAT);
-    spec.attribute("compression", "zip");
-    write(path, spec, OIIO::TypeDesc::FLOAT, image.rgba.data());
+    write_exr_picture(path, image.width, image.height, image.rgba);
   }
 }
 

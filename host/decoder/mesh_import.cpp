@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/mesh/mesh_import.h"
+#include "host/decoder/mesh_import.h"
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -7,7 +7,6 @@
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
-#include <cmath>
 #include <exception>
 #include <mutex>
 
@@ -54,10 +53,6 @@ void rethrow_hunger(const std::string& path, const std::exception_ptr& thrown) {
 
 }  // namespace
 
-void refuse_mesh(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kInput, path + ": " + what);
-}
-
 MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std::make_unique<Assimp::Importer>()) {
   check_gltf_file(path);
   static std::mutex log_mutex;
@@ -70,7 +65,5 @@ MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std:
 }
 
 MeshImport::~MeshImport() = default;
-
-bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/image/file_ranges.h"
+#include "host/decoder/file_ranges.h"
 
 #include <algorithm>
 #include <iterator>

@@ -8,15 +8,14 @@
 #include <assimp/vector3.h>
 #include <glm/vec3.hpp>
 
+#include "host/mesh/mesh_refusal.h"
+
 struct aiScene;
 namespace Assimp {
 class Importer;
 }
 
 namespace multum {
-
-/// Throws Error(kInput): "PATH: WHAT".
-[[noreturn]] void refuse_mesh(const std::string& path, const std::string& what);
 
 /// A file as assimp understands it.
 class MeshImport {
@@ -35,7 +34,5 @@ class MeshImport {
 };
 
 inline glm::vec3 to_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
-
-bool is_finite(const glm::vec3& v);
 
 }  // namespace multum

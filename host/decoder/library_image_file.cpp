@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenImageIO in this process. One reader named by the file's first bytes is opened (never "try all of them"), after
+// One reader named by the file's first bytes is opened (never "try all of them"), after
 // host/image/image_container has looked at the sizes; PNG and JPEG are read without their metadata.
+#include "host/decoder/library_image_file.h"
+
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
@@ -11,11 +13,19 @@
 
 #include "host/base/damaged_file.h"
 #include "host/base/error.h"
-#include "host/image/file_ranges.h"
-#include "host/image/image_file.h"
+#include "host/decoder/file_ranges.h"
+#include "host/image/number_type.h"
 
 namespace multum {
 namespace {
+
+// The codes of host/image/number_type.h are OpenImageIO's.
+static_assert(number_type::kUint8 == OIIO::TypeDesc::UINT8 && number_type::kInt8 == OIIO::TypeDesc::INT8);
+static_assert(number_type::kUint16 == OIIO::TypeDesc::UINT16 && number_type::kInt16 == OIIO::TypeDesc::INT16);
+static_assert(number_type::kUint32 == OIIO::TypeDesc::UINT32 && number_type::kInt32 == OIIO::TypeDesc::INT32);
+static_assert(number_type::kUint64 == OIIO::TypeDesc::UINT64 && number_type::kInt64 == OIIO::TypeDesc::INT64);
+static_assert(number_type::kHalf == OIIO::TypeDesc::HALF && number_type::kFloat == OIIO::TypeDesc::FLOAT);
+static_assert(number_type::kDouble == OIIO::TypeDesc::DOUBLE);
 
 [[noreturn]] void refuse(const std::string& path, const std::string& message) {
   throw Error(ErrorCode::kInput, path + ": " + message);
@@ -147,7 +157,7 @@ class OiioImageFile : public LibraryImageFile {
 
 }  // namespace
 
-std::unique_ptr<LibraryImageFile> open_in_this_process(const std::string& path, const ImageFileSettings& settings) {
+std::unique_ptr<LibraryImageFile> open_library_image(const std::string& path, const ImageFileSettings& settings) {
   const ImageContainer container = inspect_image_container(path, settings.texel_count_max);
   return with_damage_named(path, [&] { return std::make_unique<OiioImageFile>(path, container, settings); });
 }

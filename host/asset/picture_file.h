@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures as OpenEXR: linear, 32-bit floats, whole or not at all.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace multum {
+
+/// `rgba`: 4 * width * height values, row 0 at the top. Channels R, G, B, A, compressed by zip. Throws
+/// Error(kEnvironment) when the disk refuses.
+void write_exr_picture(const std::string& path, int width, int height, const std::vector<float>& rgba);
+
+}  // namespace multum

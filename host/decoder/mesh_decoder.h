@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// The child's side of host/mesh/mesh_messages.h.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "host/base/shared_memory.h"
+#include "host/mesh/mesh_messages.h"
+
+namespace multum {
+
+/// One file at a time.
+class MeshDecoder {
+ public:
+  /// Throws Error where it cannot do as asked.
+  std::string answer(std::string_view request, SharedMemory& memory);
+  void close() { meshes_ = {}; }
+
+ private:
+  std::variant<TriangleMesh, ObjectMeshes> meshes_;
+};
+
+}  // namespace multum

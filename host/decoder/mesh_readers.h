@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// read_mesh() and read_object_meshes() in this process, by assimp: multum-decode's, and the tests'.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/mesh/mesh.h"
+#include "host/mesh/object_mesh.h"
+
+namespace multum {
+
+TriangleMesh import_mesh(const std::string& path, int uv_set);
+std::vector<ObjectMesh> import_object_meshes(const std::string& path, int uv_set);
+
+}  // namespace multum
