@@ -104,12 +104,6 @@ TEST_F(DecodingFailureTest, TheViewerRefusesWhatEndsItsDecoder) {
 }
 
 #ifndef MULTUM_SHADOW_MEMORY
-TEST_F(DecodingFailureTest, TheMemoryOfADecoderIsTheOptions) {
-  install("multum-decode");
-  expect_refused({"multum", "bake", path("map_normal.png"), "--decode", "child:30,1M"}, kInput,
-                 {"map_normal.png: its decoding needs more than 10", "--decode child:SECONDS,MEMORY allows more"});
-}
-
 TEST_F(DecodingFailureTest, MeshesThatNeedTooMuchMemoryAreRefused) {
   install("multum-decode");
   const std::string baked = path("map.ndf.exr");
@@ -117,12 +111,15 @@ TEST_F(DecodingFailureTest, MeshesThatNeedTooMuchMemoryAreRefused) {
   write_bytes(path("bomb.gltf"), gltf_bomb());
   expect_refused({"multum-view", baked, "--mesh", path("bomb.gltf")}, kInput,
                  {"bomb.gltf: its decoding needs more than 1073", "--decode child:SECONDS,MEMORY allows more"});
+  expect_refused({"multum-view", baked, "--mesh", path("bomb.gltf"), "--decode", "child:30,128M"}, kInput,
+                 {"bomb.gltf: its decoding needs more than 134"});
 }
 #endif
 
 TEST_F(DecodingFailureTest, WhereFilesAreDecodedIsChecked) {
   make_map("map", 16);
-  for (const char* place : {"there", "here", "child:0", "child:2x", "child:2,", "child:2,much", "child:,1G"}) {
+  for (const char* place :
+       {"there", "here", "child:0", "child:2x", "child:2,", "child:2,much", "child:2,1M", "child:,1G"}) {
     const ProgramResult result = multum({"bake", path("map_normal.png"), "-o", path("a.exr"), "--decode", place});
     EXPECT_EQ(result.exit_code, 2) << place;
     EXPECT_NE(result.err.find("expected child, child:SECONDS (1 to 86400) or child:SECONDS,MEMORY"), std::string::npos)

@@ -16,7 +16,8 @@ TOOLS = ROOT / "tools"
 SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies", ROOT / ".ci/run"]
 # What provides each find_package of the CMake files; nothing where the compiler or CMake itself does.
 PACKAGE_OF = {"glm": "libglm-dev", "spdlog": "libspdlog-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
-              "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "OpenImageIO": "libopenimageio-dev",
+              "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "PNG": "libpng-dev",
+              "OpenImageIO": "libopenimageio-dev",
               "OpenCL": "ocl-icd-opencl-dev", "tomlplusplus": "libtomlplusplus-dev",
               "nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "assimp": "libassimp-dev",
               "Python3": "python3", "GTest": "libgtest-dev", "Eigen3": "libeigen3-dev",

@@ -13,12 +13,17 @@ namespace multum {
 namespace {
 
 constexpr int kSecondsMax = 86400;
+constexpr std::uint64_t kMemoryMin = std::uint64_t{128} << 20;  // its libraries take half of that
 
 std::optional<std::uint64_t> byte_count(std::string text) {
   std::uint64_t bytes = 0;
-  if (!CLI::AsSizeValue(false)(text).empty()) return std::nullopt;
+  try {
+    if (!CLI::AsSizeValue(false)(text).empty()) return std::nullopt;
+  } catch (const CLI::ValidationError&) {
+    return std::nullopt;
+  }
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), bytes);
-  return error == std::errc() && end == text.data() + text.size() && bytes > 0 ? std::optional(bytes) : std::nullopt;
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(bytes) : std::nullopt;
 }
 
 // What "child", "child:SECONDS" and "child:SECONDS,MEMORY" mean; none: none of these.
@@ -34,7 +39,7 @@ std::optional<DecodingChild> child_of(std::string_view text) {
   child.time_base_ms = 1000 * seconds;
   if (seconds_text.size() == text.size()) return child;
   const std::optional<std::uint64_t> memory = byte_count(std::string(text.substr(seconds_text.size() + 1)));
-  if (!memory) return std::nullopt;
+  if (!memory || *memory < kMemoryMin) return std::nullopt;
   child.memory_base = *memory;
   return child;
 }
@@ -57,7 +62,8 @@ void add_decoding_option(CLI::App& app, std::string* as_given) {
           [](std::string& text) {
             return child_of(text)
                        ? ""
-                       : "'" + text + "': expected child, child:SECONDS (1 to 86400) or child:SECONDS,MEMORY";
+                       : "'" + text +
+                             "': expected child, child:SECONDS (1 to 86400) or child:SECONDS,MEMORY (128M or more)";
           },
           "child|child:SECONDS[,MEMORY]"))
       ->default_str("child");
