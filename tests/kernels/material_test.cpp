@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <map>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -13,6 +15,7 @@
 #include "host/bake/moment_bake.h"
 #include "host/bake/movmf_bake.h"
 #include "host/bake/sh_bake.h"
+#include "host/image/four_quarter_map.h"
 #include "host/reference/planar_em.h"
 #include "host/reference/spherical_harmonics.h"
 #include "tests/kernels/em_harness.h"
@@ -381,8 +384,45 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
   }
 }
 
-// The measured error of a roughness that varies is about that of one that does not.
-TEST(Roughness, AVaryingMapIsAsGoodAsAConstantOne) {
+// Errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes: docs/ALGORITHMS.md, "Roughness
+// and material features", has the table, whose figures are rounded and of another seed of noise. A roughness that
+// varies costs two to four times the error: a sample that stood for one facet would cost 12.4 % where 6.8 % are stated.
+TEST(Roughness, ErrorsAreThoseOfTheTable) {
+  const NormalMap quarters = make_four_quarter_map(256, 7).normals;
+  const auto error_with = [&](const std::function<double(int, int)>& roughness) {
+    NormalMap map = quarters;
+    for (int i = 0; i < 256 * 256; ++i) {
+      const auto c = static_cast<float>(mean_cosine_of_roughness(roughness(i % 256, i / 256)));
+      for (std::vector<float>* plane : {&map.x, &map.y, &map.z}) (*plane)[static_cast<std::size_t>(i)] *= c;
+    }
+    MovmfMipmap mipmap = bake(map, nullptr, true, nullptr, MovmfSettings{});
+    mipmap.encoding = StorageEncoding::kSnorm16;
+    quantize_movmf(mipmap, 2);
+    AccuracySettings accuracy;
+    accuracy.samples_per_level = 0;
+    accuracy.first_level = 2;
+    std::map<int, double> errors;
+    for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, accuracy, nullptr))
+      if (row.brdf == "roughness" && row.point == AccuracyPoint::kCentre) errors[row.level] = row.error;
+    return std::pair(errors.at(2), errors.at(5));
+  };
+  std::mt19937 random(1);
+  const auto constant = error_with([](int, int) { return 0.45; });
+  const auto waves = error_with([](int x, int y) { return 0.45 + 0.2 * std::sin(x * 0.3) * std::cos(y * 0.2); });
+  const auto noise = error_with([&](int, int) { return 0.25 + 0.4 * uniform(random); });
+  constexpr double kOfTable = 0.15;
+  EXPECT_NEAR(constant.first / 0.057, 1.0, kOfTable);
+  EXPECT_NEAR(constant.second / 0.068, 1.0, kOfTable);
+  EXPECT_NEAR(noise.first / 0.256, 1.0, kOfTable);
+  EXPECT_NEAR(noise.second / 0.275, 1.0, kOfTable);
+  EXPECT_NEAR(waves.second / 0.228, 1.0, kOfTable);  // the table's are of another length, which level 2 shows
+  EXPECT_GT(waves.first, 1.5 * constant.first);
+  EXPECT_LT(waves.first, noise.first);
+}
+
+// Where normals at random are what lobes cannot follow, a roughness that varies adds nothing to the measured error; of
+// other maps ErrorsAreThoseOfTheTable says what it does.
+TEST(Roughness, OfNoisyNormalsAVaryingMapIsAsGoodAsAConstantOne) {
   const NormalMap bumps = bumpy_map(128, 128, 44);
   const auto error_with = [&](const std::function<double(int, int)>& roughness) {
     NormalMap map = bumps;
@@ -407,7 +447,7 @@ TEST(Roughness, AVaryingMapIsAsGoodAsAConstantOne) {
   };
   const double constant = error_with([](int, int) { return 0.45; });
   const double varying = error_with([](int x, int y) { return 0.45 + 0.2 * std::sin(x * 0.3) * std::cos(y * 0.2); });
-  EXPECT_GT(constant, 0.0);
+  EXPECT_NEAR(constant, 0.183, 0.02);  // measured of these bumps
   EXPECT_LT(varying, constant + 0.02) << "constant: " << constant;
 }
 

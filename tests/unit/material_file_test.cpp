@@ -3,8 +3,11 @@
 // programs that know neither refuse them, and files without are as they were.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
+#include <vector>
 
 #include "host/asset/gmm_quantize.h"
 #include "host/asset/moment_mipmap.h"
@@ -73,14 +76,37 @@ class MaterialFileTest : public ::testing::TestWithParam<Case> {
   const TemporaryFolder folder_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Files, MaterialFileTest,
-                         ::testing::Values(Case{StorageEncoding::kSnorm16, false, true, 0},
-                                           Case{StorageEncoding::kSnorm16, true, false, 1},
-                                           Case{StorageEncoding::kHalf, true, true, 4},
-                                           Case{StorageEncoding::kFloat, false, true, 3},
-                                           Case{StorageEncoding::kSnorm16, true, true, 2, Representation::kGmm},
-                                           Case{StorageEncoding::kHalf, false, true, 0, Representation::kGmm},
-                                           Case{StorageEncoding::kFloat, false, true, 3, Representation::kGmm}));
+const Case kCases[] = {{StorageEncoding::kSnorm16, false, true, 0},
+                       {StorageEncoding::kSnorm16, true, false, 1},
+                       {StorageEncoding::kHalf, true, true, 4},
+                       {StorageEncoding::kFloat, false, true, 3},
+                       {StorageEncoding::kSnorm16, true, true, 2, Representation::kGmm},
+                       {StorageEncoding::kHalf, false, true, 0, Representation::kGmm},
+                       {StorageEncoding::kFloat, false, true, 3, Representation::kGmm}};
+
+// The cases that a test is of: none is made to be skipped.
+template <typename Wanted>
+std::vector<Case> cases_where(const Wanted& wanted) {
+  std::vector<Case> cases;
+  std::copy_if(std::begin(kCases), std::end(kCases), std::back_inserter(cases), wanted);
+  return cases;
+}
+
+bool has_rough_lobes(const Case& c) { return c.has_roughness && c.lobes == Representation::kMovmf; }
+bool has_rough_gaussians(const Case& c) { return c.has_roughness && c.lobes == Representation::kGmm; }
+bool has_averages(const Case& c) { return c.encoding != StorageEncoding::kSnorm16; }
+bool has_weights(const Case& c) { return c.weight_count > 0; }
+
+class RoughLobesTest : public MaterialFileTest {};
+class RoughGaussiansTest : public MaterialFileTest {};
+class AveragesFileTest : public MaterialFileTest {};  // of harmonics and moments, which have no snorm
+class WeightsFileTest : public MaterialFileTest {};
+
+INSTANTIATE_TEST_SUITE_P(Files, MaterialFileTest, ::testing::ValuesIn(kCases));
+INSTANTIATE_TEST_SUITE_P(Files, RoughLobesTest, ::testing::ValuesIn(cases_where(has_rough_lobes)));
+INSTANTIATE_TEST_SUITE_P(Files, RoughGaussiansTest, ::testing::ValuesIn(cases_where(has_rough_gaussians)));
+INSTANTIATE_TEST_SUITE_P(Files, AveragesFileTest, ::testing::ValuesIn(cases_where(has_averages)));
+INSTANTIATE_TEST_SUITE_P(Files, WeightsFileTest, ::testing::ValuesIn(cases_where(has_weights)));
 
 TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
   const MovmfMipmap mipmap = lobes();
@@ -103,9 +129,7 @@ TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
   EXPECT_NE(movmf_content_hash(other, 2), found.provenance.content_hash);
 }
 
-TEST_P(MaterialFileTest, RoughFinestNormalsKeepTheirLengths) {
-  if (!GetParam().has_roughness || GetParam().lobes != Representation::kMovmf)
-    GTEST_SKIP() << "of files of lobes with roughness";
+TEST_P(RoughLobesTest, FinestNormalsKeepTheirLengths) {
   std::mt19937 random(3);
   MovmfFinest rows = testing::random_finest(random, 64, 8, 2, false);
   rows.has_roughness = true;
@@ -121,8 +145,7 @@ TEST_P(MaterialFileTest, RoughFinestNormalsKeepTheirLengths) {
 }
 
 // As points of the plane: what facets scatter, and what comes back as a normal's length.
-TEST_P(MaterialFileTest, RoughFinestPointsKeepWhatTheyScatter) {
-  if (GetParam().lobes != Representation::kGmm) GTEST_SKIP() << "of files of Gaussians with roughness";
+TEST_P(RoughGaussiansTest, FinestPointsKeepWhatTheyScatter) {
   std::mt19937 random(3);
   MovmfFinest rows = testing::random_finest(random, 64, 8, 2, false);
   rows.has_roughness = true;
@@ -149,9 +172,8 @@ TEST_P(MaterialFileTest, RoughFinestPointsKeepWhatTheyScatter) {
   }
 }
 
-TEST_P(MaterialFileTest, HarmonicsComeBackAsTheyWere) {
+TEST_P(AveragesFileTest, HarmonicsComeBackAsTheyWere) {
   const Case& c = GetParam();
-  if (c.encoding == StorageEncoding::kSnorm16) GTEST_SKIP() << "harmonics have no snorm";
   ShMipmap mipmap;
   mipmap.header = header_of(lobes());
   mipmap.header.representation = Representation::kSh;
@@ -188,9 +210,8 @@ TEST_P(MaterialFileTest, HarmonicsComeBackAsTheyWere) {
   EXPECT_EQ(failed(path), (std::set<std::string>{"level 0", "weights"}));
 }
 
-TEST_P(MaterialFileTest, MomentsComeBackAsTheyWere) {
+TEST_P(AveragesFileTest, MomentsComeBackAsTheyWere) {
   const Case& c = GetParam();
-  if (c.encoding == StorageEncoding::kSnorm16) GTEST_SKIP() << "moments have no snorm";
   MomentMipmap mipmap;
   mipmap.header = header_of(lobes());
   mipmap.header.representation = Representation::kMoments;
@@ -224,8 +245,7 @@ TEST_P(MaterialFileTest, MomentsComeBackAsTheyWere) {
   EXPECT_EQ(failed(path), std::set<std::string>{"weights"});
 }
 
-TEST_P(MaterialFileTest, VerifyNamesTheWeightThatCannotBe) {
-  if (GetParam().weight_count == 0) GTEST_SKIP() << "of files with weights";
+TEST_P(WeightsFileTest, VerifyNamesTheWeightThatCannotBe) {
   MovmfMipmap mipmap = lobes();
   const std::string path = folder_ / "a.exr";
   const auto count = static_cast<std::size_t>(mipmap.weight_count);
@@ -238,6 +258,14 @@ TEST_P(MaterialFileTest, VerifyNamesTheWeightThatCannotBe) {
   mipmap.levels[1].weights[2][5 * count] = NAN;
   write_movmf_mipmap(path, mipmap, {});
   EXPECT_EQ(failed(path), std::set<std::string>{"finite"});
+}
+
+// Of no cases no test would be made, and none would fail.
+TEST(MaterialFile, EveryTestHasCases) {
+  EXPECT_EQ(cases_where(has_rough_lobes).size(), 3u);
+  EXPECT_EQ(cases_where(has_rough_gaussians).size(), 3u);
+  EXPECT_EQ(cases_where(has_averages).size(), 4u);
+  EXPECT_EQ(cases_where(has_weights).size(), 5u);
 }
 
 TEST(MaterialFile, WithoutMaterialsTheVersionIsTheOld) {
