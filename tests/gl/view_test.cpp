@@ -561,7 +561,7 @@ TEST_F(ViewTest, LinksNeitherGlNorOpenCl) {
   // What the program itself asks for: image libraries may pull in more, OpenCV's OpenCL among it.
   const ChildResult needed = run_child({"readelf", "-d", std::string(MULTUM_BIN_DIR) + "/multum-view"});
   ASSERT_EQ(needed.exit_code, 0);
-  ASSERT_NE(needed.output.find("libOpenImageIO"), std::string::npos);
+  EXPECT_NE(needed.output.find("libOpenEXR"), std::string::npos) << needed.output;  // the list is there
   for (const char* library : {"libOpenCL", "libGL", "libEGL", "libOSMesa", "libOpenGL"})
     EXPECT_EQ(needed.output.find(library), std::string::npos) << library;
 }
