@@ -24,14 +24,17 @@ constexpr char kObject[] =
 constexpr char kSky[] = "[environment]\nfile = \"sky.exr\"\n";
 constexpr char kSun[] = "[[light]]\ndirection = [0.3, 0.8, 0.5]\n";
 
+constexpr double kFarther = 16.0;  // for pictures of coarser levels: the nearest distance shows the finest, magnified
+
 struct SceneCase {
   std::string name;
   std::string normal = "map";  // NORMAL_normal.png
-  std::string map = "";        // more keys
+  std::string albedo = "";     // its file, where there is one
   std::string material = "brdf = \"blinn-phong\"\nexponent = 100\n";
   std::string distance = "0.4, 20";
   std::string light = kSun;
-  std::string object = "";  // more keys
+  std::string object = "";       // more keys
+  double difference_max = 1e-5;  // of pictures from the default's: what was seen and half as much, or none
 };
 
 // What a shader's code and active uniforms have where an effect is needed, and only there.
@@ -59,8 +62,9 @@ class SceneCommandTest : public CliTest {
   void SetUp() override { make_map("map", 64); }
 
   std::string write_scene(const SceneCase& c) const {
-    const std::string text = fmt::format(kHead, c.normal, c.map) + "[[material]]\nname = \"paint\"\n" + c.material +
-                             fmt::format(kObject, c.distance) + c.object + c.light;
+    const std::string text = fmt::format(kHead, c.normal, c.albedo.empty() ? "" : "albedo = \"" + c.albedo + "\"") +
+                             "[[material]]\nname = \"paint\"\n" + c.material + fmt::format(kObject, c.distance) +
+                             c.object + c.light;
     write_bytes(path(c.name + ".toml"), text);
     return path(c.name + ".toml");
   }
@@ -88,9 +92,15 @@ class SceneCommandTest : public CliTest {
     write_image(
         "sky.exr", 32, [](int, int y, int c) { return y < 8 ? 1.0f + static_cast<float>(c) : 0.1f; }, true);
   }
-  std::vector<float> draw(const std::string& plan) const {
-    const ProgramResult drawn = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "--scene", plan, "--context",
-                                             "osmesa", "-o", path("picture.exr"), "--shaders", path("shaders.json")});
+  static std::vector<std::string> viewer(const std::string& plan) {
+    return {std::string(MULTUM_BIN_DIR) + "/multum-view", "--scene", plan, "--context", "osmesa"};
+  }
+  // `repeat` 0: as the plan has it, from the nearest distance.
+  std::vector<float> draw(const std::string& plan, double repeat = 0.0) const {
+    std::vector<std::string> command = viewer(plan);
+    command.insert(command.end(), {"-o", path("picture.exr"), "--shaders", path("shaders.json")});
+    if (repeat > 0.0) command.insert(command.end(), {"--repeat", fmt::format("{:.9g}", repeat)});
+    const ProgramResult drawn = run_program(command);
     EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
     const auto in = OIIO::ImageInput::open(path("picture.exr"));
     if (!in) return {};
@@ -98,6 +108,18 @@ class SceneCommandTest : public CliTest {
                               3);
     EXPECT_TRUE(in->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, values.data()));
     return values;
+  }
+
+  // Relative L1 of a plan's picture against normals shaded one by one.
+  double error_of_picture(const std::string& plan, double repeat, const SceneCase& c) const {
+    std::vector<std::string> command = viewer(plan);
+    command.insert(command.end(), {"-o", path("truth.exr"), "--report", path("truth.json"), "--compare", "truth"});
+    command.insert(command.end(), {"--source", path(c.normal + "_normal.png"), "--samples", "64"});
+    command.insert(command.end(), {"--repeat", fmt::format("{:.9g}", repeat)});
+    if (!c.albedo.empty()) command.insert(command.end(), {"--albedo", path(c.albedo)});
+    const ProgramResult drawn = run_program(command);
+    EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+    return json("truth.json")["pictures"].back()["relative_l1"];
   }
 
   // Of the picture that was drawn last.
@@ -121,32 +143,9 @@ class SceneCommandTest : public CliTest {
     EXPECT_EQ(held.find("normal_map"), std::string::npos);
   }
 
-  // Bakes and draws; the pictures must be as near as the plan states. Returns the report.
-  Json hold_to_default(const SceneCase& c) const {
-    SCOPED_TRACE(c.name);
-    const ProgramResult baked = multum({"bake", write_scene(c), "-o", path(c.name)});
-    EXPECT_EQ(baked.exit_code, 0) << baked.err;
-    Json plan = json(c.name + "/plan.json");
-    const Json report = json(c.name + "/report.json");
-    const double of_map = plan["maps"][0]["stated_difference"];
-    double stated = plan["objects"][0]["stated_difference"];
-    if (report["maps"][0].contains("difference_from_default"))
-      stated += report["maps"][0]["difference_from_default"]["at_most"].get<double>() - of_map;
-    const std::vector<float> picture = draw(path(c.name + "/plan.json"));
-    hold_shader_to_plan(plan);
-    std::vector<std::string> command = {"bake", path(c.normal + "_normal.png"), "-o",
-                                        path(c.name + "/default.ndf.exr")};
-    const std::size_t quote = c.map.find('"');
-    if (quote != std::string::npos)
-      command.insert(command.end(), {"--albedo", path(c.map.substr(quote + 1, c.map.rfind('"') - quote - 1))});
-    EXPECT_EQ(multum(command).exit_code, 0);
-    Json& view = plan["objects"][0]["view"];
-    view["file"] = "default.ndf.exr";
-    view.erase("colour_map");
-    view.erase("stored_only");
-    view.erase("fixed-fresnel");
-    write_bytes(path(c.name + "/default.json"), plan.dump());
-    const std::vector<float> expected = draw(path(c.name + "/default.json"));
+  // By what was measured of both bakes, by what the plan said before them, and by what such a scene is known to differ.
+  void hold_picture(const SceneCase& c, const std::string& from, const std::vector<float>& picture,
+                    const std::vector<float>& expected, double stated, double planned) const {
     double off = 0.0, all = 0.0;
     for (std::size_t i = 0; i < picture.size() && i < expected.size(); ++i) {
       off += static_cast<double>(std::abs(picture[i] - expected[i]));
@@ -155,7 +154,48 @@ class SceneCommandTest : public CliTest {
     EXPECT_GT(all, 0.0);
     EXPECT_EQ(picture.size(), expected.size());
     EXPECT_LE(off, (stated + 1e-6) * all) << 100.0 * off / all << " %, stated " << 100.0 * stated;
-    RecordProperty(c.name, fmt::format("{:.3g} of {:.3g} %", 100.0 * off / all, 100.0 * stated));
+    EXPECT_LE(off, (planned + 1e-6) * all) << 100.0 * off / all << " %, planned " << 100.0 * planned;
+    EXPECT_LE(off, c.difference_max * all) << 100.0 * off / all << " %";
+    RecordProperty(c.name + " " + from, fmt::format("{:.3g} of {:.3g} %", 100.0 * off / all, 100.0 * stated));
+  }
+
+  // Bakes and draws; the pictures must be as near as the plan states. Returns the report.
+  Json hold_to_default(const SceneCase& c) const {
+    SCOPED_TRACE(c.name);
+    const ProgramResult baked = multum({"bake", write_scene(c), "-o", path(c.name)});
+    EXPECT_EQ(baked.exit_code, 0) << baked.err;
+    Json plan = json(c.name + "/plan.json");
+    const Json report = json(c.name + "/report.json");
+    const double of_map = plan["maps"][0]["stated_difference"];
+    const double planned = plan["objects"][0]["stated_difference"];
+    double stated = planned;
+    if (report["maps"][0].contains("difference_from_default"))
+      stated += report["maps"][0]["difference_from_default"]["at_most"].get<double>() - of_map;
+    const std::vector<float> picture = draw(path(c.name + "/plan.json"));
+    hold_shader_to_plan(plan);
+    std::vector<std::string> command = {"bake", path(c.normal + "_normal.png"), "-o",
+                                        path(c.name + "/default.ndf.exr")};
+    if (!c.albedo.empty()) command.insert(command.end(), {"--albedo", path(c.albedo)});
+    EXPECT_EQ(multum(command).exit_code, 0);
+    Json& view = plan["objects"][0]["view"];
+    const bool is_fresnel_fixed = view.contains("fixed-fresnel");
+    view["file"] = "default.ndf.exr";
+    view.erase("colour_map");
+    view.erase("stored_only");
+    view.erase("fixed-fresnel");
+    write_bytes(path(c.name + "/default.json"), plan.dump());
+    hold_picture(c, "near", picture, draw(path(c.name + "/default.json")), stated, planned);
+    // Farther away, where pixels hold several texels: coarser levels.
+    const double repeat = kFarther * view["repeat"].get<double>();
+    hold_picture(c, "far", draw(path(c.name + "/plan.json"), repeat), draw(path(c.name + "/default.json"), repeat),
+                 stated, planned);
+    // What `stated` was measured of is these very bakes. What is not: normals shaded one by one, which the scene's may
+    // not be farther from.
+    if (!is_fresnel_fixed) {  // else the truth has it fixed too
+      const double own = error_of_picture(path(c.name + "/plan.json"), repeat, c),
+                   usual = error_of_picture(path(c.name + "/default.json"), repeat, c);
+      EXPECT_LT(own, 1.12 * usual + 0.001);  // 10.3 and 9.5 % of diffuse light, else the same
+    }
     return report;
   }
   static bool is_compared(const Json& report) { return report["maps"][0].contains("difference_from_default"); }
@@ -188,7 +228,7 @@ TEST_F(SceneCommandTest, AFlatWallIsOneTexel) {
 }
 
 TEST_F(SceneCommandTest, DiffuseLightFitsNothing) {
-  const Json report = hold_to_default({.name = "diffuse", .material = "brdf = \"lambert\"\n"});
+  const Json report = hold_to_default({.name = "diffuse", .material = "brdf = \"lambert\"\n", .difference_max = 0.04});
   EXPECT_EQ(names(report["launches"]), kAverageKernels);
   EXPECT_EQ(names(report["builds"]), kAveragePrograms);
   ASSERT_TRUE(is_compared(report));
@@ -212,8 +252,10 @@ TEST_F(SceneCommandTest, ColoursThatKnowNoSlopesAreOneATexel) {
   write_image("smooth.png", 64, [](int x, int y, int c) {
     return 0.5f + 0.3f * std::sin(6.2831853f / 64.0f * static_cast<float>(c == 0 ? x : c == 1 ? y : x + y));
   });
-  const Json report = hold_to_default(
-      {.name = "colour", .map = "albedo = \"smooth.png\"", .material = "brdf = \"blinn-phong\"\nexponent = 20\n"});
+  const Json report = hold_to_default({.name = "colour",
+                                       .albedo = "smooth.png",
+                                       .material = "brdf = \"blinn-phong\"\nexponent = 20\n",
+                                       .difference_max = 0.008});
   EXPECT_TRUE(has_em(report));
   EXPECT_FALSE(report["builds"].contains("movmf_features")) << "no colours are shared out among lobes";
   EXPECT_TRUE(fs::exists(path("colour/wall.colours.exr")));
@@ -221,7 +263,7 @@ TEST_F(SceneCommandTest, ColoursThatKnowNoSlopesAreOneATexel) {
 
 TEST_F(SceneCommandTest, AnEnvironmentNeedsNoLights) {
   write_sky();
-  SceneCase scene{.name = "sky", .material = "brdf = \"lambert\"\n"};
+  SceneCase scene{.name = "sky", .material = "brdf = \"lambert\"\n", .difference_max = 1e-4};
   scene.light = kSky;
   const Json report = hold_to_default(scene);
   EXPECT_FALSE(has_em(report));
@@ -245,7 +287,7 @@ TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
   write_sky();
   const Json report = hold_to_default({.name = "every",
                                        .normal = "four",
-                                       .map = "albedo = \"four_albedo.png\"",
+                                       .albedo = "four_albedo.png",
                                        .material = "brdf = \"ggx\"\nroughness = [0.3, 0.6]\n",
                                        .light = std::string(kSun) + "[[light]]\nposition = [0, 30, 2]\n" + kSky});
   EXPECT_TRUE(has_em(report));
@@ -255,7 +297,8 @@ TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
 
 // A metal that is seen from nearly above: F differs too little to be code. Of what is no metal, it does not.
 TEST_F(SceneCommandTest, FresnelIsANumberWhereItDiffersLittle) {
-  SceneCase scene{.name = "metal", .material = "brdf = \"ggx\"\nroughness = 0.4\nf0 = 0.97\ndiffuse = 0\n"};
+  SceneCase scene{
+      .name = "metal", .material = "brdf = \"ggx\"\nroughness = 0.4\nf0 = 0.97\ndiffuse = 0\n", .difference_max = 0.02};
   scene.object = "tilt = 20\n";
   hold_to_default(scene);
   const Json plan = json("metal/plan.json");
@@ -339,10 +382,11 @@ TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   }
 }
 
-// One lobe is estimated to do, and was baked before there was a target: what was measured of it decides.
+// One lobe is estimated to do, and was baked before there was a target: what was measured of it decides. Estimates stop
+// at s = 200: of s = 5000 they say 1.6 where a bake measures 2.0.
 TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   SceneCase scene{.name = "one"};
-  const std::string material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\n";
+  const std::string sharp = "brdf = \"blinn-phong\"\nexponent = 5000\n", material = sharp + "[budget]\n";
   const auto lobes_and_error = [&](const std::string& budget) {
     scene.material = material + budget;
     const ProgramResult baked = multum({"bake", write_scene(scene), "-o", path("one")});
@@ -350,17 +394,19 @@ TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
     const Json row = json("one/report.json")["maps"][0];
     double error = 0.0;
     for (const Json& one : row["bake"]["error"])
-      if (one["brdf"] == "blinn-phong:100")
+      if (one["brdf"] == "blinn-phong:5000")
         error = one["relative_l1"].get<double>() + one["confidence_95"].get<double>();
     return std::pair(json("one/plan.json")["maps"][0]["chosen"]["lobes"].get<int>(), error);
   };
-  ASSERT_EQ(multum({"plan", write_scene({.name = "free"}), "-o", path("free.json")}).exit_code, 0);
+  ASSERT_EQ(multum({"plan", write_scene({.name = "free", .material = sharp}), "-o", path("free.json")}).exit_code, 0);
+  const Json free = json("free.json");
   double estimate = 0.0;
-  for (const Json& candidate : json("free.json")["maps"][0]["candidates"])
+  for (const Json& candidate : free["maps"][0]["candidates"])
     if (candidate["name"] == "vmf, 1 lobe") estimate = candidate["error"];
-  const auto [lobes, error] = lobes_and_error(fmt::format("target_error = {}\n", 2.0));
+  const auto [lobes, error] = lobes_and_error(fmt::format("target_error = {}\n", 3.0));
   EXPECT_EQ(lobes, 1);
-  if (estimate >= 0.99 * error) GTEST_SKIP() << "the estimate is no lower than what is measured";
+  ASSERT_GT(estimate, 0.0) << "no such candidate";
+  ASSERT_LT(estimate, 0.9 * error) << "the target between them would say nothing";
   const double target = 0.5 * (estimate + error);
   const auto [more, better] = lobes_and_error(fmt::format("target_error = {}\n", target));
   EXPECT_GT(more, 1);
