@@ -105,20 +105,23 @@ def chart(title, unit, labels, series, bars=False, axis="level"):
     return "".join(out) + "</svg>"
 
 
+def first_value(path, key):
+    """Of the first line "KEY=VALUE" or "KEY : VALUE"; empty where there is none."""
+    try:
+        lines = pathlib.Path(path).read_text(errors="replace").splitlines()
+    except OSError:
+        return ""
+    found = next((line for line in lines if line.startswith(key)), "=")
+    return found.split("=" if "=" in found else ":", 1)[1].strip().strip('"')
+
+
 def machine(devices, contexts, versions):
     """A table of what the page's figures were measured on."""
-    def first_line(path, start):
-        try:
-            lines = pathlib.Path(path).read_text(errors="replace").splitlines()
-        except OSError:
-            return ""
-        found = next((line for line in lines if line.startswith(start)), "=")
-        return found.split("=" if "=" in found else ":", 1)[1].strip().strip('"')
     commit = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=False,
                             cwd=pathlib.Path(__file__).parent) if has_program("git") else None
-    rows = [["processor", first_line("/proc/cpuinfo", "model name") or platform.machine()],
+    rows = [["processor", first_value("/proc/cpuinfo", "model name") or platform.machine()],
             ["logical cores", len(os.sched_getaffinity(0))],
-            ["system", first_line("/etc/os-release", "PRETTY_NAME") or platform.platform()],
+            ["system", first_value("/etc/os-release", "PRETTY_NAME") or platform.platform()],
             ["OpenCL", ", ".join(sorted(devices))],
             ["GL", ", ".join(sorted(contexts))],
             ["multum", ", ".join(sorted(versions)) +

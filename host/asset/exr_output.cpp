@@ -8,19 +8,19 @@
 
 #include <cerrno>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
+#include "host/base/atomic_file.h"
 #include "host/base/error.h"
 
 namespace multum {
 namespace {
 
 constexpr std::uint32_t kMultiPartFlag = 0x1000;
-constexpr std::size_t kStreamBufferBytes = std::size_t{1} << 20;
 
 [[noreturn]] void fail(const std::string& shown_path, const std::string& reason) {
   throw Error(ErrorCode::kEnvironment, shown_path + ": writing failed: " + reason);
@@ -84,35 +84,29 @@ bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const s
 }  // namespace
 
 ExrOutputStream::ExrOutputStream(const std::string& path, const std::string& shown_path)
-    : Imf::OStream(shown_path.c_str()), file_(std::fopen(path.c_str(), "wb")) {
-  if (file_ == nullptr) fail(shown_path, std::strerror(errno));
-  std::setvbuf(file_, nullptr, _IOFBF, kStreamBufferBytes);
-}
+    : Imf::OStream(shown_path.c_str()), file_(path, shown_path) {}
 
-ExrOutputStream::~ExrOutputStream() {
-  if (file_ != nullptr) std::fclose(file_);
-}
-
-// Called where an exception would not arrive or would end the program too: what is thrown here the library may swallow.
-void ExrOutputStream::note_failure() {
-  if (failure_ == 0) failure_ = errno != 0 ? errno : EIO;
-  throw std::runtime_error(std::strerror(failure_));
-}
-
+// What is thrown here the library may swallow; close() throws it again.
 void ExrOutputStream::write(const char values[], int count) {
-  const auto bytes = static_cast<std::size_t>(count);
-  if (std::fwrite(values, 1, bytes, file_) != bytes) note_failure();
-  position_ += bytes;
+  if (!file_.write(values, static_cast<std::size_t>(count))) throw std::runtime_error(file_.failure());
 }
 
 void ExrOutputStream::seekp(std::uint64_t position) {
-  if (fseeko(file_, static_cast<off_t>(position), SEEK_SET) != 0) note_failure();
-  position_ = position;
+  if (!file_.seek(position)) throw std::runtime_error(file_.failure());
 }
 
-void ExrOutputStream::close() {
-  if (std::fclose(std::exchange(file_, nullptr)) != 0 && failure_ == 0) failure_ = errno;
-  if (failure_ != 0) fail(fileName(), std::strerror(failure_));
+void write_exr_file(const std::string& path, const std::function<void(Imf::OStream& stream)>& write) {
+  AtomicFile file(path);
+  try {
+    ExrOutputStream stream(file.temporary_path(), path);
+    write(stream);
+    stream.close();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    fail(path, error.what());
+  }
+  file.commit();
 }
 
 int fill_in_attribute(const std::string& path, const std::string& shown_path, const std::string& name,

@@ -6,29 +6,30 @@
 
 #include <ImfIO.h>
 
-#include <cstdio>
+#include <functional>
 #include <string>
+
+#include "host/base/output_file.h"
 
 namespace multum {
 
 class ExrOutputStream : public Imf::OStream {
  public:
-  /// Creates `path`; messages name `shown_path`. Throws Error(kEnvironment).
+  /// As OutputFile.
   ExrOutputStream(const std::string& path, const std::string& shown_path);
-  ~ExrOutputStream() override;
 
   void write(const char values[], int count) override;
-  std::uint64_t tellp() override { return position_; }
+  std::uint64_t tellp() override { return file_.position(); }
   void seekp(std::uint64_t position) override;
-  /// Hands everything to the system. Throws Error(kEnvironment) when this or anything before it failed.
-  void close();
+  void close() { file_.close(); }
 
  private:
-  void note_failure();
-  std::FILE* file_ = nullptr;
-  std::uint64_t position_ = 0;
-  int failure_ = 0;  // the first errno
+  OutputFile file_;
 };
+
+/// A file of its own that appears whole or not at all; `write` gives it its bytes. Throws Error(kEnvironment) when the
+/// disk or OpenEXR refuses.
+void write_exr_file(const std::string& path, const std::function<void(Imf::OStream& stream)>& write);
 
 /// Writes `text`, padded with spaces, over the string attribute `name` in every header of the file that has it, and
 /// returns how many have. Throws Error(kEnvironment), naming `shown_path`, where the room is less or the disk refuses.

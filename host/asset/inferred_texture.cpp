@@ -14,7 +14,6 @@
 #include <filesystem>
 
 #include "host/asset/exr_output.h"
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/exr_survey.h"
 
@@ -75,30 +74,20 @@ void write_inferred_texture(const InferredTexture& texture, const std::string& p
   header.setTileDescription(Imf::TileDescription(kTile, kTile, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN));
   header.compression() = Imf::ZIP_COMPRESSION;
   header.insert(kProvenance, Imf::StringAttribute(texture.provenance));
-  AtomicFile file(path);
-  try {
-    ExrOutputStream stream(file.temporary_path(), path);
-    {
-      Imf::TiledOutputFile output(stream, header);
-      std::vector<half> values;
-      for (int l = 0; l < layout.level_count(); ++l) {
-        const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
-        const auto begin = texture.texels.begin() + 3 * level.offset;
-        values.resize(value_count(level));
-        // Infinity would spread: of a texel that weighs nothing, the filter makes no number.
-        std::transform(begin, begin + static_cast<std::ptrdiff_t>(values.size()), values.begin(),
-                       [](float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)); });
-        output.setFrameBuffer(frame_of(values.data(), level.width));
-        output.writeTiles(0, output.numXTiles(l) - 1, 0, output.numYTiles(l) - 1, l);
-      }
+  write_exr_file(path, [&](Imf::OStream& stream) {
+    Imf::TiledOutputFile output(stream, header);
+    std::vector<half> values;
+    for (int l = 0; l < layout.level_count(); ++l) {
+      const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
+      const auto begin = texture.texels.begin() + 3 * level.offset;
+      values.resize(value_count(level));
+      // Infinity would spread: of a texel that weighs nothing, the filter makes no number.
+      std::transform(begin, begin + static_cast<std::ptrdiff_t>(values.size()), values.begin(),
+                     [](float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)); });
+      output.setFrameBuffer(frame_of(values.data(), level.width));
+      output.writeTiles(0, output.numXTiles(l) - 1, 0, output.numYTiles(l) - 1, l);
     }
-    stream.close();
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw Error(ErrorCode::kEnvironment, path + ": writing failed: " + error.what());
-  }
-  file.commit();
+  });
 }
 
 void round_to_half(std::vector<float>& values) {

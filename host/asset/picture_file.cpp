@@ -7,7 +7,6 @@
 #include <ImfOutputFile.h>
 
 #include "host/asset/exr_output.h"
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -25,21 +24,11 @@ void write_exr_picture(const std::string& path, int width, int height, const std
     frame.insert(channel, Imf::Slice(Imf::FLOAT, begin, kTexelBytes, kTexelBytes * static_cast<std::size_t>(width)));
     offset += sizeof(float);
   }
-  AtomicFile file(path);
-  try {
-    ExrOutputStream stream(file.temporary_path(), path);
-    {
-      Imf::OutputFile output(stream, header);
-      output.setFrameBuffer(frame);
-      output.writePixels(height);
-    }
-    stream.close();
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw Error(ErrorCode::kEnvironment, path + ": writing failed: " + error.what());
-  }
-  file.commit();
+  write_exr_file(path, [&](Imf::OStream& stream) {
+    Imf::OutputFile output(stream, header);
+    output.setFrameBuffer(frame);
+    output.writePixels(height);
+  });
 }
 
 }  // namespace multum

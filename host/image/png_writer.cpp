@@ -5,14 +5,13 @@
 #include <png.h>
 
 #include <bit>
-#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
-#include <cstring>
 #include <utility>
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/output_file.h"
 
 namespace multum {
 namespace {
@@ -26,30 +25,34 @@ struct PngFormat {
 int colour_type(int channels) {
   switch (channels) {
     case 1: return PNG_COLOR_TYPE_GRAY;
-    case 2: return PNG_COLOR_TYPE_GRAY_ALPHA;
     case 3: return PNG_COLOR_TYPE_RGB;
     default: return PNG_COLOR_TYPE_RGB_ALPHA;
   }
 }
+
+// libpng's two objects of a file.
+struct PngObjects {
+  PngObjects(void* owner, png_error_ptr on_error) {
+    png = png_create_write_struct(PNG_LIBPNG_VER_STRING, owner, on_error, [](png_structp, png_const_charp) {});
+    info = png != nullptr ? png_create_info_struct(png) : nullptr;
+  }
+  ~PngObjects() { png_destroy_write_struct(&png, &info); }
+  PngObjects(const PngObjects&) = delete;
+  PngObjects& operator=(const PngObjects&) = delete;
+
+  png_structp png;
+  png_infop info;
+};
 
 }  // namespace
 
 class PngFile {
  public:
   PngFile(const std::string& path, PngFormat format)
-      : file_(path), format_(std::move(format)), stream_(std::fopen(file_.temporary_path().c_str(), "wb")) {
-    if (stream_ == nullptr) fail(std::strerror(errno));
-    png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning);
-    info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
-    if (info_ == nullptr) {
-      release();
-      fail("no memory");
-    }
+      : file_(path), format_(std::move(format)), bytes_(file_.temporary_path(), path), objects_(this, on_error) {
+    if (objects_.info == nullptr) fail("libpng has no memory");
     guarded([this] { write_header(); });
   }
-  ~PngFile() { release(); }
-  PngFile(const PngFile&) = delete;
-  PngFile& operator=(const PngFile&) = delete;
 
   /// In the format that the file was opened with.
   void write_rows(int row_count, const void* interleaved) {
@@ -57,37 +60,41 @@ class PngFile {
     const auto row_bytes = static_cast<std::size_t>(format_.width * format_.channels * (format_.bits / 8));
     const auto* row = static_cast<const png_byte*>(interleaved);
     guarded([&] {
-      for (int i = 0; i < row_count; ++i) png_write_row(png_, row + static_cast<std::size_t>(i) * row_bytes);
+      for (int i = 0; i < row_count; ++i) png_write_row(objects_.png, row + static_cast<std::size_t>(i) * row_bytes);
     });
     row_ += row_count;
   }
 
   void finish() {
     MULTUM_CHECK(row_ == format_.height);
-    guarded([this] { png_write_end(png_, nullptr); });
-    std::FILE* const stream = std::exchange(stream_, nullptr);
-    if (std::fclose(stream) != 0) fail(std::strerror(errno));
+    guarded([this] { png_write_end(objects_.png, nullptr); });
+    bytes_.close();
     file_.commit();
   }
 
  private:
   void write_header() {
-    png_init_io(png_, stream_);
-    png_set_IHDR(png_, info_, static_cast<png_uint_32>(format_.width), static_cast<png_uint_32>(format_.height),
+    const png_structp png = objects_.png;
+    const png_infop info = objects_.info;
+    png_set_write_fn(png, this, on_write, [](png_structp) {});
+    png_set_IHDR(png, info, static_cast<png_uint_32>(format_.width), static_cast<png_uint_32>(format_.height),
                  format_.bits, colour_type(format_.channels), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
-    png_set_compression_level(png_, format_.compression_level);
-    png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_NO_FILTERS);  // noise gets no smaller by filters, only slower
-    if (format_.colour_space == "sRGB") png_set_sRGB_gAMA_and_cHRM(png_, info_, PNG_sRGB_INTENT_ABSOLUTE);
-    if (format_.colour_space == "Linear") png_set_gAMA(png_, info_, 1.0);
-    png_write_info(png_, info_);
-    if (format_.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png_);
+    png_set_compression_level(png, format_.compression_level);
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_NO_FILTERS);  // as OpenImageIO writes
+    if (format_.colour_space == "sRGB") png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_ABSOLUTE);
+    if (format_.colour_space == "Linear") png_set_gAMA(png, info, 1.0);
+    png_write_info(png, info);
+    if (format_.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
   }
 
   // libpng ends by longjmp where it fails: `work` holds nothing that has a destructor.
   template <typename Work>
   void guarded(const Work& work) {
-    if (setjmp(png_jmpbuf(png_)) != 0) fail(message_);
+    if (setjmp(png_jmpbuf(objects_.png)) != 0) {
+      if (!bytes_.failure().empty()) bytes_.close();  // throws
+      fail(message_);
+    }
     work();
   }
 
@@ -96,11 +103,9 @@ class PngFile {
     std::snprintf(self->message_, sizeof(self->message_), "%s", message);
     png_longjmp(png, 1);
   }
-  static void on_warning(png_structp, png_const_charp) {}
-
-  void release() {
-    if (png_ != nullptr) png_destroy_write_struct(&png_, &info_);
-    if (stream_ != nullptr) std::fclose(std::exchange(stream_, nullptr));
+  static void on_write(png_structp png, png_bytep bytes, png_size_t count) {
+    auto* const self = static_cast<PngFile*>(png_get_io_ptr(png));
+    if (!self->bytes_.write(bytes, count)) png_error(png, "");  // close() says why
   }
 
   [[noreturn]] void fail(const char* what) const {
@@ -109,9 +114,8 @@ class PngFile {
 
   AtomicFile file_;
   PngFormat format_;
-  std::FILE* stream_;
-  png_structp png_ = nullptr;
-  png_infop info_ = nullptr;
+  OutputFile bytes_;
+  PngObjects objects_;
   char message_[128] = "";
   int row_ = 0;  // the next
 };

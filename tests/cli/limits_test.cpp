@@ -41,6 +41,13 @@ TEST_F(LimitsTest, FilesThatCannotGrow) {
   }
 }
 
+TEST_F(LimitsTest, PicturesThatCannotGrow) {
+  const ProgramResult result =
+      run_program({"bash", "-c", "trap '' XFSZ; ulimit -f 16; exec \"$@\"", "bash",
+                   std::string(MULTUM_BIN_DIR) + "/multum", "testmap", path("out/picture"), "--size", "256"});
+  expect_failed(result, {path("out/picture"), ".png: writing failed: File too large"});
+}
+
 // The memory that the decoding child shares counts as a file.
 TEST_F(LimitsTest, SharedMemoryThatCannotGrow) {
   std::vector<std::string> shell = {"bash", "-c", "trap '' XFSZ; ulimit -f 16; exec \"$@\"", "bash"};

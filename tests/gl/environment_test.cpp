@@ -54,6 +54,13 @@ class EnvironmentTest : public testing::TestWithParam<ContextBackend> {
     if (context_ == nullptr) return;  // none could be made
     EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
   }
+  // Highlights alone, under a sky.
+  void make_glossy(float exponent) {
+    scene_.environment = make_environment_light(make_sky(64, 0.3));
+    scene_.brdf.diffuse = glm::vec3(0.0f);
+    scene_.brdf.specular = glm::vec3(1.0f);
+    scene_.brdf.exponent = exponent;
+  }
   FloatImage lobes(const TestMap& map, EnvironmentMode mode) {
     scene_.environment_mode = mode;
     const MovmfMaterial material(context_->functions(), map.mipmap, 1.0f);
@@ -186,10 +193,7 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
 // A plane that is all but a mirror shows the map itself; its texels, of 3 degrees, blend in one and not in the other.
 TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
-  scene_.environment = make_environment_light(make_sky(64, 0.3));
-  scene_.brdf.diffuse = glm::vec3(0.0f);
-  scene_.brdf.specular = glm::vec3(1.0f);
-  scene_.brdf.exponent = 30000.0f;
+  make_glossy(30000.0f);
   const TestMap flat = make_flat_map(4);
   EXPECT_LT(picture_error(lobes(flat, EnvironmentMode::kPrefiltered), truth(flat, 64)).relative_l1, 0.03);  // 2.0 %
 }
@@ -197,10 +201,7 @@ TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
 // Where normals spread the highlight wide, it is 3 x 3 lookups: 8.2 % off. Of parts that lie close together, 13.6 %.
 TEST_P(EnvironmentTest, WideHighlightsAreFollowed) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
-  scene_.environment = make_environment_light(make_sky(64, 0.3));
-  scene_.brdf.diffuse = glm::vec3(0.0f);
-  scene_.brdf.specular = glm::vec3(1.0f);
-  scene_.brdf.exponent = 40.0f;
+  make_glossy(40.0f);
   const TestMap noise = make_noise_map(16, 0.3f, WrapMode::kPeriodic);
   EXPECT_LT(picture_error(lobes(noise, EnvironmentMode::kPrefiltered), truth(noise, 256)).relative_l1, 0.10);
 }

@@ -29,8 +29,8 @@ void add_fit_options(CLI::App& bake, MapOptions& o) {
     bake.add_option(option, value, help)->default_str(fmt::format("{}", usual_value));
   };
   add("--lobes", o.lobes, usual.lobe_count,
-      "of vmf and gmm, as are the options of the fit below: lobes a texel, 1..8; more are more accurate, larger and "
-      "slower");
+      "of vmf and gmm, as are the options of the fit below: lobes a texel, 1..8; more are larger, slower and usually "
+      "more accurate");
   bake.add_flag("--reference", o.reference,
                 "every normal at every level, 30 iterations, none cut short: what the defaults are measured against, "
                 "slower");

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bytes to a file for libraries that write through callbacks: the first thing that goes wrong is kept and thrown when
+// the file is closed, since what is thrown within a callback may not arrive.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+namespace multum {
+
+class OutputFile {
+ public:
+  /// Creates `path`; messages name `shown_path`. Throws Error(kEnvironment).
+  OutputFile(const std::string& path, std::string shown_path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// False when the system refuses.
+  bool write(const void* bytes, std::size_t count);
+  bool seek(std::uint64_t position);
+  std::uint64_t position() const { return position_; }
+  /// What failed first, as text; empty: nothing did.
+  std::string failure() const;
+  /// Hands everything to the system. Throws Error(kEnvironment) when this or anything before it failed.
+  void close();
+
+ private:
+  bool keep(bool succeeded);
+  std::string shown_path_;
+  std::FILE* file_;
+  std::uint64_t position_ = 0;
+  int failure_ = 0;  // the first errno
+};
+
+}  // namespace multum
