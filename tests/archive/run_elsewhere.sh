@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The archive of tools/bundle where nothing of it was built: in an empty folder of this machine, and in a root of the next
-# release of Debian with nothing in it but drivers (PoCL for OpenCL, OSMesa for GL). It bakes, draws and serves there.
+# The archive of tools/bundle where nothing of it was built: in an empty folder of this machine, and in a root of the
+# next release of Debian with nothing in it but drivers (PoCL for OpenCL, OSMesa for GL). It bakes, draws and serves
+# there.
 #   run_elsewhere.sh REPOSITORY BUILD_FOLDER
-# Exit code 77, a skipped test, without root, debootstrap, patchelf or a Debian mirror: the first part is done all the same.
+# Exit code 77, a skipped test, without root, mmdebstrap, patchelf or a Debian mirror: the first part is done all the
+# same.
 set -euo pipefail
 repository=$1
 build=$2
@@ -20,7 +22,7 @@ trap finish EXIT
 skip() { printf 'run_elsewhere: passed over: %s\n' "$*"; exit 77; }
 
 command -v patchelf > /dev/null || skip 'patchelf is not here (Debian package patchelf)'
-"$repository/tools/bundle" --build "$build" --output "$work/multum.tar.xz"
+"$repository/tools/bundle" --build "$build" --output "$work/multum.tar.xz" --xz-preset 0
 
 # What a stranger does with it; run inside the folder that it was unpacked to.
 cat > "$work/try.sh" << 'TEXT'
@@ -54,25 +56,30 @@ echo 'run_elsewhere: in an empty folder'
 mkdir "$work/elsewhere"
 tar -xJf "$work/multum.tar.xz" -C "$work/elsewhere"
 unpacked=$(echo "$work"/elsewhere/multum-*)
-env -i PATH=/usr/bin:/bin HOME="$work/elsewhere" LANG=C.UTF-8 bash "$work/try.sh" "$unpacked" "$work/elsewhere/tried" |
-  tee "$work/here.txt"
+# PoCL is this machine's, and so is what it compiled for other tests.
+env -i PATH=/usr/bin:/bin HOME="$work/elsewhere" LANG=C.UTF-8 MULTUM_CACHE_DIR= \
+  POCL_CACHE_DIR="${POCL_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-$work}/.cache}/pocl/kcache}" \
+  bash "$work/try.sh" "$unpacked" "$work/elsewhere/tried" | tee "$work/here.txt"
 
 [ "$(id -u)" -eq 0 ] || skip "a root of $release wants root"
-command -v debootstrap > /dev/null || skip 'debootstrap is not here (Debian package debootstrap)'
+command -v mmdebstrap > /dev/null || skip 'mmdebstrap is not here (Debian package mmdebstrap)'
 mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2> /dev/null |
   sed -n 's/^URIs: *\([^ ]*\).*/\1/p; s/^deb  *\(\[[^]]*\] *\)\?\([^ ]*\).*/\2/p' | grep -v security | sed -n 1p) ||
   true
 [ -n "$mirror" ] || skip 'apt names no mirror of Debian'
 echo "run_elsewhere: in a root of $release"
-debootstrap --variant=minbase --include=pocl-opencl-icd,libosmesa6 "$release" "$root" "$mirror" > "$work/root.log" 2>&1 ||
-  { tail -n 5 "$work/root.log"; skip "debootstrap could not make a root of $release"; }
+# Packages and what they depend on, unpacked and not configured: no program here wants that.
+mmdebstrap --variant=extract --include=pocl-opencl-icd,libosmesa6,base-files,bash,coreutils,grep "$release" "$root" \
+  "$mirror" > "$work/root.log" 2>&1 ||
+  { tail -n 5 "$work/root.log"; skip "mmdebstrap could not make a root of $release"; }
 # PoCL counts processors in /sys.
 { mount --bind /dev "$root/dev" && mount -t proc proc "$root/proc" && mount --bind /sys "$root/sys"; } ||
   skip 'nothing may be mounted here'
-mkdir "$root/opt/multum"
-tar -xJf "$work/multum.tar.xz" -C "$root/opt/multum" --strip-components=1
+mkdir -p "$root/opt"
+mv "$unpacked" "$root/opt/multum"
 cp "$work/try.sh" "$root/try.sh"
-chroot "$root" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/tmp LANG=C.UTF-8 bash /try.sh /opt/multum /tmp/tried |
+chroot "$root" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/tmp LANG=C.UTF-8 MULTUM_CACHE_DIR= \
+  bash /try.sh /opt/multum /tmp/tried |
   tee "$work/there.txt"
 # Another C library, another PoCL, another compiler behind it: the same bytes.
 cmp <(grep '^checksum' "$work/here.txt") <(grep '^checksum' "$work/there.txt")
