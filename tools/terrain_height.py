@@ -6,7 +6,7 @@ The heights, int16 metres on a grid of 3 arc seconds, come with Debian's python-
 of .npy arrays. Both that and PNG are simple enough for the standard library. Prints the --height-scale that goes with
 the picture: how many texels high a value difference of 1 is, times the exaggeration asked for.
 
-  tools/terrain_height.py OUT.png [--exaggeration 4] [--input jacksboro_fault_dem.npz]
+  tools/terrain_height.py OUT.png [--exaggeration 4] [--every 1] [--input jacksboro_fault_dem.npz]
 """
 import argparse
 import ast
@@ -67,9 +67,12 @@ def main():
     parser.add_argument("output")
     parser.add_argument("--input", default=DEFAULT_INPUT)
     parser.add_argument("--exaggeration", type=float, default=4.0)
+    parser.add_argument("--every", type=int, default=1, metavar="N",
+                        help="take every Nth height along both axes (default: 1)")
     arguments = parser.parse_args()
     try:
         rows, spacing = read_terrain(arguments.input)
+        rows, spacing = [row[::arguments.every] for row in rows[::arguments.every]], spacing * arguments.every
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         sys.exit(f"{arguments.input}: {error}; expected the terrain of Debian's python-matplotlib-data")
     low, high = min(map(min, rows)), max(map(max, rows))
