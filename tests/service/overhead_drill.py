@@ -39,7 +39,7 @@ def main():
             subprocess.run(["sh", "-ec", "\n".join(lines)], check=True, env=service.environment)
 
         def by_service():
-            environment = dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}")
+            environment = dict(service.environment, MULTUM_SERVER=f"http://127.0.0.1:{service.port}")
             for name in names:
                 subprocess.run([options.multum, "submit", "bake", name + "_normal.png", "--again", "-o",
                                 f"{outputs}/{os.path.basename(name)}.ndf.exr"],

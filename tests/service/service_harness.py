@@ -29,7 +29,9 @@ class Service:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(config)
             self.options += ["--config", path]
-        self.environment = dict(os.environ, MULTUM_CACHE_DIR=os.path.join(folder, "cache"), **(environment or {}))
+        # Without multum's cache of programs: PoCL keeps what it compiles by itself, and to put a program into a file it
+        # compiles every kernel a second time.
+        self.environment = dict(os.environ, MULTUM_CACHE_DIR="", **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
         self.port = 0

@@ -61,8 +61,10 @@ class OnGpuRun {
         end_(Clock::now() + std::chrono::milliseconds(static_cast<long>(options.minutes * 60000.0))) {
     const DriverSearch drivers = find_drivers();
     name_drivers(drivers, folder_.path());
-    // Nothing is compiled already, and nothing of the user's is written to.
+    // Nothing is compiled already, and nothing of the user's is written to. A small run, whose times are no figures,
+    // takes what it is given.
     for (const char* variable : {"MULTUM_CACHE_DIR", "POCL_CACHE_DIR", "CUDA_CACHE_PATH"}) {
+      if (options_.small && std::getenv(variable) != nullptr) continue;
       const std::string cache = folder_ / variable;
       fs::create_directories(cache);
       setenv(variable, cache.c_str(), 1);
