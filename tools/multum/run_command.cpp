@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// A command line of `multum`, from its words to its exit code.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/opencl/program_cache.h"
+#include "tools/command_line/usage_error.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+// $MULTUM_CACHE_DIR, else $XDG_CACHE_HOME/multum, else ~/.cache/multum; empty MULTUM_CACHE_DIR turns the cache off.
+std::string program_cache_folder() {
+  if (const char* folder = std::getenv("MULTUM_CACHE_DIR")) return folder;
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0')
+    return std::string(xdg) + "/multum";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
+    return std::string(home) + "/.cache/multum";
+  return "";
+}
+
+// Of the command that a worker runs; one at a time.
+Progress::Callback& listener() {
+  static Progress::Callback callback;
+  return callback;
+}
+
+}  // namespace
+
+int run_command(std::vector<std::string> arguments, const Progress::Callback& callback) {
+  listener() = callback;
+  CLI::App app(
+      "multum bakes normal maps into textures that look right at every distance:\n"
+      "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
+      "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
+      "  multum bake --manifest maps.toml --check            bake what changed of a project, and say what it was\n"
+      "  multum plan scene.toml                              what a scene needs; bake scene.toml: that alone\n"
+      "  multum tradeoff bricks_normal.png -o costs.html     what accuracy costs in time and memory, as a page\n"
+      "  multum-view bricks.ndf.exr -o frame.png             render it\n"
+      "  multum info bricks.ndf.exr                          look inside\n"
+      "  multum mip bricks.png -o bricks.exr                 colours: averaged in linear light\n"
+      "  multum materials helmet.glb -o helmet               the normal maps of a model, as a manifest to bake\n"
+      "  multum selftest                                     does this machine's OpenCL driver compute what it "
+      "should?\n"
+      "  multum animation renders -o animation.toml          what a folder of ray-traced pictures holds, as a job\n"
+      "  multum serve --data jobs                            a service that bakes what clients submit",
+      "multum");
+  app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
+  app.require_subcommand(1);
+  app.failure_message(usage_error);
+  int exit_code = 0;
+  add_bake_command(app, &exit_code);
+  add_plan_command(app, &exit_code);
+  add_tradeoff_command(app, &exit_code);
+  add_info_command(app, &exit_code);
+  add_verify_command(app, &exit_code);
+  add_devices_command(app, &exit_code);
+  add_selftest_command(app, &exit_code);
+  add_testmap_command(app, &exit_code);
+  add_pyramid_commands(app, &exit_code);
+  add_materials_command(app, &exit_code);
+  add_animation_command(app, &exit_code);
+  add_infer_command(app, &exit_code);
+  add_serve_commands(app, &exit_code);
+  add_client_commands(app, &exit_code);
+  set_program_cache_folder(program_cache_folder());
+  try {
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes lists
+    app.parse(std::move(arguments));
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
+  }
+  // Results count as given only when they reached stdout: a full disk or a closed pipe must not end in exit code 0.
+  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  return exit_code;
+}
+
+std::unique_ptr<Progress> make_progress(const CommonOptions& options) {
+  return listener() ? std::make_unique<Progress>(listener()) : make_terminal_progress(!options.quiet);
+}
+
+int apply(const CommonOptions& options) {
+  set_log_level(options.quiet ? LogLevel::kQuiet : options.verbose ? LogLevel::kVerbose : LogLevel::kNormal);
+  const unsigned cores = std::thread::hardware_concurrency();
+  const int threads = options.threads > 0 ? options.threads : static_cast<int>(cores > 0 ? cores : 1);
+  // PoCL takes its thread count from the environment when the first platform is looked for.
+  setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1);
+  return threads;
+}
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_option("--threads", options.threads, "threads to use (default: all cores)")->check(CLI::Range(1, 1024));
+  command.add_flag("-v,--verbose", options.verbose, "print plans, caches and timings too");
+  command.add_flag("-q,--quiet", options.quiet, "print nothing but errors and results");
+}
+
+}  // namespace multum
