@@ -19,8 +19,6 @@ namespace {
 
 class BakeCommandTest : public CliTest {};
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   make_map("map", 64);
   const ProgramResult bake =
@@ -265,7 +263,7 @@ TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
 }
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
-  make_map("map", 1024);  // the bar is drawn anew 12 times a second
+  make_map("map", 256);  // the bar is drawn anew 12 times a second
   const std::vector<std::string> arguments = {"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--force"};
   const ProgramResult piped = multum(arguments);
   ASSERT_EQ(piped.exit_code, 0) << piped.err;
@@ -293,6 +291,25 @@ TEST_F(BakeCommandTest, RunstatsPrintLevelsAndLaunches) {
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
   for (const char* part : {"level  0      64 x 64", "level  6       1 x 1", "movmf_em_texels ", "movmf_start "})
     EXPECT_TRUE(contains(bake.out, part)) << part << " is not in\n" << bake.out;
+}
+
+// The other tests do without the cache of programs.
+TEST_F(BakeCommandTest, ProgramsAreKeptInTheCacheFolder) {
+  make_map("map", 16);
+  setenv("MULTUM_CACHE_DIR", path("cache").c_str(), 1);
+  const auto bake = [&] {
+    return multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--ndf", "moments", "--no-measure",
+                   "--force", "--verbose"});
+  };
+  const ProgramResult first = bake();
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_FALSE(contains(first.err, "program cache: ")) << first.err;
+  EXPECT_FALSE(std::filesystem::is_empty(path("cache")));
+  const std::string bytes = read_bytes(path("map.ndf.exr"));
+  const ProgramResult second = bake();
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_TRUE(contains(second.err, "program cache: mip_box loaded")) << second.err;
+  EXPECT_TRUE(read_bytes(path("map.ndf.exr")) == bytes);
 }
 
 TEST_F(BakeCommandTest, WhatIsBakedAlreadyIsNotBakedAgain) {

@@ -10,8 +10,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kInput = 3, kEnvironment = 4;
-
 class DecodingFailureTest : public CliTest {
  protected:
   // The programs, in a folder of their own; beside them helper_drill is multum-decode, which fails as the name of its

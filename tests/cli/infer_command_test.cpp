@@ -18,7 +18,6 @@
 namespace multum::testing {
 namespace {
 
-constexpr int kUsage = 2, kInput = 3, kEnvironment = 4;
 namespace fs = std::filesystem;
 
 class InferCommandTest : public CliTest {

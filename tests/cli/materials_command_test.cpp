@@ -15,8 +15,6 @@
 namespace multum::testing {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 class MaterialsCommandTest : public CliTest {
  protected:
   void SetUp() override {

@@ -16,8 +16,6 @@
 namespace multum::testing {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 // Headers come first and are long; the file's end is pixels.
 void flip_a_pixel(std::string& bytes) {
   char& byte = bytes[bytes.size() - 2000];

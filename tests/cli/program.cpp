@@ -9,8 +9,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
+
+#include "host/base/log.h"
+#include "tools/multum/commands.h"
 
 namespace multum::testing {
 namespace {
@@ -22,6 +27,29 @@ namespace {
   execvp(argv[0], argv.data());
   _exit(127);
 }
+
+// What is written to stdout or stderr goes to a file instead.
+class Redirection {
+ public:
+  Redirection(std::FILE* stream, const std::string& path) : stream_(stream) {
+    std::fflush(stream_);
+    const int file = open(path.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+    usual_ = fcntl(fileno(stream_), F_DUPFD_CLOEXEC, 0);
+    dup2(file, fileno(stream_));
+    close(file);
+  }
+  ~Redirection() {
+    std::fflush(stream_);
+    dup2(usual_, fileno(stream_));
+    close(usual_);
+  }
+  Redirection(const Redirection&) = delete;
+  Redirection& operator=(const Redirection&) = delete;
+
+ private:
+  std::FILE* stream_;
+  int usual_ = -1;
+};
 
 }  // namespace
 
@@ -102,11 +130,32 @@ bool program_works(const std::string& program, const std::string& argument) {
   return run_program({program, argument}).exit_code == 0;
 }
 
-CliTest::CliTest() { setenv("MULTUM_CACHE_DIR", MULTUM_TEST_CACHE, 1); }
+CliTest::CliTest() { setenv("MULTUM_CACHE_DIR", "", 1); }
+
+void CliTest::keep_programs() { setenv("MULTUM_CACHE_DIR", MULTUM_TEST_CACHE, 1); }
 
 std::vector<std::string> CliTest::multum_command(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum");
   return arguments;
+}
+
+ProgramResult CliTest::multum(const std::vector<std::string>& arguments) {
+  if (std::find(arguments.begin(), arguments.end(), "--threads") != arguments.end()) return multum_program(arguments);
+  std::vector<std::string> words = {"multum"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  const TemporaryFolder folder;
+  ProgramResult result;
+  {
+    const Redirection out(stdout, folder / "out"), err(stderr, folder / "err");
+    set_log_level(LogLevel::kNormal);  // the command before may have been a quiet one
+    const auto run = [](int count, char** all) { return run_command({all + 1, all + count}, nullptr); };
+    result.exit_code = run_guarded("multum", run, static_cast<int>(argv.size()), argv.data());
+  }
+  result.out = read_bytes(folder / "out");
+  result.err = read_bytes(folder / "err");
+  return result;
 }
 
 void CliTest::make_map(const std::string& prefix, int size) {

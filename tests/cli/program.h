@@ -47,12 +47,25 @@ ProgramResult run_on_terminal(const std::vector<std::string>& arguments);
 /// True when `program` answers to `argument` with exit code 0.
 bool program_works(const std::string& program, const std::string& argument);
 
-/// Tests of `multum`: a folder, and commands in it. Compiled kernels are kept in the build folder, not in the user's.
+/// Exit codes (host/base/error.h).
+inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5;
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Tests of `multum`: a folder, and commands in it. Without multum's cache of programs: PoCL keeps what it compiles by
+/// itself, and to put a program into a file it compiles every kernel a second time, for groups of any size.
 class CliTest : public ::testing::Test {
  protected:
   CliTest();
+  /// From here to the test's end programs are kept, in the build folder.
+  static void keep_programs();
   static std::vector<std::string> multum_command(std::vector<std::string> arguments);
-  static ProgramResult multum(const std::vector<std::string>& arguments) {
+  /// A command in this process, by the function that main() calls: OpenCL and the child that decodes images are there
+  /// already, as in a worker of the service. One with --threads is a program of its own, since a process keeps the
+  /// threads that it began with.
+  static ProgramResult multum(const std::vector<std::string>& arguments);
+  /// The program itself.
+  static ProgramResult multum_program(const std::vector<std::string>& arguments) {
     return run_program(multum_command(arguments));
   }
   /// PREFIX_normal.png and PREFIX_albedo.png of the four-quarter map, in the folder.

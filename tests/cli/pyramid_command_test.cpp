@@ -15,8 +15,6 @@
 namespace multum::testing {
 namespace {
 
-constexpr int kUsage = 2, kInput = 3, kEnvironment = 4;
-
 class PyramidCommandTest : public CliTest {
  protected:
   void expect_refusal(const std::vector<std::string>& arguments, int code, const std::string& words) const {

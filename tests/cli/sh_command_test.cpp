@@ -14,8 +14,6 @@
 namespace multum::testing {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 class ShCommandTest : public CliTest {
  protected:
   ProgramResult bake(const std::string& input, const std::string& output, std::vector<std::string> more = {}) const {

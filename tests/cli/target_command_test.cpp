@@ -21,8 +21,6 @@ class TargetCommandTest : public CliTest {
   bool is_written() const { return folder_.names().contains("map.ndf.exr"); }
 };
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
   const ProgramResult met = bake({"--target-error", "0.3", "--report", path("map.json")});
   ASSERT_EQ(met.exit_code, 0) << met.err;

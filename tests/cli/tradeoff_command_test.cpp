@@ -20,8 +20,6 @@ class TradeoffCommandTest : public CliTest {
   }
 };
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
   const ProgramResult swept = multum(command({"--json", path("costs.json"), "--markdown", path("costs.md"),
                                               "--target-error", "0.3", "--brdf", "blinn-phong:50"}));

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# Writes one ctest entry for each suite of a GoogleTest program: cmake -DPROGRAM=... -DOUTPUT=... -DTIMEOUT=...
+# -DSLOW="suite suite" -P list_suites.cmake. SLOW: those labelled slow; the others are fast.
+cmake_policy(VERSION 3.25)
+execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY TIMEOUT 60)
+string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}")  # cases are indented
+separate_arguments(SLOW)
+# GoogleTest's last lines when every case was skipped; when one failed, others follow.
+set(skipped "\\[  PASSED  \\] 0 tests\\.\n(\\[  SKIPPED \\] [^\n]*\n*)+$")
+set(entries "")
+foreach(suite ${suites})
+  string(REGEX REPLACE "[ \n]|\\.[ \n]" "" suite "${suite}")
+  set(label fast)
+  string(REGEX REPLACE "^.*/" "" name "${suite}")  # without the prefix of an instantiation
+  if(name IN_LIST SLOW)
+    set(label slow)
+  endif()
+  string(APPEND entries "add_test([=[${suite}]=] [=[${PROGRAM}]=] [=[--gtest_filter=${suite}.*]=])\n"
+    "set_tests_properties([=[${suite}]=] PROPERTIES LABELS ${label} TIMEOUT ${TIMEOUT}"
+    " SKIP_REGULAR_EXPRESSION [=[${skipped}]=])\n")
+endforeach()
+file(WRITE ${OUTPUT} "${entries}")
