@@ -24,12 +24,12 @@ REGISTERS_MAX = 255  # of one work-item of NVIDIA's GPUs
 CLANG = ["clang", "-x", "cl", "-Xclang", "-finclude-default-header", "-Wall", "-Werror", "-Wno-unused-function"]
 
 
-def variants(name):
-    """Names and definitions of the scalar variants that GPUs run."""
+def variants(name, text):
+    """Names and definitions of the scalar variants that GPUs run; of what the text does not name there is one value."""
     if name.startswith("movmf_") and name != "movmf_shade":
-        for lobes in (4, 8):
-            for weighted in (0, 1):
-                for planar in (0, 1):
+        for lobes in (4, 8) if "MULTUM_LOBES" in text else (4,):
+            for weighted in (0, 1) if "MULTUM_WEIGHTED" in text else (0,):
+                for planar in (0, 1) if "MULTUM_PLANAR" in text else (0,):
                     yield f"{lobes} lobes, weighted {weighted}, planar {planar}", [
                         f"-DMULTUM_LOBES={lobes}", f"-DMULTUM_WEIGHTED={weighted}", f"-DMULTUM_PLANAR={planar}"]
     elif name.startswith("sh_"):
@@ -120,7 +120,8 @@ def main():
     if not options.ptxas:
         print("check_compilers: no ptxas here: registers are not counted, LLVM's stack frames are")
     jobs = [(options.flattened / source.name, source.stem, label, definitions, options.ptxas)
-            for source in sorted(options.kernels.glob("*.cl")) for label, definitions in variants(source.stem)]
+            for source in sorted(options.kernels.glob("*.cl"))
+            for label, definitions in variants(source.stem, (options.flattened / source.name).read_text())]
     failures, rows = [], []
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for failed, taken in pool.map(check, jobs):
