@@ -10,12 +10,13 @@
 #include <fmt/format.h>
 
 #include "host/asset/exr_compression.h"
+#include "host/asset/exr_rows.h"
 #include "host/base/error.h"
 
 namespace multum {
 namespace {
 
-constexpr int kSideMax = 1 << 20;
+constexpr int kMapSideMax = 1 << 20;
 
 void set_text(Imf::Header& header, const char* name, const std::string& text) {
   header.insert(name, Imf::StringAttribute(text));
@@ -114,10 +115,10 @@ StoredLevels parse_stored_levels(const Imf::Header& header, const std::string& p
   const StoredLevels stored = {int_attribute(header, "multum:mapWidth", path),
                                int_attribute(header, "multum:mapHeight", path),
                                int_attribute(header, "multum:firstLevel", path)};
-  const auto is_side = [](int side) { return side >= 1 && side <= kSideMax; };
+  const auto is_side = [](int side) { return side >= 1 && side <= kMapSideMax; };
   if (!is_side(stored.map_width) || !is_side(stored.map_height))
     refuse_file(path, fmt::format("a map of {} x {}", stored.map_width, stored.map_height),
-                fmt::format("1 to {} texels a side", kSideMax));
+                fmt::format("1 to {} texels a side", kMapSideMax));
   const int level_max = mip_level_count(stored.map_width, stored.map_height) - 1;
   if (stored.first_level < 0 || stored.first_level > level_max)
     refuse_file(path, fmt::format("first level {}", stored.first_level), fmt::format("0 to {}", level_max));
@@ -233,6 +234,26 @@ BakedHeader parse_map_header(const Imf::Header& header, const std::vector<Storag
                       trimmed(text_attribute(header, kMeasuredErrorAttribute, path)),
                       trimmed(text_attribute(header, kContentHashAttribute, path))};
   return baked;
+}
+
+BakedPart mean_colour_part(const BakedHeader& header) {
+  BakedPart part{
+      "colour", {}, header.first_level, header.level_count() - header.first_level, false, "R,G,B = mean linear RGB"};
+  for (const char* name : {"colour.albedo.R", "colour.albedo.G", "colour.albedo.B"})
+    part.channels.push_back({name, colour_type(header.encoding)});
+  return part;
+}
+
+BakedPart mean_weights_part(const BakedHeader& header) {
+  BakedPart part{"weights",
+                 {},
+                 header.first_level,
+                 header.level_count() - header.first_level,
+                 false,
+                 "R,G,B,A = mean weights of basis BRDFs 0 to 3; data, not colour"};
+  for (int k = 0; k < header.weight_count; ++k)
+    part.channels.push_back({fmt::format("weights.blend.{}", "RGBA"[k]), colour_type(header.encoding)});
+  return part;
 }
 
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {

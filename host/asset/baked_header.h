@@ -46,6 +46,10 @@ BakedHeader parse_baked_header(const Imf::Header& header, const std::string& pat
 /// The same of a file that must be of one representation.
 BakedHeader parse_baked_header(const Imf::Header& header, Representation expected, const std::string& path);
 
+/// Mean colours, mean weights of basis BRDFs: parts of those representations whose texels are averages.
+BakedPart mean_colour_part(const BakedHeader& header);
+BakedPart mean_weights_part(const BakedHeader& header);
+
 /// Checks that every part is there and as `parts` says.
 void check_baked_parts(const Imf::MultiPartInputFile& file, const BakedHeader& header,
                        const std::vector<BakedPart>& parts, const std::string& path);

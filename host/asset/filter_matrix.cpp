@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "host/asset/texture_mapping.h"
 #include "host/base/atomic_file.h"
 #include "host/base/checksum.h"
 #include "host/base/error.h"
@@ -18,10 +19,6 @@ namespace {
 // The file: this line, one line of JSON, then the five lists as little-endian 32-bit values.
 constexpr const char* kFirstLine = "multum filter matrix 1";
 constexpr std::uint64_t kEntriesMax = std::uint64_t{1} << 31;
-
-[[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kInput, path + ": " + what);
-}
 
 // Calls `visit` with each list.
 template <typename Matrix, typename Visit>
@@ -86,26 +83,27 @@ void read_header(const nlohmann::json& json, FilterMatrix& m) {
 
 // What the solver relies on without looking again.
 void check_contents(const FilterMatrix& m, const std::string& path) {
-  constexpr int kSideMax = 16384;
   for (int side : {m.width, m.height, m.texture_width, m.texture_height})
-    if (side < 1 || side > kSideMax) refuse(path, fmt::format("a side is {}, expected 1 to {}", side, kSideMax));
+    if (side < 1 || side > kGpuSideMax)
+      refuse_file(path, fmt::format("a side is {}, expected 1 to {}", side, kGpuSideMax));
   if (m.supersampling < 1 || m.supersampling > 8)
-    refuse(path, fmt::format("its supersampling is {}, expected 1 to 8", m.supersampling));
+    refuse_file(path, fmt::format("its supersampling is {}, expected 1 to 8", m.supersampling));
   if (!(m.anisotropy >= 1.0f && m.anisotropy <= 16.0f))
-    refuse(path, fmt::format("its anisotropy is {}, expected 1 to 16", m.anisotropy));
+    refuse_file(path, fmt::format("its anisotropy is {}, expected 1 to 16", m.anisotropy));
   const auto texels = static_cast<std::uint32_t>(m.layout().texel_count);
   const auto pixel_count = static_cast<std::uint32_t>(m.width) * static_cast<std::uint32_t>(m.height);
   if (m.row_begin.front() != 0 || m.row_begin.back() != m.columns.size())
-    refuse(path, "its rows do not fill its entries");
+    refuse_file(path, "its rows do not fill its entries");
   for (std::size_t r = 0; r < m.row_count(); ++r) {
-    if (m.row_begin[r] > m.row_begin[r + 1]) refuse(path, fmt::format("row {} ends before it begins", r));
-    if (m.pixels[r] >= pixel_count) refuse(path, fmt::format("row {} is of a pixel beyond the picture", r));
+    if (m.row_begin[r] > m.row_begin[r + 1]) refuse_file(path, fmt::format("row {} ends before it begins", r));
+    if (m.pixels[r] >= pixel_count) refuse_file(path, fmt::format("row {} is of a pixel beyond the picture", r));
     if (!(m.coverage[r] > 0.0f && m.coverage[r] <= 1.0f))
-      refuse(path, fmt::format("row {} has coverage {}, expected above 0 and at most 1", r, m.coverage[r]));
+      refuse_file(path, fmt::format("row {} has coverage {}, expected above 0 and at most 1", r, m.coverage[r]));
   }
   for (std::size_t i = 0; i < m.columns.size(); ++i) {
-    if (m.columns[i] >= texels) refuse(path, fmt::format("entry {} is of texel {} of {}", i, m.columns[i], texels));
-    if (!std::isfinite(m.weights[i])) refuse(path, fmt::format("entry {} is not finite", i));
+    if (m.columns[i] >= texels)
+      refuse_file(path, fmt::format("entry {} is of texel {} of {}", i, m.columns[i], texels));
+    if (!std::isfinite(m.weights[i])) refuse_file(path, fmt::format("entry {} is not finite", i));
   }
 }
 
@@ -139,9 +137,9 @@ void write_filter_matrix(const FilterMatrix& matrix, const std::string& path) {
 FilterMatrix read_filter_matrix(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string first, header;
-  if (!file) refuse(path, "cannot be read");
+  if (!file) refuse_file(path, "cannot be read");
   if (!std::getline(file, first) || first != kFirstLine)
-    refuse(path, fmt::format("is not a filter matrix: its first line is not '{}'", kFirstLine));
+    refuse_file(path, fmt::format("is not a filter matrix: its first line is not '{}'", kFirstLine));
   std::getline(file, header);
   FilterMatrix m;
   std::string checksum;
@@ -154,8 +152,9 @@ FilterMatrix read_filter_matrix(const std::string& path) {
     file.seekg(0, std::ios::end);
     const auto bytes = static_cast<std::uint64_t>(file.tellg() - begin);
     if (rows > kEntriesMax || entries > kEntriesMax || bytes != 4 * (3 * rows + 1 + 2 * entries))
-      refuse(path, fmt::format("is cut short or damaged: {} bytes of lists, expected {} for {} rows and {} entries",
-                               bytes, 4 * (3 * rows + 1 + 2 * entries), rows, entries));
+      refuse_file(
+          path, fmt::format("is cut short or damaged: {} bytes of lists, expected {} for {} rows and {} entries", bytes,
+                            4 * (3 * rows + 1 + 2 * entries), rows, entries));
     file.seekg(begin);
     m.pixels.resize(rows);
     m.coverage.resize(rows);
@@ -163,15 +162,15 @@ FilterMatrix read_filter_matrix(const std::string& path) {
     m.columns.resize(entries);
     m.weights.resize(entries);
   } catch (const nlohmann::json::exception& error) {
-    refuse(path, std::string("its header is damaged: ") + error.what());
+    refuse_file(path, std::string("its header is damaged: ") + error.what());
   } catch (const std::bad_optional_access&) {
-    refuse(path, "its header names a wrap mode that is not known");
+    refuse_file(path, "its header names a wrap mode that is not known");
   }
   for_each_list(m, [&](auto& list) {
     file.read(reinterpret_cast<char*>(list.data()), static_cast<std::streamsize>(list.size() * 4));
   });
-  if (!file) refuse(path, "cannot be read to its end");
-  if (checksum_of(m) != checksum) refuse(path, "is damaged: its checksum is not that of its header");
+  if (!file) refuse_file(path, "cannot be read to its end");
+  if (checksum_of(m) != checksum) refuse_file(path, "is damaged: its checksum is not that of its header");
   check_contents(m, path);
   return m;
 }

@@ -17,11 +17,11 @@ namespace {
 // 2 sigma^2 closer to a single direction than floats can tell: 8 roundings of 2^-24.
 constexpr double kSpreadZero = 5e-7;
 
-float step_value(double steps) { return static_cast<float>(std::clamp(steps, -32767.0, 32767.0) * kSnormStep); }
+float clamped_step_value(double steps) { return static_cast<float>(std::clamp(steps, -32767.0, 32767.0) * kSnormStep); }
 
 float grid_nearest(double value, StorageEncoding encoding) {
   if (encoding == StorageEncoding::kHalf) return static_cast<float>(half(static_cast<float>(value)));
-  return step_value(std::round(value * kSnormSteps));
+  return clamped_step_value(std::round(value * kSnormSteps));
 }
 
 // 2 sigma^2 of (a mu, a (2 sigma^2 + |mu|^2), a).
@@ -110,7 +110,7 @@ void quantize_gmm(MovmfLevel& rows, StorageEncoding encoding, int threads) {
 }
 
 float grid_below(double value, StorageEncoding encoding) {
-  if (encoding == StorageEncoding::kSnorm16) return step_value(std::floor(value * kSnormSteps));
+  if (encoding == StorageEncoding::kSnorm16) return clamped_step_value(std::floor(value * kSnormSteps));
   const auto nearest = static_cast<float>(value);
   if (encoding == StorageEncoding::kFloat)
     return static_cast<double>(nearest) > value ? std::nextafter(nearest, -1.0f) : nearest;

@@ -14,6 +14,7 @@
 #include <filesystem>
 
 #include "host/asset/exr_output.h"
+#include "host/asset/half_value.h"
 #include "host/base/error.h"
 #include "host/base/exr_survey.h"
 
@@ -24,8 +25,6 @@ constexpr char kUnreadable[] = "cannot be read as a tiled EXR";
 
 constexpr const char* kProvenance = "multum:provenance";
 constexpr int kTile = 64;
-constexpr int kSideMax = 16384;
-constexpr float kHalfMax = 65504.0f;
 constexpr std::array<const char*, 3> kChannels = {"R", "G", "B"};
 
 // One level as three interleaved halfs a texel.
@@ -41,27 +40,24 @@ std::size_t value_count(const MipLevelPlace& level) {
   return 3u * static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
 }
 
-[[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kInput, path + ": " + what);
-}
-
 void check_is_texture(const Imf::TiledInputFile& file, const std::string& path) {
   const Imf::Header& header = file.header();
   if (file.levelMode() != Imf::MIPMAP_LEVELS || file.levelRoundingMode() != Imf::ROUND_DOWN)
-    refuse(path, "is not mip-mapped as inferred textures are (MIPMAP_LEVELS, ROUND_DOWN)");
+    refuse_file(path, "is not mip-mapped as inferred textures are (MIPMAP_LEVELS, ROUND_DOWN)");
   for (const char* name : kChannels) {
     const Imf::Channel* channel = header.channels().findChannel(name);
-    if (channel == nullptr) refuse(path, std::string("has no channel ") + name + "; inferred textures have R, G and B");
+    if (channel == nullptr)
+      refuse_file(path, std::string("has no channel ") + name + "; inferred textures have R, G and B");
     // The library would round others, large ones to infinity.
-    if (channel->type != Imf::HALF) refuse(path, std::string("has a channel ") + name + " that is not of halfs");
+    if (channel->type != Imf::HALF) refuse_file(path, std::string("has a channel ") + name + " that is not of halfs");
   }
   // frame_of() begins at pixel (0, 0): of a window elsewhere the library would write beyond the texels.
   if (header.dataWindow().min != Imath::V2i(0, 0))
-    refuse(path, "has a data window that does not begin at (0, 0), as those of inferred textures do");
+    refuse_file(path, "has a data window that does not begin at (0, 0), as those of inferred textures do");
   const int width = file.levelWidth(0), height = file.levelHeight(0);
-  if (width > kSideMax || height > kSideMax)
-    refuse(path, "is " + std::to_string(width) + " x " + std::to_string(height) + " texels, expected up to " +
-                     std::to_string(kSideMax) + " a side");
+  if (width > kGpuSideMax || height > kGpuSideMax)
+    refuse_file(path, "is " + std::to_string(width) + " x " + std::to_string(height) + " texels, expected up to " +
+                          std::to_string(kGpuSideMax) + " a side");
 }
 
 }  // namespace
@@ -103,7 +99,7 @@ InferredTexture read_inferred_texture(const std::string& path) {
     texture.width = file.levelWidth(0);
     texture.height = file.levelHeight(0);
     const MipLayout layout(texture.width, texture.height);
-    if (file.numLevels() != layout.level_count()) refuse(path, "has too few mip levels");
+    if (file.numLevels() != layout.level_count()) refuse_file(path, "has too few mip levels");
     texture.texels.reserve(3u * static_cast<std::size_t>(layout.texel_count));
     std::vector<half> values;
     for (int l = 0; l < layout.level_count(); ++l) {
@@ -119,7 +115,7 @@ InferredTexture read_inferred_texture(const std::string& path) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    refuse(path, std::string(kUnreadable) + ": " + error.what());
+    refuse_file(path, std::string(kUnreadable) + ": " + error.what());
   }
 }
 

@@ -9,6 +9,7 @@
 #include <glm/mat4x4.hpp>
 #include <nlohmann/json.hpp>
 
+#include "host/asset/texture_mapping.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -39,8 +40,8 @@ inline float anisotropy_from_json(const nlohmann::json& json) {
 
 /// Throws Error(kInput).
 inline void check_picture_size(int width, int height, int supersampling) {
-  constexpr int kSideMax = 16384, kSupersamplingMax = 8;  // as docs/ANIMATION.md has them
-  if (width < 1 || height < 1 || width > kSideMax || height > kSideMax || supersampling < 1 ||
+  constexpr int kSupersamplingMax = 8;  // as docs/ANIMATION.md has both
+  if (width < 1 || height < 1 || width > kGpuSideMax || height > kGpuSideMax || supersampling < 1 ||
       supersampling > kSupersamplingMax)
     throw Error(ErrorCode::kInput, "the picture is " + std::to_string(width) + " x " + std::to_string(height) +
                                        " pixels with supersampling " + std::to_string(supersampling) +

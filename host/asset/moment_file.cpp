@@ -20,16 +20,11 @@ enum MomentPart { kSlopes, kNormal, kColour, kWeights };
 // maketx sorts these names to their order.
 constexpr const char* kSlopeNames[] = {"b0_h", "b1_dhds", "b2_dhdt", "b3_dhds2", "b4_dhdt2", "b5_dh2dsdt"};
 constexpr const char* kNormalNames[] = {"normal.mean.X", "normal.mean.Y", "normal.mean.Z"};
-constexpr const char* kColourNames[] = {"colour.albedo.R", "colour.albedo.G", "colour.albedo.B"};
-constexpr const char* kWeightNames[kWeightCountMax] = {"weights.blend.R", "weights.blend.G", "weights.blend.B",
-                                                       "weights.blend.A"};
 constexpr char kSlopesText[] =
     "as maketx --bumpslopes: b1,b2 = E[dh/ds],E[dh/dt] = E[-x/z],E[-y/z] of normals +X right, +Y up, +Z out; b3,b4,b5 "
     "= "
     "E[b1*b1],E[b2*b2],E[b1*b2] of the finest; b0 = -1, no height; data, not colour";
 constexpr char kNormalText[] = "X,Y,Z = mean unit normal, +X right, +Y up, +Z out; data, not colour";
-constexpr char kColourText[] = "R,G,B = mean linear RGB";
-constexpr char kWeightsText[] = "R,G,B,A = mean weights of basis BRDFs 0 to 3; data, not colour";
 
 // The kind of each part, in the file's order.
 std::vector<MomentPart> kinds_of(const BakedHeader& header) {
@@ -50,11 +45,8 @@ std::vector<BakedPart> moment_parts(const BakedHeader& header) {
   for (const MomentPart kind : kinds_of(header)) switch (kind) {
       case kSlopes: parts.push_back(part("bumpslopes", kSlopeNames, vector_type(header.encoding), kSlopesText)); break;
       case kNormal: parts.push_back(part("normal", kNormalNames, vector_type(header.encoding), kNormalText)); break;
-      case kColour: parts.push_back(part("colour", kColourNames, colour_type(header.encoding), kColourText)); break;
-      case kWeights: {
-        const std::vector<const char*> names(std::begin(kWeightNames), std::begin(kWeightNames) + header.weight_count);
-        parts.push_back(part("weights", names, colour_type(header.encoding), kWeightsText));
-      }
+      case kColour: parts.push_back(mean_colour_part(header)); break;
+      case kWeights: parts.push_back(mean_weights_part(header)); break;
     }
   return parts;
 }

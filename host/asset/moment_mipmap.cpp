@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/asset/moment_mipmap.h"
 
-#include <half.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
 
 #include "host/asset/gmm_quantize.h"
+#include "host/asset/half_value.h"
 #include "host/asset/movmf_finest.h"
 #include "host/asset/movmf_mipmap.h"
 #include "host/base/error.h"
@@ -19,8 +18,6 @@ namespace {
 
 // Of the square of the mean: less is what floats make of no variance (level 0: 2^-24; averages: some times that).
 constexpr double kVarianceZero = 1e-6;
-
-float as_half(float value) { return static_cast<float>(half(value)); }
 
 // E[b^2] about the rounded mean. Nearest where there is a variance; else down, so that readers clamp it to none.
 float rounded_square(float square, float mean, float rounded_mean) {

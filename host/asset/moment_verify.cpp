@@ -19,7 +19,7 @@ namespace {
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 
-struct Scan {
+struct MomentScan {
   std::size_t nonfinite = 0;
   WorstTexel variance, slope, length, weight;  // how far beyond what is allowed
 };
@@ -43,7 +43,7 @@ double missing_variance(const SlopeMoments& m, double tolerance) {
 }
 
 void scan_texel(const BakedHeader& header, const MomentLevel& rows, std::size_t i, const TexelPlace& place,
-                Scan& scan) {
+                MomentScan& scan) {
   const SlopeMoments& m = rows.slopes[i];
   const glm::vec3& n = rows.normals[i];
   if (!is_finite(&m.height, 6) || !is_finite(&n.x, 3) || (!rows.colours.empty() && !is_finite(&rows.colours[i].x, 3))) {
@@ -63,7 +63,7 @@ void scan_texel(const BakedHeader& header, const MomentLevel& rows, std::size_t 
 std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, const MomentRowsSeen& seen) {
   MomentReader reader(path, threads);
   const BakedHeader& header = reader.header();
-  Scan scan;
+  MomentScan scan;
   scan_texels(reader, seen, [&](const MomentLevel& rows, std::size_t i, const TexelPlace& place) {
     scan_texel(header, rows, i, place, scan);
   });

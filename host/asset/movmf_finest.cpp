@@ -14,6 +14,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/asset/gmm_quantize.h"
+#include "host/asset/half_value.h"
 #include "host/asset/lobe_rounding.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
@@ -52,8 +53,6 @@ float z_float(double root) {
   const auto z = static_cast<float>(root);
   return static_cast<double>(z) < root ? std::nextafter(z, 2.0f) : z;
 }
-
-float as_half(float value) { return static_cast<float>(half(value)); }
 
 void quantize_direction(glm::vec3& n, Representation representation, StorageEncoding encoding) {
   for (int c = 0; c < 2; ++c) {

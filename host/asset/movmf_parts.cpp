@@ -19,7 +19,7 @@ constexpr char kLobeText[] =
 constexpr char kFinestRoughText[] =
     "normalX, normalY, normalZ = c(roughness)*n, unit n +X right, +Y up, +Z out; lobe = number of the lobe that has "
     "all of the texel; albedo = linear RGB; data, not colour";
-constexpr char kWeightsText[] =
+constexpr char kLobeWeightsText[] =
     "R,G,B,A = a*weights of basis BRDFs 0 to 3; a is in the lobe part of the same number; data, not colour";
 constexpr char kFinestGaussianText[] =
     "normalX, normalY = x, y of the normal, +X right, +Y up; lobe = number of the lobe that has all of the texel; "
@@ -30,7 +30,7 @@ constexpr char kFinestRoughGaussianText[] =
 constexpr char kGaussianText[] =
     "R,G,B,A = a*m.x,a*m.y,a*(2*s2+m.x*m.x+m.y*m.y),a; m = mean (x, y) of normals, +X right, +Y up; s2 = variance of "
     "one coordinate; data, not colour";
-constexpr char kColourText[] = "R,G,B = a*linear RGB of the lobe; a is in the lobe part of the same number";
+constexpr char kLobeColourText[] = "R,G,B = a*linear RGB of the lobe; a is in the lobe part of the same number";
 
 void add_weight_channels(const std::string& layer, const MovmfMipmap& header, BakedPart& part) {
   for (int k = 0; k < header.weight_count; ++k)
@@ -87,14 +87,15 @@ std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header) {
   }
   for (int j = 0; header.has_colours() && j < header.lobe_count(); ++j) {
     MovmfPart part{
-        {fmt::format("colour.{}", j), {}, first_level, level_count, false, kColourText}, MovmfPartKind::kColour, j};
+        {fmt::format("colour.{}", j), {}, first_level, level_count, false, kLobeColourText}, MovmfPartKind::kColour, j};
     for (const char* channel : {"R", "G", "B"})
       part.channels.push_back({fmt::format("colour{}.albedo.{}", j, channel), colour_type(header.encoding)});
     parts.push_back(std::move(part));
   }
   for (int j = 0; header.weight_count > 0 && j < header.lobe_count(); ++j) {
-    MovmfPart part{
-        {fmt::format("weights.{}", j), {}, first_level, level_count, false, kWeightsText}, MovmfPartKind::kWeights, j};
+    MovmfPart part{{fmt::format("weights.{}", j), {}, first_level, level_count, false, kLobeWeightsText},
+                   MovmfPartKind::kWeights,
+                   j};
     add_weight_channels(fmt::format("weights{}.blend", j), header, part);
     parts.push_back(std::move(part));
   }

@@ -26,7 +26,7 @@ float length_excess(StorageEncoding encoding, float a) {
   return a * 1e-6f + 1e-9f;
 }
 
-struct Scan {
+struct LobeScan {
   std::size_t nonfinite = 0;
   WorstTexel sum_error, negative_amplitude, long_mean, missing_variance, weight_range;
 };
@@ -46,7 +46,7 @@ double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
   return square - lobe.z - step;
 }
 
-void scan_rows(const MovmfMipmap& header, int l, int first_row, const MovmfLevel& rows, Scan& scan) {
+void scan_rows(const MovmfMipmap& header, int l, int first_row, const MovmfLevel& rows, LobeScan& scan) {
   const bool gaussians = header.representation == Representation::kGmm;
   const StorageEncoding encoding = header.encoding;
   const auto width = static_cast<std::size_t>(rows.width);
@@ -77,7 +77,7 @@ void scan_rows(const MovmfMipmap& header, int l, int first_row, const MovmfLevel
 }
 
 // Scans and hashes every stored level; returns the checksum.
-std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& seen, Scan& scan) {
+std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& seen, LobeScan& scan) {
   const MovmfMipmap& header = reader.header();
   const std::vector<MovmfPart> parts = movmf_parts(header);
   BakedRowHash hash({parts.begin(), parts.end()});
@@ -119,7 +119,7 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
        fmt::format("{} x {}, {}, {} {}{}, encoding {}", mipmap.width(), mipmap.height(), levels_text(mipmap),
                    mipmap.lobe_count(), mipmap.representation == Representation::kGmm ? "Gaussians" : "lobes",
                    materials_text(header_of(mipmap)), storage_encoding_name(mipmap.encoding))});
-  Scan scan;
+  LobeScan scan;
   const std::string hash = scan_file(reader, threads, seen, scan);
   findings.push_back(checksum_finding(hash, mipmap.provenance.content_hash));
   findings.push_back(finite_finding(scan.nonfinite, "non-finite values"));

@@ -15,12 +15,12 @@
 #include "host/asset/baked_reader.h"
 #include "host/asset/baked_writer.h"
 #include "host/asset/exr_rows.h"
+#include "host/asset/half_value.h"
 #include "host/base/error.h"
 
 namespace multum {
 namespace {
 
-constexpr float kHalfMax = 65504.0f;
 constexpr int kFormatVersion = 1;
 const std::vector<StorageEncoding> kEncodings = {StorageEncoding::kHalf, StorageEncoding::kFloat};
 

@@ -11,11 +11,11 @@
 namespace multum {
 namespace {
 
-constexpr int kSideMax = 4096;
+constexpr int kSurfaceSideMax = 4096;
 
 // Texels a side at a real level; a surface needs two points.
 int points(int size, double d) {
-  return std::clamp(static_cast<int>(std::lround(static_cast<double>(size) * std::exp2(-d))), 2, kSideMax);
+  return std::clamp(static_cast<int>(std::lround(static_cast<double>(size) * std::exp2(-d))), 2, kSurfaceSideMax);
 }
 
 }  // namespace

@@ -16,9 +16,6 @@ namespace multum {
 namespace {
 
 constexpr char kOrderAttribute[] = "multum:shOrder";
-constexpr const char* kColourNames[] = {"colour.albedo.R", "colour.albedo.G", "colour.albedo.B"};
-constexpr char kColourText[] = "R,G,B = mean linear RGB";
-constexpr char kWeightsText[] = "R,G,B,A = mean weights of basis BRDFs 0 to 3; data, not colour";
 constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
 
 // R, G, B, A as far as there are coefficients; of the number in the part's name times 4 and on.
@@ -39,16 +36,8 @@ BakedPart coefficient_part(const BakedHeader& header, int order, int part) {
 std::vector<BakedPart> sh_parts(const BakedHeader& header, int order) {
   std::vector<BakedPart> parts;
   for (int part = 0; part < sh_part_count(order); ++part) parts.push_back(coefficient_part(header, order, part));
-  const auto append = [&](const char* name, const char* text) {
-    parts.push_back({name, {}, header.first_level, header.level_count() - header.first_level, false, text});
-  };
-  if (header.has_colours) {
-    append("colour", kColourText);
-    for (const char* name : kColourNames) parts.back().channels.push_back({name, colour_type(header.encoding)});
-  }
-  if (header.weight_count > 0) append("weights", kWeightsText);
-  for (int k = 0; k < header.weight_count; ++k)
-    parts.back().channels.push_back({fmt::format("weights.blend.{}", kChannelNames[k]), colour_type(header.encoding)});
+  if (header.has_colours) parts.push_back(mean_colour_part(header));
+  if (header.weight_count > 0) parts.push_back(mean_weights_part(header));
   return parts;
 }
 

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/asset/sh_mipmap.h"
 
-#include <half.h>
-
+#include "host/asset/half_value.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
 
 namespace multum {
-namespace {
-
-float as_half(float value) { return static_cast<float>(half(value)); }
-
-}  // namespace
 
 std::vector<ShLevel> empty_sh_levels(int width, int height) {
   std::vector<ShLevel> levels;

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-struct Scan {
+struct ShScan {
   std::size_t nonfinite = 0;
   WorstTexel strong, unlike, weight;  // how far beyond what is allowed
 };
@@ -39,7 +39,7 @@ double power_of_band(const ShLevel& rows, std::size_t i, int l) {
 }
 
 void scan_texel(const BakedHeader& header, int order, const ShLevel& rows, std::size_t i, TexelPlace place,
-                Scan& scan) {
+                ShScan& scan) {
   if (!is_finite(rows, i)) {
     ++scan.nonfinite;
     return;
@@ -60,7 +60,7 @@ void scan_texel(const BakedHeader& header, int order, const ShLevel& rows, std::
 std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const ShRowsSeen& seen) {
   ShReader reader(path, threads);
   const BakedHeader& header = reader.header();
-  Scan scan;
+  ShScan scan;
   scan_texels(reader, seen, [&](const ShLevel& rows, std::size_t i, const TexelPlace& place) {
     scan_texel(header, reader.order(), rows, i, place, scan);
   });

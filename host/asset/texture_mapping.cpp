@@ -10,8 +10,6 @@
 namespace multum {
 namespace {
 
-constexpr int kSideMax = 16384;
-
 WrapMode wrap_from(const nlohmann::json& json) {
   const std::string name = json.get<std::string>();
   const std::optional<WrapMode> mode = parse_wrap_mode(name);
@@ -79,7 +77,7 @@ void from_json(const nlohmann::json& json, TextureMapping& m) {
   m.stretch_rounds = json.at("stretchRounds").get<int>();
   m.visible_pixels = json.at("visiblePixels").get<std::size_t>();
   m.degenerate_pixels = json.at("degeneratePixels").get<std::size_t>();
-  if (m.width < 1 || m.height < 1 || m.width > kSideMax || m.height > kSideMax)
+  if (m.width < 1 || m.height < 1 || m.width > kGpuSideMax || m.height > kGpuSideMax)
     throw Error(ErrorCode::kInput, "a texture mapping is of " + std::to_string(m.width) + " x " +
                                        std::to_string(m.height) + " texels, expected 1 to 16384 a side");
 }

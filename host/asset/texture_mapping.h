@@ -15,6 +15,9 @@
 
 namespace multum {
 
+/// What GPUs take, of pixels and of texels a side.
+constexpr int kGpuSideMax = 16384;
+
 /// Coordinates across the texture (0..1, v upwards) = linear * (u', v') + offset, where u' = u, or in a direction with
 /// a branch cut u' = u - floor(u - cut), in [cut, cut + 1).
 struct TextureMapping {

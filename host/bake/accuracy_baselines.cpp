@@ -15,7 +15,7 @@ namespace {
 
 using Plane = std::vector<double>;
 
-constexpr double kSlopeZMin = 0.05;  // slopes of normals nearer to the horizon are those at this z: LEAN has no others
+constexpr double kHorizonZ = 0.05;  // slopes of normals nearer to the horizon are those at this z: LEAN has no others
 
 // Planes that average linearly: the normal, slopes and their products.
 struct LinearPlanes {
@@ -27,7 +27,7 @@ LinearPlanes finest_planes(const NormalMap& map) {
   for (std::size_t i = 0; i < map.x.size(); ++i) {
     const double x = static_cast<double>(map.x[i]), y = static_cast<double>(map.y[i]),
                  z = static_cast<double>(map.z[i]);
-    const double sx = x / std::max(z, kSlopeZMin), sy = y / std::max(z, kSlopeZMin);
+    const double sx = x / std::max(z, kHorizonZ), sy = y / std::max(z, kHorizonZ);
     p.nx.push_back(x);
     p.ny.push_back(y);
     p.nz.push_back(z);

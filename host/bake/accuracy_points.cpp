@@ -43,7 +43,7 @@ AxisTaps bilinear_axis(int i, int fine_size, int size) {
 }
 
 // Calls body(kind, {{level, texel, weight}...}) for each point of a sample.
-struct Tap {
+struct WeightedTexel {
   int level;
   int texel;
   double weight;
@@ -53,7 +53,7 @@ void for_each_point(const std::vector<PlaneSize>& levels, const AccuracySample& 
   const int l = sample.level, texel = sample.texel;
   const PlaneSize fine = levels[static_cast<std::size_t>(l)];
   const int x = texel % fine.width, y = texel / fine.width;
-  std::array<Tap, 5> taps{Tap{l, texel, 1.0}};
+  std::array<WeightedTexel, 5> taps{WeightedTexel{l, texel, 1.0}};
   body(AccuracyPoint::kCentre, taps, 1);
   taps[0].weight = 0.5;
   taps[1] = {l, texel + 1, 0.5};
@@ -88,7 +88,7 @@ TexelSelection needed_texels(const std::vector<PlaneSize>& levels, const std::ve
       texels[static_cast<std::size_t>(sample.level)].push_back(sample.texel);
       continue;
     }
-    for_each_point(levels, sample, [&](AccuracyPoint, const std::array<Tap, 5>& taps, int tap_count) {
+    for_each_point(levels, sample, [&](AccuracyPoint, const std::array<WeightedTexel, 5>& taps, int tap_count) {
       for (int t = 0; t < tap_count; ++t) {
         const auto level = static_cast<std::size_t>(taps[static_cast<std::size_t>(t)].level);
         if (static_cast<int>(level) == sample.level || !is_whole(levels[level], wanted))
@@ -119,7 +119,7 @@ AccuracyPoints::AccuracyPoints(const std::vector<PlaneSize>& levels, const Sampl
 
 void AccuracyPoints::append_points(std::size_t sample, std::vector<SamplePoint>& points) const {
   for_each_point(texels_.sizes(), samples_[sample],
-                 [&](AccuracyPoint kind, const std::array<Tap, 5>& taps, int tap_count) {
+                 [&](AccuracyPoint kind, const std::array<WeightedTexel, 5>& taps, int tap_count) {
                    SamplePoint point{kind, sample, {}, {}, tap_count};
                    for (std::size_t t = 0; t < static_cast<std::size_t>(tap_count); ++t) {
                      point.slots[t] = texels_.slot(taps[t].level, taps[t].texel);

@@ -24,7 +24,7 @@ const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, Acc
   return nullptr;
 }
 
-std::string percent(const AccuracyRow* a, const AccuracyRow* b) {
+std::string percent_of_worse(const AccuracyRow* a, const AccuracyRow* b) {
   if (a == nullptr && b == nullptr) return "-";
   const double worse = std::max(a != nullptr ? a->error : 0.0, b != nullptr ? b->error : 0.0);
   return fmt::format("{:.2f}", 100.0 * rounded(worse));
@@ -59,8 +59,9 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::s
     for (const std::string& brdf : brdfs) {
       const auto found = [&](AccuracyPoint point) { return find_row(rows, level, point, brdf + suffix); };
       const AccuracyRow* centre = found(AccuracyPoint::kCentre);
-      const std::string midway = percent(found(AccuracyPoint::kMidX), found(AccuracyPoint::kMidY));
-      text += fmt::format("{:>{}}", centre == nullptr ? "-" : percent(centre, nullptr) + " | " + midway, column(brdf));
+      const std::string midway = percent_of_worse(found(AccuracyPoint::kMidX), found(AccuracyPoint::kMidY));
+      text += fmt::format("{:>{}}", centre == nullptr ? "-" : percent_of_worse(centre, nullptr) + " | " + midway,
+                          column(brdf));
     }
     text += "\n";
   }

@@ -28,10 +28,6 @@ constexpr const char* kExpected =
     "expected a folder of renders: scene.json beside geometry.glb, .gltf or .obj, rad_vVV_pPP.exr, and geom_vVV.exr or "
     "id_vVV_pPP.png";
 
-[[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kInput, path + ": " + what);
-}
-
 // Samples along a parameter that share texture coordinates: all, or blocks as even as may be of at most 8, the size of
 // Hakura et al. (sec. 4).
 int even_block(int count) {
@@ -45,11 +41,11 @@ class FolderReader {
  public:
   explicit FolderReader(const std::string& folder) : folder_(folder), scene_path_(path("scene.json")) {
     std::error_code error;
-    if (!fs::is_directory(folder, error)) refuse(folder, std::string("is no folder; ") + kExpected);
-    if (!exists("scene.json")) refuse(folder, std::string("holds no scene.json; ") + kExpected);
+    if (!fs::is_directory(folder, error)) refuse_file(folder, std::string("is no folder; ") + kExpected);
+    if (!exists("scene.json")) refuse_file(folder, std::string("holds no scene.json; ") + kExpected);
     std::ifstream file(scene_path_);
     scene_ = Json::parse(file, nullptr, false);
-    if (!scene_.is_object()) refuse(scene_path_, "is no JSON object");
+    if (!scene_.is_object()) refuse_file(scene_path_, "is no JSON object");
   }
 
   AnimationJob read() {
@@ -62,8 +58,8 @@ class FolderReader {
                          [](const Json& sample) { return sample.contains("object_to_world"); });
     has_index_ = exists("id_" + sample_name(samples.front()) + ".png");
     if (moves_ && !has_index_)
-      refuse(folder_, fmt::format("has objects that move, but no id_{}.png; object-index images are needed then",
-                                  sample_name(samples.front())));
+      refuse_file(folder_, fmt::format("has objects that move, but no id_{}.png; object-index images are needed then",
+                                       sample_name(samples.front())));
     const char* other = moves_ ? "motion" : samples.front().contains("light_swing_deg") ? "light" : "parameter";
     job_.parameters = {{"view", whole(scene_, "views", "the scene"), true},
                        {other, whole(scene_, "params", "the scene"), false}};
@@ -74,8 +70,8 @@ class FolderReader {
               [](const AnimationSample& a, const AnimationSample& b) { return a.at < b.at; });
     const int expected = job_.parameters[0].count * job_.parameters[1].count;
     if (std::ssize(job_.samples) != expected)
-      refuse(scene_path_,
-             fmt::format("describes {} samples, expected {} by its views and params", job_.samples.size(), expected));
+      refuse_file(scene_path_, fmt::format("describes {} samples, expected {} by its views and params",
+                                           job_.samples.size(), expected));
     read_layers();
     return std::move(job_);
   }
@@ -87,30 +83,30 @@ class FolderReader {
     return fs::is_regular_file(path(name), error);
   }
   std::string existing(const std::string& name) const {
-    if (!exists(name)) refuse(folder_, fmt::format("has no {}, which scene.json describes", name));
+    if (!exists(name)) refuse_file(folder_, fmt::format("has no {}, which scene.json describes", name));
     return path(name);
   }
 
   const Json& member(const Json& json, const char* key, const std::string& what) const {
     const auto found = json.find(key);
-    if (found == json.end()) refuse(scene_path_, fmt::format("{} has no \"{}\"", what, key));
+    if (found == json.end()) refuse_file(scene_path_, fmt::format("{} has no \"{}\"", what, key));
     return *found;
   }
   int whole(const Json& json, const char* key, const std::string& what) const {
     const Json& value = member(json, key, what);
     if (!value.is_number_integer() || value.get<std::int64_t>() < 0 || value.get<std::int64_t>() > 65536)
-      refuse(scene_path_, fmt::format("\"{}\" of {} is {}, expected a whole number", key, what, value.dump()));
+      refuse_file(scene_path_, fmt::format("\"{}\" of {} is {}, expected a whole number", key, what, value.dump()));
     return value.get<int>();
   }
   const Json& list(const char* key) const {
     const Json& value = member(scene_, key, "the scene");
     const bool is_list = value.is_array() && !value.empty() && value.front().is_object();
-    if (!is_list) refuse(scene_path_, fmt::format("\"{}\" is no list of objects", key));
+    if (!is_list) refuse_file(scene_path_, fmt::format("\"{}\" is no list of objects", key));
     return value;
   }
   std::string sample_name(const Json& sample) const {
     const Json& name = member(sample, "name", "a sample");
-    if (!name.is_string()) refuse(scene_path_, fmt::format("the name of a sample is {}", name.dump()));
+    if (!name.is_string()) refuse_file(scene_path_, fmt::format("the name of a sample is {}", name.dump()));
     return name.get<std::string>();
   }
   glm::dmat4 matrix(const Json& rows, const std::string& what) const {
@@ -119,7 +115,7 @@ class FolderReader {
              std::all_of(row.begin(), row.end(), [](const Json& value) { return value.is_number(); });
     };
     if (!rows.is_array() || rows.size() != 4 || !std::all_of(rows.begin(), rows.end(), is_row))
-      refuse(scene_path_, what + " is no matrix of 4 rows of 4 numbers");
+      refuse_file(scene_path_, what + " is no matrix of 4 rows of 4 numbers");
     glm::dmat4 m;
     for (int row = 0; row < 4; ++row)
       for (int column = 0; column < 4; ++column)
@@ -134,20 +130,20 @@ class FolderReader {
       meshes_ = names_of(read_object_meshes(job_.geometry_file, job_.uv_set));
       return;
     }
-    refuse(folder_, std::string("holds no geometry.glb, geometry.gltf or geometry.obj; ") + kExpected);
+    refuse_file(folder_, std::string("holds no geometry.glb, geometry.gltf or geometry.obj; ") + kExpected);
   }
 
   // Blender's OBJ names an object after the object and its mesh.
   std::string mesh_of(const std::string& object) const {
     for (const std::string& mesh : {object, object + "_Mesh"})
       if (std::find(meshes_.begin(), meshes_.end(), mesh) != meshes_.end()) return mesh;
-    refuse(job_.geometry_file,
-           fmt::format("has no object \"{}\", which scene.json names; it has {}", object, fmt::join(meshes_, ", ")));
+    refuse_file(job_.geometry_file, fmt::format("has no object \"{}\", which scene.json names; it has {}", object,
+                                                fmt::join(meshes_, ", ")));
   }
 
   void read_objects() {
     const Json& objects = member(scene_, "objects", "the scene");
-    if (!objects.is_object() || objects.empty()) refuse(scene_path_, "\"objects\" names no objects");
+    if (!objects.is_object() || objects.empty()) refuse_file(scene_path_, "\"objects\" names no objects");
     for (const auto& [name, value] : objects.items()) {
       AnimationObject object;
       object.name = name;
@@ -221,8 +217,8 @@ class FolderReader {
     if (!view_dependent.passes.empty()) job_.layers.push_back(view_dependent);
     if (job_.layers.empty() && has("R")) job_.layers.push_back({"radiance", {""}, all});
     if (job_.layers.empty())
-      refuse(file, fmt::format("has no channel diffuse.R, glossy.R, transmission.R or R; it has {}",
-                               fmt::join(channels, ", ")));
+      refuse_file(file, fmt::format("has no channel diffuse.R, glossy.R, transmission.R or R; it has {}",
+                                    fmt::join(channels, ", ")));
   }
 
   std::string folder_, scene_path_;

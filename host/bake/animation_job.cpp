@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/matrix.hpp>
 
+#include "host/asset/texture_mapping.h"
 #include "host/bake/animation_samples.h"
 #include "host/bake/strict_toml.h"
 #include "host/image/exr_layers.h"
@@ -21,11 +21,7 @@
 namespace multum {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kSideMax = 16384;         // pixels and texels: what GPUs take
 constexpr int kSampleCountMax = 65536;  // each is a file or two
-const NumberRange kAboveZero = {0.0, kInfinity, true, true, "a number above 0"};
-const NumberRange kNotNegative = {0.0, kInfinity, false, true, "a number of at least 0"};
 
 const std::vector<std::string> kJobKeys = {
     "geometry",     "uv_set",       "width",   "height",    "cryptomatte", "depth",  "depth_tolerance", "supersampling",
@@ -53,8 +49,8 @@ void add_unique(std::vector<Item>& items, Item item, const StrictTable& table) {
 
 void read_settings(const StrictTable& job_table, AnimationJob& job) {
   job.uv_set = job_table.whole("uv_set", 0, 7, job.uv_set);
-  job.width = job_table.whole("width", 1, kSideMax);
-  job.height = job_table.whole("height", 1, kSideMax);
+  job.width = job_table.whole("width", 1, kGpuSideMax);
+  job.height = job_table.whole("height", 1, kGpuSideMax);
   job.cryptomatte = job_table.text("cryptomatte", job.cryptomatte);
   job.depth = job_table.text("depth", job.depth);
   job.depth_tolerance = job_table.number("depth_tolerance", kAboveZero, job.depth_tolerance);
@@ -73,11 +69,11 @@ AnimationTexture read_texture(const StrictTable& table, const AnimationTexture& 
   texture.resolution_scale =
       table.number("resolution_scale", {0.0, 8.0, true, false, "a number above 0, up to 8"}, fallback.resolution_scale);
   texture.power_of_two = table.boolean("power_of_two", fallback.power_of_two);
-  texture.side_max = table.whole("side_max", 1, kSideMax, fallback.side_max);
+  texture.side_max = table.whole("side_max", 1, kGpuSideMax, fallback.side_max);
   texture.anisotropy =
       table.number("anisotropy", {1.0, 16.0, false, false, "a number from 1 to 16"}, fallback.anisotropy);
-  texture.pyramid_weight = table.number("pyramid_weight", kNotNegative, fallback.pyramid_weight);
-  texture.range_weight = table.number("range_weight", kNotNegative, fallback.range_weight);
+  texture.pyramid_weight = table.number("pyramid_weight", kFromZero, fallback.pyramid_weight);
+  texture.range_weight = table.number("range_weight", kFromZero, fallback.range_weight);
   return texture;
 }
 

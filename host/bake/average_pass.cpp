@@ -8,13 +8,12 @@
 
 #include "host/bake/feature_planes.h"
 #include "host/base/error.h"
+#include "host/base/size_of.h"
 
 namespace multum {
 namespace {
 
 constexpr std::size_t kMapPlanes = std::tuple_size_v<AveragedPlanes::MapPlanes>;
-
-std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
 class AveragePass {
  public:

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 
 #include "host/bake/bake_batch.h"
@@ -24,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr char kWhole[] = "the manifest";
 
 const std::vector<std::string> kDefaultKeys = {
@@ -79,8 +77,7 @@ void read_target(const StrictTable& table, const std::string& manifest, Manifest
   }
   if (table.has("target_error"))
     target.error = table.number("target_error", {0.0, 2.0, true, false, "a number above 0, at most 2"}, 0.0);
-  if (table.has("budget_ms"))
-    target.seconds = 1e-3 * table.number("budget_ms", {0.0, kInfinity, true, true, "a number above 0"}, 0.0);
+  if (table.has("budget_ms")) target.seconds = 1e-3 * table.number("budget_ms", kAboveZero, 0.0);
   target.best_effort = table.boolean("best_effort", target.best_effort);
   if (!table.has("brdf")) return;
   const std::string text = table.text("brdf");
@@ -109,8 +106,7 @@ void check_target_keys(const StrictTable& table, ManifestOptions& options) {
 void read_options(const StrictTable& table, const std::string& manifest, ManifestOptions& options) {
   MapOptions& map = options.map;
   read_target(table, manifest, options);
-  if (table.has("error_max"))
-    options.error_max = table.number("error_max", {0.0, kInfinity, true, true, "a number above 0"}, 0.0);
+  if (table.has("error_max")) options.error_max = table.number("error_max", kAboveZero, 0.0);
   read_source_keys(table, map);
   read_choice(table, "ndf", kNdfs, map.ndf);
   read_whole(table, "lobes", kLobeCounts, map.lobes);

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr int kBlock = 128;  // columns: the powers of a block, some twelve of them, stay in the nearest cache
+constexpr int kColumnsOfBlock = 128;  // columns: the powers of a block, some twelve of them, stay in the nearest cache
 constexpr double kWholeMax = 1e6;
 
 MULTUM_VECTOR_CLONES
@@ -35,7 +35,7 @@ void multiply_powers(const PowerProduct* products, std::size_t product_count, do
     const double* first = powers[products[p].first];
     const double* second = powers[products[p].second];
     double* __restrict product = powers[p + 1];
-    for (int i = 0; i < kBlock; ++i) product[i] = first[i] * second[i];
+    for (int i = 0; i < kColumnsOfBlock; ++i) product[i] = first[i] * second[i];
   }
 }
 
@@ -91,19 +91,19 @@ BrdfRows::BrdfRows(const glm::dvec3& omega, const std::vector<double>& exponents
     : omega_(omega),
       exponents_(exponents),
       plan_(plan_powers(exponents)),
-      powers_((plan_.products.size() + 1) * std::size_t{kBlock}) {}
+      powers_((plan_.products.size() + 1) * std::size_t{kColumnsOfBlock}) {}
 
 void BrdfRows::evaluate(const std::array<const float*, 3>& normals, int count, const std::vector<double*>& rows) {
-  const auto own = [&](std::size_t power) { return powers_.data() + power * kBlock; };
+  const auto own = [&](std::size_t power) { return powers_.data() + power * kColumnsOfBlock; };
   std::vector<double*> powers(plan_.products.size() + 1);
   for (std::size_t p = 0; p < powers.size(); ++p) powers[p] = own(p);
-  for (int begin = 0; begin < count; begin += kBlock) {
-    const int size = std::min(kBlock, count - begin);
-    for (std::size_t e = 0; e < exponents_.size() && size == kBlock; ++e)  // made where they are to lie
+  for (int begin = 0; begin < count; begin += kColumnsOfBlock) {
+    const int size = std::min(kColumnsOfBlock, count - begin);
+    for (std::size_t e = 0; e < exponents_.size() && size == kColumnsOfBlock; ++e)  // made where they are to lie
       if (plan_.whole[e] > 0) powers[static_cast<std::size_t>(plan_.whole[e])] = rows[e] + begin;
     clamped_cosines(normals[0] + begin, normals[1] + begin, normals[2] + begin, omega_.x, omega_.y, omega_.z, size,
                     powers[0]);
-    for (std::size_t p = 1; p < powers.size() && size < kBlock; ++p) powers[p] = own(p);
+    for (std::size_t p = 1; p < powers.size() && size < kColumnsOfBlock; ++p) powers[p] = own(p);
     multiply_powers(plan_.products.data(), plan_.products.size(), powers.data());
     for (std::size_t e = 0; e < exponents_.size(); ++e) {
       double* row = rows[e] + begin;

@@ -80,7 +80,7 @@ class Attempts {
   std::vector<Attempt> made_;
 };
 
-std::string percent(double share) { return fmt::format("{:.4g} %", 100.0 * share); }
+std::string in_percent(double share) { return fmt::format("{:.4g} %", 100.0 * share); }
 
 std::string reached_text(const ReachedError& reached) {
   return error_text(reached.error, reached.confidence) +
@@ -181,7 +181,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
   const auto options = [&](const SettingTrial& trial) { return trials.candidates()[trial.candidate].options; };
   std::string text = fmt::format("{}: {}: {} for {}", met ? "chosen" : "best reached", options(chosen.trial),
                                  reached_text(chosen.reached), trials.brdf().name);
-  text += target.error ? fmt::format(", asked for {}", percent(*target.error))
+  text += target.error ? fmt::format(", asked for {}", in_percent(*target.error))
                        : fmt::format(" in {:.0f} ms, asked for {:.0f}", 1e3 * chosen.seconds, 1e3 * *target.seconds);
   text += fmt::format("; {} of {} settings tried on a mosaic, {} baked\n", trials.made().size(),
                       trials.candidates().size(), attempts.made().size());
@@ -192,7 +192,8 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
       if (trial.candidate < chosen.trial.candidate && (!below || trial.reached.error < below->reached.error))
         below = &trial;
     if (met && below != nullptr)
-      text += fmt::format("  cheaper settings reach {} at best ({})\n", percent(below->reached.error), options(*below));
+      text +=
+          fmt::format("  cheaper settings reach {} at best ({})\n", in_percent(below->reached.error), options(*below));
   }
   text += fmt::format("  worst level {}\n", chosen.reached.worst_level);
   return text;

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-using Sum = std::array<double, 4>;  // three colours and the weight
+using TexelSum = std::array<double, 4>;  // three colours and the weight
 
 // Texture coordinates across a triangle, perspective included: [s q, t q, q] = map * (x, y, 1) in clip space over w.
 std::optional<glm::dmat3> texture_map(const ObjectMesh& mesh, const std::vector<glm::vec2>& corners,
@@ -42,7 +42,7 @@ class Splatter {
         mapping_(mapping),
         corners_(mapped_corners(mesh.uvs, mesh.indices, mapping)),
         layout_(mapping.width, mapping.height),
-        sums_(static_cast<std::size_t>(layout_.texel_count), Sum{}) {}
+        sums_(static_cast<std::size_t>(layout_.texel_count), TexelSum{}) {}
 
   void add(const ForwardView& view) {
     const ItemBuffer& items = *view.items;
@@ -84,7 +84,7 @@ class Splatter {
         const double share = weight * (dx == 0 ? 1.0 - (x - x0) : x - x0) * (dy == 0 ? 1.0 - (y - y0) : y - y0);
         const int tx = place(static_cast<int>(x0) + dx, level.width, mapping_.wrap_s);
         const int ty = place(static_cast<int>(y0) + dy, level.height, mapping_.wrap_t);
-        Sum& sum = sums_[static_cast<std::size_t>(ty * level.width + tx)];
+        TexelSum& sum = sums_[static_cast<std::size_t>(ty * level.width + tx)];
         for (std::size_t c = 0; c < 3; ++c) sum[c] += share * static_cast<double>(colour[c]);
         sum[3] += share;
       }
@@ -103,13 +103,13 @@ class Splatter {
     for (std::size_t l = 0; l + 1 < layout_.levels.size(); ++l) {
       const MipLevelPlace& coarse = layout_.levels[l + 1];
       for (int t = coarse.offset; t < coarse.offset + coarse.width * coarse.height; ++t)
-        sums_[static_cast<std::size_t>(t)] = Sum{};
+        sums_[static_cast<std::size_t>(t)] = TexelSum{};
       layout_.for_each_child(l, [&](std::size_t parent, std::size_t texel) {
         for (std::size_t c = 0; c < 3; ++c) sums_[parent][c] += sums_[texel][c];
         sums_[parent][3] += 1.0;
       });
       for (int t = coarse.offset; t < coarse.offset + coarse.width * coarse.height; ++t) {
-        Sum& sum = sums_[static_cast<std::size_t>(t)];
+        TexelSum& sum = sums_[static_cast<std::size_t>(t)];
         for (std::size_t c = 0; c < 3; ++c) sum[c] /= sum[3];
       }
     }
@@ -120,12 +120,12 @@ class Splatter {
     const MipLevelPlace& level = layout_.levels[l];
     for (int y = 0; y < level.height; ++y)
       for (int x = 0; x < level.width; ++x) {
-        Sum& sum = sums_[static_cast<std::size_t>(level.offset + y * level.width + x)];
+        TexelSum& sum = sums_[static_cast<std::size_t>(level.offset + y * level.width + x)];
         if (sum[3] > kKnown) {
           for (std::size_t c = 0; c < 3; ++c) sum[c] /= sum[3];
           continue;
         }
-        sum = Sum{};
+        sum = TexelSum{};
         if (l + 1 == layout_.levels.size()) continue;
         const MipLevelPlace& coarse = layout_.levels[l + 1];
         const MultumTap across = tables.taps[static_cast<std::size_t>(tables.levels[l].taps_x + x)];
@@ -143,7 +143,7 @@ class Splatter {
   const TextureMapping& mapping_;
   const std::vector<glm::vec2> corners_;
   const MipLayout layout_;
-  std::vector<Sum> sums_;
+  std::vector<TexelSum> sums_;
 };
 
 }  // namespace

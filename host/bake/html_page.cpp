@@ -7,7 +7,7 @@ namespace multum {
 namespace {
 
 // The colours of tools/demo_page.py.
-constexpr const char* kStyle = R"(
+constexpr const char* kPageStyle = R"(
 :root { color-scheme: light dark; --back: #fdfdfb; --text: #1d2329; --soft: #5b6670; --line: #d5d9dc; --blank: #e4e7e9;
   --heat: #1b6ca8; --link: #1b5e96; }
 @media screen and (prefers-color-scheme: dark) {
@@ -80,8 +80,8 @@ std::string html_table(const std::vector<HtmlColumn>& columns, const std::vector
 std::string html_page(const std::string& title, const std::string& body, const std::string& more_style) {
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-         title + "</title><style>" + kStyle + more_style + "</style></head><body>\n<h1>" + title + "</h1>\n" + body +
-         "</body></html>\n";
+         title + "</title><style>" + kPageStyle + more_style + "</style></head><body>\n<h1>" + title + "</h1>\n" +
+         body + "</body></html>\n";
 }
 
 }  // namespace multum

@@ -62,12 +62,12 @@ struct DepthBuffer {
   std::vector<double> depth;
 };
 
-struct PixelBox {
+struct PixelBounds {
   int x_begin, x_end, y_begin, y_end;
 };
 
 // The pixels whose centres may lie in the triangle.
-PixelBox pixel_box(const std::array<ScreenVertex, 3>& v, const ItemBuffer& items) {
+PixelBounds pixel_box(const std::array<ScreenVertex, 3>& v, const ItemBuffer& items) {
   const auto [x_low, x_high] = std::minmax({v[0].x, v[1].x, v[2].x});
   const auto [y_low, y_high] = std::minmax({v[0].y, v[1].y, v[2].y});
   return {std::max(0, first_centre(x_low)), std::min(items.width, first_centre(x_high + 1)),
@@ -95,7 +95,7 @@ void draw_triangle(std::array<ScreenVertex, 3> v, Item item, DepthBuffer* buffer
   const std::int64_t area = (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[1].y - v[0].y) * (v[2].x - v[0].x);
   if (area == 0) return;
   if (area < 0) std::swap(v[1], v[2]);
-  const PixelBox box = pixel_box(v, buffer->items);
+  const PixelBounds box = pixel_box(v, buffer->items);
   if (box.x_begin >= box.x_end || box.y_begin >= box.y_end) return;
   const std::int64_t x_first = box.x_begin * kUnitsPerPixel + kUnitsPerPixel / 2;
   const std::int64_t y_first = box.y_begin * kUnitsPerPixel + kUnitsPerPixel / 2;

@@ -20,16 +20,16 @@ using Colour = std::array<double, 3>;
 
 enum class PixelState : std::uint8_t { kValid, kNotFinite, kNegative };
 
-struct Kernel {
+struct GaussKernel {
   int radius;
   std::vector<double> weights;  // by distance along one axis, the other's multiply
 };
 
 // sigma, and doubled up to sigma_max.
-std::vector<Kernel> make_kernels(const SegmentationSettings& settings) {
-  std::vector<Kernel> kernels;
+std::vector<GaussKernel> make_kernels(const SegmentationSettings& settings) {
+  std::vector<GaussKernel> kernels;
   for (double sigma = settings.sigma; kernels.empty() || sigma <= settings.sigma_max; sigma *= 2.0) {
-    Kernel kernel{static_cast<int>(std::ceil(3.0 * sigma)), {}};
+    GaussKernel kernel{static_cast<int>(std::ceil(3.0 * sigma)), {}};
     for (int d = 0; d <= kernel.radius; ++d) kernel.weights.push_back(std::exp(-0.5 * d * d / (sigma * sigma)));
     kernels.push_back(std::move(kernel));
   }
@@ -75,7 +75,7 @@ class Segmentation {
   const SegmentationInput& input_;
   const SegmentationSettings& settings_;
   int width_, height_;
-  std::vector<Kernel> kernels_;
+  std::vector<GaussKernel> kernels_;
   std::vector<float> background_;
   std::vector<PixelState> state_;
   std::vector<std::vector<std::int32_t>> whole_count_;  // per object: of pixels above and to the left, as a sum table
@@ -126,7 +126,7 @@ bool Segmentation::whole_in_reach(std::size_t object, int x, int y, int radius) 
 
 // m_k: the picture under the object's mask filtered by a Gaussian, divided by the mask under the same filter.
 bool Segmentation::nearby(std::size_t object, int x, int y, Colour* mean) const {
-  const auto kernel = std::find_if(kernels_.begin(), kernels_.end(), [&](const Kernel& candidate) {
+  const auto kernel = std::find_if(kernels_.begin(), kernels_.end(), [&](const GaussKernel& candidate) {
     return whole_in_reach(object, x, y, candidate.radius);
   });
   if (kernel == kernels_.end()) return false;
@@ -187,7 +187,7 @@ void Segmentation::unmix(int x, int y, std::vector<ObjectLayer>* layers, Segment
 
 // The Gaussian mean of the object's own values in valid pixels, by what they cover.
 bool Segmentation::repair(const ObjectLayer& layer, std::size_t object, int x, int y, Colour* mean) const {
-  const Kernel& kernel = kernels_.front();
+  const GaussKernel& kernel = kernels_.front();
   Colour sum{};
   double weight_sum = 0.0;
   for (int v = std::max(0, y - kernel.radius); v <= std::min(height_ - 1, y + kernel.radius); ++v)

@@ -78,7 +78,7 @@ std::string one_line(const std::string& text) {
   return escaped(text, [](char c) { return std::string(1, c == '\t' || c == '\n' || c == '\r' ? ' ' : c); });
 }
 
-std::string percent(const std::optional<double>& error) {
+std::string percent_or_dash(const std::optional<double>& error) {
   return error ? fmt::format("{:.4g} %", 100.0 * *error) : "-";
 }
 
@@ -167,8 +167,8 @@ std::string manifest_summary(const ManifestOutcome& outcome) {
   text += "| map | state | error | stated | allowed | seconds | bytes |\n|---|---|---:|---:|---:|---:|---:|\n";
   for (const MapResult& result : outcome.results)
     text += fmt::format("| {} | {} | {} | {} | {} | {:.2f} | {} |\n", markdown(result.name),
-                        map_state_name(result.state), percent(result.error), percent(result.stated),
-                        percent(result.allowed), result.seconds, result.bytes);
+                        map_state_name(result.state), percent_or_dash(result.error), percent_or_dash(result.stated),
+                        percent_or_dash(result.allowed), result.seconds, result.bytes);
   text += "\nErrors: relative L1, the largest over levels, points and BRDFs.\n";
   if (failure_count(outcome) > 0) text += "\n";
   for (const MapResult& result : outcome.results)

@@ -45,7 +45,7 @@ void note_finding(const OutputState& found, MapResult& result) {
   result.why = found.why;
 }
 
-void bake(const ManifestMap& map, Device& device, Progress* progress, MapResult& result) {
+void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapResult& result) {
   BakeJob job = map.job;
   job.force = true;  // that it must be baked is known
   if (!map.target) {
@@ -100,7 +100,7 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
   if (must_be_baked && settings.dry_run) {
     hash_file(map.job.input);  // a source that is not there is another matter than a file that is missing
   } else if (must_be_baked) {
-    bake(map, device, progress, result);
+    bake_map(map, device, progress, result);
     if (!settings.check && result.state != MapState::kWorse) result.state = MapState::kBaked;
     else if (settings.check && result.report) add_reason(result, "baked now");
   }

@@ -14,11 +14,10 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/base/size_of.h"
 
 namespace multum {
 namespace {
-
-std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
 class Seconds {
  public:

@@ -10,14 +10,14 @@
 namespace multum {
 namespace {
 
-struct Tap {
+struct AxisTap {
   int index;
   double weight;
 };
 
 // For each texel of an axis: what of the `from` finest texels it overlaps, in shares that sum to 1.
-std::vector<std::vector<Tap>> axis_taps(std::int64_t from, std::int64_t to) {
-  std::vector<std::vector<Tap>> taps(static_cast<std::size_t>(to));
+std::vector<std::vector<AxisTap>> axis_taps(std::int64_t from, std::int64_t to) {
+  std::vector<std::vector<AxisTap>> taps(static_cast<std::size_t>(to));
   for (std::int64_t x = 0; x < to; ++x) {
     const std::int64_t begin = x * from, end = (x + 1) * from;  // in units of 1/to of a finest texel
     for (std::int64_t i = begin / to; i * to < end; ++i) {
@@ -39,14 +39,14 @@ std::vector<double> average_over_texels(const std::vector<double>& plane, PlaneS
   std::vector<double> result(to_width * static_cast<std::size_t>(to.height));
   for_each_item(to.height, threads, [&](int y) {
     std::vector<double> row(from_width, 0.0);
-    for (const Tap& tap : rows[static_cast<std::size_t>(y)]) {
+    for (const AxisTap& tap : rows[static_cast<std::size_t>(y)]) {
       const double* source = &plane[static_cast<std::size_t>(tap.index) * from_width];
       for (std::size_t x = 0; x < from_width; ++x) row[x] += tap.weight * source[x];
     }
     double* out = &result[static_cast<std::size_t>(y) * to_width];
     for (std::size_t x = 0; x < to_width; ++x) {
       double sum = 0.0;
-      for (const Tap& tap : columns[x]) sum += tap.weight * row[static_cast<std::size_t>(tap.index)];
+      for (const AxisTap& tap : columns[x]) sum += tap.weight * row[static_cast<std::size_t>(tap.index)];
       out[x] = sum;
     }
   });

@@ -9,12 +9,11 @@
 
 #include "host/bake/feature_planes.h"
 #include "host/base/parallel.h"
+#include "host/base/size_of.h"
 #include "kernels/shared/moments.h"
 
 namespace multum {
 namespace {
-
-std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
 MomentLevel gather(const BoxRows& from, const FeaturePlanes& features, int threads) {
   const int width = from.width, height = from.height;
@@ -85,9 +84,9 @@ class MomentPlanes : public AveragedPlanes {
 };
 
 // Gathers what a bake hands over into a whole mipmap.
-class MipmapSink : public MomentSink {
+class MomentMipmapSink : public MomentSink {
  public:
-  explicit MipmapSink(std::vector<MomentLevel>& levels) : levels_(levels) {}
+  explicit MomentMipmapSink(std::vector<MomentLevel>& levels) : levels_(levels) {}
   void add_level(int level, int, MomentLevel rows) override {
     MomentLevel& to = levels_[size_of(level)];
     to.slopes.insert(to.slopes.end(), rows.slopes.begin(), rows.slopes.end());
@@ -115,7 +114,7 @@ MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap*
   MomentMipmap mipmap;
   mipmap.header = averaged.header(Representation::kMoments);
   mipmap.levels = empty_moment_levels(map.width, map.height);
-  MipmapSink sink(mipmap.levels);
+  MomentMipmapSink sink(mipmap.levels);
   bake_moments(device, averaged.inputs(), sink, report, progress);
   return mipmap;
 }

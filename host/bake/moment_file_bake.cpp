@@ -22,7 +22,7 @@ namespace {
 constexpr double kLimitedNoted = 0.01;
 
 template <typename Writer>
-using FileSink = RoundingSink<MomentSink, MomentLevel, Writer, MomentMeter>;
+using MomentFileSink = RoundingSink<MomentSink, MomentLevel, Writer, MomentMeter>;
 
 void warn_of_limited_slopes(const BakeRun& run, const BakeReport& report) {
   const double share = static_cast<double>(report.slopes_limited) /
@@ -34,7 +34,7 @@ void warn_of_limited_slopes(const BakeRun& run, const BakeReport& report) {
       run.job.input, 100.0 * share, kSlopeMax));
 }
 
-void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
+void bake_moment_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
   // Measuring and writing count as about half as much work as averaging.
   const std::uint64_t texels =
@@ -45,7 +45,7 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   MomentWriter writer(job.output, run.header, writing);
   std::optional<MomentMeter> meter;
   if (job.measure) meter.emplace(run.header, accuracy_settings(job));
-  FileSink<MomentWriter> sink(quantize_moments, writer, meter ? &*meter : nullptr, job);
+  MomentFileSink<MomentWriter> sink(quantize_moments, writer, meter ? &*meter : nullptr, job);
   const auto values = static_cast<std::uint64_t>((run.header.has_colours ? 12 : 9) + run.header.weight_count);
   const AverageInputs inputs = average_inputs(run, tile_rows_bytes(run.header, writing.tile_size, values));
   bake_moments(run.device, inputs, sink, report, progress);
@@ -54,31 +54,31 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
 }
 
-std::unique_ptr<AccuracyMeter> rehearse(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
-                                        Progress* progress) {
+std::unique_ptr<AccuracyMeter> rehearse_moments(const BakeRun& run, const AccuracySettings& accuracy,
+                                                BakeReport& report, Progress* progress) {
   auto meter = std::make_unique<MomentMeter>(run.header, accuracy);
   NoFile none;
-  FileSink<NoFile> sink(quantize_moments, none, meter.get(), run.job);
+  MomentFileSink<NoFile> sink(quantize_moments, none, meter.get(), run.job);
   bake_moments(run.device, average_inputs(run, 0), sink, report, progress);
   run.clock.finish("average");
   return meter;
 }
 
-void check_settings(const BakeJob& job) {
+void check_moment_settings(const BakeJob& job) {
   if (job.region.has_value() || !job.onto.empty())
     throw Error(ErrorCode::kUsage,
                 "--region and --onto are for --ndf vmf: moments of the whole map are averaged in less time than it is "
                 "read");
 }
 
-std::string settings(const BakeJob& job) {
+std::string moment_settings(const BakeJob& job) {
   const nlohmann::json json = {{"representation", representation_info(Representation::kMoments).name},
                                {"first_level", job.fitting.first_level},
                                {"slope_z_min", kSlopeZMin}};
   return json.dump();
 }
 
-VerifiedFile verify(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {
+VerifiedFile verify_moment_file(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {
   return verify_by_rows<MomentLevel>(verify_moments, job,
                                      std::make_unique<MomentMeter>(read_moment_header(job.output), accuracy), progress);
 }
@@ -87,12 +87,12 @@ VerifiedFile verify(const BakeJob& job, const AccuracySettings& accuracy, Progre
 
 const NdfBake kMomentBake = {
     Representation::kMoments,
-    check_settings,
-    settings,
+    check_moment_settings,
+    moment_settings,
     [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
-    bake,
-    rehearse,
-    verify,
+    bake_moment_file,
+    rehearse_moments,
+    verify_moment_file,
 };
 
 }  // namespace multum

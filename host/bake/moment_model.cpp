@@ -9,11 +9,11 @@
 namespace multum {
 namespace {
 
-constexpr int kPointsPerBand = 4096;
+constexpr int kMomentPointsPerBand = 4096;
 
 // Sums over taps: of stored texels normal, share, five moments and colour, of the normal map's normal, share and
 // colour.
-enum Sum : std::size_t {
+enum MomentSum : std::size_t {
   kNormal = 0,
   kShare = 3,
   kSlopes = 4,
@@ -102,12 +102,12 @@ std::vector<MultumFilteredMoments> MomentModel::filtered(const std::vector<Sampl
                                                          int threads) const {
   MULTUM_CHECK(is_complete());
   std::vector<MultumFilteredMoments> filtered(points.size());
-  for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, threads, [&](int, int begin, int end) {
+  for_each_row_band(static_cast<int>(points.size()), kMomentPointsPerBand, threads, [&](int, int begin, int end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       std::array<double, kSumCount> sums{};
       for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
         add_tap(points[i].slots[t], points[i].weights[t], channel, sums.data());
-      const auto colour = [&](Sum sum, Sum share) {
+      const auto colour = [&](MomentSum sum, MomentSum share) {
         return channel < 0 || sums[share] == 0.0 ? 1.0 : sums[sum] / sums[share];
       };
       const double stored = colour(kColour, kShare), of_map = colour(kMapColour, kMapShare);

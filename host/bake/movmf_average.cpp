@@ -9,11 +9,10 @@
 #include "host/bake/feature_planes.h"
 #include "host/bake/lobe_rows.h"
 #include "host/base/parallel.h"
+#include "host/base/size_of.h"
 
 namespace multum {
 namespace {
-
-std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
 // Rows of three planes from `plane` on.
 std::vector<glm::vec3> vectors_of(const BoxRows& from, int plane, int threads) {

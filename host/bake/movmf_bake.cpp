@@ -19,9 +19,10 @@ namespace multum {
 namespace {
 
 // Gathers what a bake hands over into a whole mipmap.
-class MipmapSink : public MovmfSink {
+class MovmfMipmapSink : public MovmfSink {
  public:
-  MipmapSink(int width, int height, const MovmfSettings& settings, const FeaturePlanes& features, bool has_roughness) {
+  MovmfMipmapSink(int width, int height, const MovmfSettings& settings, const FeaturePlanes& features,
+                  bool has_roughness) {
     mipmap_.representation = settings.representation;
     mipmap_.first_level = settings.first_level;
     mipmap_.weight_count = features.weight_count;
@@ -56,7 +57,7 @@ class MipmapSink : public MovmfSink {
 };
 
 // Of the likeness's levels that are compared: finer ones hold too few normals.
-constexpr int kSideMax = 16;
+constexpr int kComparedSideMax = 16;
 
 // One bake of a small likeness after another, each from another start: what they share is made once.
 class Rehearsal {
@@ -75,7 +76,7 @@ class Rehearsal {
   // them came 14th by error). 4096 normals take some 50 ms a candidate.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     BakeReport ignored;
-    MipmapSink sink(likeness_.width, likeness_.height, settings_, {}, has_roughness_);
+    MovmfMipmapSink sink(likeness_.width, likeness_.height, settings_, {}, has_roughness_);
     fit_movmf(device_, {&planes_, {}, has_roughness_, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
     const MovmfMipmap mipmap = sink.take();
     AccuracySettings accuracy;
@@ -84,7 +85,7 @@ class Rehearsal {
     accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64)};
     const auto too_fine = [&](int level) {
       const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
-      return size.width > kSideMax || size.height > kSideMax;
+      return size.width > kComparedSideMax || size.height > kComparedSideMax;
     };
     while (too_fine(accuracy.first_level)) ++accuracy.first_level;
     double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
@@ -129,7 +130,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
     const NormalMap likeness = sample_likeness(normals, kLikenessSide, search.seed);
     // Where the finest levels are not asked for, their kernels are not either.
     while (settings.first_level > 0 && std::max(mip_level_size(likeness.width, whole.first_level),
-                                                mip_level_size(likeness.height, whole.first_level)) > kSideMax)
+                                                mip_level_size(likeness.height, whole.first_level)) > kComparedSideMax)
       ++whole.first_level;
     const Rehearsal rehearsal(device, likeness, whole, schedule);  // the map's own kernels: no second set of programs
     double least = HUGE_VAL;
@@ -185,8 +186,8 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
 
 MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, BakeReport& report,
                        Progress* progress) {
-  MipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings,
-                  FeaturePlanes::of(inputs.albedo, inputs.weights), inputs.has_roughness);
+  MovmfMipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings,
+                       FeaturePlanes::of(inputs.albedo, inputs.weights), inputs.has_roughness);
   bake_movmf(device, inputs, settings, sink, report, progress);
   return sink.take();
 }

@@ -97,7 +97,7 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   if (checkpoint != nullptr) report.rows_resumed = checkpoint->rows_resumed();
 }
 
-void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
+void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
   const int width = run.header.width, height = run.header.height;
   // Measuring and writing count as about a level's work each.
@@ -115,8 +115,8 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   measure_and_commit(run, meter ? &*meter : nullptr, level_units, writer, report, progress);
 }
 
-std::unique_ptr<AccuracyMeter> rehearse(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
-                                        Progress* progress) {
+std::unique_ptr<AccuracyMeter> rehearse_lobes(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                              Progress* progress) {
   MovmfMipmap mipmap = bake_movmf(run.device, fit_inputs(run), fitting_settings(run.job), report, progress);
   mipmap.encoding = run.header.encoding;
   mipmap.mean_cosine = run.header.mean_cosine;
@@ -128,7 +128,7 @@ std::unique_ptr<AccuracyMeter> rehearse(const BakeRun& run, const AccuracySettin
   return meter;
 }
 
-void check_settings(const BakeJob& job) {
+void check_lobe_settings(const BakeJob& job) {
   validate(job.fitting);
   if (job.region.has_value() == job.onto.empty())
     throw Error(ErrorCode::kUsage,
@@ -136,7 +136,7 @@ void check_settings(const BakeJob& job) {
                 "baked before");
 }
 
-VerifiedFile verify(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {
+VerifiedFile verify_lobe_file(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {
   const MovmfMipmap header = read_movmf_header(job.output);
   return verify_by_rows<MovmfLevel>(verify_movmf, job,
                                     std::make_unique<MovmfMeter>(header, header.has_colours(), accuracy), progress);
@@ -148,12 +148,12 @@ namespace {
 
 constexpr NdfBake lobe_bake(Representation representation) {
   return {representation,
-          check_settings,
+          check_lobe_settings,
           [](const BakeJob& job) { return settings_json(fitting_settings(job)); },
           [](const BakeJob& job, int width, int height) { validate(job.fitting, width, height); },
-          bake,
-          rehearse,
-          verify};
+          bake_lobe_file,
+          rehearse_lobes,
+          verify_lobe_file};
 }
 
 }  // namespace

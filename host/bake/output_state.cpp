@@ -29,7 +29,7 @@ std::string shown(const nlohmann::json& json, const std::string& key) {
 }
 
 // Settings that are hashes of maps, in words.
-const std::map<std::string, std::string> kMaterialMaps = {
+const std::map<std::string, std::string> kHashedMaps = {
     {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
 
 // Which settings differ, and how. Hashes tell a person nothing.
@@ -43,7 +43,7 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
   std::vector<std::string> changes;
   for (const std::string& key : keys) {
     if (old_json.contains(key) && new_json.contains(key) && old_json[key] == new_json[key]) continue;
-    if (const auto map = kMaterialMaps.find(key); map != kMaterialMaps.end())
+    if (const auto map = kHashedMaps.find(key); map != kHashedMaps.end())
       changes.push_back(fmt::format("the {} has changed", map->second));
     else if (key == "kernels") changes.emplace_back("it was baked by other kernels than this program's");
     else changes.push_back(fmt::format("{} was {}, is {}", key, shown(old_json, key), shown(new_json, key)));

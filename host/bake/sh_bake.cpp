@@ -10,11 +10,10 @@
 #include "host/bake/feature_planes.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
+#include "host/base/size_of.h"
 
 namespace multum {
 namespace {
-
-std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
 ShLevel gather(const BoxRows& from, int order, const FeaturePlanes& features, int threads) {
   ShLevel rows{from.width, from.height, {}, {}, {}};
@@ -72,9 +71,9 @@ class ShPlanes : public AveragedPlanes {
 };
 
 // Gathers what a bake hands over into a whole mipmap.
-class MipmapSink : public ShSink {
+class ShMipmapSink : public ShSink {
  public:
-  MipmapSink(int order, std::vector<ShLevel>& levels) : order_(order), levels_(levels) {}
+  ShMipmapSink(int order, std::vector<ShLevel>& levels) : order_(order), levels_(levels) {}
   void add_level(int level, int, ShLevel rows) override {
     ShLevel& to = levels_[size_of(level)];
     to.parts.resize(size_of(sh_part_count(order_)));
@@ -110,7 +109,7 @@ ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMa
   mipmap.header = averaged.header(Representation::kSh);
   mipmap.order = order;
   mipmap.levels = empty_sh_levels(map.width, map.height);
-  MipmapSink sink(order, mipmap.levels);
+  ShMipmapSink sink(order, mipmap.levels);
   bake_sh(device, order, averaged.inputs(), sink, report, progress);
   return mipmap;
 }

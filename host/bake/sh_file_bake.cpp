@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 template <typename Writer>
-using FileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
+using ShFileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
 
 // Rows that wait to be written, and texels that are looked at beyond what every bake is taken to need, of many
 // coefficients each.
@@ -29,7 +29,7 @@ std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* me
          (meter_bytes > kUsualMeter ? meter_bytes - kUsualMeter : 0);
 }
 
-void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
+void bake_sh_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
   // Measuring and writing count as about half as much work as averaging.
   const std::uint64_t texels =
@@ -40,38 +40,38 @@ void bake(const BakeRun& run, BakeReport& report, Progress* progress) {
   ShWriter writer(job.output, run.header, job.sh_order, writing);
   std::optional<ShMeter> meter;
   if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy_settings(job));
-  FileSink<ShWriter> sink(quantize_sh, writer, meter ? &*meter : nullptr, job);
+  ShFileSink<ShWriter> sink(quantize_sh, writer, meter ? &*meter : nullptr, job);
   const AverageInputs inputs = average_inputs(run, waiting_bytes(run, writing.tile_size, meter ? &*meter : nullptr));
   bake_sh(run.device, job.sh_order, inputs, sink, report, progress);
   run.clock.finish("average");
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
 }
 
-std::unique_ptr<AccuracyMeter> rehearse(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
-                                        Progress* progress) {
+std::unique_ptr<AccuracyMeter> rehearse_sh(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                           Progress* progress) {
   auto meter = std::make_unique<ShMeter>(ShMipmap{run.header, run.job.sh_order, {}}, accuracy);
   NoFile none;
-  FileSink<NoFile> sink(quantize_sh, none, meter.get(), run.job);
+  ShFileSink<NoFile> sink(quantize_sh, none, meter.get(), run.job);
   bake_sh(run.device, run.job.sh_order, average_inputs(run, 0), sink, report, progress);
   run.clock.finish("average");
   return meter;
 }
 
-void check_settings(const BakeJob& job) {
+void check_sh_settings(const BakeJob& job) {
   if (job.region.has_value() || !job.onto.empty())
     throw Error(ErrorCode::kUsage,
                 "--region and --onto are for --ndf vmf: spherical harmonics of the whole map are averaged, not fitted");
   validate_sh_order(job.sh_order);
 }
 
-std::string settings(const BakeJob& job) {
+std::string sh_settings(const BakeJob& job) {
   const nlohmann::json json = {{"representation", representation_info(Representation::kSh).name},
                                {"first_level", job.fitting.first_level},
                                {"sh_order", job.sh_order}};
   return json.dump();
 }
 
-VerifiedFile verify(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {
+VerifiedFile verify_sh_file(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {
   return verify_by_rows<ShLevel>(verify_sh, job, std::make_unique<ShMeter>(read_sh_header(job.output), accuracy),
                                  progress);
 }
@@ -80,12 +80,12 @@ VerifiedFile verify(const BakeJob& job, const AccuracySettings& accuracy, Progre
 
 const NdfBake kShBake = {
     Representation::kSh,
-    check_settings,
-    settings,
+    check_sh_settings,
+    sh_settings,
     [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
-    bake,
-    rehearse,
-    verify,
+    bake_sh_file,
+    rehearse_sh,
+    verify_sh_file,
 };
 
 }  // namespace multum

@@ -13,7 +13,7 @@ namespace {
 
 // Of order 20 some 14 MiB of coefficients.
 constexpr std::size_t kPointsPerLaunch = 8192;
-constexpr int kPointsPerBand = 1024;
+constexpr int kShPointsPerBand = 1024;
 
 ZonalCoefficients zonal_of(const Brdf& brdf, int order) {
   if (brdf.kind == BrdfKind::kBlinnPhong) return zonal_blinn_phong(order, static_cast<double>(brdf.exponent));
@@ -116,7 +116,7 @@ ShModel::Filtered ShModel::filtered(const std::vector<SamplePoint>& points, std:
                                     int channel, int threads) const {
   MULTUM_CHECK(is_complete());
   Filtered filtered{std::vector<float>((end - begin) * count_), std::vector<MultumFilteredSh>(end - begin)};
-  for_each_row_band(static_cast<int>(end - begin), kPointsPerBand, threads, [&](int, int band_begin, int band_end) {
+  for_each_row_band(static_cast<int>(end - begin), kShPointsPerBand, threads, [&](int, int band_begin, int band_end) {
     std::vector<double> sums(count_);
     for (auto i = static_cast<std::size_t>(band_begin); i < static_cast<std::size_t>(band_end); ++i) {
       const SamplePoint& point = points[begin + i];

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ struct NumberRange {
   bool low_open = false, high_open = false;  // the end itself is not in the range
   std::string text;                          // "a number above 0"
 };
+
+inline const NumberRange kAboveZero = {0.0, std::numeric_limits<double>::infinity(), true, true, "a number above 0"};
+inline const NumberRange kFromZero = {0.0, std::numeric_limits<double>::infinity(), false, true,
+                                      "a number of at least 0"};
 
 /// One table of a file; `file` and `table` outlive it.
 class StrictTable {

@@ -18,7 +18,7 @@ namespace {
 // and 3.8). But A^T A must be made first, for what 20 iterations gain from it where pictures are stacked and 90 at 2.2:
 // 2 leaves out what few solves would pay for. The paper's rule, 2 n_s >= 4 n_t, compares rows, of eight entries each.
 constexpr std::size_t kNormalEntriesMax = 2;
-constexpr int kBlock = 8;
+constexpr int kEntriesOfBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products
 
 template <typename Element>
@@ -132,19 +132,19 @@ DeviceRows::DeviceRows(Device& device, const SparseRows& rows, const char* what)
   std::vector<std::uint32_t> begin = {0};
   std::vector<std::int32_t> columns;
   std::vector<float> weights;
-  columns.reserve(rows.columns.size() + kBlock * rows.row_count());
-  weights.reserve(rows.columns.size() + kBlock * rows.row_count());
+  columns.reserve(rows.columns.size() + kEntriesOfBlock * rows.row_count());
+  weights.reserve(rows.columns.size() + kEntriesOfBlock * rows.row_count());
   for (std::size_t r = 0; r < rows.row_count(); ++r) {
     for (std::uint32_t i = rows.begin[r]; i < rows.begin[r + 1]; ++i) {
       columns.push_back(static_cast<std::int32_t>(rows.columns[i]));
       weights.push_back(rows.weights[i]);
     }
     // The row's last column once more: a texel that is in the cache.
-    while (columns.size() % kBlock != 0) {
+    while (columns.size() % kEntriesOfBlock != 0) {
       columns.push_back(columns.back());
       weights.push_back(0.0f);
     }
-    begin.push_back(static_cast<std::uint32_t>(columns.size() / kBlock));
+    begin.push_back(static_cast<std::uint32_t>(columns.size() / kEntriesOfBlock));
   }
   block_begin_ = uploaded(device, begin, what);
   columns_ = uploaded(device, columns, what);

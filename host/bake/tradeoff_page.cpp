@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-constexpr const char* kStyle = R"(
+constexpr const char* kTradeoffStyle = R"(
 .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr)); gap: 1.4rem; }
 .plots svg { max-width: none; } svg .axis { stroke: var(--line); } svg .front { fill: none; stroke: var(--text);
   stroke-width: 1.4; } svg .grid { stroke: var(--line); stroke-dasharray: 2 3; } svg .mark { stroke-width: 1.4;
@@ -162,7 +162,8 @@ class TradeoffPage {
 
   std::string html() const {
     return html_page("What accuracy costs: " + html_escaped(map_name(job_)),
-                     summary() + plots() + fronts() + all_rows() + others() + pictures() + notes() + kScript, kStyle);
+                     summary() + plots() + fronts() + all_rows() + others() + pictures() + notes() + kScript,
+                     kTradeoffStyle);
   }
 
  private:

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 
 #include "host/base/error.h"
@@ -18,10 +17,6 @@ namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void fail(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kEnvironment, path + ": " + what + ": " + std::strerror(errno));
-}
 
 fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
@@ -42,13 +37,13 @@ void sweep_leftovers(const fs::path& folder, const std::string& name) {
 
 void sync_path(const std::string& path, int flags) {
   const int descriptor = open(path.c_str(), flags);
-  if (descriptor < 0) fail(path, "cannot be opened to sync it");
+  if (descriptor < 0) fail_by_errno(path, "cannot be opened to sync it");
   const int result = fsync(descriptor);
   const int saved_errno = errno;
   close(descriptor);
   if (result != 0) {
     errno = saved_errno;
-    fail(path, "cannot be synced to disk");
+    fail_by_errno(path, "cannot be synced to disk");
   }
 }
 
@@ -63,7 +58,7 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
     throw Error(ErrorCode::kUsage, path_ + ": is a folder, expected the name of a file to write");
   if (!fs::is_directory(folder, error))
     throw Error(ErrorCode::kEnvironment, path_ + ": the folder " + folder.string() + " does not exist");
-  if (access(folder.c_str(), W_OK) != 0) fail(path_, "the folder " + folder.string() + " cannot be written");
+  if (access(folder.c_str(), W_OK) != 0) fail_by_errno(path_, "the folder " + folder.string() + " cannot be written");
   sweep_leftovers(folder, name);
   static std::atomic<unsigned> counter{0};
   temporary_path_ =
@@ -77,7 +72,7 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::commit() {
   MULTUM_CHECK(!committed_);
   sync_path(temporary_path_, O_RDONLY);
-  if (std::rename(temporary_path_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be given its final name");
+  if (std::rename(temporary_path_.c_str(), path_.c_str()) != 0) fail_by_errno(path_, "cannot be given its final name");
   committed_ = true;
   sync_path(folder_of(path_).string(), O_RDONLY | O_DIRECTORY);
 }
@@ -85,10 +80,10 @@ void AtomicFile::commit() {
 void write_text_file(const std::string& path, std::string_view text) {
   AtomicFile file(path);
   std::FILE* out = std::fopen(file.temporary_path().c_str(), "wb");
-  if (out == nullptr) fail(path, "cannot be written");
+  if (out == nullptr) fail_by_errno(path, "cannot be written");
   const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
   const bool closed = std::fclose(out) == 0;
-  if (!written || !closed) fail(path, "writing failed");
+  if (!written || !closed) fail_by_errno(path, "writing failed");
   file.commit();
 }
 

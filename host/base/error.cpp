@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/error.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 namespace multum {
@@ -33,6 +35,14 @@ int run_guarded(const char* program, int (*body)(int, char**), int argc, char** 
     std::fprintf(stderr, "%s: unexpected error: %s\n", program, error.what());
     return 1;
   }
+}
+
+void refuse_file(const std::string& path, const std::string& what) {
+  throw Error(ErrorCode::kInput, path + ": " + what);
+}
+
+void fail_by_errno(const std::string& subject, const std::string& what) {
+  throw Error(ErrorCode::kEnvironment, subject + ": " + what + ": " + std::strerror(errno));
 }
 
 void check_failed(const char* condition, const char* file, int line) {

@@ -40,6 +40,12 @@ int exit_code(ErrorCode code);
 /// The only place, with the daemon's job and a C boundary, where exceptions are caught.
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv);
 
+/// Throws Error{kInput}: "PATH: WHAT".
+[[noreturn]] void refuse_file(const std::string& path, const std::string& what);
+
+/// Throws Error{kEnvironment}: "SUBJECT: WHAT: " and what errno means. The subject is a path, or what it was about.
+[[noreturn]] void fail_by_errno(const std::string& subject, const std::string& what);
+
 [[noreturn]] void check_failed(const char* condition, const char* file, int line);
 
 }  // namespace multum

@@ -14,10 +14,6 @@ namespace {
 
 constexpr char kHeader[] = "an EXR header";
 
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw Error(ErrorCode::kInput, path + ": " + message);
-}
-
 // A name or type of an EXR attribute, at most 255 bytes, with the position moved behind its zero byte.
 std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& position) {
   constexpr std::int64_t kBytesMax = 256;  // with the zero
@@ -26,7 +22,7 @@ std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& po
   const std::size_t size = text.find('\0');
   if (size == std::string::npos) {
     if (left < kBytesMax) file.bytes(position, left + 1, kHeader);  // which says that the file is cut
-    refuse(path, "damaged EXR: a header name of more than 255 bytes");
+    refuse_file(path, "damaged EXR: a header name of more than 255 bytes");
   }
   text.resize(size);
   position += static_cast<std::int64_t>(size) + 1;
@@ -47,12 +43,12 @@ void check_exr_table(const std::string& path, std::int64_t file_size, const ExrP
   if (tile_width != 0 || tile_height != 0) {
     if (tile_width < 1 || tile_height < 1 || tile_width > 65536 || tile_height > 65536 ||
         tile_width * tile_height > (1 << 26))
-      refuse(path, fmt::format("found tiles of {} x {}, expected at most 2^26 texels", tile_width, tile_height));
+      refuse_file(path, fmt::format("found tiles of {} x {}, expected at most 2^26 texels", tile_width, tile_height));
     chunk_count = ((part.width + tile_width - 1) / tile_width) * ((part.height + tile_height - 1) / tile_height);
   }
   if (chunk_count * 8 > file_size)
-    refuse(path, fmt::format("declares {} x {} texels, which a file of {} bytes cannot hold", part.width, part.height,
-                             file_size));
+    refuse_file(path, fmt::format("declares {} x {} texels, which a file of {} bytes cannot hold", part.width,
+                                  part.height, file_size));
 }
 
 // Channels are [name 0][16 bytes], up to an empty name.
@@ -98,8 +94,8 @@ void check_exr_value(const std::string& path, ByteFile& file, const std::string&
   else if (type == "preview") expected = preview_size(file, position);
   else if (type == "stringvector") expected = text_list_size(file, position, size);
   if (size != expected)
-    refuse(path,
-           fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} of a {}", name, size, expected, type));
+    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} of a {}", name, size,
+                                  expected, type));
 }
 
 // One part's header: attributes of name, type, size 4, value; an empty name ends it.
@@ -112,12 +108,12 @@ bool inspect_exr_part(const std::string& path, ByteFile& file, ExrPartSize& part
       if (attribute_count == 0) return false;
       break;
     }
-    if (attribute_count > 4096) refuse(path, "damaged EXR: more than 4096 header attributes");
+    if (attribute_count > 4096) refuse_file(path, "damaged EXR: more than 4096 header attributes");
     const std::string type = exr_string(path, file, position);
     const std::int64_t size = exr_int(file, position);
     position += 4;
     if (size < 0 || size > file.size() - position)
-      refuse(path, "damaged EXR: attribute \"" + name + "\" runs past the end");
+      refuse_file(path, "damaged EXR: attribute \"" + name + "\" runs past the end");
     check_exr_value(path, file, name, type, position, size);
     if (name == "dataWindow" && size == 16) {
       part.width = exr_int(file, position + 8) - exr_int(file, position) + 1;
@@ -129,7 +125,7 @@ bool inspect_exr_part(const std::string& path, ByteFile& file, ExrPartSize& part
     position += size;
   }
   if (part.width < 1 || part.height < 1)
-    refuse(path, fmt::format("found a data window of {} x {}, expected at least 1 x 1", part.width, part.height));
+    refuse_file(path, fmt::format("found a data window of {} x {}, expected at least 1 x 1", part.width, part.height));
   check_exr_table(path, file.size(), part, tile_width, tile_height);
   return true;
 }
@@ -138,7 +134,7 @@ bool inspect_exr_part(const std::string& path, ByteFile& file, ExrPartSize& part
 
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
   const std::int64_t version = file.little_endian(4, 4, "the EXR version");
-  if ((version & 0x800) != 0) refuse(path, "found a deep EXR image, expected one value a texel");
+  if ((version & 0x800) != 0) refuse_file(path, "found a deep EXR image, expected one value a texel");
   const bool is_multi_part = (version & 0x1000) != 0;
   constexpr std::size_t kPartCountMax = 256;
   std::int64_t position = 8;
@@ -149,7 +145,7 @@ std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
     parts.push_back(part);
     if (!is_multi_part) break;
   }
-  if (parts.empty()) refuse(path, "damaged EXR: no header");
+  if (parts.empty()) refuse_file(path, "damaged EXR: no header");
   return parts;
 }
 
@@ -162,7 +158,7 @@ void check_exr_headers(const std::string& path, const std::string& otherwise) {
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInput) throw;
     const std::string words = error.what(), name = path + ": ";
-    refuse(path, otherwise + ": " + (words.starts_with(name) ? words.substr(name.size()) : words));
+    refuse_file(path, otherwise + ": " + (words.starts_with(name) ? words.substr(name.size()) : words));
   }
 }
 

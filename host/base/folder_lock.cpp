@@ -7,16 +7,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 
 #include "host/base/error.h"
 
 namespace multum {
 namespace {
-
-[[noreturn]] void fail(const std::string& path) {
-  throw Error(ErrorCode::kEnvironment, path + ": cannot be made: " + std::strerror(errno));
-}
 
 // The process that had the folder may have removed it between our opening and our locking it.
 bool is_still_there(const std::string& path, int descriptor) {
@@ -29,10 +24,10 @@ bool is_still_there(const std::string& path, int descriptor) {
 
 std::unique_ptr<FolderLock> FolderLock::take(const std::string& path) {
   while (true) {
-    if (mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail(path);
+    if (mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail_by_errno(path, "cannot be made");
     const int descriptor = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0 && errno == ENOENT) continue;
-    if (descriptor < 0) fail(path);
+    if (descriptor < 0) fail_by_errno(path, "cannot be made");
     std::unique_ptr<FolderLock> lock(new FolderLock(descriptor));
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return nullptr;
     if (is_still_there(path, descriptor)) return lock;

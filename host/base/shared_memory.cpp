@@ -13,18 +13,11 @@
 #include "host/base/error.h"
 
 namespace multum {
-namespace {
-
-[[noreturn]] void fail(const char* what) {
-  throw Error(ErrorCode::kEnvironment, std::string("shared memory: ") + what + ": " + std::strerror(errno));
-}
-
-}  // namespace
 
 SharedMemory::SharedMemory() : is_owner_(true) {
   descriptor_ = ::memfd_create("multum", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-  if (descriptor_ < 0) fail("memfd_create");
-  if (::fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK) != 0) fail("F_SEAL_SHRINK");
+  if (descriptor_ < 0) fail_by_errno("shared memory", "memfd_create");
+  if (::fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK) != 0) fail_by_errno("shared memory", "F_SEAL_SHRINK");
 }
 
 SharedMemory::SharedMemory(int descriptor) : descriptor_(descriptor) {}
@@ -36,7 +29,7 @@ SharedMemory::~SharedMemory() {
 
 void SharedMemory::map(std::size_t byte_count) {
   void* data = ::mmap(nullptr, byte_count, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0);
-  if (data == MAP_FAILED) fail("mmap");
+  if (data == MAP_FAILED) fail_by_errno("shared memory", "mmap");
   if (data_ != nullptr) ::munmap(data_, byte_count_);
   data_ = static_cast<std::byte*>(data);
   byte_count_ = byte_count;
@@ -55,7 +48,7 @@ std::byte* SharedMemory::reserve(std::size_t byte_count) {
 
 std::byte* SharedMemory::see(std::size_t& byte_count) {
   struct stat status = {};
-  if (::fstat(descriptor_, &status) != 0) fail("fstat");
+  if (::fstat(descriptor_, &status) != 0) fail_by_errno("shared memory", "fstat");
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size > byte_count_) map(size);
   byte_count = byte_count_;

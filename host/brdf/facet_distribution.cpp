@@ -10,23 +10,23 @@
 namespace multum {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // The nodes and weights of Gauss and Legendre on [-1, 1], 8 points, one half of them.
 constexpr double kNodes[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 constexpr double kWeights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
 
 double blinn_phong(double s, double e) {
-  return e < 1.0 ? (s + 1.0) / (2.0 * kPi) * std::exp(s * std::log1p(-e)) : 0.0;
+  return e < 1.0 ? (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e)) : 0.0;
 }
 
-double vmf(double kappa, double e) { return kappa / (2.0 * kPi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e); }
+double vmf(double kappa, double e) {
+  return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
+}
 
 // alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2)
 double ggx(double alpha, double e) {
   if (e >= 1.0) return 0.0;
   const double square = alpha * alpha, t = 1.0 - e, y = square * t * t + e * (2.0 - e);
-  return square / (kPi * y * y);
+  return square / (std::numbers::pi * y * y);
 }
 
 }  // namespace
@@ -54,9 +54,10 @@ double equivalent_exponent(const Brdf& brdf) {
     case BrdfKind::kGgx:
     case BrdfKind::kMeasured: {
       // Of equal peak: (s + 1) / (2 pi) = f(0) / integral of f.
-      return std::max(
-          2.0 * kPi * mean_channel(facet_density(brdf, 0.0)) / std::max(mean_channel(facet_total(brdf)), 1e-30) - 1.0,
-          1.0);
+      return std::max(2.0 * std::numbers::pi * mean_channel(facet_density(brdf, 0.0)) /
+                              std::max(mean_channel(facet_total(brdf)), 1e-30) -
+                          1.0,
+                      1.0);
     }
     case BrdfKind::kLambert: break;
   }
@@ -87,7 +88,7 @@ glm::dvec3 integrate_zonal(const std::function<glm::dvec3(double)>& f) {
       const double middle = 1.125 + 0.25 * part;
       sum += kWeights[i] * 0.125 * (f(middle - 0.125 * kNodes[i]) + f(middle + 0.125 * kNodes[i]));
     }
-  return 2.0 * kPi * sum;
+  return 2.0 * std::numbers::pi * sum;
 }
 
 std::vector<glm::dvec3> zonal_coefficients(const Brdf& brdf, int order) {

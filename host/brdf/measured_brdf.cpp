@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace multum {
 namespace {
-
-constexpr double kHalfPi = 0.5 * std::numbers::pi;
 
 template <typename Value>
 Value interpolate(const std::vector<Value>& table, double position) {

@@ -3,6 +3,7 @@
 // k_d and f a channel each. theta_h: half vector and normal; theta_d: half vector and light.
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 namespace multum {
 
+constexpr double kHalfPi = 0.5 * std::numbers::pi;
 /// theta_h of entry i is (pi / 2) (i / (count - 1))^2: fine where highlights are narrow.
 constexpr int kFacetTableSize = 90;
 /// theta_d of entry i is (pi / 2) i / (count - 1).

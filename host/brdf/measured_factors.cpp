@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -19,7 +18,6 @@
 namespace multum {
 namespace {
 
-constexpr double kHalfPi = 0.5 * std::numbers::pi;
 constexpr int kRows = kFacetTableSize, kColumns = kDifferenceTableSize;
 constexpr int kRoundCount = 30;
 

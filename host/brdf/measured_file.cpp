@@ -22,12 +22,7 @@
 namespace multum {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::uintmax_t kTextBytesMax = std::uintmax_t{256} << 20;
-
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw Error(ErrorCode::kInput, path + ": " + message);
-}
 
 // ---- text ----
 
@@ -85,7 +80,8 @@ std::vector<double> numbers_of(const std::string& path, const std::string& text)
       char* end = nullptr;
       const double value = std::strtod(word.c_str(), &end);
       if (*end != '\0' || !std::isfinite(value))
-        refuse(path, fmt::format("line {}: expected numbers, and # before comments; this is no measured BRDF", row));
+        refuse_file(path,
+                    fmt::format("line {}: expected numbers, and # before comments; this is no measured BRDF", row));
       numbers.push_back(value);
     }
   }
@@ -96,15 +92,15 @@ void read_text(const std::string& path, const std::string& text, BrdfCells& cell
   const std::vector<double> numbers = numbers_of(path, text);
   const double first = numbers.empty() ? 0.0 : numbers[0];
   if (first < 3.0 || first > 1000.0 || first != std::floor(first))
-    refuse(path, fmt::format("found {} as the count of wavelengths, expected 3 to 1000", first));
+    refuse_file(path, fmt::format("found {} as the count of wavelengths, expected 3 to 1000", first));
   const auto count = static_cast<std::size_t>(first);
   const std::size_t width = 4 + count;
   if (numbers.size() < 1 + count + width || (numbers.size() - 1 - count) % width != 0)
-    refuse(path, fmt::format("found {} numbers after {} wavelengths, expected rows of {}",
-                             numbers.size() - std::min(numbers.size(), 1 + count), count, width));
+    refuse_file(path, fmt::format("found {} numbers after {} wavelengths, expected rows of {}",
+                                  numbers.size() - std::min(numbers.size(), 1 + count), count, width));
   const std::vector<double> wavelengths(numbers.begin() + 1, numbers.begin() + 1 + static_cast<std::ptrdiff_t>(count));
   const SpectrumColour colour(wavelengths);
-  if (!colour.is_usable()) refuse(path, "found no wavelengths of all three primaries, expected 400 to 700 nm");
+  if (!colour.is_usable()) refuse_file(path, "found no wavelengths of all three primaries, expected 400 to 700 nm");
   std::vector<double> values(count);
   for (std::size_t i = 1 + count; i < numbers.size(); i += width) {
     double theta_h = 0.0, theta_d = 0.0;
@@ -129,7 +125,7 @@ bool is_above(double theta_h, double theta_d, double phi_d) {
 
 double merl_theta_h(int i) {
   const double x = (i + 0.5) / kThetaCount;
-  return 0.5 * kPi * x * x;
+  return 0.5 * std::numbers::pi * x * x;
 }
 
 constexpr std::size_t kMerlCount = std::size_t{kThetaCount} * kThetaCount * kPhiCount;
@@ -139,14 +135,15 @@ void read_merl(const std::string& path, std::ifstream& in, BrdfCells& cells) {
   std::vector<double> values(3 * kMerlCount);
   in.seekg(12);
   if (!in.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(double))))
-    refuse(path, "cannot be read");
+    refuse_file(path, "cannot be read");
   const glm::dvec3 scale(1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0);
   for (int h = 0; h < kThetaCount; ++h)
     for (int d = 0; d < kThetaCount; ++d)
       for (int p = 0; p < kPhiCount; ++p) {
         const std::size_t i = static_cast<std::size_t>(p + kPhiCount * (d + kThetaCount * h));
         const glm::dvec3 rho(values[i], values[i + kMerlCount], values[i + 2 * kMerlCount]);
-        const double theta_d = 0.5 * kPi * (d + 0.5) / kThetaCount, phi = kPi * (p + 0.5) / kPhiCount;
+        const double theta_d = 0.5 * std::numbers::pi * (d + 0.5) / kThetaCount,
+                     phi = std::numbers::pi * (p + 0.5) / kPhiCount;
         if (!(rho.x >= 0.0 && rho.y >= 0.0 && rho.z >= 0.0) || !std::isfinite(rho.x + rho.y + rho.z)) continue;
         if (is_above(merl_theta_h(h), theta_d, phi)) cells.add(merl_theta_h(h), theta_d, rho * scale);
       }
@@ -164,11 +161,13 @@ std::vector<Layer> network_layers(const std::string& path, const nlohmann::json&
     bool good = layer.size() == width + 1 && next >= 1 && next <= 1024;
     for (const std::vector<double>& row : layer) good = good && row.size() == next;
     if (!good)
-      refuse(path, fmt::format("layer {}: expected a kernel of {} rows as long as its bias", layers.size(), width));
+      refuse_file(path,
+                  fmt::format("layer {}: expected a kernel of {} rows as long as its bias", layers.size(), width));
     layers.push_back(std::move(layer));
     width = next;
   }
-  if (layers.empty() || width != 3) refuse(path, fmt::format("found {} outputs, expected red, green and blue", width));
+  if (layers.empty() || width != 3)
+    refuse_file(path, fmt::format("found {} outputs, expected red, green and blue", width));
   return layers;
 }
 
@@ -189,18 +188,20 @@ void read_network(const std::string& path, const std::string& text, BrdfCells& c
   try {
     layers = network_layers(path, nlohmann::json::parse(text));
   } catch (const nlohmann::json::exception& error) {
-    refuse(path, std::string("expected JSON with layers of kernel and bias: ") + error.what());
+    refuse_file(path, std::string("expected JSON with layers of kernel and bias: ") + error.what());
   }
   constexpr int kAzimuths = 12;
   for (int row = 0; row < kFacetTableSize; ++row)
     for (int column = 0; column < kDifferenceTableSize; ++column)
       for (int p = 0; p < kAzimuths; ++p) {
-        const double x = static_cast<double>(row) / (kFacetTableSize - 1), phi = kPi * (p + 0.5) / kAzimuths;
-        const double theta_h = 0.5 * kPi * x * x, theta_d = 0.5 * kPi * column / (kDifferenceTableSize - 1);
+        const double x = static_cast<double>(row) / (kFacetTableSize - 1),
+                     phi = std::numbers::pi * (p + 0.5) / kAzimuths;
+        const double theta_h = 0.5 * std::numbers::pi * x * x,
+                     theta_d = 0.5 * std::numbers::pi * column / (kDifferenceTableSize - 1);
         if (!is_above(theta_h, theta_d, phi)) continue;
         const glm::dvec3 h = direction(theta_h, 0.0), d = direction(theta_d, phi);
         const glm::dvec3 rho = evaluate(layers, {h.x, h.y, h.z, d.x, d.y, d.z});
-        if (!std::isfinite(rho.x + rho.y + rho.z)) refuse(path, "the network's output is not finite");
+        if (!std::isfinite(rho.x + rho.y + rho.z)) refuse_file(path, "the network's output is not finite");
         cells.add(theta_h, theta_d, rho);
       }
 }
@@ -211,17 +212,17 @@ MeasuredBrdf read_measured_brdf(const std::string& path) {
   std::error_code code;
   const std::uintmax_t size = std::filesystem::is_regular_file(path, code) ? std::filesystem::file_size(path, code) : 0;
   std::ifstream in(path, std::ios::binary);
-  if (code || !in || size < 12) refuse(path, "no such file, or no measured BRDF");
+  if (code || !in || size < 12) refuse_file(path, "no such file, or no measured BRDF");
   std::array<std::int32_t, 3> sizes{};
   in.read(reinterpret_cast<char*>(sizes.data()), sizeof(sizes));
   BrdfCells cells;
   if (sizes == std::array<std::int32_t, 3>{kThetaCount, kThetaCount, kPhiCount}) {
     if (size != kMerlBytes)
-      refuse(path, fmt::format("is cut: {} bytes, expected {} of MERL's format", size, kMerlBytes));
+      refuse_file(path, fmt::format("is cut: {} bytes, expected {} of MERL's format", size, kMerlBytes));
     read_merl(path, in, cells);
     return cells.factor(path);
   }
-  if (size > kTextBytesMax) refuse(path, "is larger than 256 MiB, expected a text of samples or of a network");
+  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text of samples or of a network");
   in.seekg(0);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t begin = text.find_first_not_of(" \t\r\n");

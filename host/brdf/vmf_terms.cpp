@@ -20,7 +20,6 @@
 namespace multum {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kHorizonWeight = 0.1;
 constexpr double kKappaMin = 0.05;  // nearly the same in all directions
 constexpr double kKappaMax = 1e7;
@@ -52,18 +51,18 @@ std::vector<Sample> make_samples(const Value& value) {
   for (int i = 0; i < kUpperCount; ++i) largest = std::max(largest, value(i));
   for (int i = 0; i < kUpperCount; ++i) {
     const double e = node(i), f = value(i);
-    const double angle = 2.0 * kPi * e * step;
+    const double angle = 2.0 * std::numbers::pi * e * step;
     samples.push_back({e, f, std::sqrt(angle / std::max(f, 1e-6 * largest)), angle});
   }
   const double horizon = std::max(samples.back().value, 1e-6 * largest);
-  const double angle = kHorizonWeight * 2.0 * kPi / kLowerCount;
+  const double angle = kHorizonWeight * 2.0 * std::numbers::pi / kLowerCount;
   for (int i = 0; i < kLowerCount; ++i)
     samples.push_back({1.0 + (i + 0.5) / kLowerCount, 0.0, std::sqrt(angle / horizon), angle});
   return samples;
 }
 
 double unit_vmf(double kappa, double e) {
-  return kappa / (2.0 * kPi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
+  return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
 // For all samples [sample * terms + i]: the terms' vMFs times the sample's scale.
@@ -217,7 +216,7 @@ double relative_difference(const std::vector<Fitted>& channels) {
 std::vector<double> ladder(const std::vector<Sample>& samples, int count, double ratio) {
   double total = 0.0;
   for (const Sample& s : samples) total += s.value * s.value * s.scale * s.scale;  // the integral of f
-  const double peak = 2.0 * kPi * samples[0].value / total;
+  const double peak = 2.0 * std::numbers::pi * samples[0].value / total;
   std::vector<double> kappas;
   for (int i = 0; i < count; ++i)
     kappas.push_back(

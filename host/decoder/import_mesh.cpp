@@ -19,8 +19,8 @@ namespace {
 
 // Neither tangents nor joined vertices from assimp: it averages tangents without weights, mirrored charts with the
 // others, and takes positions closer than 1e-5 for one, whatever the unit.
-constexpr unsigned kSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
-                            aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
+constexpr unsigned kMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
+                                aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 
 // The corners of a part's triangles, with the file's own tangents where it has some.
 struct PartCorners {
@@ -43,7 +43,7 @@ class PartReader {
 
   PartCorners read() {
     if (!part_.HasTextureCoords(uv_set_))
-      refuse_mesh(path_, fmt::format("mesh '{}' has no texture coordinates{}, so no map can be put on it",
+      refuse_file(path_, fmt::format("mesh '{}' has no texture coordinates{}, so no map can be put on it",
                                      part_.mName.C_Str(), uv_set_ == 0 ? "" : fmt::format(" of set {}", uv_set_)));
     for (unsigned f = 0; f < part_.mNumFaces; ++f)
       for (unsigned k = 0; k < part_.mFaces[f].mNumIndices; ++k) append(f, part_.mFaces[f].mIndices[k]);
@@ -55,16 +55,16 @@ class PartReader {
   void append(unsigned face, unsigned i) {
     const char* const name = part_.mName.C_Str();
     if (i >= part_.mNumVertices)
-      refuse_mesh(path_,
+      refuse_file(path_,
                   fmt::format("triangle {} of mesh '{}' names vertex {} of {}", face, name, i, part_.mNumVertices));
     const glm::vec3 position = to_vec3(part_.mVertices[i]);
-    if (!is_finite(position)) refuse_mesh(path_, fmt::format("vertex {} of mesh '{}' is not finite", i, name));
+    if (!is_finite(position)) refuse_file(path_, fmt::format("vertex {} of mesh '{}' is not finite", i, name));
     glm::vec3 normal = part_.HasNormals() ? to_vec3(part_.mNormals[i]) : glm::vec3(0.0f);
     const float size = glm::length(normal);
     normal = size > 1e-12f && std::isfinite(size) ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f);
     const aiVector3D uv = part_.mTextureCoords[uv_set_][i];
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
-      refuse_mesh(path_, fmt::format("texture coordinate {} of mesh '{}' is not finite", i, name));
+      refuse_file(path_, fmt::format("texture coordinate {} of mesh '{}' is not finite", i, name));
     result_.corners.positions.push_back(position);
     result_.corners.normals.push_back(normal);
     result_.corners.uvs.emplace_back(uv.x, uv.y);
@@ -103,9 +103,9 @@ void append_part(TriangleMesh& mesh, const PartCorners& part) {
 
 TriangleMesh import_mesh(const std::string& path, int uv_set) {
   if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
-    refuse_mesh(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
+    refuse_file(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
                                   AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
-  const MeshImport import(path, kSteps);
+  const MeshImport import(path, kMeshSteps);
   const aiScene& scene = import.scene();
   TriangleMesh mesh;
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
@@ -120,7 +120,7 @@ TriangleMesh import_mesh(const std::string& path, int uv_set) {
     made.index_count = static_cast<std::uint32_t>(mesh.indices.size()) - made.first_index;
     mesh.parts.push_back(made);
   }
-  if (mesh.indices.empty()) refuse_mesh(path, "holds no triangles");
+  if (mesh.indices.empty()) refuse_file(path, "holds no triangles");
   return mesh;
 }
 

@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-constexpr unsigned kSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
+constexpr unsigned kObjectMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
 
 // assimp's rows are a, b, c, d; glm stores columns.
 glm::dmat4 to_dmat4(const aiMatrix4x4& m) {
@@ -51,7 +51,7 @@ class ObjectReader {
   using Vertex = std::array<float, 5>;  // x, y, z, u, v
 
   [[noreturn]] void refuse(const ObjectMesh& object, const std::string& what) const {
-    refuse_mesh(path_, fmt::format("object '{}' {}", object.name, what));
+    refuse_file(path_, fmt::format("object '{}' {}", object.name, what));
   }
 
   void read_object(const aiNode& node, const glm::dmat4& node_to_world) {
@@ -106,12 +106,12 @@ class ObjectReader {
 
 std::vector<ObjectMesh> import_object_meshes(const std::string& path, int uv_set) {
   if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
-    refuse_mesh(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
+    refuse_file(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
                                   AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
-  const MeshImport import(path, kSteps);
+  const MeshImport import(path, kObjectMeshSteps);
   ObjectReader reader(path, import.scene(), uv_set);
   if (import.scene().mRootNode != nullptr) reader.read(*import.scene().mRootNode, glm::dmat4(1.0));
-  if (reader.objects.empty()) refuse_mesh(path, "holds no triangles");
+  if (reader.objects.empty()) refuse_file(path, "holds no triangles");
   return std::move(reader.objects);
 }
 

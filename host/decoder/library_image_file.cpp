@@ -27,10 +27,6 @@ static_assert(number_type::kUint64 == OIIO::TypeDesc::UINT64 && number_type::kIn
 static_assert(number_type::kHalf == OIIO::TypeDesc::HALF && number_type::kFloat == OIIO::TypeDesc::FLOAT);
 static_assert(number_type::kDouble == OIIO::TypeDesc::DOUBLE);
 
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw Error(ErrorCode::kInput, path + ": " + message);
-}
-
 // The byte ranges of a file, joined: the file without its metadata.
 std::vector<unsigned char> joined_ranges(const std::string& path, const std::vector<ByteRange>& ranges) {
   std::vector<unsigned char> bytes;
@@ -41,7 +37,7 @@ std::vector<unsigned char> joined_ranges(const std::string& path, const std::vec
     stream.seekg(range.begin);
     stream.read(reinterpret_cast<char*>(bytes.data() + offset), range.end - range.begin);
   }
-  if (!stream) refuse(path, "cannot be read");
+  if (!stream) refuse_file(path, "cannot be read");
   return bytes;
 }
 
@@ -73,7 +69,7 @@ OpenImage open_image(const std::string& path, const ImageContainer& container) {
   config.attribute("oiio:UnassociatedAlpha", 1);  // PNG alpha may hold a height; colour times height is no normal
   OIIO::ImageSpec spec;
   if (!image.input->open(path, spec, config))
-    refuse(path, fmt::format("damaged {}: {}", container.format, image.input->geterror()));
+    refuse_file(path, fmt::format("damaged {}: {}", container.format, image.input->geterror()));
   return image;
 }
 

@@ -8,7 +8,8 @@
 #include <assimp/vector3.h>
 #include <glm/vec3.hpp>
 
-#include "host/mesh/mesh_refusal.h"
+#include "host/base/error.h"
+#include "host/mesh/finite_vector.h"
 
 struct aiScene;
 namespace Assimp {

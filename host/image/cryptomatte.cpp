@@ -24,10 +24,6 @@
 namespace multum {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw Error(ErrorCode::kInput, path + ": " + message);
-}
-
 struct Cryptomatte {
   std::string name;  // as the metadata has it
   std::string hash, conversion;
@@ -62,13 +58,14 @@ std::uint32_t as_identifier(std::uint32_t hash) {
 
 std::map<std::string, std::uint32_t> parse_manifest(const std::string& path, const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object()) refuse(path, "the Cryptomatte manifest is damaged: it is no JSON object");
+  if (!json.is_object()) refuse_file(path, "the Cryptomatte manifest is damaged: it is no JSON object");
   std::map<std::string, std::uint32_t> manifest;
   for (const auto& [name, value] : json.items()) {
     const std::string digits = value.is_string() ? value.get<std::string>() : "";
     if (digits.empty() || digits.size() > 8 || digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
-      refuse(path, fmt::format("the Cryptomatte manifest is damaged: \"{}\" is {}, expected up to 8 hexadecimal digits",
-                               name, value.dump()));
+      refuse_file(path,
+                  fmt::format("the Cryptomatte manifest is damaged: \"{}\" is {}, expected up to 8 hexadecimal digits",
+                              name, value.dump()));
     manifest[name] = as_identifier(static_cast<std::uint32_t>(std::stoul(digits, nullptr, 16)));
   }
   return manifest;
@@ -105,14 +102,14 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     if (!value("manifest").empty()) result.manifest = parse_manifest(file.path(), value("manifest"));
   }
   if (matches.empty())
-    refuse(file.path(), fmt::format("has no Cryptomatte \"{}\"; it has {}", layer,
-                                    names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+    refuse_file(file.path(), fmt::format("has no Cryptomatte \"{}\"; it has {}", layer,
+                                         names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   if (matches.size() > 1)
-    refuse(file.path(),
-           fmt::format("has several Cryptomattes \"{}\": {}; give one's whole name", layer, fmt::join(matches, ", ")));
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give one's whole name", layer,
+                                         fmt::join(matches, ", ")));
   if (!result.conversion.empty() && result.conversion != "uint32_to_float32")
-    refuse(file.path(), fmt::format("Cryptomatte \"{}\" has conversion \"{}\", expected uint32_to_float32", layer,
-                                    result.conversion));
+    refuse_file(file.path(), fmt::format("Cryptomatte \"{}\" has conversion \"{}\", expected uint32_to_float32", layer,
+                                         result.conversion));
   return result;
 }
 
@@ -120,9 +117,9 @@ std::uint32_t identifier_of(const ExrFile& file, const Cryptomatte& cryptomatte,
   const auto found = cryptomatte.manifest.find(name);
   if (found != cryptomatte.manifest.end()) return found->second;
   if (!cryptomatte.hash.empty() && cryptomatte.hash != "MurmurHash3_32")
-    refuse(file.path(), fmt::format("the Cryptomatte manifest has no \"{}\", and its hash is \"{}\", expected "
-                                    "MurmurHash3_32",
-                                    name, cryptomatte.hash));
+    refuse_file(file.path(), fmt::format("the Cryptomatte manifest has no \"{}\", and its hash is \"{}\", expected "
+                                         "MurmurHash3_32",
+                                         name, cryptomatte.hash));
   return as_identifier(murmur_hash3(name));
 }
 
@@ -130,8 +127,8 @@ std::uint32_t identifier_of(const ExrFile& file, const Cryptomatte& cryptomatte,
 std::string channel_prefix(const ExrFile& file, const Cryptomatte& cryptomatte, const std::string& layer) {
   for (const std::string& prefix : {layer, cryptomatte.name, cryptomatte.name.substr(cryptomatte.name.rfind('.') + 1)})
     if (file.has_channel(prefix + "00.r")) return prefix;
-  refuse(file.path(), fmt::format("has no channel \"{}00.r\" of its Cryptomatte; it has {}", layer,
-                                  fmt::join(file.channels(), ", ")));
+  refuse_file(file.path(), fmt::format("has no channel \"{}00.r\" of its Cryptomatte; it has {}", layer,
+                                       fmt::join(file.channels(), ", ")));
 }
 
 struct Rank {
@@ -141,9 +138,10 @@ struct Rank {
 Rank read_rank(ExrFile& file, const std::string& identifier, const std::string& coverage) {
   Rank rank{file.read(identifier), file.read(coverage)};
   if (!file.is_float(identifier))
-    refuse(file.path(), fmt::format("channel \"{}\" is of half floats, which hold no Cryptomatte identifiers; expected "
-                                    "32-bit floats",
-                                    identifier));
+    refuse_file(file.path(),
+                fmt::format("channel \"{}\" is of half floats, which hold no Cryptomatte identifiers; expected "
+                            "32-bit floats",
+                            identifier));
   return rank;
 }
 

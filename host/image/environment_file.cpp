@@ -20,15 +20,12 @@
 namespace multum {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw Error(ErrorCode::kInput, path + ": " + message);
-}
-
 void check_size(const std::string& path, int width, int height) {
   if (height < 4 || height > kEnvironmentWidthLimit / 2 || width != 2 * height)
-    refuse(path, fmt::format("found an image of {} x {}, expected an environment over latitude and longitude, twice as "
-                             "wide as high, 8 x 4 to {} x {}",
-                             width, height, kEnvironmentWidthLimit, kEnvironmentWidthLimit / 2));
+    refuse_file(path,
+                fmt::format("found an image of {} x {}, expected an environment over latitude and longitude, twice as "
+                            "wide as high, 8 x 4 to {} x {}",
+                            width, height, kEnvironmentWidthLimit, kEnvironmentWidthLimit / 2));
 }
 
 bool is_radiance(const std::string& path) {
@@ -43,7 +40,7 @@ class RadianceReader {
     constexpr std::uintmax_t kBytesMax = std::uintmax_t{1} << 30;
     std::error_code error;
     if (std::filesystem::file_size(path, error) > kBytesMax && !error)
-      refuse(path, "is larger than 1 GiB, expected an environment");
+      refuse_file(path, "is larger than 1 GiB, expected an environment");
     std::ifstream in(path, std::ios::binary);
     bytes_.assign(std::istreambuf_iterator<char>(in), {});
   }
@@ -74,7 +71,7 @@ class RadianceReader {
   std::string line() {
     const std::size_t end = bytes_.find('\n', position_);
     if (end == std::string::npos || end - position_ > 4096)
-      refuse(path_, "damaged Radiance file: no end of its header");
+      refuse_file(path_, "damaged Radiance file: no end of its header");
     const std::string text = bytes_.substr(position_, end - position_);
     position_ = end + 1;
     return text;
@@ -88,20 +85,20 @@ class RadianceReader {
       if (std::sscanf(text.c_str(), "EXPOSURE=%lf", &value) == 1 && value > 0.0 && std::isfinite(value))
         exposure *= value;
       if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe")
-        refuse(path_, "found " + text + ", expected FORMAT=32-bit_rle_rgbe");
+        refuse_file(path_, "found " + text + ", expected FORMAT=32-bit_rle_rgbe");
     }
     const std::string size = line();
     int used = 0;
     if (std::sscanf(size.c_str(), "-Y %d +X %d%n", &height_, &width_, &used) != 2 ||
         static_cast<std::size_t>(used) != size.size())
-      refuse(path_, "found the size '" + size.substr(0, 40) + "', expected -Y height +X width");
+      refuse_file(path_, "found the size '" + size.substr(0, 40) + "', expected -Y height +X width");
     check_size(path_, width_, height_);
     return exposure;
   }
 
   const unsigned char* take(std::size_t count) {
     if (count > bytes_.size() - position_)
-      refuse(path_, fmt::format("the file is cut: it ends at byte {}", bytes_.size()));
+      refuse_file(path_, fmt::format("the file is cut: it ends at byte {}", bytes_.size()));
     const auto* data = reinterpret_cast<const unsigned char*>(bytes_.data()) + position_;
     position_ += count;
     return data;
@@ -118,13 +115,13 @@ class RadianceReader {
       return;
     }
     if (static_cast<std::size_t>(head[2]) * 256 + head[3] != width)
-      refuse(path_, "damaged Radiance file: a row's width");
+      refuse_file(path_, "damaged Radiance file: a row's width");
     for (std::size_t plane = 0; plane < 4; ++plane)
       for (std::size_t x = 0; x < width;) {
         const std::size_t code = *take(1);
         const bool is_run = code > 128;
         const std::size_t count = is_run ? code - 128 : code;
-        if (count == 0 || count > width - x) refuse(path_, "damaged Radiance file: a run beyond its row");
+        if (count == 0 || count > width - x) refuse_file(path_, "damaged Radiance file: a run beyond its row");
         const unsigned char* data = take(is_run ? 1 : count);
         for (std::size_t i = 0; i < count; ++i) row[4 * (x++) + plane] = data[is_run ? 0 : i];
       }

@@ -18,10 +18,6 @@
 namespace multum {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw Error(ErrorCode::kInput, path + ": " + message);
-}
-
 void keep(ImageContainer& container, std::int64_t begin, std::int64_t end) {
   if (!container.ranges.empty() && container.ranges.back().end == begin) {
     container.ranges.back().end = end;
@@ -42,10 +38,10 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
     const std::string type = file.bytes(position + 4, 4, "a PNG chunk");
     const std::int64_t end = position + 12 + length;
     if (end > file.size())
-      refuse(path, fmt::format("the file is cut: it ends at byte {}, expected {} at the end of a PNG chunk",
-                               file.size(), end));
+      refuse_file(path, fmt::format("the file is cut: it ends at byte {}, expected {} at the end of a PNG chunk",
+                                    file.size(), end));
     if (position == 8) {
-      if (type != "IHDR" || length != 13) refuse(path, "damaged PNG: the first chunk is not a header");
+      if (type != "IHDR" || length != 13) refuse_file(path, "damaged PNG: the first chunk is not a header");
       container.width = file.big_endian(position + 8, 4, "the width");
       container.height = file.big_endian(position + 12, 4, "the height");
     }
@@ -66,7 +62,7 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
   std::int64_t position = 2;
   for (;;) {
     if (file.big_endian(position, 1, "a JPEG marker") != 0xFF)
-      refuse(path, "damaged JPEG: no marker where one must be");
+      refuse_file(path, "damaged JPEG: no marker where one must be");
     const std::int64_t marker = file.big_endian(position + 1, 1, "a JPEG marker");
     if (marker == 0xFF) {  // a fill byte
       ++position;
@@ -91,7 +87,7 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
   // The library fills what is missing with grey, so look for the end marker (some tools append bytes behind it).
   const std::int64_t tail_size = std::min<std::int64_t>(file.size(), 65536);
   if (file.bytes(file.size() - tail_size, tail_size, "the end").find("\xFF\xD9") == std::string::npos)
-    refuse(path, "the file is cut: no JPEG end marker");
+    refuse_file(path, "the file is cut: no JPEG end marker");
 }
 
 // RIFF [size 4] WEBP, then a chunk that says the size: VP8X (of the canvas, 24 bits, less 1), VP8L (14 bits, less 1) or
@@ -99,7 +95,7 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
-    refuse(path, fmt::format("the file is cut: {} bytes, expected {} by its WebP header", file.size(), end));
+    refuse_file(path, fmt::format("the file is cut: {} bytes, expected {} by its WebP header", file.size(), end));
   const std::string chunk = file.bytes(12, 4, "a WebP chunk");
   if (chunk == "VP8X") {
     container.width = 1 + file.little_endian(24, 3, "the width");
@@ -112,7 +108,7 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
     container.width = file.little_endian(26, 2, "the width") & 0x3fff;
     container.height = file.little_endian(28, 2, "the height") & 0x3fff;
   } else {
-    refuse(path, "damaged WebP: the first chunk is no picture");
+    refuse_file(path, "damaged WebP: the first chunk is no picture");
   }
   keep(container, 0, file.size());
 }
@@ -140,9 +136,9 @@ std::string format_of(std::string_view head) {
 
 void check_image_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t texel_count_max) {
   if (width < 1 || height < 1)
-    refuse(path, fmt::format("found {} x {} texels, expected at least 1 x 1", width, height));
+    refuse_file(path, fmt::format("found {} x {} texels, expected at least 1 x 1", width, height));
   if (width > texel_count_max / height || width > INT32_MAX || height > INT32_MAX)
-    refuse(path, fmt::format("found {} x {} texels, expected at most {} in all", width, height, texel_count_max));
+    refuse_file(path, fmt::format("found {} x {} texels, expected at most {} in all", width, height, texel_count_max));
 }
 
 ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max) {
@@ -152,8 +148,8 @@ ImageContainer inspect_image_container(const std::string& path, std::int64_t tex
   const std::string head = file.bytes(0, std::min<std::int64_t>(16, file.size()), "the first bytes");
   container.format = format_of(head);
   if (container.format.empty())
-    refuse(path,
-           fmt::format("found an unknown format ({} bytes), expected PNG, JPEG, WebP, TIFF or OpenEXR", file.size()));
+    refuse_file(path, fmt::format("found an unknown format ({} bytes), expected PNG, JPEG, WebP, TIFF or OpenEXR",
+                                  file.size()));
   if (container.format == "png") {
     inspect_png(path, file, container);
   } else if (container.format == "jpeg") {

@@ -11,10 +11,6 @@
 namespace multum {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw Error(ErrorCode::kInput, path + ": " + message);
-}
-
 // OpenImageIO's own bound is not ours to rely on when it speaks from another process.
 constexpr int kChannelCountMax = 1024;
 constexpr std::size_t kPartCountMax = 256;
@@ -24,22 +20,23 @@ void check_part(const std::string& path, const ImagePart& part, std::int64_t tex
   constexpr int kFarthest = 1 << 30;  // so that sums of a place and a size stay ints
   for (const int place : {part.x, part.y, part.full_x, part.full_y})
     if (place < -kFarthest || place > kFarthest)
-      refuse(path, fmt::format("found a data window at ({}, {}) of a frame at ({}, {}), expected places within 2^30",
-                               part.x, part.y, part.full_x, part.full_y));
+      refuse_file(path,
+                  fmt::format("found a data window at ({}, {}) of a frame at ({}, {}), expected places within 2^30",
+                              part.x, part.y, part.full_x, part.full_y));
   if (part.width > kFarthest || part.height > kFarthest || part.tile_width < 0 || part.tile_height < 0 ||
       (part.tile_width > 0) != (part.tile_height > 0))
-    refuse(path, fmt::format("damaged: {} x {} texels in tiles of {} x {}", part.width, part.height, part.tile_width,
-                             part.tile_height));
+    refuse_file(path, fmt::format("damaged: {} x {} texels in tiles of {} x {}", part.width, part.height,
+                                  part.tile_width, part.tile_height));
   if (part.channel_names.empty() || part.channel_count() > kChannelCountMax)
-    refuse(path, fmt::format("found {} channels, expected 1 to {}", part.channel_count(), kChannelCountMax));
+    refuse_file(path, fmt::format("found {} channels, expected 1 to {}", part.channel_count(), kChannelCountMax));
   if (!part.channel_types.empty() && part.channel_types.size() != part.channel_names.size())
-    refuse(path, "damaged: types of other channels than it has");
+    refuse_file(path, "damaged: types of other channels than it has");
   if (part.alpha_channel < -1 || part.alpha_channel >= part.channel_count())
-    refuse(path, "damaged: its alpha is none of its channels");
+    refuse_file(path, "damaged: its alpha is none of its channels");
   for (int channel = 0; channel < part.channel_count(); ++channel)
     if (!is_number_type(part.type_of(channel)) || !is_number_type(part.base_type))
-      refuse(path,
-             fmt::format("found samples of type {}, expected integers or floats", number_name(part.type_of(channel))));
+      refuse_file(path, fmt::format("found samples of type {}, expected integers or floats",
+                                    number_name(part.type_of(channel))));
 }
 
 ImageOpener& opener() {
@@ -64,7 +61,7 @@ void set_image_opener(ImageOpener next) { opener() = std::move(next); }
 
 void check_described(const std::string& path, const ImageDescription& description, std::int64_t texel_count_max) {
   if (description.parts.empty() || description.parts.size() > kPartCountMax)
-    refuse(path, fmt::format("found {} parts, expected 1 to {}", description.parts.size(), kPartCountMax));
+    refuse_file(path, fmt::format("found {} parts, expected 1 to {}", description.parts.size(), kPartCountMax));
   for (const ImagePart& part : description.parts) check_part(path, part, texel_count_max);
 }
 

@@ -15,10 +15,6 @@
 namespace multum {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw Error(ErrorCode::kInput, path + ": " + message);
-}
-
 SampleType sample_type_of(const std::string& path, const ImagePart& part) {
   switch (part.base_type) {
     case number_type::kUint8: return SampleType::kUint8;
@@ -31,29 +27,30 @@ SampleType sample_type_of(const std::string& path, const ImagePart& part) {
     case number_type::kFloat:
     case number_type::kDouble: return SampleType::kFloat;
     default:
-      refuse(path, fmt::format("found samples of type {}, expected integers or floats", number_name(part.base_type)));
+      refuse_file(path,
+                  fmt::format("found samples of type {}, expected integers or floats", number_name(part.base_type)));
   }
 }
 
 void check_flat(const std::string& path, const ImagePart& part) {
-  if (part.is_deep) refuse(path, "found a deep image, expected one value a texel");
-  if (part.depth > 1) refuse(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
+  if (part.is_deep) refuse_file(path, "found a deep image, expected one value a texel");
+  if (part.depth > 1) refuse_file(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
 }
 
-constexpr int kChannelCountMax = 64;
+constexpr int kColourChannelCountMax = 64;
 
 // How many leading channels are colour: all but alpha, 1 to 3; or the first three of many when their names say so.
 int colour_channel_count(const std::string& path, const ImagePart& part) {
   const int without_alpha = part.channel_count() - (part.alpha_channel >= 0 ? 1 : 0);
   const bool alpha_last = part.alpha_channel < 0 || part.alpha_channel == part.channel_count() - 1;
   if (without_alpha >= 1 && without_alpha <= 3 && alpha_last) return without_alpha;
-  if (part.channel_count() >= 3 && part.channel_count() <= kChannelCountMax) {
+  if (part.channel_count() >= 3 && part.channel_count() <= kColourChannelCountMax) {
     const std::string names =
         fmt::format("{}{}{}", part.channel_names[0], part.channel_names[1], part.channel_names[2]);
     if (names == "RGB" || names == "XYZ") return 3;
   }
-  refuse(path, fmt::format("found {} channels ({}...), expected 1 to 3 and an alpha", part.channel_count(),
-                           part.channel_names[0]));
+  refuse_file(path, fmt::format("found {} channels ({}...), expected 1 to 3 and an alpha", part.channel_count(),
+                                part.channel_names[0]));
 }
 
 // Deflate reaches 1032:1 at best and DWA codes blocks of 64 texels by one number that is then deflated: no picture is
@@ -63,12 +60,12 @@ void check_plausible_size(const std::string& path, const ImagePart& part, std::i
   constexpr std::int64_t kFreeBytes = std::int64_t{64} << 20;
   const auto picture_bytes = std::int64_t{part.width} * part.height * static_cast<std::int64_t>(part.texel_bytes());
   if (picture_bytes / kExpansionMax > file_size + kFreeBytes / kExpansionMax)
-    refuse(path, fmt::format("declares {} x {} texels, which a file of {} bytes cannot hold", part.width, part.height,
-                             file_size));
+    refuse_file(path, fmt::format("declares {} x {} texels, which a file of {} bytes cannot hold", part.width,
+                                  part.height, file_size));
   constexpr std::int64_t kTileTexelsMax = 1 << 26;
   if (part.tile_width > 0 && std::int64_t{part.tile_width} * part.tile_height > kTileTexelsMax)
-    refuse(path,
-           fmt::format("found tiles of {} x {}, expected at most 2^26 texels", part.tile_width, part.tile_height));
+    refuse_file(path,
+                fmt::format("found tiles of {} x {}, expected at most 2^26 texels", part.tile_width, part.tile_height));
 }
 
 // Workaround "WebP alpha": OpenImageIO 2.4.7's WebP reader multiplies colour by alpha whatever it is asked for
@@ -83,14 +80,15 @@ void check_webp_opaque(const std::string& path, ImageFile& file) {
     const std::string message =
         file.read({0, y, y_end, part.alpha_channel, part.alpha_channel + 1, number_type::kUint8}, 0);
     if (!message.empty())
-      refuse(path, fmt::format("damaged: rows from {} of {} cannot be read: {}", y, part.height, message));
+      refuse_file(path, fmt::format("damaged: rows from {} of {} cannot be read: {}", y, part.height, message));
     const std::byte* const end = memory + width * static_cast<std::size_t>(y_end - y);
     const std::byte* const clear =
         std::find_if<const std::byte*>(memory, end, [](std::byte alpha) { return alpha < std::byte{255}; });
     if (clear != end)
-      refuse(path, fmt::format("found a WebP whose alpha is not 1 (row {}), expected an opaque one: its colours come "
-                               "multiplied by alpha; save it as PNG, or without alpha",
-                               y + static_cast<int>(static_cast<std::size_t>(clear - memory) / width)));
+      refuse_file(path,
+                  fmt::format("found a WebP whose alpha is not 1 (row {}), expected an opaque one: its colours come "
+                              "multiplied by alpha; save it as PNG, or without alpha",
+                              y + static_cast<int>(static_cast<std::size_t>(clear - memory) / width)));
   }
 }
 
@@ -100,8 +98,9 @@ int stored_type(const ImagePart& part) { return part.channel_types.empty() ? par
 RawImageInfo image_info(const std::string& path, const ImagePart& part, const std::string& container_format,
                         bool all_channels) {
   check_flat(path, part);
-  if (part.channel_count() > kChannelCountMax)
-    refuse(path, fmt::format("found {} channels, expected at most {}", part.channel_count(), kChannelCountMax));
+  if (part.channel_count() > kColourChannelCountMax)
+    refuse_file(path,
+                fmt::format("found {} channels, expected at most {}", part.channel_count(), kColourChannelCountMax));
   RawImageInfo info;
   info.width = part.width;
   info.height = part.height;
@@ -175,8 +174,8 @@ ImageReader::State::State(const std::string& image_path, const ImageReadSettings
   info = image_info(path, part, format, settings.all_channels);
   check_plausible_size(path, part, file->description().file_size);
   if (format == "tiff" && part.base_type == number_type::kDouble && part.height == 1)
-    refuse(path,
-           "found one row of 64-bit floats, which OpenImageIO leaves unread; expected 32-bit floats, or more rows");
+    refuse_file(
+        path, "found one row of 64-bit floats, which OpenImageIO leaves unread; expected 32-bit floats, or more rows");
   rows = band_rows(part, info, settings.band_rows);
   if (format == "webp" && part.alpha_channel >= 0) check_webp_opaque(path, *file);
 }
@@ -187,8 +186,8 @@ void ImageReader::State::read_band(int row_begin, int row_end, std::size_t offse
   const std::string message = file->read({0, y + row_begin, y + row_end, 0, info.channel_count, info.base_type}, offset,
                                          [&] { progress_advance(progress, 0); });
   if (!message.empty())
-    refuse(path, fmt::format("damaged: rows {} to {} of {} cannot be read: {}", row_begin, row_end - 1, info.height,
-                             message));
+    refuse_file(path, fmt::format("damaged: rows {} to {} of {} cannot be read: {}", row_begin, row_end - 1,
+                                  info.height, message));
 }
 
 // Two bands: one is read while the other is consumed.

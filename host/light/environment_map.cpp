@@ -7,20 +7,19 @@
 
 namespace multum {
 
-constexpr double kPi = std::numbers::pi;
-
 glm::dvec3 environment_direction(double s, double t) {
-  const double phi = 2.0 * kPi * (s - 0.5), theta = kPi * t;
+  const double phi = 2.0 * std::numbers::pi * (s - 0.5), theta = std::numbers::pi * t;
   return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
 glm::dvec2 environment_coordinates(const glm::dvec3& d) {
-  return {0.5 + std::atan2(d.x, -d.z) / (2.0 * kPi), std::acos(std::clamp(d.y, -1.0, 1.0)) / kPi};
+  return {0.5 + std::atan2(d.x, -d.z) / (2.0 * std::numbers::pi),
+          std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi};
 }
 
 double texel_solid_angle(int width, int height, int y) {
-  const double top = kPi * y / height, bottom = kPi * (y + 1) / height;
-  return 2.0 * kPi / width * (std::cos(top) - std::cos(bottom));
+  const double top = std::numbers::pi * y / height, bottom = std::numbers::pi * (y + 1) / height;
+  return 2.0 * std::numbers::pi / width * (std::cos(top) - std::cos(bottom));
 }
 
 EnvironmentMap shrink(const EnvironmentMap& map, int width) {

@@ -9,8 +9,6 @@
 namespace multum {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 template <typename Use>
 void for_each_texel(const EnvironmentMap& map, const Use& use) {
   for (int y = 0; y < map.height; ++y)
@@ -28,8 +26,8 @@ void for_each_texel(const EnvironmentMap& map, const Use& use) {
 std::vector<double> harmonics(const glm::dvec3& d, int order) {
   const auto index = [](int l, int m) { return static_cast<std::size_t>(l * (l + 1) + m); };
   std::vector<double> y(index(order, order) + 1);
-  double cosine = 1.0, sine = 0.0;          // sin^m theta (cos, sin)(m phi)
-  double diagonal = std::sqrt(0.25 / kPi);  // K_mm P_mm / sin^m
+  double cosine = 1.0, sine = 0.0;                       // sin^m theta (cos, sin)(m phi)
+  double diagonal = std::sqrt(0.25 / std::numbers::pi);  // K_mm P_mm / sin^m
   for (int m = 0; m <= order; ++m) {
     if (m > 0) {
       const double next = d.x * cosine - d.y * sine;
@@ -64,9 +62,9 @@ SmoothEnvironment smooth_environment(const EnvironmentMap& map) {
     const glm::dmat3 square = glm::outerProduct(d, d) - glm::dmat3(1.0 / 3.0);
     for (int c = 0; c < 3; ++c) {
       const auto i = static_cast<std::size_t>(c);
-      smooth.mean[i] += light[c] / (4.0 * kPi);
-      smooth.linear[i] += light[c] * 3.0 / (4.0 * kPi) * d;
-      smooth.quadratic[i] += light[c] * 15.0 / (8.0 * kPi) * square;
+      smooth.mean[i] += light[c] / (4.0 * std::numbers::pi);
+      smooth.linear[i] += light[c] * 3.0 / (4.0 * std::numbers::pi) * d;
+      smooth.quadratic[i] += light[c] * 15.0 / (8.0 * std::numbers::pi) * square;
     }
   });
   return smooth;

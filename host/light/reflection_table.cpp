@@ -16,7 +16,6 @@
 namespace multum {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kSampleCount = 512;
 
 // A point of the generalised golden ratio's sequence (Roberts' R4).
@@ -34,7 +33,7 @@ std::array<double, 4> sequence(int i) {
 glm::dvec3 sample_vmf(const glm::dvec3& axis, double kappa, double u, double w) {
   // The inverse of the distribution of e = 1 - cosine: exp(-kappa e) from 1 to exp(-2 kappa).
   const double e = kappa < 1e-4 ? 2.0 * u : -std::log1p(-u * -std::expm1(-2.0 * kappa)) / kappa;
-  const double sine = std::sqrt(std::max(e * (2.0 - e), 0.0)), phi = 2.0 * kPi * w;
+  const double sine = std::sqrt(std::max(e * (2.0 - e), 0.0)), phi = 2.0 * std::numbers::pi * w;
   const glm::dvec3 side = glm::normalize(std::abs(axis.z) < 0.9 ? glm::cross(axis, glm::dvec3(0.0, 0.0, 1.0))
                                                                 : glm::cross(axis, glm::dvec3(1.0, 0.0, 0.0)));
   return (1.0 - e) * axis + sine * (std::cos(phi) * side + std::sin(phi) * glm::cross(axis, side));

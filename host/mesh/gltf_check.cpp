@@ -9,10 +9,6 @@
 namespace multum {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kInput, path + ": " + what);
-}
-
 // Extensions that leave positions, normals and uv set 0 as the core format has them.
 bool leaves_geometry_alone(const std::string& extension) {
   for (const char* prefix : {"KHR_materials_", "KHR_lights_", "KHR_texture_basisu", "KHR_xmp", "EXT_texture_webp"})
@@ -29,8 +25,8 @@ void check_gltf_file(const std::string& path) {
   if (required == json.end() || !required->is_array()) return;
   for (const auto& name : *required)
     if (name.is_string() && !leaves_geometry_alone(name.get<std::string>()))
-      refuse(path,
-             "requires the glTF extension " + name.get<std::string>() + ", which cannot be read; export without it");
+      refuse_file(
+          path, "requires the glTF extension " + name.get<std::string>() + ", which cannot be read; export without it");
 }
 
 }  // namespace multum

@@ -14,10 +14,6 @@
 namespace multum {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kInput, path + ": " + what);
-}
-
 std::string lower_extension(const std::string& path) {
   const std::size_t dot = path.find_last_of('.');
   std::string extension = dot == std::string::npos ? "" : path.substr(dot + 1);
@@ -30,7 +26,7 @@ std::string read_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();
-  if (!file) refuse(path, "cannot be read");
+  if (!file) refuse_file(path, "cannot be read");
   return text.str();
 }
 
@@ -44,16 +40,17 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
 void split_glb(const std::string& bytes, const std::string& path, std::string& json, std::string& binary) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
   if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0)
-    refuse(path, "is not a GLB file: it does not begin with glTF");
+    refuse_file(path, "is not a GLB file: it does not begin with glTF");
   const std::size_t length = little_endian(bytes, 12);
   if (little_endian(bytes, 16) != kJsonChunk || length > bytes.size() - 20)
-    refuse(path, "is a damaged GLB file: its JSON chunk of " + std::to_string(length) + " bytes is not all there");
+    refuse_file(path, "is a damaged GLB file: its JSON chunk of " + std::to_string(length) + " bytes is not all there");
   json = bytes.substr(20, length);
   const std::size_t next = 20 + length;
   if (next + 8 > bytes.size()) return;
   const std::size_t binary_length = little_endian(bytes, next);
   if (binary_length > bytes.size() - next - 8)
-    refuse(path, "is a damaged GLB file: its chunk of " + std::to_string(binary_length) + " bytes is not all there");
+    refuse_file(path,
+                "is a damaged GLB file: its chunk of " + std::to_string(binary_length) + " bytes is not all there");
   binary = bytes.substr(next + 8, binary_length);
 }
 
@@ -68,7 +65,7 @@ std::string decode_base64(const std::string& text, const std::string& path) {
   for (const char c : text) {
     if (c == '=') break;
     const int value = values[static_cast<unsigned char>(c)];
-    if (value < 0) refuse(path, "holds a data URI that is not base64");
+    if (value < 0) refuse_file(path, "holds a data URI that is not base64");
     bits = (bits << 6) | static_cast<unsigned>(value);
     if ((count += 6) < 8) continue;
     count -= 8;
@@ -90,7 +87,7 @@ GltfDocument read_gltf_document(const std::string& path) {
   if (lower_extension(path) == "glb") split_glb(bytes, path, json, document.binary);
   else json = std::move(bytes);
   document.json = nlohmann::json::parse(json, nullptr, false);
-  if (!document.json.is_object()) refuse(path, "is damaged: its glTF JSON cannot be parsed");
+  if (!document.json.is_object()) refuse_file(path, "is damaged: its glTF JSON cannot be parsed");
   return document;
 }
 
@@ -98,13 +95,13 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
   if (!uri.starts_with("data:")) return false;
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos || uri.substr(0, comma).find(";base64") == std::string::npos)
-    refuse(path, "holds a data URI that is not base64");
+    refuse_file(path, "holds a data URI that is not base64");
   bytes = decode_base64(uri.substr(comma + 1), path);
   return true;
 }
 
 std::string uri_path(const GltfDocument& document, const std::string& uri) {
-  if (uri.find("://") != std::string::npos) refuse(document.path, "names " + uri + ", expected a file beside it");
+  if (uri.find("://") != std::string::npos) refuse_file(document.path, "names " + uri + ", expected a file beside it");
   std::string name;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     const bool is_code = uri[i] == '%' && i + 2 < uri.size() &&
@@ -128,10 +125,10 @@ std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
     else if (const auto uri = from.at("uri").get<std::string>(); !decode_data_uri(uri, document.path, bytes))
       bytes = read_file(uri_path(document, uri));
     if (offset > bytes.size() || length > bytes.size() - offset)
-      refuse(document.path, what + " goes beyond its buffer");
+      refuse_file(document.path, what + " goes beyond its buffer");
     return bytes.substr(offset, length);
   } catch (const nlohmann::json::exception&) {
-    refuse(document.path, what + " is not there, or damaged");
+    refuse_file(document.path, what + " is not there, or damaged");
   }
 }
 

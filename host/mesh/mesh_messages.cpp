@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/mesh/mesh_refusal.h"
+#include "host/mesh/finite_vector.h"
 
 namespace multum {
 namespace {
@@ -113,7 +113,7 @@ Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in) {
   for_each_array(meshes, [&](auto& array) {
     const auto count = in.number<std::uint64_t>();
     if (count > left / sizeof(array[0]))
-      refuse_mesh(file.path,
+      refuse_file(file.path,
                   fmt::format("damaged: {} numbers a vertex or triangle, expected a mesh of {} bytes at most", count,
                               file.memory_max));
     left -= count * sizeof(array[0]);
@@ -154,7 +154,7 @@ void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes)
     memory += bytes_of(array);
   });
   if (!are_sound(meshes))
-    refuse_mesh(file.path, "damaged: what came of it is no mesh, expected a file that " + file.library + " survives");
+    refuse_file(file.path, "damaged: what came of it is no mesh, expected a file that " + file.library + " survives");
 }
 
 template TriangleMesh parse_mesh_answer(const AskedFile&, MessageReader&);

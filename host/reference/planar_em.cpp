@@ -29,7 +29,7 @@ glm::dvec3 mean_and_variance(const std::vector<Sample>& samples, const std::vect
   return {mean, variance};
 }
 
-double texel_kappa_cap(const std::vector<Sample>& samples, const EmOptions& options) {
+double planar_kappa_cap(const std::vector<Sample>& samples, const EmOptions& options) {
   std::vector<double> weights;
   for (const Sample& s : samples) weights.push_back(s.weight);
   const double kappa = 1.0 / std::max(mean_and_variance(samples, weights).z, 1e-6);
@@ -61,7 +61,7 @@ glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened) {
 
 std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes,
                                 const EmOptions& options) {
-  const double cap = texel_kappa_cap(samples, options);
+  const double cap = planar_kappa_cap(samples, options);
   double total_weight = 0.0;
   for (const Sample& s : samples) total_weight += s.weight;
   std::vector<Moments> moments(lobes.size());

@@ -14,6 +14,7 @@
 
 #include "host/asset/baked_file.h"
 #include "host/base/parallel.h"
+#include "host/base/size_of.h"
 #include "host/base/split_mix.h"
 
 namespace multum {
@@ -23,8 +24,6 @@ constexpr int kBandLevel = 5;
 // Of larger maps, sums are of every fourth band; ranges are of every texel.
 constexpr std::int64_t kSummedTexels = std::int64_t{1} << 22;
 constexpr int kBandStride = 4;
-
-std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
 
 // Of the normals under a texel.
 struct Sums {

@@ -21,13 +21,11 @@ namespace fs = std::filesystem;
 
 constexpr char kWhole[] = "the scene";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const NumberRange kAboveZero = {0.0, kInfinity, true, true, "a number above 0"};
 const NumberRange kMetres = {1e-6, 1e9, false, false, "metres from 1e-6 to 1e9"};
-const NumberRange kFromZero = {0.0, kInfinity, false, true, "a number of at least 0"};
 const NumberRange kAny = {-kInfinity, kInfinity, true, true, "a number"};
 const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 1"};
-constexpr std::size_t kLightCountMax = 8;   // of each kind, as multum-view draws
-constexpr std::size_t kWeightCountMax = 4;  // basis BRDFs
+constexpr std::size_t kLightCountMax = 8;     // of each kind, as multum-view draws
+constexpr std::size_t kMaterialCountMax = 4;  // basis BRDFs
 
 // Names of one kind of things, each nobody else's.
 class Names {
@@ -202,8 +200,8 @@ std::vector<std::string> material_names(const StrictTable& table) {
 void check_materials(const StrictTable& table, const SceneObject& object, const Scene& scene) {
   const SceneMap& map = scene.maps[object.map];
   const char* const key = table.has("material") ? "material" : "materials";
-  if (object.materials.size() > kWeightCountMax)
-    table.refuse(key, fmt::format("has {} materials, expected at most {}", object.materials.size(), kWeightCountMax));
+  if (object.materials.size() > kMaterialCountMax)
+    table.refuse(key, fmt::format("has {} materials, expected at most {}", object.materials.size(), kMaterialCountMax));
   if (object.materials.size() > 1 && map.job.weights.empty())
     table.refuse(key,
                  fmt::format("has {} materials, but map \"{}\" has no weights", object.materials.size(), map.name));

@@ -15,27 +15,9 @@
 namespace multum {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-SourceEdit em_edit(const std::string& text, const std::string& replacement) {
-  return {"movmf_em_texels", text, replacement};
-}
-
 glm::dvec3 random_direction(SplitMix64& random, double z_low, double z_high) {
   const double z = z_low + (z_high - z_low) * random.uniform(), phi = 2.0 * M_PI * random.uniform();
   return {std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z};
-}
-
-std::vector<reference::Lobe> equal_lobes(const std::vector<glm::dvec3>& directions, double kappa) {
-  std::vector<reference::Lobe> lobes;
-  for (const glm::dvec3& mu : directions) lobes.push_back({mu, kappa, 1.0 / static_cast<double>(directions.size())});
-  return lobes;
-}
-
-std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& normals, int count) {
-  std::vector<reference::Sample> samples;
-  for (int i = 0; i < count; ++i) samples.push_back({normals[static_cast<std::size_t>(i) % normals.size()], 1.0});
-  return samples;
 }
 
 // More lobes than directions, all lobes alike.
@@ -156,7 +138,7 @@ void samples_of_any_length(Device& device, WorstError& worst) {
 
 // NaN, Inf and huge normals in one texel of sixteen: the fifteen others must not change by a bit.
 void a_bad_texel_stays_alone(Device& device, WorstError& worst) {
-  const double inf = std::numeric_limits<double>::infinity();
+  constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
   std::vector<EmTexel> good;
   for (int t = 0; t < 16; ++t)
     good.push_back(
@@ -166,7 +148,7 @@ void a_bad_texel_stays_alone(Device& device, WorstError& worst) {
   settings.settled_change = 0.01f;
   for (const EmForm form : em_forms(device)) {
     const std::vector<FittedTexel> expected = fit_texels(device, good, settings, form);
-    for (const double bad : {kNan, inf, -inf, 1e38}) {
+    for (const double bad : {kNan, kInf, -kInf, 1e38}) {
       std::vector<EmTexel> texels = good;
       texels[0].samples[5].normal = glm::dvec3(bad, 0.0, 1.0);
       const std::vector<FittedTexel> found = fit_texels(device, texels, settings, form);
@@ -196,8 +178,6 @@ void huge_and_tiny_weights(Device& device, WorstError& worst) {
     add_em_errors(device, texel, {}, fmt::format("weights of {:.3g}", scale), worst);
   }
 }
-
-const char* const kFrom = "samples' rounding, 6e-8 an addition, times the growth of differences in EM, below 10";
 
 std::vector<NumericalCase> sharp_cases() {
   const SourceEdit no_floor = em_edit("MAX_V(m.spread, (real_v)(1e-7f))", "m.spread");
@@ -236,12 +216,12 @@ std::vector<NumericalCase> wide_cases() {
         em_edit("directed ? x * length_inverse : mu_x", "x * length_inverse")}},
       {{"the-equator-and-below", "movmf_em_texels, movmf_em_team",
         "a lower half taken for the upper (planar coordinates) folds the sphere",
-        "directions are vectors; nothing asks for z > 0", 1e-5, "absolute, of a and a r", kFrom},
+        "directions are vectors; nothing asks for z > 0", 1e-5, "absolute, of a and a r", kEmBoundReason},
        whole_sphere,
        {em_edit("fma(-mu_z, z,", "fma(-mu_z, fabs(z),")}},
       {{"lobes-that-die", "movmf_em_texels, movmf_em_team", "2^-1000 wraps to a large number",
         "a share is at least 2^-100 of the largest; a lobe below 1e-7 keeps direction and spread", 1e-5,
-        "absolute, of a and a r", kFrom},
+        "absolute, of a and a r", kEmBoundReason},
        dying_lobes,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
   };
@@ -257,7 +237,7 @@ std::vector<NumericalCase> input_cases() {
         em_edit("kappa = MIN_V(MAX_V(kappa, (real_v)(KAPPA_MIN)), kappa_max);", "")}},
       {{"normals-of-any-length", "movmf_em_texels, movmf_em_team",
         "normals longer than 1 have a negative spread: |r| grows beyond 1", "the spread is held within 0 and 1", 1e-5,
-        "absolute, of a and a r, or |r| above 1", kFrom},
+        "absolute, of a and a r, or |r| above 1", kEmBoundReason},
        samples_of_any_length,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"a-bad-texel-stays-alone", "movmf_em_texels, movmf_em_team",
@@ -269,12 +249,12 @@ std::vector<NumericalCase> input_cases() {
                 "moving = moving & (change > fit.settled_change_squared); first_sample = samples;")}},
       {{"denormals-and-signed-zeros", "movmf_em_texels, movmf_em_team",
         "a share of a denormal amplitude has a logarithm of -149 or none",
-        "an amplitude weighs at least 1e-6 in the E-step", 1e-5, "absolute, of a and a r", kFrom},
+        "an amplitude weighs at least 1e-6 in the E-step", 1e-5, "absolute, of a and a r", kEmBoundReason},
        denormals_and_signed_zeros,
        {em_edit("#define AMPLITUDE_MIN 1e-6f", "#define AMPLITUDE_MIN 1e-1f")}},
       {{"weights-from-tiny-to-huge", "movmf_em_texels, movmf_em_team",
         "a share under a fixed least weight counts for more than it is: means of its normals shrink",
-        "the least weight that is divided by is 1e-30", 1e-5, "absolute, of a and a r", kFrom},
+        "the least weight that is divided by is 1e-30", 1e-5, "absolute, of a and a r", kEmBoundReason},
        huge_and_tiny_weights,
        {em_edit("MAX_V(s, (real_v)(1e-30f))", "MAX_V(s, (real_v)(1e-3f))")}},
   };

@@ -18,9 +18,6 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kGroup = MULTUM_GROUP;
-constexpr double kLog2e = std::numbers::log2e;
-
 double rounded(double value) { return static_cast<double>(static_cast<float>(value)); }
 glm::dvec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 
@@ -28,7 +25,7 @@ glm::dvec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), ro
 EmTexel rounded(EmTexel texel) {
   for (reference::Sample& s : texel.samples) s = {rounded(s.normal), rounded(s.weight)};
   for (reference::Lobe& lobe : texel.lobes)
-    lobe = {rounded(lobe.mu), rounded(lobe.kappa * kLog2e) / kLog2e, rounded(lobe.amplitude)};
+    lobe = {rounded(lobe.mu), rounded(lobe.kappa * std::numbers::log2e) / std::numbers::log2e, rounded(lobe.amplitude)};
   return texel;
 }
 
@@ -66,7 +63,7 @@ std::vector<float> packed_start(const std::vector<EmTexel>& texels, bool planar)
       put(MULTUM_START_MU, lobe.mu.x);
       put(MULTUM_START_MU + 1, lobe.mu.y);
       put(MULTUM_START_MU + 2, lobe.mu.z);
-      put(MULTUM_START_SHARPNESS, lobe.kappa * kLog2e);
+      put(MULTUM_START_SHARPNESS, lobe.kappa * std::numbers::log2e);
       const double below = planar ? 1.0 : -std::expm1(-2.0 * lobe.kappa);
       put(MULTUM_START_LOG, std::log2(std::max(lobe.amplitude, 1e-6) * lobe.kappa / below));
     }
@@ -90,6 +87,22 @@ MultumMovmfFit one_group_fit(const EmTexel& texel, const EmSettings& settings) {
 }
 
 }  // namespace
+
+std::vector<reference::Lobe> equal_lobes(const std::vector<glm::dvec3>& directions, double kappa) {
+  std::vector<reference::Lobe> lobes;
+  for (const glm::dvec3& mu : directions) lobes.push_back({mu, kappa, 1.0 / static_cast<double>(directions.size())});
+  return lobes;
+}
+
+std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& normals, int count) {
+  std::vector<reference::Sample> samples;
+  for (int i = 0; i < count; ++i) samples.push_back({normals[static_cast<std::size_t>(i) % normals.size()], 1.0});
+  return samples;
+}
+
+SourceEdit em_edit(const std::string& text, const std::string& replacement) {
+  return {"movmf_em_texels", text, replacement};
+}
 
 glm::dvec3 tilted(double degrees, double azimuth) {
   const double t = degrees * std::numbers::pi / 180.0;
@@ -140,7 +153,8 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
       const MultumVmfLobe& lobe = level[j * kGroup + lane];
       fitted[lane].lobes.emplace_back(lobe.mean_x, lobe.mean_y, lobe.mean_z, lobe.amplitude);
       fitted[lane].kappa.push_back(
-          static_cast<double>(start[(j * MULTUM_START_PLANES + MULTUM_START_SHARPNESS) * kGroup + lane]) / kLog2e);
+          static_cast<double>(start[(j * MULTUM_START_PLANES + MULTUM_START_SHARPNESS) * kGroup + lane]) /
+          std::numbers::log2e);
     }
   return fitted;
 }

@@ -3,16 +3,25 @@
 // 7, Algorithm 1): the samples of a case are what the case says, with no map in between. Private to host/selftest.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include <glm/vec4.hpp>
 
+#include "host/base/source_edit.h"
 #include "host/opencl/device.h"
 #include "host/reference/movmf_em.h"
 #include "host/reference/numerical_case.h"
+#include "kernels/shared/movmf_fit.h"
 
 namespace multum {
+
+constexpr std::size_t kGroup = MULTUM_GROUP;
+
+/// Where bounds of EM's results come from.
+constexpr char kEmBoundReason[] =
+    "samples' rounding, 6e-8 an addition, times the growth of differences in EM, below 10";
 
 struct EmTexel {
   std::vector<reference::Sample> samples;  // rounded to float before either side sees them
@@ -54,6 +63,14 @@ void add_em_errors(Device& device, const EmTexel& texel, const EmSettings& setti
 /// [lobe][MULTUM_START_PLANES][MULTUM_GROUP] without a prior. Lanes beyond the texels repeat the last.
 std::vector<float> packed_samples(const std::vector<EmTexel>& texels);
 std::vector<float> packed_start(const std::vector<EmTexel>& texels, bool planar = false);
+
+/// Lobes of equal amplitudes.
+std::vector<reference::Lobe> equal_lobes(const std::vector<glm::dvec3>& directions, double kappa);
+/// So many samples that repeat `normals`.
+std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& normals, int count);
+
+/// An edit of the kernel.
+SourceEdit em_edit(const std::string& text, const std::string& replacement);
 
 /// A unit vector, tilted by so many degrees from +z towards an azimuth in radians.
 glm::dvec3 tilted(double degrees, double azimuth = 0.3);

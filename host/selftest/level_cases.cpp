@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include <glm/geometric.hpp>
@@ -23,9 +24,6 @@
 
 namespace multum {
 namespace {
-
-constexpr std::size_t kGroup = MULTUM_GROUP;
-constexpr double kLog2e = 1.4426950408889634;
 
 // One texel with one parent.
 MultumMovmfFit one_texel_fit() {
@@ -76,7 +74,7 @@ void add_start(Device& device, const MultumVmfLobe& parent, WorstError& worst) {
       const double prior = length > 1e-12 ? 0.1 * static_cast<double>(parent.amplitude) * mu[k] : 0.0;
       worst.add(found[MULTUM_START_PRIOR + static_cast<std::size_t>(k)], prior, 1.0, input);
     }
-    worst.add(found[MULTUM_START_SHARPNESS] / kLog2e, kappa, kappa, input);
+    worst.add(found[MULTUM_START_SHARPNESS] / std::numbers::log2e, kappa, kappa, input);
     worst.add(found[MULTUM_START_LOG], log_weight, 1.0, input);
   }
 }

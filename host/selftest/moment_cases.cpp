@@ -213,7 +213,7 @@ void no_share(Device& device, WorstError& worst) {
     }
 }
 
-SourceEdit shade_edit(const std::string& text, const std::string& replacement) {
+SourceEdit moment_shade_edit(const std::string& text, const std::string& replacement) {
   return {"moment_shade", text, replacement};
 }
 
@@ -243,33 +243,35 @@ std::vector<NumericalCase> moment_cases() {
   add("slope-variance-below-0", "E[s^2] below the square of E[s]: a negative determinant has no root",
       "a variance of at least 0, a covariance of at most their root", 2e-6, "of the peak: how far above it, or below 0",
       "a root, a division and an exponential", variance_below_0,
-      {shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
-       shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean"),
-       shade_edit("clamp(st - s_mean * t_mean, -limit, limit)", "st - s_mean * t_mean"),
-       shade_edit("max(variance_s * variance_t - covariance * covariance, 0.0f)",
-                  "(variance_s * variance_t - covariance * covariance)")});
+      {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
+       moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean"),
+       moment_shade_edit("clamp(st - s_mean * t_mean, -limit, limit)", "st - s_mean * t_mean"),
+       moment_shade_edit("max(variance_s * variance_t - covariance * covariance, 0.0f)",
+                         "(variance_s * variance_t - covariance * covariance)")});
   add("slopes-along-a-line", "the determinant of Sigma + I/s as a difference: s = 1e5 leaves nothing of it",
       "1/s (1/s + trace) and the determinant of Sigma, held at 0 and above", 2e-6, "relative",
       "a root, a division and four products", slopes_along_a_line,
-      {shade_edit("base * (base + variance_s + variance_t) + max(variance_s * variance_t - covariance * covariance, "
-                  "0.0f)",
-                  "(base + variance_s) * (base + variance_t) - covariance * covariance")});
+      {moment_shade_edit(
+          "base * (base + variance_s + variance_t) + max(variance_s * variance_t - covariance * covariance, "
+          "0.0f)",
+          "(base + variance_s) * (base + variance_t) - covariance * covariance")});
   add("steep-slopes-under-sharp-highlights", "moments in half floats: 400 to the next 0.25, where s = 1e5 has 1e-5",
       "32-bit moments; what they lose broadens the highlight by 2^-22 s b^2 of its width at most", 1.0,
       "of the peak, over 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, b the slope",
       "E[s^2] and E[s]^2 are rounded, 2^-24 b^2 each", steep_and_sharp,
-      {shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
+      {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon: inf - inf",
       "nothing at or below 1e-4 above it", kNothingWrong, "absolute, where nothing is to be; NaN anywhere",
-      "nothing may be", half_vectors_at_the_horizon, {shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
+      "nothing may be", half_vectors_at_the_horizon,
+      {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
   add("mean-normals-of-every-length", "longer than 1: a gloss above 1 or below 0; of no length: 0 / 0",
       "1 less the spread, which is held within 0 and 1; any direction where there is none", 1e-5, "of the peak",
       "6e-8 of mu and h, by the angle that the exponent sees", toksvig_of_every_length,
-      {shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
-                  "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
+      {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
+                         "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
   add("moments-of-no-share", "moments of nothing shade as much as those of everything",
       "no division by a share at or below 1e-6; what is shaded is multiplied by it", 1e-5, "relative",
-      "a share of 1e-8 and 16/(2 pi)", no_share, {shade_edit(": m.share * shade_lean(", ": shade_lean(")});
+      "a share of 1e-8 and 16/(2 pi)", no_share, {moment_shade_edit(": m.share * shade_lean(", ": shade_lean(")});
   return cases;
 }
 

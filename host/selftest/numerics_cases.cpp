@@ -15,8 +15,6 @@
 namespace multum {
 namespace {
 
-constexpr double kLog2e = std::numbers::log2e;
-
 // As kernels/probe_numerics.cl numbers them.
 enum class Probe : int { kExp2, kLog2, kKappa, kIsNan, kLogPeak, kOneMinusLog, kShadingKappa, kVmfPeak };
 
@@ -120,8 +118,8 @@ void vmf_peak(Device& device, WorstError& worst) {
 
 void one_minus_log(Device& device, WorstError& worst) {
   add_relative(
-      device, Probe::kOneMinusLog, decades(1e-9, 0.999, 1.0171), "e", [](double e) { return std::log1p(-e) * kLog2e; },
-      worst);
+      device, Probe::kOneMinusLog, decades(1e-9, 0.999, 1.0171), "e",
+      [](double e) { return std::log1p(-e) * std::numbers::log2e; }, worst);
 }
 
 void nan_guards(Device& device, WorstError& worst) {

@@ -23,14 +23,6 @@
 namespace multum {
 namespace {
 
-SourceEdit em_edit(const std::string& text, const std::string& replacement) {
-  return {"movmf_em_texels", text, replacement};
-}
-
-SourceEdit shade_edit(const std::string& text, const std::string& replacement) {
-  return {"movmf_shade", text, replacement};
-}
-
 EmSettings planar_settings(int iterations) {
   EmSettings settings;
   settings.planar = true;
@@ -41,18 +33,6 @@ EmSettings planar_settings(int iterations) {
 glm::dvec3 point(double degrees, double azimuth = 0.3) {
   const glm::dvec3 n = tilted(degrees, azimuth);
   return {n.x, n.y, 0.0};
-}
-
-std::vector<reference::Lobe> equal_lobes(const std::vector<glm::dvec3>& means, double kappa) {
-  std::vector<reference::Lobe> lobes;
-  for (const glm::dvec3& mu : means) lobes.push_back({mu, kappa, 1.0 / static_cast<double>(means.size())});
-  return lobes;
-}
-
-std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& points, int count) {
-  std::vector<reference::Sample> samples;
-  for (int i = 0; i < count; ++i) samples.push_back({points[static_cast<std::size_t>(i) % points.size()], 1.0});
-  return samples;
 }
 
 constexpr double kTilts[] = {0.0, 30.0, 60.0, 80.0, 89.0, 90.0};
@@ -87,7 +67,7 @@ void variance_never_negative(Device& device, WorstError& worst) {
 }
 
 // Every density is 0 in float.
-void far_from_every_lobe(Device& device, WorstError& worst) {
+void far_from_every_gaussian(Device& device, WorstError& worst) {
   for (const double kappa : {1e3, 1e5, 1e6})
     add_em_errors(device,
                   {repeated({point(60, 0.1), point(60, 1.4)}, 64), equal_lobes({point(10), point(10, 1.5)}, kappa)},
@@ -95,7 +75,7 @@ void far_from_every_lobe(Device& device, WorstError& worst) {
 }
 
 // A lobe that gets none of the normals, and one that gets one in a thousand.
-void dying_lobes(Device& device, WorstError& worst) {
+void dying_gaussians(Device& device, WorstError& worst) {
   EmTexel texel{repeated({point(5, 0.0), point(7, 2.0), point(6, 4.0)}, 999),
                 equal_lobes({point(5, 0.0), point(70, 1.0), point(80, 4.0)}, 300.0)};
   texel.samples.push_back({point(70, 1.0), 1.0});
@@ -125,7 +105,7 @@ void few_points(Device& device, WorstError& worst) {
 
 // The cap of a texel of three lobes: two share some points, the third has none. Sums are those of an E-step, about mu.
 void caps_of_narrow_texels(Device& device, WorstError& worst) {
-  constexpr std::size_t kGroup = MULTUM_GROUP, kChunks = 64, kSums = 5;
+  constexpr std::size_t kChunks = 64, kSums = 5;
   for (const double degrees : kTilts)
     for (const double width : {0.0, 0.01, 0.25, 1.0, 10.0})
       for (const double apart : {0.0, 3.0}) {
@@ -219,7 +199,7 @@ void filtered_variance_below_0(Device& device, WorstError& worst) {
       }
 }
 
-void vanishing_amplitude(Device& device, WorstError& worst) {
+void vanishing_gaussian(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = directions_around(30.0);
   for (const float amplitude : {0.5f, 1e-3f, 2e-6f, 1e-6f, 1e-8f, 1e-40f, 0.0f}) {
     const glm::vec3 p = glm::vec3(point(30.0)) * amplitude;
@@ -273,7 +253,6 @@ std::vector<NumericalCase> fit_cases() {
   const SourceEdit no_cap = em_edit("kappa = MIN_V(MAX_V(kappa, (real_v)(KAPPA_MIN)), kappa_max);", "");
   const char* const kFormula = "movmf_em_texels (planar)";
   const char* const kUnit = "absolute, of a, a mu and a sigma^2";
-  const char* const kFrom = "samples' rounding, 6e-8 an addition, times the growth of differences in EM, below 10";
   return {
       {{"planar-variance-at-the-rim", kFormula, "E|p|^2 - |E p|^2 of points near the rim: near-equal numbers",
         "the mean squared distance from the last mean, less what that moved (Steiner)", 1e-4, "relative, of sigma^2",
@@ -288,11 +267,12 @@ std::vector<NumericalCase> fit_cases() {
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"planar-far-from-every-lobe", kFormula, "every density is 0 in float: shares are 0 / 0",
         "logarithms, the largest subtracted", 1e-4, kUnit, "exponents of 1e6 carry 6e-8 each"},
-       far_from_every_lobe,
+       far_from_every_gaussian,
        {em_edit("exp2_in_range_v(MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN)))", "exp2(e[j])")}},
       {{"planar-lobes-that-die", kFormula, "2^-1000 wraps to a large number",
-        "a share is at least 2^-100 of the largest; a lobe below 1e-7 keeps mean and sigma^2", 1e-5, kUnit, kFrom},
-       dying_lobes,
+        "a share is at least 2^-100 of the largest; a lobe below 1e-7 keeps mean and sigma^2", 1e-5, kUnit,
+        kEmBoundReason},
+       dying_gaussians,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
       {{"planar-one-two-three-points", kFormula, "more lobes than points: sigma^2 is 0, its inverse infinite",
         "a floor of 1e-7 under sigma^2, a cap on its inverse: 500 + 10 kappa_1", 1e-4, kUnit,
@@ -326,7 +306,7 @@ std::vector<NumericalCase> planar_cases() {
   cases.push_back(
       {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe of no normals is divided by its amplitude: 0 / 0",
         "no lobe at or below 1e-6", 6e-4, "of an upright lobe's peak; 1 where there should be none", "as above"},
-       vanishing_amplitude,
+       vanishing_gaussian,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("1.0f / max(lobe.w, GMM_AMPLITUDE_MIN)", "1.0f / lobe.w"),
         shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});

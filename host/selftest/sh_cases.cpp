@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
@@ -79,13 +80,12 @@ std::vector<double> shade_sh(Device& device, int order, const std::vector<float>
 
 namespace {
 
-constexpr double kPi = M_PI;
-
 // What |Y_lm| is at most for any m, summed up over m: the unit of every error of a coefficient.
-double bound_of_band(int l) { return std::sqrt((2.0 * l + 1.0) / (4.0 * kPi)); }
+double bound_of_band(int l) { return std::sqrt((2.0 * l + 1.0) / (4.0 * std::numbers::pi)); }
 
 glm::vec3 random_direction(SplitMix64& random) {
-  const double z = 2.0 * random.uniform() - 1.0, phi = 2.0 * kPi * random.uniform(), side = std::sqrt(1.0 - z * z);
+  const double z = 2.0 * random.uniform() - 1.0, phi = 2.0 * std::numbers::pi * random.uniform(),
+               side = std::sqrt(1.0 - z * z);
   return glm::vec3(side * std::cos(phi), side * std::sin(phi), z);
 }
 
@@ -173,8 +173,9 @@ void textbook_basis(WorstError& worst) {
         float up = 1.0f, down = 1.0f;
         for (int k = 2; k <= l - m; ++k) up *= static_cast<float>(k);
         for (int k = 2; k <= l + m; ++k) down *= static_cast<float>(k);
-        const float y = std::sqrt(2.0f * static_cast<float>(2 * l + 1) / static_cast<float>(4.0 * kPi) * up / down) *
-                        p * std::cos(static_cast<float>(m) * std::atan2(n.y, n.x));
+        const float y =
+            std::sqrt(2.0f * static_cast<float>(2 * l + 1) / static_cast<float>(4.0 * std::numbers::pi) * up / down) *
+            p * std::cos(static_cast<float>(m) * std::atan2(n.y, n.x));
         if (m > 0) worst.add(static_cast<double>(y), reference::sh_basis(l, m, glm::dvec3(n)), bound_of_band(l), "");
       }
     }
@@ -199,7 +200,7 @@ void poles(Device& device, WorstError& worst) {
 void divided_by_sine(WorstError& worst) {
   for (const glm::vec3& n : polar_directions()) {
     const float side = std::sqrt(std::max(0.0f, 1.0f - n.z * n.z)), cosine = n.x / side;
-    worst.add(static_cast<double>(std::sqrt(3.0f / static_cast<float>(4.0 * kPi)) * side * cosine),
+    worst.add(static_cast<double>(std::sqrt(3.0f / static_cast<float>(4.0 * std::numbers::pi)) * side * cosine),
               reference::sh_basis(1, 1, glm::dvec3(n)), bound_of_band(1), "");
   }
 }
@@ -236,7 +237,7 @@ void opposite_tilts(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 8, 20})
     for (const double angle : {1e-3, 30.0, 89.9, 90.0}) {
-      const std::vector<glm::vec3> tilts = {glm::vec3(tilted(angle)), glm::vec3(tilted(angle, kPi))};
+      const std::vector<glm::vec3> tilts = {glm::vec3(tilted(angle)), glm::vec3(tilted(angle, std::numbers::pi))};
       const std::vector<std::vector<float>> both = project_sh(device, order, tilts);
       std::vector<float> mean(both[0].size());
       std::vector<double> exact(both[0].size());

@@ -2,11 +2,13 @@
 // Launches movmf_shade on one lobe.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "host/base/source_edit.h"
 #include "host/opencl/device.h"
 #include "kernels/shared/highlight.h"
 
@@ -20,6 +22,9 @@ std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, c
 /// Half vectors of any highlight.
 std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, const MultumHighlight& highlight,
                                const std::vector<glm::vec4>& directions);
+
+/// An edit of the kernel.
+SourceEdit shade_edit(const std::string& text, const std::string& replacement);
 
 /// The angle from mu to the vector that the kernel sees, which is not quite of length 1: |mu - w|^2 / 2 = 1 - cos.
 double angle_seen(const glm::dvec3& mu, const glm::vec4& w);

@@ -48,6 +48,10 @@ std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, const Mult
   return launch(device, lobe, highlight, directions, false, false);
 }
 
+SourceEdit shade_edit(const std::string& text, const std::string& replacement) {
+  return {"movmf_shade", text, replacement};
+}
+
 double angle_seen(const glm::dvec3& mu, const glm::vec4& w) {
   return 2.0 * std::asin(std::min(1.0, 0.5 * glm::length(mu - glm::dvec3(w))));
 }
@@ -55,8 +59,6 @@ double angle_seen(const glm::dvec3& mu, const glm::vec4& w) {
 namespace {
 
 const glm::dvec3 kUp(0.0, 0.0, 1.0);
-
-constexpr double kPi = std::numbers::pi;
 
 glm::vec4 direction(double theta) {
   return {static_cast<float>(std::sin(theta)), 0.0f, static_cast<float>(std::cos(theta)), 0.0f};
@@ -82,7 +84,7 @@ void add_blinn_phong(Device& device, const glm::vec4& lobe, double spread, doubl
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double theta = angle_seen(kUp, directions[i]);
     worst.add(values[i] / amplitude, reference::product_blinn_phong(s, spread, theta), peak,
-              fmt::format("s {}, 1 - |r| = {:.3g}, {:.4g} degrees", s, spread, theta * 180.0 / kPi));
+              fmt::format("s {}, 1 - |r| = {:.3g}, {:.4g} degrees", s, spread, theta * 180.0 / std::numbers::pi));
   }
 }
 
@@ -90,13 +92,14 @@ void exponents_to_1e5(Device& device, WorstError& worst) {
   for (const double s : {1.0, 5.0, 20.0, 100.0, 2000.0, 1e5})
     for (const double spread : kSpreads)
       add_blinn_phong(device, lobe_of(1.0, spread), spread, s,
-                      directions_to(std::min(0.5 * kPi, 4.0 * std::sqrt(spread + 1.0 / (s + 2.0))), 40), worst);
+                      directions_to(std::min(0.5 * std::numbers::pi, 4.0 * std::sqrt(spread + 1.0 / (s + 2.0))), 40),
+                      worst);
 }
 
 // Not at 90 degrees itself, where the power 0 is a step.
 void horizon_and_below(Device& device, WorstError& worst) {
-  const std::vector<glm::vec4> directions = {direction(0.5 * kPi - 1e-4),
-                                             direction(0.5 * kPi + 1e-4),
+  const std::vector<glm::vec4> directions = {direction(0.5 * std::numbers::pi - 1e-4),
+                                             direction(0.5 * std::numbers::pi + 1e-4),
                                              direction(2.0),
                                              direction(3.0),
                                              {0.0f, -0.0f, -1.0f, 0.0f}};
@@ -111,8 +114,8 @@ void longer_than_one(Device& device, WorstError& worst) {
       add_blinn_phong(device, lobe_of(1.0, -excess), 0.0, s, directions_to(3.0 / std::sqrt(s), 20), worst);
 }
 
-void no_direction(Device& device, WorstError& worst) {
-  const std::vector<glm::vec4> directions = directions_to(kPi, 16);
+void no_mean_direction(Device& device, WorstError& worst) {
+  const std::vector<glm::vec4> directions = directions_to(std::numbers::pi, 16);
   for (const glm::vec4 lobe : {glm::vec4(0.0f, 0.0f, 0.0f, 1.0f), glm::vec4(-0.0f, 0.0f, 1e-40f, 1.0f)}) {
     for (const double s : {1.0, 100.0, 1e5}) add_blinn_phong(device, lobe, 1.0, s, directions, worst);
     for (const double value : shade_lobe(device, lobe, 0.0f, directions)) worst.add(value, 0.25, 0.25, "Lambert");
@@ -151,7 +154,7 @@ void terms_of_either_sign(Device& device, WorstError& worst) {
         return sum;
       };
       const double peaks = sum_of(0.0, [](double w) { return std::abs(w); });
-      const std::vector<glm::vec4> directions = directions_to(kPi, 60);
+      const std::vector<glm::vec4> directions = directions_to(std::numbers::pi, 60);
       const std::vector<double> values = shade_lobe(device, lobe_of(1.0, spread), shaded, directions);
       for (std::size_t i = 0; i < values.size(); ++i)
         worst.add(values[i], std::max(sum_of(angle_seen(kUp, directions[i]), [](double w) { return w; }), 0.0), peaks,
@@ -161,7 +164,7 @@ void terms_of_either_sign(Device& device, WorstError& worst) {
 }
 
 void lambert_of_every_spread(Device& device, WorstError& worst) {
-  const std::vector<glm::vec4> directions = directions_to(kPi, 48);
+  const std::vector<glm::vec4> directions = directions_to(std::numbers::pi, 48);
   const auto add = [&](double spread, const std::function<double(double)>& exact) {
     const std::vector<double> values = shade_lobe(device, lobe_of(1.0, spread), 0.0f, directions);
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -172,10 +175,6 @@ void lambert_of_every_spread(Device& device, WorstError& worst) {
   add(1.0, [](double) { return 0.25; });
   for (const double kappa : {0.1, 1.0, 3.0, 10.0, 50.0, 500.0})
     add(reference::vmf_spread(kappa), [kappa](double theta) { return reference::convolved_lambert(kappa, theta); });
-}
-
-SourceEdit shade_edit(const std::string& text, const std::string& replacement) {
-  return {"movmf_shade", text, replacement};
 }
 
 std::vector<NumericalCase> lobe_cases() {
@@ -197,7 +196,7 @@ std::vector<NumericalCase> lobe_cases() {
                    "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")}},
       {{"no-direction", "movmf_shade", "r = 0 is normalised: 0 / 0", "any direction: nothing depends on it", 6e-4,
         "of the peak", kReason},
-       no_direction,
+       no_mean_direction,
        {shade_edit("const float inverse = length > 1e-12f ? 1.0f / length : 0.0f;",
                    "const float inverse = 1.0f / length;")}},
   };

@@ -29,7 +29,6 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kGroup = MULTUM_GROUP;
 constexpr int kWidth = 32768, kHeight = 8192;  // 2^28 texels, one of the coarsest level
 constexpr int kBandRows = 64;
 constexpr double kTexels = 0x1p28;

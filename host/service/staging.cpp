@@ -7,10 +7,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 
 #include "host/base/error.h"
@@ -22,16 +20,12 @@ namespace fs = std::filesystem;
 
 std::string prefix_of(const std::string& instance) { return ".multum-" + instance + "-"; }
 
-[[noreturn]] void fail(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
-}
-
 void sync_folder(const std::string& path) {
   const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) fail(path, "cannot be opened");
+  if (folder < 0) fail_by_errno(path, "cannot be opened");
   const int result = ::fsync(folder);
   ::close(folder);
-  if (result != 0) fail(path, "cannot be synced");
+  if (result != 0) fail_by_errno(path, "cannot be synced");
 }
 
 bool is_folder(const std::string& path) {
@@ -63,7 +57,7 @@ void publish(const std::string& output, const std::string& instance, std::int64_
     // Two folders change places: an exchange is the only rename of a folder onto one that is not empty.
     const unsigned flags = is_folder(staged) && is_folder(output) ? RENAME_EXCHANGE : 0;
     if (::renameat2(AT_FDCWD, staged.c_str(), AT_FDCWD, output.c_str(), flags) != 0)
-      fail(output, "the result cannot be given its name");
+      fail_by_errno(output, "the result cannot be given its name");
   } else if (file_identity(output) != identity) {
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: the finished result is neither there nor in {}", output, staged));

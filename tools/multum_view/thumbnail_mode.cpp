@@ -22,6 +22,7 @@
 #include "runtime_gl/render/renderer.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/modes.h"
+#include "tools/multum_view/view_inputs.h"
 #include "tools/multum_view/write_image.h"
 
 namespace multum {
@@ -32,7 +33,6 @@ namespace fs = std::filesystem;
 constexpr int kInputSide = 512;
 constexpr int kWidth = 384, kHeight = 288;  // of renders
 constexpr int kSamples = 64;                // a pixel of the truth
-constexpr float kPlaneSize = 60.0f;         // as multum-view draws it without options
 // The nearest tile of the plane fills the picture: the levels that it samples are at most this wide.
 constexpr int kLevelSide = 1024;
 // Texels of the truth, which is drawn from the whole map: a third of a gigabyte in all.

@@ -21,8 +21,6 @@
 namespace multum {
 namespace {
 
-constexpr float kPlaneSize = 60.0f;
-
 /// As the bake read it, unless the command line says otherwise.
 NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);

@@ -9,6 +9,9 @@
 
 namespace multum {
 
+/// The plane's side, which is also how often a map repeats along it, without options.
+constexpr float kPlaneSize = 60.0f;
+
 /// The plane, or the mesh that the options name; sets what the scene takes of it: repeats and the camera.
 gl::MeshData make_mesh(ViewOptions& options);
 gl::MeshData to_mesh_data(const TriangleMesh& mesh);

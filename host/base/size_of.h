@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// Counts as sizes: products of them may be beyond an int.
+#pragma once
+
+#include <cstddef>
+
+namespace multum {
+
+inline std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
+
+}  // namespace multum

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether every component of a vector is a number, which every check of a mesh asks.
+#pragma once
+
+#include <cmath>
+
+#include <glm/vec3.hpp>
+
+namespace multum {
+
+inline bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace multum
