@@ -17,13 +17,14 @@
 #include "host/reference/planar_em.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tests/gl/shader_harness.h"
+#include "tests/reference/random_values.h"
 
 namespace multum {
 namespace {
 
-double uniform(std::mt19937& random) { return static_cast<double>(random() >> 8) * 0x1p-24; }
+using testing::uniform24;
 
-std::vector<glm::vec4> test_lobes(unsigned seed) {
+std::vector<glm::vec4> test_gaussians(unsigned seed) {
   std::vector<glm::vec4> lobes = {glm::vec4(0.0f), {1e-8f, 0.0f, 0.0f, 1e-8f}, {0.0f, 0.0f, 1e-40f, 1.0f}};
   const auto add = [&](double a, double mean, double azimuth, double variance) {
     const glm::dvec2 p = mean * glm::dvec2(std::cos(azimuth), std::sin(azimuth));
@@ -33,24 +34,25 @@ std::vector<glm::vec4> test_lobes(unsigned seed) {
     for (const double variance : {-1e-4, 0.0, 1e-5, 1e-3, 0.05, 0.4}) add(0.7, mean, 1.0, variance);
   std::mt19937 random(seed);
   for (int i = 0; i < 100; ++i)
-    add(std::pow(10.0, -3.0 * uniform(random)), uniform(random), 6.28 * uniform(random),
-        0.4 * std::pow(10.0, -4.0 * uniform(random)));
+    add(std::pow(10.0, -3.0 * uniform24(random)), uniform24(random), 6.28 * uniform24(random),
+        0.4 * std::pow(10.0, -4.0 * uniform24(random)));
   return lobes;
 }
 
-std::vector<glm::vec3> test_directions(unsigned seed) {
+std::vector<glm::vec3> directions_above(unsigned seed) {
   std::vector<glm::vec3> all = {{0.0f, 0.0f, 1.0f}, {0.6f, 0.0f, 0.8f}, {0.0f, -0.6f, 0.8f}, {0.99f, 0.0f, 0.1410674f}};
   std::mt19937 random(seed);
   for (int i = 0; i < 16; ++i) {
-    const double z = 0.02 + 0.97 * uniform(random), phi = 2.0 * M_PI * uniform(random), side = std::sqrt(1.0 - z * z);
+    const double z = 0.02 + 0.97 * uniform24(random), phi = 2.0 * M_PI * uniform24(random),
+                 side = std::sqrt(1.0 - z * z);
     all.emplace_back(side * std::cos(phi), side * std::sin(phi), z);
   }
   return all;
 }
 
 // [lobe][direction]; s 0: Lambert.
-std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
-                                float s) {
+std::vector<float> shade_gmm_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
+                                    float s) {
   static Device device = Device::open("");
   std::vector<glm::vec4> vectors;
   for (const glm::vec3& d : directions) vectors.emplace_back(d, 0.0f);
@@ -68,8 +70,8 @@ std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::
   return values;
 }
 
-std::vector<float> shade_glsl(const gl::HeadlessContext& context, const std::vector<glm::vec4>& lobes,
-                              const std::vector<glm::vec3>& directions, float s) {
+std::vector<float> shade_gmm_glsl(const gl::HeadlessContext& context, const std::vector<glm::vec4>& lobes,
+                                  const std::vector<glm::vec3>& directions, float s) {
   gl::ShaderHarnessInput input{
       s > 0.0f ? "vec4(multum_gmm_density(a, b.xyz, b.w))" : "vec4(multum_gmm_lambert(a, b.xyz))", {}, {}, nullptr};
   for (const glm::vec4& lobe : lobes)
@@ -120,11 +122,11 @@ INSTANTIATE_TEST_SUITE_P(Exponents, GmmAgreementTest, ::testing::Values(0.0, 1.0
 TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
   constexpr unsigned kSeed = 2005;
   const double s = GetParam();
-  const std::vector<glm::vec4> lobes = test_lobes(kSeed);
-  const std::vector<glm::vec3> directions = test_directions(kSeed);
+  const std::vector<glm::vec4> lobes = test_gaussians(kSeed);
+  const std::vector<glm::vec3> directions = directions_above(kSeed);
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
-  const std::vector<float> opencl = shade_opencl(lobes, directions, static_cast<float>(s));
-  const std::vector<float> glsl = shade_glsl(*context, lobes, directions, static_cast<float>(s));
+  const std::vector<float> opencl = shade_gmm_opencl(lobes, directions, static_cast<float>(s));
+  const std::vector<float> glsl = shade_gmm_glsl(*context, lobes, directions, static_cast<float>(s));
   int seen = 0, tight = 0;  // values that matter, and those that are held to a percent
   for (std::size_t i = 0; i < lobes.size(); ++i) {
     const glm::dvec4 lobe(lobes[i]);

@@ -15,11 +15,12 @@
 #include "kernels/shared/moments.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tests/gl/shader_harness.h"
+#include "tests/reference/random_values.h"
 
 namespace multum {
 namespace {
 
-double uniform(std::mt19937& random) { return static_cast<double>(random() >> 8) * 0x1p-24; }
+using testing::uniform24;
 
 // Moments as floats have them, with a mean normal of any length.
 MultumFilteredMoments moments(double s, double t, double deviation_s, double deviation_t, double correlation,
@@ -52,9 +53,9 @@ std::vector<MultumFilteredMoments> test_moments(unsigned seed) {
   all.push_back(rounded);
   std::mt19937 random(seed);
   for (int i = 0; i < 200; ++i)
-    all.push_back(moments(2.0 * uniform(random) - 1.0, 2.0 * uniform(random) - 1.0,
-                          std::pow(10.0, -3.0 * uniform(random)), std::pow(10.0, -3.0 * uniform(random)),
-                          1.9 * uniform(random) - 0.95, uniform(random)));
+    all.push_back(moments(2.0 * uniform24(random) - 1.0, 2.0 * uniform24(random) - 1.0,
+                          std::pow(10.0, -3.0 * uniform24(random)), std::pow(10.0, -3.0 * uniform24(random)),
+                          1.9 * uniform24(random) - 0.95, uniform24(random)));
   return all;
 }
 
@@ -62,15 +63,16 @@ std::vector<glm::vec3> test_half_vectors(unsigned seed) {
   std::vector<glm::vec3> all = {{0.0f, 0.0f, 1.0f}, {0.6f, 0.0f, 0.8f}, {0.0f, -0.6f, 0.8f}, {0.99f, 0.0f, 0.1410674f}};
   std::mt19937 random(seed);
   for (int i = 0; i < 20; ++i) {
-    const double z = 0.05 + 0.95 * uniform(random), phi = 2.0 * M_PI * uniform(random), side = std::sqrt(1.0 - z * z);
+    const double z = 0.05 + 0.95 * uniform24(random), phi = 2.0 * M_PI * uniform24(random),
+                 side = std::sqrt(1.0 - z * z);
     all.emplace_back(glm::normalize(glm::vec3(glm::dvec3(side * std::cos(phi), side * std::sin(phi), z))));
   }
   return all;
 }
 
 // [moments][half vector]
-std::vector<float> shade_opencl(const std::vector<MultumFilteredMoments>& set,
-                                const std::vector<glm::vec3>& half_vectors, float exponent, int shading) {
+std::vector<float> shade_moments_opencl(const std::vector<MultumFilteredMoments>& set,
+                                        const std::vector<glm::vec3>& half_vectors, float exponent, int shading) {
   static Device device = Device::open("");
   std::vector<glm::vec4> vectors;
   for (const glm::vec3& h : half_vectors) vectors.emplace_back(h, 0.0f);
@@ -86,8 +88,8 @@ std::vector<float> shade_opencl(const std::vector<MultumFilteredMoments>& set,
   return values;
 }
 
-std::vector<float> shade_glsl(const gl::HeadlessContext& context, const std::vector<MultumFilteredMoments>& set,
-                              const std::vector<glm::vec3>& half_vectors, float exponent, int shading) {
+std::vector<float> shade_moments_glsl(const gl::HeadlessContext& context, const std::vector<MultumFilteredMoments>& set,
+                                      const std::vector<glm::vec3>& half_vectors, float exponent, int shading) {
   // A half vector of the upper half is its x and y.
   const std::string h = "vec3(b.xy, sqrt(max(1.0 - dot(b.xy, b.xy), 0.0)))";
   gl::ShaderHarnessInput input{shading == MULTUM_SHADE_TOKSVIG
@@ -173,8 +175,8 @@ TEST_P(MomentAgreementTest, OpenclGlslAndDoubleAgree) {
   const std::vector<glm::vec3> half_vectors = test_half_vectors(kSeed);
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
   for (const int shading : {MULTUM_SHADE_TOKSVIG, MULTUM_SHADE_LEAN, MULTUM_SHADE_LEAN_JACOBIAN}) {
-    const std::vector<float> opencl = shade_opencl(set, half_vectors, static_cast<float>(s), shading);
-    const std::vector<float> glsl = shade_glsl(*context, set, half_vectors, static_cast<float>(s), shading);
+    const std::vector<float> opencl = shade_moments_opencl(set, half_vectors, static_cast<float>(s), shading);
+    const std::vector<float> glsl = shade_moments_glsl(*context, set, half_vectors, static_cast<float>(s), shading);
     double sum = 0.0, off_opencl = 0.0, off_glsl = 0.0;
     int seen = 0, tight = 0;  // values that matter, and those that are held to a percent
     for (std::size_t i = 0; i < set.size(); ++i)

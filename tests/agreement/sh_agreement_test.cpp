@@ -21,16 +21,12 @@
 #include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/shader_harness.h"
+#include "tests/reference/random_values.h"
 
 namespace multum {
 namespace {
 
-double uniform(std::mt19937& random) { return static_cast<double>(random() >> 8) * 0x1p-24; }
-
-glm::dvec3 random_direction(std::mt19937& random) {
-  const double z = 2.0 * uniform(random) - 1.0, phi = 2.0 * M_PI * uniform(random), side = std::sqrt(1.0 - z * z);
-  return {side * std::cos(phi), side * std::sin(phi), z};
-}
+using testing::random_direction;
 
 // One direction, poles, opposite tilts, all directions alike; then means of some.
 std::vector<std::vector<float>> test_sets(int order, unsigned seed) {
@@ -57,7 +53,7 @@ std::vector<std::vector<float>> test_sets(int order, unsigned seed) {
   return sets;
 }
 
-std::vector<glm::vec3> test_directions(unsigned seed) {
+std::vector<glm::vec3> directions_around(unsigned seed) {
   std::vector<glm::vec3> all = {{0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, -1.0f}, {0.6f, 0.0f, 0.8f}, {1.0f, 0.0f, 0.0f}};
   std::mt19937 random(seed);
   for (int i = 0; i < 20; ++i) all.emplace_back(random_direction(random));
@@ -69,9 +65,9 @@ ZonalCoefficients zonal_of(int order, float s) {
 }
 
 // [set][direction]. Coefficients and zonal coefficients stand in a row of a texture each.
-std::vector<float> shade_glsl(const gl::HeadlessContext& context, int order,
-                              const std::vector<std::vector<float>>& sets, const std::vector<glm::vec3>& directions,
-                              float s) {
+std::vector<float> shade_sh_glsl(const gl::HeadlessContext& context, int order,
+                                 const std::vector<std::vector<float>>& sets, const std::vector<glm::vec3>& directions,
+                                 float s) {
   const auto parts = static_cast<std::size_t>(sh_part_count(order)),
              columns = parts + static_cast<std::size_t>(order) + 1;
   const ZonalCoefficients zonal = zonal_of(order, s);
@@ -115,7 +111,7 @@ TEST_P(ShAgreementTest, OpenclGlslAndDoubleAgree) {
   constexpr unsigned kSeed = 47;
   const int order = GetParam();
   const std::vector<std::vector<float>> sets = test_sets(order, kSeed);
-  const std::vector<glm::vec3> directions = test_directions(kSeed);
+  const std::vector<glm::vec3> directions = directions_around(kSeed);
   static Device device = Device::open("");
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
   for (const float s : {0.0f, 1.0f, 12.0f, 100.0f, 1e4f}) {
@@ -124,7 +120,7 @@ TEST_P(ShAgreementTest, OpenclGlslAndDoubleAgree) {
     double peak = 0.0;
     for (std::size_t l = 0; l < zonal.size(); ++l)
       peak += std::abs(zonal[l]) * (2.0 * static_cast<double>(l) + 1.0) / (4.0 * M_PI);
-    const std::vector<float> glsl = shade_glsl(*context, order, sets, directions, s);
+    const std::vector<float> glsl = shade_sh_glsl(*context, order, sets, directions, s);
     for (std::size_t i = 0; i < sets.size(); ++i) {
       const std::vector<double> opencl = shade_sh(device, order, sets[i], 1.0f, s, directions);
       const std::vector<double> coefficients(sets[i].begin(), sets[i].end());

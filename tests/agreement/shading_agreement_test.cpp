@@ -19,20 +19,18 @@
 #include "host/reference/shading.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tests/gl/shader_harness.h"
+#include "tests/reference/random_values.h"
 
 namespace multum {
 namespace {
+
+using testing::random_direction;
+using testing::uniform24;
 
 struct Lobes {
   std::vector<glm::vec4> lobes;  // (a r, a)
   std::vector<double> kappa;     // of each; infinite for a single direction
 };
-
-glm::dvec3 random_direction(std::mt19937& random) {
-  const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24; };
-  const double z = 2 * uniform() - 1, phi = 2 * M_PI * uniform();
-  return {std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z};
-}
 
 void add(Lobes& set, const glm::dvec3& mu, double kappa, double amplitude) {
   const double r = std::isinf(kappa) ? 1.0 : 1.0 - reference::vmf_spread(kappa);
@@ -51,7 +49,7 @@ Lobes test_lobes(unsigned seed) {
   add(set, up, 10.0, 0.0);  // no lobe
   std::mt19937 random(seed);
   for (int i = 0; i < 200; ++i) {
-    const double exponent = static_cast<double>(random() >> 8) * 0x1p-24;
+    const double exponent = uniform24(random);
     add(set, random_direction(random), 0.5 * std::pow(2e4, exponent), 1.0);
   }
   return set;

@@ -20,7 +20,6 @@
 namespace multum::gl {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr char kOneMinusCosine[] = "multum_one_minus_cosine(multum_movmf_mean_direction(a), b.xyz)";
 
 class BrdfTest : public testing::Test {
@@ -72,7 +71,7 @@ TEST_F(BrdfTest, GgxOfFourTermsIsNearTheExactConvolution) {
     for (const double kappa : {3.0, 12.0, 60.0, 400.0, 2000.0}) {
       std::vector<double> angles, exact;
       ShaderHarnessInput input;
-      add_angles(reference::vmf_spread(kappa), 0.5 * kPi, 32, input, angles);
+      add_angles(reference::vmf_spread(kappa), 0.5 * std::numbers::pi, 32, input, angles);
       for (const double theta : angles) exact.push_back(reference::convolved_ggx(alpha, kappa, theta));
       for (int count = 1; count <= kBrdfTermCountMax; ++count) {
         Brdf brdf;

@@ -15,8 +15,6 @@
 namespace multum::gl {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 using Edits = std::vector<SourceEdit>;
 
 // One point: a lobe along +z, so that (a r, a) is exact in float, a direction in the plane y = 0, and a parameter.
@@ -41,7 +39,7 @@ double angle_seen(const Point& p) {
 
 std::string text_of(const Point& p) {
   return fmt::format("a {:.3g}, 1 - |r| = {:.3g}, {:.4g} degrees, parameter {:.3g}", p.amplitude, p.spread,
-                     p.theta * 180.0 / kPi, p.parameter);
+                     p.theta * 180.0 / std::numbers::pi, p.parameter);
 }
 
 std::vector<double> evaluated(const GlFunctions& gl, const Edits& edits, const std::string& expression,
@@ -72,10 +70,10 @@ std::vector<double> decades(double low, double high, double factor) {
   return values;
 }
 
-constexpr char kBlinnPhong[] = "multum_movmf_blinn_phong(a, b.xyz, b.w)";
+constexpr char kBlinnPhongOfLobe[] = "multum_movmf_blinn_phong(a, b.xyz, b.w)";
 
 void add_blinn_phong(const GlFunctions& gl, const Edits& edits, const std::vector<Point>& points, WorstError& worst) {
-  const std::vector<double> values = evaluated(gl, edits, kBlinnPhong, points);
+  const std::vector<double> values = evaluated(gl, edits, kBlinnPhongOfLobe, points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point& p = points[i];
     const double spread = std::clamp(p.spread, 0.0, 1.0);
@@ -110,8 +108,9 @@ void exponents_to_1e5(const GlFunctions& gl, const Edits& edits, WorstError& wor
   for (const double s : {1.0, 5.0, 20.0, 100.0, 2000.0, 1e5})
     for (const double spread : {0.0, 0x1p-23, 0x1p-20, 0x1p-14, 0x1p-7, 0.125, 0.5, 0.875, 1.0})
       for (int i = 0; i < 40; ++i)
-        points.push_back(
-            {1.0, spread, std::min(0.5 * kPi, 4.0 * std::sqrt(spread + 1.0 / (s + 2.0))) * (i + 0.5) / 40, s});
+        points.push_back({1.0, spread,
+                          std::min(0.5 * std::numbers::pi, 4.0 * std::sqrt(spread + 1.0 / (s + 2.0))) * (i + 0.5) / 40,
+                          s});
   add_blinn_phong(gl, edits, points, worst);
 }
 
@@ -119,7 +118,8 @@ void horizon_and_below(const GlFunctions& gl, const Edits& edits, WorstError& wo
   std::vector<Point> points;
   for (const double s : {1.0, 5.0, 100.0, 1e5})
     for (const double spread : {0.0, 0.5, 0.625, 0.875})
-      for (const double theta : {0.5 * kPi - 1e-4, 0.5 * kPi + 1e-4, 2.0, 3.0, kPi})
+      for (const double theta :
+           {0.5 * std::numbers::pi - 1e-4, 0.5 * std::numbers::pi + 1e-4, 2.0, 3.0, std::numbers::pi})
         points.push_back({1.0, spread, theta, s});
   add_blinn_phong(gl, edits, points, worst);
 }
@@ -135,7 +135,7 @@ void longer_than_amplitude(const GlFunctions& gl, const Edits& edits, WorstError
 void no_direction(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double s : {1.0, 100.0, 1e5})
-    for (int i = 0; i < 16; ++i) points.push_back({1.0, 1.0, kPi * (i + 0.5) / 16, s});
+    for (int i = 0; i < 16; ++i) points.push_back({1.0, 1.0, std::numbers::pi * (i + 0.5) / 16, s});
   add_blinn_phong(gl, edits, points, worst);
   for (const double value : evaluated(gl, edits, "multum_movmf_lambert(a, b.xyz)", points))
     worst.add(value, 0.25, 0.25, "Lambert");
@@ -151,7 +151,7 @@ void amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst
   add_blinn_phong(gl, edits, lit, worst);
   for (const double amplitude : {1e-6, 1e-8, 1e-30, 1e-40, 0.0})
     for (const double s : {1.0, 1e5}) dark.push_back({amplitude, 0.125, 0.1, s});
-  for (const char* expression : {kBlinnPhong, "multum_movmf_blinn_phong_paper(a, b.xyz, b.w)",
+  for (const char* expression : {kBlinnPhongOfLobe, "multum_movmf_blinn_phong_paper(a, b.xyz, b.w)",
                                  "multum_movmf_lambert(a, b.xyz)", "multum_movmf_torrance_sparrow(a, b.xyz, 0.3)"}) {
     const std::vector<double> values = evaluated(gl, edits, expression, dark);
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -180,7 +180,7 @@ void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& wor
   for (const double sigma : {1e-3, 0.01, 0.1, 0.5, 1.0})
     for (const double spread : {0.0, 0x1p-20, 0x1p-7, 0.5, 1.0})
       for (int i = 0; i < 20; ++i)
-        points.push_back({1.0, spread, std::min(kPi, 3.0 * (sigma + std::sqrt(spread))) * (i + 0.5) / 20,
+        points.push_back({1.0, spread, std::min(std::numbers::pi, 3.0 * (sigma + std::sqrt(spread))) * (i + 0.5) / 20,
                           static_cast<double>(static_cast<float>(sigma))});
   const std::vector<double> values = evaluated(gl, edits, "multum_movmf_torrance_sparrow(a, b.xyz, b.w)", points);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -194,7 +194,7 @@ void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& wor
 void lambert(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto add = [&](double spread, const std::function<double(double)>& exact) {
     std::vector<Point> points;
-    for (int i = 0; i < 48; ++i) points.push_back({1.0, spread, kPi * (i + 0.5) / 48, 0.0});
+    for (int i = 0; i < 48; ++i) points.push_back({1.0, spread, std::numbers::pi * (i + 0.5) / 48, 0.0});
     const std::vector<double> values = evaluated(gl, edits, "multum_movmf_lambert(a, b.xyz)", points);
     for (std::size_t i = 0; i < points.size(); ++i)
       worst.add(values[i], exact(angle_seen(points[i])), 1.0, text_of(points[i]));
@@ -326,7 +326,7 @@ SourceEdit glsl_unclamped_spread() {
 }
 
 glm::dvec3 tilted(double degrees, double azimuth) {
-  const double t = degrees * kPi / 180.0;
+  const double t = degrees * std::numbers::pi / 180.0;
   return {std::sin(t) * std::cos(azimuth), std::sin(t) * std::sin(azimuth), std::cos(t)};
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -26,8 +27,6 @@ namespace multum::gl {
 namespace {
 
 using Edits = std::vector<SourceEdit>;
-
-constexpr double kPi = M_PI;
 
 // The third value as rounding and filtering may leave it: less than the square of the mean.
 void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
@@ -126,7 +125,7 @@ void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErro
         for (const glm::vec4& h : {half_at(at, -at, cross), half_at(0.0, 0.0, cross)})
           inputs.emplace_back(glm::vec4(mean, -mean, square, square), h);
       }
-    const double peak = s / (2.0 * kPi);
+    const double peak = s / (2.0 * std::numbers::pi);
     const std::vector<glm::vec4> values = evaluate_glsl(gl, edits, kLean, inputs, of_exponent(s));
     double largest = 0.0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -168,7 +167,8 @@ void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& wors
           m.ss = m.tt = slope * slope + variance;
           inputs.emplace_back(glm::vec4(glm::dvec4(m.s, m.t, m.ss, m.tt)), half_at(slope + off, -slope, m.st));
           exact.push_back(reference::lean(m, glm::dvec3(inputs.back().second), s, false));
-          scales.push_back(s / (2.0 * kPi) * (1e-6 + 0x1p-22 * (s * slope * slope + std::sqrt(s) * (1.0 + slope))));
+          scales.push_back(s / (2.0 * std::numbers::pi) *
+                           (1e-6 + 0x1p-22 * (s * slope * slope + std::sqrt(s) * (1.0 + slope))));
         }
     const std::vector<glm::vec4> values = evaluate_glsl(gl, edits, kLean, inputs, of_exponent(s));
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -189,7 +189,7 @@ void half_vectors_at_the_horizon(const GlFunctions& gl, const Edits& edits, Wors
   }
 }
 
-constexpr int kOrder = 4;  // 20 is tests/agreement's; compilers take loops apart
+constexpr int kUnrolledOrder = 4;  // 20 is tests/agreement's; compilers take loops apart
 
 // Coefficients of each set of directions, and what shades them; the texture has a row a set.
 struct Harmonics {
@@ -202,7 +202,8 @@ struct Harmonics {
 std::vector<std::vector<glm::dvec3>> hard_sets() {
   std::vector<std::vector<glm::dvec3>> sets = {
       {{0.0, 0.0, 1.0}}, {{0.0, 0.0, -1.0}}, {{1.0, 0.0, 0.0}}, {{0.0, 1.0, 0.0}}, {tilted(30.0)}};
-  for (const double degrees : {1e-3, 30.0, 89.9, 90.0}) sets.push_back({tilted(degrees), tilted(degrees, 0.3 + kPi)});
+  for (const double degrees : {1e-3, 30.0, 89.9, 90.0})
+    sets.push_back({tilted(degrees), tilted(degrees, 0.3 + std::numbers::pi)});
   sets.push_back({tilted(10.0, 1.0), tilted(50.0, 2.0), tilted(130.0, 4.0)});
   return sets;
 }
@@ -267,10 +268,10 @@ GlslInputs sets_and_directions(std::size_t set_count) {
 // Both shading functions against the series in double, at the poles too, over the peak of one tilt.
 void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {12.0, 500.0}) {
-    const ZonalCoefficients of_brdf = zonal_blinn_phong(kOrder, s), of_lambert = zonal_lambert(kOrder);
-    Harmonics h = harmonics_of(gl, kOrder, of_brdf);
+    const ZonalCoefficients of_brdf = zonal_blinn_phong(kUnrolledOrder, s), of_lambert = zonal_lambert(kUnrolledOrder);
+    Harmonics h = harmonics_of(gl, kUnrolledOrder, of_brdf);
     h.variant.texture = &h.map;
-    const double peak = reference::shade_sh(mean_basis(kOrder, h.sets[0]), 1.0, of_brdf, h.sets[0][0]);
+    const double peak = reference::shade_sh(mean_basis(kUnrolledOrder, h.sets[0]), 1.0, of_brdf, h.sets[0][0]);
     GlslComparison c{"vec4(test_facets(a.xyz, a.w) / u_facet_total.x, test_lambert(a.xyz, a.w), 0.0, 0.0)",
                      sets_and_directions(h.sets.size()),
                      {}};
@@ -281,7 +282,7 @@ void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, Wors
       h.variant.set_uniforms(program);
     };
     c.exact = [&](const glm::dvec4& a, const glm::dvec4&) {
-      const std::vector<double> mean = mean_basis(kOrder, h.sets[static_cast<std::size_t>(a.w)]);
+      const std::vector<double> mean = mean_basis(kUnrolledOrder, h.sets[static_cast<std::size_t>(a.w)]);
       const auto shaded = [&](const ZonalCoefficients& zonal) {
         return std::max(reference::shade_sh(mean, 1.0, zonal, glm::dvec3(a)), 0.0);
       };
@@ -292,7 +293,7 @@ void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, Wors
 }
 
 void harmonics_ring_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  for (const int order : {2, kOrder}) {
+  for (const int order : {2, kUnrolledOrder}) {
     Harmonics h = harmonics_of(gl, order, zonal_blinn_phong(order, 1000.0));
     h.variant.texture = &h.map;
     const GlslInputs inputs = sets_and_directions(h.sets.size());

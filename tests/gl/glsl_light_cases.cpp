@@ -203,12 +203,12 @@ ShaderHarnessInput sampling_variant(const Texture& map, float exponent) {
   return variant;
 }
 
-constexpr float kRadiance = 0.25f;  // of every texel
+constexpr float kTexelRadiance = 0.25f;  // of every texel
 constexpr double kLightDensity = 0.25 / 4.0;
 
 // Densities relative to the GGX's peak; v.h as near 0 as it comes, and below.
 void densities_at_their_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  const Texture map = flat_texture(gl, glm::vec4(kRadiance));
+  const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
   GlslComparison c{
       "vec4(multum_half_density(a.x, a.y, a.z) * 4.0 * max(a.z, 1e-6) * MULTUM_PI * a.x, "
       "multum_cosine_density(a.y), multum_light_density(vec3(a.w)), "
@@ -218,7 +218,7 @@ void densities_at_their_ends(const GlFunctions& gl, const Edits& edits, WorstErr
   for (const float alpha : {2e-5f, 1e-3f, 0.1f, 1.0f})
     for (const float n_h : {-1.0f, 0.0f, 1e-3f, 0.5f, 0.999f, 1.0f})
       for (const float v_h : {0.0f, 1e-30f, 1e-7f, 0.5f, 1.0f})
-        c.inputs.push_back({{alpha, n_h, v_h, kRadiance}, glm::vec4(static_cast<float>(c.inputs.size() * 7919))});
+        c.inputs.push_back({{alpha, n_h, v_h, kTexelRadiance}, glm::vec4(static_cast<float>(c.inputs.size() * 7919))});
   c.variant = sampling_variant(map, 100.0f);
   c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
     const double y = 1.0 + (a.x - 1.0) * a.y * a.y;
@@ -229,7 +229,7 @@ void densities_at_their_ends(const GlFunctions& gl, const Edits& edits, WorstErr
 }
 
 void directions_at_the_pole(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  const Texture map = flat_texture(gl, glm::vec4(kRadiance));
+  const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
   GlslComparison c{"vec4(multum_direction(mat3(1.0), a.x, a.y), 0.0)", {}, {}};
   for (const float cosine : {1.0001f, 1.0f, 0.9999f, 0.5f, 0.0f, -1.0f, -1.0001f})
     for (const float phi : {0.0f, 1.0f, 3.0f, 6.28f}) c.inputs.push_back({{cosine, phi, 0.0f, 0.0f}, {}});
@@ -244,7 +244,7 @@ void directions_at_the_pole(const GlFunctions& gl, const Edits& edits, WorstErro
 // Light straight against the view on a normal that is turned away from who looks: there is no half vector.
 void a_sample_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kAlpha = 0.02, kExponent = 10.0;
-  const Texture map = flat_texture(gl, glm::vec4(kRadiance));
+  const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
   GlslComparison c{fmt::format("test_add(a.xyz, b.xyz, vec3(0.0, 0.0, 1.0), {})", kAlpha), {}, {}};
   for (const double tilt : {0.0, 60.0, 89.0, 120.0, 180.0})
     for (const double degrees : {0.0, 45.0, 90.0, 150.0, 180.0}) {
@@ -254,7 +254,7 @@ void a_sample_straight_behind(const GlFunctions& gl, const Edits& edits, WorstEr
   c.variant = sampling_variant(map, static_cast<float>(kExponent));
   c.exact = [&](const glm::dvec4& a, const glm::dvec4& b) {
     const glm::dvec3 n(a), l(b), h = half_vector(l, {0.0, 0.0, 1.0});
-    const double n_l = glm::dot(n, l), radiance = static_cast<double>(kRadiance), n_h = glm::dot(n, h);
+    const double n_l = glm::dot(n, l), radiance = static_cast<double>(kTexelRadiance), n_h = glm::dot(n, h);
     if (n_l <= 0.0) return glm::dvec4(0.0);
     const double y = 1.0 + (kAlpha - 1.0) * n_h * n_h;
     const double found = n_h <= 0.0 ? 0.0 : kAlpha * n_h / (M_PI * y * y) / (4.0 * std::max(h.z, 1e-6));
@@ -265,7 +265,7 @@ void a_sample_straight_behind(const GlFunctions& gl, const Edits& edits, WorstEr
   compare_glsl(gl, edits, c, worst);
 }
 
-constexpr float kDiffuse = 0.75f, kSpecular = 0.5f, kExponent = 20.0f;
+constexpr float kDiffuse = 0.75f, kSpecular = 0.5f, kLitExponent = 20.0f;
 
 ShaderHarnessInput lights_variant(const glm::vec3& point) {
   ShaderHarnessInput variant;
@@ -275,7 +275,7 @@ ShaderHarnessInput lights_variant(const glm::vec3& point) {
                      "  return surface;\n}\n";
   variant.set_uniforms = [point](const ShaderProgram& program) {
     const glm::vec3 k_d(kDiffuse), k_s(kSpecular), up(0.0f, 0.0f, 1.0f), one(1.0f);
-    program.set("u_exponent", kExponent);
+    program.set("u_exponent", kLitExponent);
     program.set_vec3("u_diffuse", &k_d.x, 1);
     program.set_vec3("u_specular", &k_s.x, 1);
     program.set_vec3("u_light_directions", &up.x, 1);
@@ -288,7 +288,7 @@ ShaderHarnessInput lights_variant(const glm::vec3& point) {
 
 // Of a lobe that is one direction, per irradiance.
 double radiance_of(const glm::dvec3& n, const glm::dvec3& l, const glm::dvec3& v) {
-  const double n_l = std::max(glm::dot(n, l), 0.0), s = static_cast<double>(kExponent);
+  const double n_l = std::max(glm::dot(n, l), 0.0), s = static_cast<double>(kLitExponent);
   return n_l * (static_cast<double>(kDiffuse) / M_PI +
                 static_cast<double>(kSpecular) * reference::blinn_phong(s, angle_between(n, half_vector(l, v))));
 }

@@ -23,7 +23,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-constexpr double kExponent = 16.0;
+constexpr double kFacetExponent = 16.0;
 const double kSigma = 0.25, kFacetKappa = 0.5 / (kSigma * kSigma);
 const glm::dvec3 kView(0.0, 0.0, 1.0);
 
@@ -33,15 +33,15 @@ double visibility(double n_l, double n_v, double n_h, double v_h) {
   return 0.25 * std::min(1.0 / std::max(n_l * n_v, 1e-8), groove / std::max({n_l, n_v, 1e-4}));
 }
 
-const std::vector<std::string> kBlinnPhong = {"MULTUM_BLINN_PHONG"};
+const std::vector<std::string> kBlinnPhongFlags = {"MULTUM_BLINN_PHONG"};
 const std::vector<std::string> kCookTorrance = {"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"};
 
-double torrance_sparrow(const glm::dvec3& n, const glm::dvec3& h) {
+double facets_of_vmf(const glm::dvec3& n, const glm::dvec3& h) {
   return reference::vmf_density(kFacetKappa, angle_between(n, h));
 }
 
 double blinn_phong(const glm::dvec3& n, const glm::dvec3& h) {
-  return reference::blinn_phong(kExponent, angle_between(n, h));
+  return reference::blinn_phong(kFacetExponent, angle_between(n, h));
 }
 
 // One representation of the normal a.xyz, of amplitude a.w: how a shader is given it, and f(n . h) of it.
@@ -68,7 +68,7 @@ GlslComparison comparison_of(const SurfaceTest& test) {
 
 void set_brdf_uniforms(const ShaderProgram& program) {
   const glm::vec3 one(1.0f);
-  program.set("u_exponent", static_cast<float>(kExponent));
+  program.set("u_exponent", static_cast<float>(kFacetExponent));
   program.set("u_sigma", static_cast<float>(kSigma));
   program.set("u_mean_cosine", 1.0f);
   program.set_vec3("u_facet_total", &one.x, 1);
@@ -100,7 +100,7 @@ std::string lobe_texts() { return std::string(shader_surface_lobes_glsl) + shade
 void single_normals_as_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kCookTorrance, lobe_texts(), "  surface.lobes[0] = a;\n", true};
   test.flags.push_back("MULTUM_LOBE_COUNT 1");
-  test.facets = torrance_sparrow;
+  test.facets = facets_of_vmf;
   compare_surface(gl, edits, test, worst);
 }
 
@@ -118,7 +118,7 @@ void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edi
   c.variant.set_uniforms = set_brdf_uniforms;
   c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
     const double spread = std::clamp((a.w - a.z) / std::max(a.w, 1e-6), 0.0, 1.0);
-    const double z = spread * b.z + 1.0 / kExponent, n_h = z == 0.0 ? 0.0 : std::max(z * b.z / std::abs(z), 0.0);
+    const double z = spread * b.z + 1.0 / kFacetExponent, n_h = z == 0.0 ? 0.0 : std::max(z * b.z / std::abs(z), 0.0);
     const double lambert = a.w == 0.0      ? 0.0
                            : spread == 1.0 ? 0.25
                                            : reference::convolved_lambert(reference::vmf_kappa(spread), std::acos(0.8));
@@ -132,7 +132,7 @@ void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, Wors
                    "  surface.lobes[0] = a.w * vec4(a.xy, dot(a.xy, a.xy), 1.0);\n", true, 89.0};
   test.flags.push_back("MULTUM_LOBE_COUNT 1");
   test.facets = [](const glm::dvec3& n, const glm::dvec3& h) {
-    return reference::gmm_density(glm::dvec4(n.x, n.y, n.x * n.x + n.y * n.y, 1.0), kExponent, h);
+    return reference::gmm_density(glm::dvec4(n.x, n.y, n.x * n.x + n.y * n.y, 1.0), kFacetExponent, h);
   };
   compare_surface(gl, edits, test, worst);
 }
@@ -140,7 +140,7 @@ void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, Wors
 // As one normal (MIP) and by Toksvig's rule, where roughness is in the length too.
 void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
-    SurfaceTest test{kBlinnPhong, shader_surface_normals_glsl,
+    SurfaceTest test{kBlinnPhongFlags, shader_surface_normals_glsl,
                      "  surface.normal = a;\n  surface.albedo = vec3(1.0);\n  surface.weight = 1.0;\n", false};
     test.flags.push_back(mode);
     compare_surface(gl, edits, test, worst);
@@ -157,9 +157,9 @@ constexpr char kFillHarmonics[] =
 
 void single_normals_as_harmonics(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kOrder = 2;
-  const ZonalCoefficients of_brdf = zonal_blinn_phong(kOrder, kExponent), of_lambert = zonal_lambert(kOrder);
-  SurfaceTest test{kBlinnPhong, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl, kFillHarmonics,
-                   false};
+  const ZonalCoefficients of_brdf = zonal_blinn_phong(kOrder, kFacetExponent), of_lambert = zonal_lambert(kOrder);
+  SurfaceTest test{kBlinnPhongFlags, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl,
+                   kFillHarmonics, false};
   test.flags.push_back("MULTUM_ZONAL_ORDER 2");
   for (const std::string& flag : sh_shading_flags(kOrder)) test.flags.push_back(flag);
   const auto shaded = [&](const glm::dvec3& n, const glm::dvec3& w, const ZonalCoefficients& zonal) {
@@ -215,14 +215,14 @@ void compare_environment(const GlFunctions& gl, const Edits& edits, const Surfac
 }
 
 void lobes_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  SurfaceTest test{kBlinnPhong, lobe_texts(), "  surface.lobes[0] = a;\n", false};
+  SurfaceTest test{kBlinnPhongFlags, lobe_texts(), "  surface.lobes[0] = a;\n", false};
   test.flags.push_back("MULTUM_LOBE_COUNT 1");
   compare_environment(gl, edits, test, worst);
 }
 
 void means_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
-    SurfaceTest test{kBlinnPhong, shader_surface_normals_glsl,
+    SurfaceTest test{kBlinnPhongFlags, shader_surface_normals_glsl,
                      "  surface.normal = a;\n  surface.albedo = vec3(1.0);\n  surface.weight = 1.0;\n", false};
     test.flags.push_back(mode);
     compare_environment(gl, edits, test, worst);
@@ -231,8 +231,8 @@ void means_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstErr
 
 // Light from everywhere, and light that two bands make: E[n] and E[n n^T] are what they take.
 void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  SurfaceTest test{kBlinnPhong, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl, kFillHarmonics,
-                   false};
+  SurfaceTest test{kBlinnPhongFlags, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl,
+                   kFillHarmonics, false};
   test.flags.push_back("MULTUM_ZONAL_ORDER 2");
   for (const std::string& flag : sh_shading_flags(2)) test.flags.push_back(flag);
   compare_environment(gl, edits, test, worst);

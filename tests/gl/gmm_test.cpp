@@ -16,14 +16,14 @@
 namespace multum::gl {
 namespace {
 
-constexpr int kWidth = 96, kHeight = 72;
+constexpr int kGmmWidth = 96, kGmmHeight = 72;
 
 class GmmTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {
     context_ = make_headless_context(GetParam());
     mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
-    renderer_ = std::make_unique<Renderer>(context_->functions(), kWidth, kHeight);
+    renderer_ = std::make_unique<Renderer>(context_->functions(), kGmmWidth, kGmmHeight);
   }
   void TearDown() override {
     if (context_ == nullptr) return;  // none could be made

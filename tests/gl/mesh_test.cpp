@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include <glm/geometric.hpp>
@@ -11,12 +10,15 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/mesh/mesh.h"
+#include "tests/reference/shared_data.h"
 
 namespace multum {
 namespace {
 
+using testing::shared_data;
+
 std::string temporary_file(const std::string& name, const std::string& text) {
-  const std::string path = testing::TempDir() + "multum_mesh_" + name;
+  const std::string path = ::testing::TempDir() + "multum_mesh_" + name;
   write_text_file(path, text);
   return path;
 }
@@ -71,8 +73,8 @@ TEST(Mesh, PlaneHasTheFrameThatShadersExpect) {
 TEST(Mesh, RefusesWhatCannotCarryAMap) {
   EXPECT_NE(refusal(temporary_file("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).find("no texture coordinates"),
             std::string::npos);
-  EXPECT_NE(refusal(testing::TempDir() + "multum_mesh_none.obj"), "");
-  EXPECT_NE(refusal(testing::TempDir() + "multum_mesh_none.glb").find("cannot be read"), std::string::npos);
+  EXPECT_NE(refusal(::testing::TempDir() + "multum_mesh_none.obj"), "");
+  EXPECT_NE(refusal(::testing::TempDir() + "multum_mesh_none.glb").find("cannot be read"), std::string::npos);
   EXPECT_NE(refusal(temporary_file("cut.glb", "glTF")).find("GLB"), std::string::npos);
   EXPECT_NE(refusal(temporary_file("bad.gltf", "{\"asset\": ")).find("JSON"), std::string::npos);
   const std::string draco = "{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}";
@@ -106,11 +108,6 @@ std::string two_triangles(char index) {
 TEST(Mesh, RefusesIndicesOutOfRange) {
   EXPECT_EQ(read_mesh(temporary_file("good.gltf", two_triangles(2))).indices.size(), 6u);
   EXPECT_NE(refusal(temporary_file("range.gltf", two_triangles(7))).find("out of range"), std::string::npos);
-}
-
-std::string shared_data() {
-  const char* folder = std::getenv("MULTUM_SHARED_DATA");
-  return folder != nullptr ? folder : "";
 }
 
 TEST(Mesh, ReadsRealMeshes) {

@@ -21,15 +21,15 @@
 namespace multum::gl {
 namespace {
 
-constexpr int kWidth = 80;
-constexpr int kHeight = 60;
+constexpr int kRenderWidth = 80;
+constexpr int kRenderHeight = 60;
 
 class RenderTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {
     context_ = make_headless_context(GetParam());
     mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
-    renderer_ = std::make_unique<Renderer>(context_->functions(), kWidth, kHeight);
+    renderer_ = std::make_unique<Renderer>(context_->functions(), kRenderWidth, kRenderHeight);
   }
   void TearDown() override {
     if (context_ == nullptr) return;
@@ -137,7 +137,7 @@ TEST_P(RenderTest, ColoursFollowTheirLobes) {
   const FloatImage exact = truth(map, scene, 1024);
   const FloatImage drawn = movmf(map, scene);
   EXPECT_LT(picture_error(drawn, exact).relative_l1, 0.02);
-  const std::size_t centre = 4 * (kHeight / 2 * kWidth + kWidth / 2);
+  const std::size_t centre = 4 * (kRenderHeight / 2 * kRenderWidth + kRenderWidth / 2);
   EXPECT_GT(drawn.rgba[centre], 5.0f * drawn.rgba[centre + 2]);
   EXPECT_GT(picture_error(baseline(map, scene, Baseline::kMip), exact).relative_l1, 0.3);
 }
@@ -160,8 +160,8 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
   scene.camera.up = {0.0f, 1.0f, 0.0f};
   scene.lights = {{{0.0f, 1.0f, 0.5f}, glm::vec3(3.0f)}};
   for (const FloatImage& image : {movmf(map, scene), truth(map, scene, 1), baseline(map, scene, Baseline::kMip)}) {
-    const std::size_t upper = 4 * (kHeight / 4 * kWidth + kWidth / 2);
-    const std::size_t lower = 4 * (kHeight * 3 / 4 * kWidth + kWidth / 2);
+    const std::size_t upper = 4 * (kRenderHeight / 4 * kRenderWidth + kRenderWidth / 2);
+    const std::size_t lower = 4 * (kRenderHeight * 3 / 4 * kRenderWidth + kRenderWidth / 2);
     EXPECT_GT(image.rgba[upper], 4.0f * image.rgba[lower]);
   }
 }
@@ -243,7 +243,7 @@ TEST_P(RenderTest, WrapModesEqualTruth) {
     for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
       EXPECT_LT(picture_error(baseline(map, scene, which), exact.back()).relative_l1, 0.2) << wrap_mode_name(wrap);
     if (wrap != WrapMode::kBlack) continue;
-    const std::size_t beyond = 4 * (kHeight / 4 * kWidth + kWidth * 3 / 4);
+    const std::size_t beyond = 4 * (kRenderHeight / 4 * kRenderWidth + kRenderWidth * 3 / 4);
     EXPECT_EQ(drawn.rgba[beyond], 0.0f);
     EXPECT_EQ(exact.back().rgba[beyond], 0.0f);
     for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
@@ -317,7 +317,7 @@ TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
   scene.camera.up = {0.0f, 1.0f, 0.0f};
   scene.uv_scale = 3.0f;
   const FloatImage whole = movmf(map, scene), coarse = movmf_from(1, map, scene);
-  EXPECT_EQ(coarse.rgba[4 * (kHeight / 4 * kWidth + kWidth * 3 / 4)], 0.0f);
+  EXPECT_EQ(coarse.rgba[4 * (kRenderHeight / 4 * kRenderWidth + kRenderWidth * 3 / 4)], 0.0f);
   EXPECT_LT(picture_error(coarse, whole).relative_l1, 1e-5);
 }
 
@@ -400,7 +400,7 @@ TEST(Render, OsmesaEqualsEgl) {
   for (const ContextBackend backend : {ContextBackend::kOsmesa, ContextBackend::kEgl}) {
     const auto context = make_headless_context(backend);
     const Mesh mesh(context->functions(), make_quad(60.0f));
-    Renderer renderer(context->functions(), kWidth, kHeight);
+    Renderer renderer(context->functions(), kRenderWidth, kRenderHeight);
     const MovmfMaterial material(context->functions(), map.mipmap, 1.0f);
     Scene scene;
     scene.uv_scale = 60.0f;

@@ -22,7 +22,7 @@
 namespace multum::gl {
 namespace {
 
-constexpr int kWidth = 96, kHeight = 72;
+constexpr int kShWidth = 96, kShHeight = 72;
 
 Scene scene_of(float exponent, float uv_scale = 60.0f) {
   Scene scene;  // from far enough that a pixel covers several texels of a 32-texel unit
@@ -40,7 +40,7 @@ class ShRenderTest : public testing::TestWithParam<ContextBackend> {
   void SetUp() override {
     context_ = make_headless_context(GetParam());
     mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
-    renderer_ = std::make_unique<Renderer>(context_->functions(), kWidth, kHeight);
+    renderer_ = std::make_unique<Renderer>(context_->functions(), kShWidth, kShHeight);
   }
   void TearDown() override {
     if (context_ != nullptr) {

@@ -12,8 +12,6 @@
 namespace multum::gl {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 struct Case {
   double amplitude;
   double spread;
@@ -70,7 +68,7 @@ TEST_F(ShadingTest, BlinnPhongEqualsItsFormulaInDouble) {
   for (const double s : {1.0, 5.0, 20.0, 100.0, 2000.0, 1e5})
     for (const double spread : {0.0, 1e-6, 1e-4, 0.01, 0.1, 0.5, 0.9, 1.0}) {
       const double peak = reference::product_blinn_phong(s, spread, 0.0);
-      const double width = std::min(0.5 * kPi, 4.0 * std::sqrt(spread + 1.0 / (s + 2.0)));
+      const double width = std::min(0.5 * std::numbers::pi, 4.0 * std::sqrt(spread + 1.0 / (s + 2.0)));
       const std::vector<Case> cases = angles(spread, s, width, 40);
       const std::vector<double> values = evaluate("multum_movmf_blinn_phong(a, b.xyz, b.w)", cases);
       for (std::size_t i = 0; i < values.size(); ++i) {
@@ -91,7 +89,7 @@ TEST_F(ShadingTest, CosinePowerKeepsItsPrecisionAtHighExponents) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double s = static_cast<double>(input.b[i].x);
     const double e = static_cast<double>(input.b[i].y);
-    const double expected = (s + 1.0) / (2.0 * kPi) * std::exp(s * std::log1p(-e));
+    const double expected = (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e));
     // exp() of an argument of up to 6, rounded; the plain log(1 - e) is off by 6e-3 at s = 1e5.
     EXPECT_NEAR(static_cast<double>(values[i].x) / expected, 1.0, 1e-5) << "s " << s << " e " << e;
   }
@@ -118,7 +116,7 @@ TEST_F(ShadingTest, BlinnPhongIsNearTheExactConvolution) {
   for (const auto& row : rows)
     for (const double kappa : {0.5, 2.0, 10.0, 50.0, 1000.0, 1e4}) {
       const double spread = reference::vmf_spread(kappa);
-      const double width = std::min(0.5 * kPi, 6.0 * std::sqrt(spread + 1.0 / (row.s + 2.0)));
+      const double width = std::min(0.5 * std::numbers::pi, 6.0 * std::sqrt(spread + 1.0 / (row.s + 2.0)));
       const std::vector<Case> cases = angles(spread, row.s, width, 32);
       std::vector<double> exact;
       for (const Case& c : cases) exact.push_back(reference::convolved_blinn_phong(row.s, kappa, c.theta));
@@ -132,7 +130,7 @@ TEST_F(ShadingTest, BlinnPhongIsNearTheExactConvolution) {
 
 TEST_F(ShadingTest, LambertIsNearTheExactConvolution) {
   for (const double kappa : {0.1, 1.0, 3.0, 10.0, 50.0, 500.0}) {
-    const std::vector<Case> cases = angles(reference::vmf_spread(kappa), 0.0, kPi, 64);
+    const std::vector<Case> cases = angles(reference::vmf_spread(kappa), 0.0, std::numbers::pi, 64);
     std::vector<double> exact;
     for (const Case& c : cases) exact.push_back(reference::convolved_lambert(kappa, c.theta));
     const std::vector<double> values = evaluate("multum_movmf_lambert(a, b.xyz)", cases);
@@ -142,11 +140,11 @@ TEST_F(ShadingTest, LambertIsNearTheExactConvolution) {
 }
 
 TEST_F(ShadingTest, LambertIsExactAtBothEnds) {
-  const std::vector<Case> sharp = angles(0.0, 0.0, kPi, 50);
+  const std::vector<Case> sharp = angles(0.0, 0.0, std::numbers::pi, 50);
   const std::vector<double> values = evaluate("multum_movmf_lambert(a, b.xyz)", sharp);
   // |r| = 1 is a rounded length: spread of 1e-7, whose square root shows where the cosine is 0.
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], std::max(std::cos(sharp[i].theta), 0.0), 3e-4);
-  for (const double value : evaluate("multum_movmf_lambert(a, b.xyz)", angles(1.0, 0.0, kPi, 50)))
+  for (const double value : evaluate("multum_movmf_lambert(a, b.xyz)", angles(1.0, 0.0, std::numbers::pi, 50)))
     EXPECT_NEAR(value, 0.25, 1e-6);
 }
 
@@ -155,7 +153,7 @@ TEST_F(ShadingTest, TorranceSparrowIsNearTheExactConvolution) {
     for (const double kappa : {0.5, 5.0, 50.0, 2000.0}) {
       const double kappa_f = 0.5 / (sigma * sigma);
       const double spread = reference::vmf_spread(kappa);
-      const double width = std::min(0.5 * kPi, 6.0 * std::sqrt(spread + reference::vmf_spread(kappa_f)));
+      const double width = std::min(0.5 * std::numbers::pi, 6.0 * std::sqrt(spread + reference::vmf_spread(kappa_f)));
       const std::vector<Case> cases = angles(spread, sigma, width, 32);
       std::vector<double> exact;
       for (const Case& c : cases) exact.push_back(reference::convolved_vmf(kappa_f, kappa, c.theta));
@@ -169,7 +167,7 @@ TEST_F(ShadingTest, HardCases) {
   std::vector<Case> cases;
   for (const double amplitude : {0.0, 1e-8, 1.0 / 32767.0, 1.0})
     for (const double spread : {-1e-3, 0.0, 1e-7, 0.5, 1.0})  // below 0: |r| > 1, as rounding leaves it
-      for (const double theta : {0.0, 1e-4, 0.5 * kPi, kPi})
+      for (const double theta : {0.0, 1e-4, 0.5 * std::numbers::pi, std::numbers::pi})
         for (const double s : {1.0, 100.0, 1e5}) cases.push_back({amplitude, spread, theta, s});
   for (const char* expression :
        {"multum_movmf_blinn_phong(a, b.xyz, b.w)", "multum_movmf_blinn_phong_paper(a, b.xyz, b.w)",

@@ -3,16 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 
 #include <glm/geometric.hpp>
 
 #include "host/mesh/gltf_material.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/tangent_space.h"
+#include "tests/reference/shared_data.h"
 
 namespace multum {
 namespace {
+
+using testing::shared_data;
 
 struct Corner {
   glm::vec3 position;
@@ -97,11 +99,6 @@ TEST(TangentSpace, TrianglesWithoutDirectionTakeANeighbours) {
     EXPECT_NEAR(t.z, 0.0f, 1e-6f);
     EXPECT_EQ(std::abs(t.w), 1.0f);
   }
-}
-
-std::string shared_data() {
-  const char* folder = std::getenv("MULTUM_SHARED_DATA");
-  return folder != nullptr ? folder : "";
 }
 
 // The conformance model has no tangents of its own. Its bumps are steep, and smooth normals lean with them.

@@ -21,17 +21,15 @@
 #include "host/selftest/moment_launch.h"
 #include "host/selftest/shade_launch.h"
 #include "kernels/shared/movmf_fit.h"
+#include "tests/reference/test_device.h"
 
 namespace multum {
 namespace {
 
+using testing::test_device;
+
 // Before the first property: RapidCheck reads it then.
 const int g_seeded = setenv("RC_PARAMS", "seed=20261122 max_success=300", 0);
-
-Device& test_device() {
-  static Device& device = *new Device(Device::open(""));
-  return device;
-}
 
 // A direction of the whole sphere, the poles and the equator among them often.
 rc::Gen<glm::dvec3> directions() {

@@ -18,14 +18,12 @@
 #include "host/reference/case_table.h"
 #include "host/reference/case_topics.h"
 #include "host/selftest/selftest.h"
+#include "tests/reference/test_device.h"
 
 namespace multum {
 namespace {
 
-Device& test_device() {
-  static Device& device = *new Device(Device::open(""));
-  return device;
-}
+using testing::test_device;
 
 std::vector<std::string> formulas() {
   std::vector<std::string> found;

@@ -90,12 +90,6 @@ glm::dvec3 direction_of(const MultumVmfLobe& lobe) {
 
 }  // namespace
 
-Device& test_device() {
-  // Never closed: a simulator preloaded into the process (oclgrind) is gone before the program's own statics are.
-  static Device& device = *new Device(Device::open(""));
-  return device;
-}
-
 std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                             int lobe_count, const LevelFit& how) {
   Device& device = test_device();

@@ -6,10 +6,10 @@
 
 #include "host/bake/mip_schedule.h"
 #include "host/image/normal_map.h"
-#include "host/opencl/device.h"
 #include "host/reference/movmf_em.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
+#include "tests/reference/test_device.h"
 
 namespace multum::testing {
 
@@ -27,9 +27,6 @@ struct LevelFit {
   // kGmm: lobes are (mean x, mean y, sigma^2, amplitude), and so are the reference's r.
   Representation representation = Representation::kMovmf;
 };
-
-/// Deterministic test device: the CPU.
-Device& test_device();
 
 /// Fits every texel of a level in one step (no neighbours are done, only the parent speaks), from `parent` lobes
 /// [lobe][parent texel]. Returns [lobe][texel].

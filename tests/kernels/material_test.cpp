@@ -24,13 +24,12 @@
 namespace multum::testing {
 namespace {
 
-double uniform(std::mt19937& random) { return static_cast<double>(random() >> 8) * 0x1p-24; }
-
 // Bumps of every steepness up to 60 degrees.
 NormalMap bumpy_map(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
   return make_map(width, height, [&](int, int) {
-    return glm::normalize(glm::dvec3(1.2 * uniform(random) - 0.6, 1.2 * uniform(random) - 0.6, 0.5 + uniform(random)));
+    return glm::normalize(
+        glm::dvec3(1.2 * uniform24(random) - 0.6, 1.2 * uniform24(random) - 0.6, 0.5 + uniform24(random)));
   });
 }
 
@@ -39,7 +38,7 @@ NormalMap facets(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
   return make_map(width, height, [&](int x, int y) {
     const int facet = (x / 3 + y / 5) % 3;
-    const glm::dvec3 noise(uniform(random), uniform(random), uniform(random));
+    const glm::dvec3 noise(uniform24(random), uniform24(random), uniform24(random));
     const glm::dvec3 n(facet == 0 ? 0.6 : facet == 1 ? -0.5 : 0.0, facet == 2 ? 0.6 : -0.1, 0.8);
     return (facet == 0 ? 0.999 : facet == 1 ? 0.9 : 0.97) * glm::normalize(n + 0.2 * noise);
   });
@@ -49,7 +48,7 @@ NormalMap facets(int width, int height, unsigned seed) {
 NormalMap shortened(NormalMap map, unsigned seed) {
   std::mt19937 random(seed);
   for (std::size_t i = 0; i < map.x.size(); ++i) {
-    const auto c = static_cast<float>(1.0 - 0.5 * std::pow(uniform(random), 3.0));
+    const auto c = static_cast<float>(1.0 - 0.5 * std::pow(uniform24(random), 3.0));
     map.x[i] *= c;
     map.y[i] *= c;
     map.z[i] *= c;
@@ -216,7 +215,7 @@ TEST(Weights, MomentsAndHarmonicsAverageThem) {
   const NormalMap map = bumpy_map(50, 37, 37);
   std::mt19937 random(38);
   std::vector<float> values(50 * 37 * 4);
-  for (float& value : values) value = static_cast<float>(uniform(random));
+  for (float& value : values) value = static_cast<float>(uniform24(random));
   const WeightMap weights =
       weights_of(50, 37, 4, [&](int i, int k) { return values[static_cast<std::size_t>(4 * i + k)]; });
   AverageInputs inputs;
@@ -409,7 +408,7 @@ TEST(Roughness, ErrorsAreThoseOfTheTable) {
   std::mt19937 random(1);
   const auto constant = error_with([](int, int) { return 0.45; });
   const auto waves = error_with([](int x, int y) { return 0.45 + 0.2 * std::sin(x * 0.3) * std::cos(y * 0.2); });
-  const auto noise = error_with([&](int, int) { return 0.25 + 0.4 * uniform(random); });
+  const auto noise = error_with([&](int, int) { return 0.25 + 0.4 * uniform24(random); });
   constexpr double kOfTable = 0.15;
   EXPECT_NEAR(constant.first / 0.057, 1.0, kOfTable);
   EXPECT_NEAR(constant.second / 0.068, 1.0, kOfTable);

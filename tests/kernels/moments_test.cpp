@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
-#include <random>
 
 #include <glm/geometric.hpp>
 
@@ -20,27 +19,9 @@ namespace multum {
 namespace {
 
 using testing::make_map;
+using testing::random_colours;
+using testing::random_map;
 using testing::test_device;
-
-double uniform(std::mt19937& random) { return static_cast<double>(random() >> 8) * 0x1p-24; }
-
-NormalMap random_map(int width, int height, double z_min, unsigned seed) {
-  std::mt19937 random(seed);
-  return make_map(width, height, [&](int, int) {
-    const double z = z_min + (1.0 - z_min) * uniform(random), phi = 2.0 * M_PI * uniform(random);
-    return glm::dvec3(std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z);
-  });
-}
-
-ColourMap random_colours(int width, int height, unsigned seed) {
-  std::mt19937 random(seed);
-  ColourMap map;
-  map.width = width;
-  map.height = height;
-  for (int i = 0; i < width * height; ++i)
-    for (std::vector<float>* plane : {&map.r, &map.g, &map.b}) plane->push_back(static_cast<float>(uniform(random)));
-  return map;
-}
 
 MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const AverageInputs& inputs = {}) {
   BakeReport report;
@@ -49,7 +30,7 @@ MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const
 
 // Pairwise sums of up to 2^15 texels along a row, compensated ones down the rows, and two roundings at the ends: some
 // 2^-24 of the largest term a step, of terms as large as the largest that the texel covers.
-constexpr double kTolerance = 1.5e-6;
+constexpr double kMomentTolerance = 1.5e-6;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const MomentMipmap& baked) {
   double slope_max = 1.0;
@@ -69,15 +50,15 @@ void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const 
         const std::string where =
             "level " + std::to_string(l) + ", texel (" + std::to_string(x) + ", " + std::to_string(y) + ")";
         EXPECT_EQ(found.height, -1.0f) << where;
-        EXPECT_NEAR(static_cast<double>(found.s), m.s, kTolerance * slope_max) << where;
-        EXPECT_NEAR(static_cast<double>(found.t), m.t, kTolerance * slope_max) << where;
-        EXPECT_NEAR(static_cast<double>(found.ss), m.ss, kTolerance * slope_max * slope_max) << where;
-        EXPECT_NEAR(static_cast<double>(found.tt), m.tt, kTolerance * slope_max * slope_max) << where;
-        EXPECT_NEAR(static_cast<double>(found.st), m.st, kTolerance * slope_max * slope_max) << where;
+        EXPECT_NEAR(static_cast<double>(found.s), m.s, kMomentTolerance * slope_max) << where;
+        EXPECT_NEAR(static_cast<double>(found.t), m.t, kMomentTolerance * slope_max) << where;
+        EXPECT_NEAR(static_cast<double>(found.ss), m.ss, kMomentTolerance * slope_max * slope_max) << where;
+        EXPECT_NEAR(static_cast<double>(found.tt), m.tt, kMomentTolerance * slope_max * slope_max) << where;
+        EXPECT_NEAR(static_cast<double>(found.st), m.st, kMomentTolerance * slope_max * slope_max) << where;
         for (int c = 0; c < 3; ++c) {
-          EXPECT_NEAR(static_cast<double>(level.normals[i][c]), m.normal[c], kTolerance) << where;
+          EXPECT_NEAR(static_cast<double>(level.normals[i][c]), m.normal[c], kMomentTolerance) << where;
           if (albedo == nullptr) continue;
-          EXPECT_NEAR(static_cast<double>(level.colours[i][c]), m.colour[c], kTolerance) << where;
+          EXPECT_NEAR(static_cast<double>(level.colours[i][c]), m.colour[c], kMomentTolerance) << where;
         }
       }
   }

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
-#include <random>
 
 #include <glm/geometric.hpp>
 
@@ -24,27 +23,9 @@ namespace multum {
 namespace {
 
 using testing::make_map;
+using testing::random_colours;
+using testing::random_map;
 using testing::test_device;
-
-double uniform(std::mt19937& random) { return static_cast<double>(random() >> 8) * 0x1p-24; }
-
-NormalMap random_map(int width, int height, unsigned seed) {
-  std::mt19937 random(seed);
-  return make_map(width, height, [&](int, int) {
-    const double z = uniform(random), phi = 2.0 * M_PI * uniform(random), side = std::sqrt(1.0 - z * z);
-    return glm::dvec3(side * std::cos(phi), side * std::sin(phi), z);
-  });
-}
-
-ColourMap random_colours(int width, int height, unsigned seed) {
-  std::mt19937 random(seed);
-  ColourMap map;
-  map.width = width;
-  map.height = height;
-  for (int i = 0; i < width * height; ++i)
-    for (std::vector<float>* plane : {&map.r, &map.g, &map.b}) plane->push_back(static_cast<float>(uniform(random)));
-  return map;
-}
 
 ShMipmap bake(int order, const NormalMap& map, const ColourMap* albedo = nullptr, const AverageInputs& inputs = {}) {
   BakeReport report;
@@ -56,7 +37,7 @@ glm::dvec3 normal(const NormalMap& map, std::size_t i) {
 }
 
 // The basis is within 1e-5 of its bound at order 20 (selftest); averaging adds some 2^-24 a step.
-constexpr double kTolerance = 1e-5;
+constexpr double kShTolerance = 1e-5;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const ShMipmap& baked) {
   std::vector<std::vector<double>> basis;
@@ -80,7 +61,7 @@ void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const 
             static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(x);
         for (std::size_t k = 0; k < sums.size(); ++k)
           ASSERT_NEAR(static_cast<double>(level.value(static_cast<int>(k), at)), sums[k] / total,
-                      kTolerance * std::sqrt((2.0 * baked.order + 1.0) / (4.0 * M_PI)))
+                      kShTolerance * std::sqrt((2.0 * baked.order + 1.0) / (4.0 * M_PI)))
               << level.width << " wide, texel (" << x << ", " << y << "), coefficient " << k;
         for (int c = 0; albedo != nullptr && c < 3; ++c)
           ASSERT_NEAR(static_cast<double>(level.colours[at][c]), colour[c] / total, 1.5e-6);
@@ -110,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, ShKernelTest,
 
 TEST_P(ShKernelTest, RandomNormalsEqualTheReference) {
   const auto [order, width, height] = GetParam();
-  const NormalMap map = random_map(width, height, 17);
+  const NormalMap map = random_map(width, height, 0.0, 17);
   const ColourMap colours = random_colours(width, height, 18);
   expect_near_reference(map, nullptr, bake(order, map));
   expect_near_reference(map, &colours, bake(order, map, &colours));
@@ -119,7 +100,7 @@ TEST_P(ShKernelTest, RandomNormalsEqualTheReference) {
 // Whatever memory there is, and from whatever level on.
 TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   const auto [order, width, height] = GetParam();
-  NormalMap map = random_map(width, height, 23);
+  NormalMap map = random_map(width, height, 0.0, 23);
   for (std::size_t i = 0; i < map.x.size(); ++i)
     for (std::vector<float>* plane : {&map.x, &map.y, &map.z}) (*plane)[i] *= 1.0f - 0.1f * static_cast<float>(i % 6);
   const ColourMap colours = random_colours(width, height, 24);
@@ -187,7 +168,7 @@ TEST(ZonalTest, RecurrencesEqualQuadrature) {
 
 // What Han et al. have of it in section 5: 9 coefficients do for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
 TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
-  const NormalMap map = random_map(64, 64, 41);
+  const NormalMap map = random_map(64, 64, 0.0, 41);
   const auto worst = [&](int order, const std::string& brdf, double exponent) {
     AccuracySettings settings;
     settings.exponents = {exponent};
@@ -204,7 +185,7 @@ TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
 }
 
 TEST(ShHardCaseTest, CancellingIsHeardAndOrdersAreChecked) {
-  const NormalMap map = random_map(64, 64, 31);
+  const NormalMap map = random_map(64, 64, 0.0, 31);
   AverageInputs inputs;
   inputs.memory_bytes = 96 * 1024;  // a few rows a band
   int calls = 0;

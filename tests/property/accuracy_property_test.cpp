@@ -9,10 +9,13 @@
 #include "host/bake/accuracy.h"
 #include "host/bake/mip_coverage.h"
 #include "host/base/error.h"
+#include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {
+
+using testing::test_device;
 
 constexpr int kWidth = 22, kHeight = 9;  // levels of 22 x 9, 11 x 4, 5 x 2, 2 x 1, 1 x 1
 
@@ -55,11 +58,6 @@ MovmfMipmap average_lobes(const NormalMap& map, const ColourMap& albedo) {
     mipmap.levels.push_back(std::move(level));
   }
   return mipmap;
-}
-
-Device& test_device() {
-  static Device device = Device::open("");
-  return device;
 }
 
 std::vector<AccuracyRow> measure(MovmfMipmap mipmap, int first_level, const NormalMap& map, const ColourMap& albedo) {

@@ -13,15 +13,13 @@
 #include "host/bake/movmf_bake.h"
 #include "host/base/error.h"
 #include "host/opencl/launch_shape.h"
+#include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {
 
-Device& device() {
-  static Device device = Device::open("");
-  return device;
-}
+using testing::test_device;
 
 struct Case {
   int width, height;
@@ -108,7 +106,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
 
   MovmfMipmap bake() {
     report_ = BakeReport();
-    return bake_movmf(device(), inputs_, settings_, report_, nullptr);
+    return bake_movmf(test_device(), inputs_, settings_, report_, nullptr);
   }
 
   struct Whole {
@@ -179,9 +177,9 @@ TEST_P(BakeBandsTest, ScratchFilesAndThreadsGiveTheSameBytes) {
 
 TEST_P(BakeBandsTest, ScalarKernelsGiveTheSameBytes) {
   const MovmfMipmap& vectors = whole().mipmap;
-  device().set_shape(LaunchShape::of_accelerator(device().info()));
+  test_device().set_shape(LaunchShape::of_accelerator(test_device().info()));
   expect_same(bake(), vectors, "scalar");
-  device().set_shape(LaunchShape::of(device().info()));
+  test_device().set_shape(LaunchShape::of(test_device().info()));
 }
 
 }  // namespace

@@ -11,10 +11,13 @@
 #include "host/bake/movmf_bake.h"
 #include "host/image/four_quarter_map.h"
 #include "host/opencl/launch_shape.h"
+#include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {
+
+using testing::test_device;
 
 NormalMap random_map(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
@@ -34,14 +37,9 @@ ColourMap grey_albedo(const NormalMap& map) {
   return albedo;
 }
 
-Device& device() {
-  static Device device = Device::open("");
-  return device;
-}
-
 MovmfMipmap bake(const NormalMap& map, const MovmfSettings& settings, const ColourMap* albedo = nullptr) {
   BakeReport report;
-  MovmfMipmap mipmap = bake_movmf(device(), map, albedo, settings, report, nullptr);
+  MovmfMipmap mipmap = bake_movmf(test_device(), map, albedo, settings, report, nullptr);
   EXPECT_EQ(report.nonfinite, 0u);
   return mipmap;
 }
@@ -110,9 +108,9 @@ TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 13);
   const MovmfMipmap vectors = bake(map, {});
-  device().set_shape(LaunchShape::of_accelerator(device().info()));
+  test_device().set_shape(LaunchShape::of_accelerator(test_device().info()));
   EXPECT_TRUE(same_pixels(vectors, bake(map, {})));
-  device().set_shape(LaunchShape::of(device().info()));
+  test_device().set_shape(LaunchShape::of(test_device().info()));
 }
 
 // Turning by 90 degrees is exact in floats (swap and negate) and must turn every lobe alike: the kernels prefer no axis

@@ -12,15 +12,13 @@
 #include "host/asset/gmm_quantize.h"
 #include "host/bake/accuracy.h"
 #include "host/bake/movmf_bake.h"
+#include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {
 
-Device& device() {
-  static Device device = Device::open("");
-  return device;
-}
+using testing::test_device;
 
 // Two bumps of normals, tilted by so much to either side, each some six degrees wide; none below the horizon.
 NormalMap tilted_map(double degrees) {
@@ -51,7 +49,7 @@ std::map<std::string, double> errors_of(const NormalMap& map, Representation rep
   settings.lobe_count = 2;
   settings.rehearse_start = false;  // two bumps are found from anywhere
   BakeReport report;
-  MovmfMipmap mipmap = bake_movmf(device(), map, nullptr, settings, report, nullptr);
+  MovmfMipmap mipmap = bake_movmf(test_device(), map, nullptr, settings, report, nullptr);
   EXPECT_EQ(report.nonfinite, 0u);
   quantize_movmf(mipmap, 1);
   AccuracySettings accuracy;
@@ -60,7 +58,7 @@ std::map<std::string, double> errors_of(const NormalMap& map, Representation rep
   accuracy.directions.half_vectors = hemisphere(400);
   std::map<std::string, double> sums;
   std::map<std::string, int> counts;
-  for (const AccuracyRow& row : measure_accuracy(device(), mipmap, map, accuracy, nullptr)) {
+  for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, accuracy, nullptr)) {
     sums[row.brdf] += row.error;
     ++counts[row.brdf];
   }
@@ -98,7 +96,7 @@ TEST(GmmMomentsTest, FirstAndSecondMomentsAreThoseOfTheNormals) {
   MovmfSettings settings;
   settings.representation = Representation::kGmm;
   settings.rehearse_start = false;
-  const MovmfMipmap mipmap = bake_movmf(device(), map, nullptr, settings, report, nullptr);
+  const MovmfMipmap mipmap = bake_movmf(test_device(), map, nullptr, settings, report, nullptr);
   glm::dvec3 exact(0.0);
   for (std::size_t i = 0; i < map.x.size(); ++i) {
     const double x = static_cast<double>(map.x[i]), y = static_cast<double>(map.y[i]);

@@ -18,17 +18,15 @@
 #include "host/bake/movmf_bake.h"
 #include "host/base/error.h"
 #include "host/image/four_quarter_map.h"
+#include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {
 
-namespace fs = std::filesystem;
+using testing::test_device;
 
-Device& test_device() {
-  static Device device = Device::open("");
-  return device;
-}
+namespace fs = std::filesystem;
 
 BakeSource source_of(const NormalMap& map) { return {{planes_of(map), map.report}, std::nullopt, std::nullopt}; }
 
@@ -96,8 +94,8 @@ TEST(MapMosaic, OfASmallMapIsTheMap) {
 }
 
 TEST(MapMosaic, HasABlockOfEveryCell) {
-  constexpr int kWidth = 517, kHeight = 301, kBlock = 64, kCount = 4;
-  const NormalMap map = numbered_map(kWidth, kHeight);
+  constexpr int kMapWidth = 517, kMapHeight = 301, kBlock = 64, kCount = 4;
+  const NormalMap map = numbered_map(kMapWidth, kMapHeight);
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const BakeSource mosaic = make_mosaic(source_of(map), {256, kBlock, seed});
     ASSERT_EQ(mosaic.map.normals.width(), 256);
@@ -105,10 +103,10 @@ TEST(MapMosaic, HasABlockOfEveryCell) {
     for (int j = 0; j < kCount; ++j)
       for (int i = 0; i < kCount; ++i) {
         const auto [x, y, z] = mosaic.map.normals.texel(i * kBlock, j * kBlock);
-        EXPECT_GE(x, kWidth * i / kCount - 1) << "seed " << seed;
-        EXPECT_LE(x + kBlock, std::max(kWidth * (i + 1) / kCount, kWidth * i / kCount + kBlock));
-        EXPECT_GE(y, kHeight * j / kCount - kBlock);
-        EXPECT_LE(y + kBlock, kHeight);
+        EXPECT_GE(x, kMapWidth * i / kCount - 1) << "seed " << seed;
+        EXPECT_LE(x + kBlock, std::max(kMapWidth * (i + 1) / kCount, kMapWidth * i / kCount + kBlock));
+        EXPECT_GE(y, kMapHeight * j / kCount - kBlock);
+        EXPECT_LE(y + kBlock, kMapHeight);
         const auto last = mosaic.map.normals.texel((i + 1) * kBlock - 1, (j + 1) * kBlock - 1);
         EXPECT_EQ(last[0], x + kBlock - 1);
         EXPECT_EQ(last[1], y + kBlock - 1);

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Normal maps made by a rule.
+// Maps made by a rule.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <random>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
+#include "host/image/colour_map.h"
 #include "host/image/normal_map.h"
+#include "tests/reference/random_values.h"
 
 namespace multum::testing {
 
@@ -25,6 +28,25 @@ inline NormalMap make_map(int width, int height, const std::function<glm::dvec3(
       map.y.push_back(n.y);
       map.z.push_back(n.z);
     }
+  return map;
+}
+
+/// Normals evenly over the sphere from z_min to the pole.
+inline NormalMap random_map(int width, int height, double z_min, unsigned seed) {
+  std::mt19937 random(seed);
+  return make_map(width, height, [&](int, int) {
+    const double z = z_min + (1.0 - z_min) * uniform24(random), phi = 2.0 * M_PI * uniform24(random);
+    return glm::dvec3(std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z);
+  });
+}
+
+inline ColourMap random_colours(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  ColourMap map;
+  map.width = width;
+  map.height = height;
+  for (int i = 0; i < width * height; ++i)
+    for (std::vector<float>* plane : {&map.r, &map.g, &map.b}) plane->push_back(static_cast<float>(uniform24(random)));
   return map;
 }
 

@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-double uniform(std::mt19937& random) { return (static_cast<double>(random() >> 8) + 0.5) * 0x1p-24; }
+double uniform_above_zero(std::mt19937& random) { return (static_cast<double>(random() >> 8) + 0.5) * 0x1p-24; }
 
 std::vector<PlaneSize> levels_of(PlaneSize map) {
   std::vector<PlaneSize> levels;
@@ -30,7 +30,7 @@ std::vector<std::vector<int>> some_texels(const std::vector<PlaneSize>& levels, 
   std::vector<std::vector<int>> texels(levels.size());
   for (std::size_t l = 0; l < levels.size(); ++l)
     for (int i = 0; i < levels[l].width * levels[l].height; ++i)
-      if (uniform(random) < share) texels[l].push_back(i);
+      if (uniform_above_zero(random) < share) texels[l].push_back(i);
   return texels;
 }
 
@@ -56,7 +56,7 @@ TEST(TexelAveragesTest, EqualThoseOfWholePlanes) {
       const std::vector<PlaneSize> levels = levels_of(map);
       const TexelSelection texels(levels, some_texels(levels, share, random));
       std::vector<double> plane(static_cast<std::size_t>(map.width * map.height));
-      for (double& value : plane) value = std::pow(uniform(random), 9.0);  // over many orders of magnitude
+      for (double& value : plane) value = std::pow(uniform_above_zero(random), 9.0);  // over many orders of magnitude
       const TexelAverages averages(texels, static_cast<int>(levels.size()));
       ASSERT_EQ(averages.slot_count(), texels.slot_count());
       std::vector<double> sums(averages.slot_count(), 0.0), row(averages.row_length());
@@ -77,10 +77,11 @@ struct Planes {
     for (std::vector<float>& plane : normals) plane.resize(count);
     for (std::vector<float>& plane : albedo) plane.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
-      const glm::vec3 n(glm::normalize(glm::dvec3(uniform(random) - 0.5, uniform(random) - 0.5, 0.5)));
+      const glm::vec3 n(
+          glm::normalize(glm::dvec3(uniform_above_zero(random) - 0.5, uniform_above_zero(random) - 0.5, 0.5)));
       for (std::size_t p = 0; p < 3; ++p) {
         normals[p][i] = n[static_cast<int>(p)];
-        albedo[p][i] = static_cast<float>(uniform(random));
+        albedo[p][i] = static_cast<float>(uniform_above_zero(random));
       }
     }
   }

@@ -12,10 +12,10 @@ namespace multum {
 namespace {
 
 using testing::expect_error;
+using testing::Names;
 using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
-using Names = std::set<std::string>;
 
 // A process id that surely belongs to nobody: of a child that has been waited for.
 pid_t dead_pid() {

@@ -19,10 +19,10 @@ namespace multum {
 namespace {
 
 using testing::expect_error;
+using testing::Names;
 using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
-using Names = std::set<std::string>;
 
 // 3 rows of a 4 x 3 picture; a texture of 5 x 3 has 18 texels. The row in the middle is empty.
 FilterMatrix small_matrix() {

@@ -20,6 +20,7 @@ namespace multum {
 namespace {
 
 using testing::expect_error;
+using testing::Names;
 using testing::random_direction;
 using testing::read_bytes;
 using testing::TemporaryFolder;
@@ -99,7 +100,6 @@ TEST_P(GmmFileTest, BadValuesFailTheCheckThatIsForThem) {
     write(mipmap);
     return failed();
   };
-  using Names = std::set<std::string>;
   EXPECT_EQ(with({0.5f, 0.0f, 0.25f, 1.0f}), Names{});
   EXPECT_EQ(with({0.5f, 0.0f, 0.234375f, 1.0f}), Names{"variance"});
   EXPECT_EQ(with({1.0f, 0.25f, 1.125f, 1.0f}), Names{"|mean| <= 1"});

@@ -2,6 +2,7 @@
 // Image files for tests, written through OpenImageIO.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@
 #include "tests/unit/test_folder.h"
 
 namespace multum::testing {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
 
 struct TestImage {
   int width = 0;

@@ -15,11 +15,11 @@ namespace {
 using testing::expect_damage_is_refused;
 using testing::expect_error;
 using testing::expect_same;
+using testing::Names;
 using testing::TemporaryFolder;
 using testing::unusual_mapping;
 using testing::unusual_matrix;
 using testing::with_value;
-using Names = std::set<std::string>;
 
 TEST(MatrixJsonTest, RowsAreRows) {
   glm::dmat4 m(0.0);

@@ -23,10 +23,10 @@ namespace multum {
 namespace {
 
 using testing::expect_error;
+using testing::Names;
 using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
-using Names = std::set<std::string>;
 
 // Halfs of every size, the first of them special: zeros of both signs, the largest, the least of all.
 InferredTexture random_texture(int width, int height) {

@@ -15,8 +15,6 @@
 namespace multum {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Brdf brdf_of(BrdfKind kind) {
   Brdf brdf;
   brdf.kind = kind;
@@ -57,7 +55,7 @@ TEST(FacetDistribution, OfGgxProjectsToOne) {
 }
 
 TEST(VmfTerms, OneIsTheVmfItself) {
-  const auto vmf = [](double e) { return glm::dvec3(50.0 / (2.0 * kPi) * std::exp(-50.0 * e)); };
+  const auto vmf = [](double e) { return glm::dvec3(50.0 / (2.0 * std::numbers::pi) * std::exp(-50.0 * e)); };
   const std::vector<VmfTerm> terms = fit_vmf_terms(vmf, 1);
   EXPECT_NEAR(terms[0].kappa, 50.0, 0.05);
   EXPECT_NEAR(terms[0].weight.x, 1.0, 1e-3);
@@ -72,8 +70,8 @@ TEST(VmfTerms, ChannelsShareTheirKappas) {
   const std::vector<VmfTerm> terms = fit_vmf_terms(two, 2);
   EXPECT_NEAR(terms[0].kappa, 400.0, 8.0);
   EXPECT_NEAR(terms[1].kappa, 10.0, 0.3);
-  EXPECT_NEAR(terms[0].weight.y, 2.0 * kPi, 0.1);
-  EXPECT_NEAR(terms[1].weight.z, 2.0 * kPi, 0.1);
+  EXPECT_NEAR(terms[0].weight.y, 2.0 * std::numbers::pi, 0.1);
+  EXPECT_NEAR(terms[1].weight.z, 2.0 * std::numbers::pi, 0.1);
   EXPECT_LT(terms[1].weight.y, 0.1);
   EXPECT_LT(terms[0].weight.z, 0.1);
 }
@@ -145,9 +143,9 @@ TEST(HalfVectorLight, OfConstantLight) {
   const EnvironmentMap white = make_map(64, [](const glm::dvec3&) { return glm::vec3(1.0f); });
   for (const glm::dvec3 v : {glm::dvec3(0.0, 1.0, 0.0), glm::normalize(glm::dvec3(1.0, -0.3, 0.4))}) {
     const std::vector<glm::dvec3> light = half_vector_light(white, v);
-    EXPECT_NEAR(light[0].x, 8.0 * kPi / 3.0 * std::sqrt(0.25 / kPi), 5e-3);
+    EXPECT_NEAR(light[0].x, 8.0 * std::numbers::pi / 3.0 * std::sqrt(0.25 / std::numbers::pi), 5e-3);
     // l = 1: 4 times the integral of c^3 over the hemisphere is 2 pi, along v.
-    const double along = std::sqrt(0.75 / kPi) * 2.0 * kPi;
+    const double along = std::sqrt(0.75 / std::numbers::pi) * 2.0 * std::numbers::pi;
     EXPECT_NEAR(light[3].x, along * v.x, 0.02);
     EXPECT_NEAR(light[2].x, along * v.z, 0.02);
     EXPECT_NEAR(light[1].x, along * v.y, 0.02);

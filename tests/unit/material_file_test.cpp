@@ -22,7 +22,7 @@ namespace {
 using testing::TemporaryFolder;
 using testing::uniform;
 
-struct Case {
+struct MaterialCase {
   StorageEncoding encoding;
   bool has_colours, has_roughness;
   int weight_count;
@@ -30,7 +30,7 @@ struct Case {
 };
 
 // Without it the test's name would be the bytes, holes among them.
-void PrintTo(const Case& c, std::ostream* out) {
+void PrintTo(const MaterialCase& c, std::ostream* out) {
   *out << representation_info(c.lobes).option << " as " << static_cast<int>(c.encoding)
        << (c.has_colours ? " colours" : "") << (c.has_roughness ? " roughness" : "") << " weights " << c.weight_count;
 }
@@ -42,10 +42,10 @@ std::set<std::string> failed(const std::string& path) {
   return names;
 }
 
-class MaterialFileTest : public ::testing::TestWithParam<Case> {
+class MaterialFileTest : public ::testing::TestWithParam<MaterialCase> {
  protected:
   MovmfMipmap lobes() const {
-    const Case& c = GetParam();
+    const MaterialCase& c = GetParam();
     MovmfMipmap mipmap = testing::random_mipmap(19, 13, 3, c.has_colours, c.encoding, 8);
     std::mt19937 random(9);
     mipmap.representation = c.lobes;
@@ -76,26 +76,26 @@ class MaterialFileTest : public ::testing::TestWithParam<Case> {
   const TemporaryFolder folder_;
 };
 
-const Case kCases[] = {{StorageEncoding::kSnorm16, false, true, 0},
-                       {StorageEncoding::kSnorm16, true, false, 1},
-                       {StorageEncoding::kHalf, true, true, 4},
-                       {StorageEncoding::kFloat, false, true, 3},
-                       {StorageEncoding::kSnorm16, true, true, 2, Representation::kGmm},
-                       {StorageEncoding::kHalf, false, true, 0, Representation::kGmm},
-                       {StorageEncoding::kFloat, false, true, 3, Representation::kGmm}};
+const MaterialCase kCases[] = {{StorageEncoding::kSnorm16, false, true, 0},
+                               {StorageEncoding::kSnorm16, true, false, 1},
+                               {StorageEncoding::kHalf, true, true, 4},
+                               {StorageEncoding::kFloat, false, true, 3},
+                               {StorageEncoding::kSnorm16, true, true, 2, Representation::kGmm},
+                               {StorageEncoding::kHalf, false, true, 0, Representation::kGmm},
+                               {StorageEncoding::kFloat, false, true, 3, Representation::kGmm}};
 
 // The cases that a test is of: none is made to be skipped.
 template <typename Wanted>
-std::vector<Case> cases_where(const Wanted& wanted) {
-  std::vector<Case> cases;
+std::vector<MaterialCase> cases_where(const Wanted& wanted) {
+  std::vector<MaterialCase> cases;
   std::copy_if(std::begin(kCases), std::end(kCases), std::back_inserter(cases), wanted);
   return cases;
 }
 
-bool has_rough_lobes(const Case& c) { return c.has_roughness && c.lobes == Representation::kMovmf; }
-bool has_rough_gaussians(const Case& c) { return c.has_roughness && c.lobes == Representation::kGmm; }
-bool has_averages(const Case& c) { return c.encoding != StorageEncoding::kSnorm16; }
-bool has_weights(const Case& c) { return c.weight_count > 0; }
+bool has_rough_lobes(const MaterialCase& c) { return c.has_roughness && c.lobes == Representation::kMovmf; }
+bool has_rough_gaussians(const MaterialCase& c) { return c.has_roughness && c.lobes == Representation::kGmm; }
+bool has_averages(const MaterialCase& c) { return c.encoding != StorageEncoding::kSnorm16; }
+bool has_weights(const MaterialCase& c) { return c.weight_count > 0; }
 
 class RoughLobesTest : public MaterialFileTest {};
 class RoughGaussiansTest : public MaterialFileTest {};
@@ -173,7 +173,7 @@ TEST_P(RoughGaussiansTest, FinestPointsKeepWhatTheyScatter) {
 }
 
 TEST_P(AveragesFileTest, HarmonicsComeBackAsTheyWere) {
-  const Case& c = GetParam();
+  const MaterialCase& c = GetParam();
   ShMipmap mipmap;
   mipmap.header = header_of(lobes());
   mipmap.header.representation = Representation::kSh;
@@ -211,7 +211,7 @@ TEST_P(AveragesFileTest, HarmonicsComeBackAsTheyWere) {
 }
 
 TEST_P(AveragesFileTest, MomentsComeBackAsTheyWere) {
-  const Case& c = GetParam();
+  const MaterialCase& c = GetParam();
   MomentMipmap mipmap;
   mipmap.header = header_of(lobes());
   mipmap.header.representation = Representation::kMoments;

@@ -22,7 +22,6 @@ namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double kPi = std::numbers::pi;
 
 class MeasuredFileTest : public testing::Test {
  protected:
@@ -51,9 +50,9 @@ class MeasuredFileTest : public testing::Test {
 };
 
 // 0.2 / pi + f(theta_h) g(theta_d), f a Blinn-Phong of exponent 60, g = 1 + 0.5 sin^2 theta_d.
-double made_facets(double theta) { return 0.5 * 61.0 / (2.0 * kPi) * std::pow(std::cos(theta), 60.0); }
+double made_facets(double theta) { return 0.5 * 61.0 / (2.0 * std::numbers::pi) * std::pow(std::cos(theta), 60.0); }
 double made_rho(double theta_h, double theta_d) {
-  return 0.2 / kPi + made_facets(theta_h) * (1.0 + 0.5 * std::pow(std::sin(theta_d), 2.0));
+  return 0.2 / std::numbers::pi + made_facets(theta_h) * (1.0 + 0.5 * std::pow(std::sin(theta_d), 2.0));
 }
 
 void expect_made(const MeasuredBrdf& brdf, double tolerance) {
@@ -72,10 +71,11 @@ TEST_F(MeasuredFileTest, TextOfSamples) {
   std::string text = "# made\n5\n400 475 550 625 700\n";
   for (int i = 0; i < 40000; ++i) {
     // Pairs that are near mirror directions, and others.
-    const double theta = 1.4 * unit(random), phi = 2.0 * kPi * unit(random);
+    const double theta = 1.4 * unit(random), phi = 2.0 * std::numbers::pi * unit(random);
     const bool near = i % 2 == 0;
     const double theta_s = near ? std::abs(theta + 0.4 * (unit(random) - 0.5)) : 1.4 * unit(random);
-    const double phi_s = near ? phi + kPi + 0.4 * (unit(random) - 0.5) : 2.0 * kPi * unit(random);
+    const double phi_s =
+        near ? phi + std::numbers::pi + 0.4 * (unit(random) - 0.5) : 2.0 * std::numbers::pi * unit(random);
     const glm::dvec3 l(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
     const glm::dvec3 v(std::sin(theta_s) * std::cos(phi_s), std::sin(theta_s) * std::sin(phi_s), std::cos(theta_s));
     double theta_h = 0.0, theta_d = 0.0;
@@ -95,7 +95,8 @@ TEST_F(MeasuredFileTest, BinaryOfMerl) {
   std::vector<double> values(3 * kCount);
   for (int h = 0; h < 90; ++h)
     for (int d = 0; d < 90; ++d) {
-      const double x = (h + 0.5) / 90.0, rho = made_rho(0.5 * kPi * x * x, 0.5 * kPi * (d + 0.5) / 90.0);
+      const double x = (h + 0.5) / 90.0,
+                   rho = made_rho(0.5 * std::numbers::pi * x * x, 0.5 * std::numbers::pi * (d + 0.5) / 90.0);
       for (int p = 0; p < 180; ++p) {
         const auto i = static_cast<std::size_t>(p + 180 * (d + 90 * h));
         values[i] = 1500.0 * rho;
@@ -117,7 +118,7 @@ TEST_F(MeasuredFileTest, NetworkOfAFit) {
                     {{"kernel", {{4.0, 4.0, 2.0}}}, {"bias", {-2.0, -2.0, -1.0}}}};
   const MeasuredBrdf brdf = read_measured_brdf(write("fit.json", file.dump()));
   for (const double theta : {0.0, 0.3, 0.6})
-    EXPECT_NEAR(brdf.diffuse.x / kPi + measured_facets(brdf, 1.0 - std::cos(theta)).x,
+    EXPECT_NEAR(brdf.diffuse.x / std::numbers::pi + measured_facets(brdf, 1.0 - std::cos(theta)).x,
                 std::expm1(4.0 * std::cos(theta) - 2.0), 0.05)
         << theta;
   file["layers"][0]["bias"] = {0.0, 1.0};

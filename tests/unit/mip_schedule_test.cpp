@@ -11,12 +11,12 @@
 namespace multum {
 namespace {
 
-struct Case {
+struct ScheduleCase {
   int width, height;
   FitOrder order;
 };
 
-class MipScheduleTest : public ::testing::TestWithParam<Case> {
+class MipScheduleTest : public ::testing::TestWithParam<ScheduleCase> {
  protected:
   MipSchedule make() const {
     MovmfSettings settings;
@@ -25,13 +25,14 @@ class MipScheduleTest : public ::testing::TestWithParam<Case> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Sizes, MipScheduleTest,
-                         ::testing::Values(Case{64, 64, FitOrder::kColour}, Case{64, 64, FitOrder::kScanline},
-                                           Case{37, 20, FitOrder::kColour}, Case{37, 20, FitOrder::kScanline},
-                                           Case{1, 100, FitOrder::kColour}, Case{1, 100, FitOrder::kScanline},
-                                           Case{100, 1, FitOrder::kColour}, Case{100, 1, FitOrder::kScanline},
-                                           Case{1, 1, FitOrder::kColour}, Case{2, 3, FitOrder::kScanline},
-                                           Case{256, 2, FitOrder::kColour}));
+INSTANTIATE_TEST_SUITE_P(
+    Sizes, MipScheduleTest,
+    ::testing::Values(ScheduleCase{64, 64, FitOrder::kColour}, ScheduleCase{64, 64, FitOrder::kScanline},
+                      ScheduleCase{37, 20, FitOrder::kColour}, ScheduleCase{37, 20, FitOrder::kScanline},
+                      ScheduleCase{1, 100, FitOrder::kColour}, ScheduleCase{1, 100, FitOrder::kScanline},
+                      ScheduleCase{100, 1, FitOrder::kColour}, ScheduleCase{100, 1, FitOrder::kScanline},
+                      ScheduleCase{1, 1, FitOrder::kColour}, ScheduleCase{2, 3, FitOrder::kScanline},
+                      ScheduleCase{256, 2, FitOrder::kColour}));
 
 // The step of each texel, from the steps' lists; checks that each texel is there once.
 std::map<int, int> steps_of_texels(const LevelSchedule& level) {

@@ -79,25 +79,25 @@ void expect_same_bits(const MomentMipmap& found, const MomentMipmap& expected) {
   }
 }
 
-struct Shape {
+struct MomentShape {
   int width, height;
   bool has_colours;
   StorageEncoding encoding;
   int first_level;
 };
 
-void PrintTo(const Shape& s, std::ostream* out) {
+void PrintTo(const MomentShape& s, std::ostream* out) {
   *out << s.width << " x " << s.height << (s.has_colours ? " colours " : " ") << storage_encoding_name(s.encoding)
        << " from level " << s.first_level;
 }
 
-class MomentFileTest : public ::testing::TestWithParam<Shape> {};
+class MomentFileTest : public ::testing::TestWithParam<MomentShape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, MomentFileTest,
-                         ::testing::Values(Shape{1, 1, false, StorageEncoding::kHalf, 0},
-                                           Shape{40, 24, true, StorageEncoding::kHalf, 0},
-                                           Shape{40, 24, false, StorageEncoding::kFloat, 2},
-                                           Shape{1, 300, true, StorageEncoding::kFloat, 0},
-                                           Shape{200, 130, true, StorageEncoding::kHalf, 1}));
+                         ::testing::Values(MomentShape{1, 1, false, StorageEncoding::kHalf, 0},
+                                           MomentShape{40, 24, true, StorageEncoding::kHalf, 0},
+                                           MomentShape{40, 24, false, StorageEncoding::kFloat, 2},
+                                           MomentShape{1, 300, true, StorageEncoding::kFloat, 0},
+                                           MomentShape{200, 130, true, StorageEncoding::kHalf, 1}));
 
 TEST_P(MomentFileTest, WhatIsWrittenIsRead) {
   const auto [width, height, has_colours, encoding, first_level] = GetParam();
@@ -127,7 +127,7 @@ TEST_P(MomentFileTest, WhatIsWrittenIsRead) {
 
 // Rows in portions that cut across rows of tiles, levels in turn: the same bytes.
 TEST_P(MomentFileTest, PortionsMakeTheSameFile) {
-  const Shape shape = GetParam();
+  const MomentShape shape = GetParam();
   const TemporaryFolder folder;
   MomentMipmap mipmap = random_moments(shape.width, shape.height, shape.has_colours, shape.encoding, 5);
   mipmap.header.first_level = shape.first_level;
@@ -323,15 +323,19 @@ class MomentVerifyTest : public ::testing::Test {
 };
 
 TEST_F(MomentVerifyTest, EachCheckFindsItsDamage) {
-  using Names = std::vector<std::string>;
-  EXPECT_EQ(failures([](MomentLevel&) {}), Names{});
+  using Failures = std::vector<std::string>;
+  EXPECT_EQ(failures([](MomentLevel&) {}), Failures{});
   EXPECT_EQ(failures([](MomentLevel& l) { l.slopes[7].tt = std::numeric_limits<float>::quiet_NaN(); }),
-            Names{"finite"});
-  EXPECT_EQ(failures([](MomentLevel& l) { l.colours[7].y = std::numeric_limits<float>::infinity(); }), Names{"finite"});
-  EXPECT_EQ(failures([](MomentLevel& l) { l.slopes[7] = {-1.0f, 1.0f, 0.0f, 0.875f, 1.0f, 0.0f}; }), Names{"variance"});
-  EXPECT_EQ(failures([](MomentLevel& l) { l.slopes[7] = {-1.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.5f}; }), Names{"variance"});
-  EXPECT_EQ(failures([](MomentLevel& l) { l.slopes[7] = {-1.0f, 24.0f, 0.0f, 576.0f, 0.0f, 0.0f}; }), Names{"slope"});
-  EXPECT_EQ(failures([](MomentLevel& l) { l.normals[7] = {0.0f, 0.75f, 0.75f}; }), Names{"|n| <= 1"});
+            Failures{"finite"});
+  EXPECT_EQ(failures([](MomentLevel& l) { l.colours[7].y = std::numeric_limits<float>::infinity(); }),
+            Failures{"finite"});
+  EXPECT_EQ(failures([](MomentLevel& l) { l.slopes[7] = {-1.0f, 1.0f, 0.0f, 0.875f, 1.0f, 0.0f}; }),
+            Failures{"variance"});
+  EXPECT_EQ(failures([](MomentLevel& l) { l.slopes[7] = {-1.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.5f}; }),
+            Failures{"variance"});
+  EXPECT_EQ(failures([](MomentLevel& l) { l.slopes[7] = {-1.0f, 24.0f, 0.0f, 576.0f, 0.0f, 0.0f}; }),
+            Failures{"slope"});
+  EXPECT_EQ(failures([](MomentLevel& l) { l.normals[7] = {0.0f, 0.75f, 0.75f}; }), Failures{"|n| <= 1"});
 }
 
 TEST_F(MomentVerifyTest, AFlippedBitIsFound) {

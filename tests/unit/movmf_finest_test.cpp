@@ -11,10 +11,9 @@
 namespace multum {
 namespace {
 
+using testing::kDegree;
 using testing::random_direction;
 using testing::random_finest;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 class FinestTest : public ::testing::TestWithParam<StorageEncoding> {
  protected:

@@ -18,6 +18,8 @@
 
 namespace multum::testing {
 
+constexpr double kDegree = std::numbers::pi / 180.0;
+
 inline double uniform(std::mt19937& random) { return std::uniform_real_distribution<double>()(random); }
 
 /// A direction at most `tilt_max` radians from +Z, even over that cap.

@@ -12,6 +12,7 @@
 namespace multum {
 namespace {
 
+using testing::Names;
 using testing::TemporaryFolder;
 
 class MovmfVerifyTest : public ::testing::TestWithParam<StorageEncoding> {
@@ -39,7 +40,6 @@ class MovmfVerifyTest : public ::testing::TestWithParam<StorageEncoding> {
   const TemporaryFolder folder_;
 };
 
-using Names = std::set<std::string>;
 INSTANTIATE_TEST_SUITE_P(Encodings, MovmfVerifyTest,
                          ::testing::Values(StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat));
 

@@ -19,9 +19,9 @@ namespace {
 
 using testing::expect_error;
 using testing::expect_same_bits;
+using testing::Names;
 using testing::random_mipmap;
 using testing::TemporaryFolder;
-using Names = std::set<std::string>;
 
 MovmfMipmap without_texels(MovmfMipmap mipmap) {
   for (MovmfLevel& level : mipmap.levels) {
@@ -48,29 +48,30 @@ void write_in_portions(MovmfWriter& writer, const MovmfMipmap& mipmap, std::mt19
   }
 }
 
-struct Shape {
+struct WrittenShape {
   int width, height, lobes;
   bool colours;
   int first_level;
 };
 
 // Of random lobes, as the file holds them.
-MovmfMipmap rounded_mipmap(const Shape& shape, StorageEncoding encoding) {
+MovmfMipmap rounded_mipmap(const WrittenShape& shape, StorageEncoding encoding) {
   MovmfMipmap mipmap = random_mipmap(shape.width, shape.height, shape.lobes, shape.colours, encoding, 8);
   drop_finer_levels(mipmap, shape.first_level);
   quantize_movmf(mipmap, 2);
   return mipmap;
 }
 
-class MovmfWriterTest : public ::testing::TestWithParam<Shape> {};
+class MovmfWriterTest : public ::testing::TestWithParam<WrittenShape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, MovmfWriterTest,
-                         ::testing::Values(Shape{128, 128, 4, false, 0}, Shape{201, 77, 3, true, 0},
-                                           Shape{1, 1, 1, false, 0}, Shape{1, 1, 3, true, 0}, Shape{1, 97, 8, false, 0},
-                                           Shape{70, 1, 2, true, 0}, Shape{128, 64, 2, true, 1},
-                                           Shape{100, 37, 4, false, 3}, Shape{64, 64, 1, false, 6}));
+                         ::testing::Values(WrittenShape{128, 128, 4, false, 0}, WrittenShape{201, 77, 3, true, 0},
+                                           WrittenShape{1, 1, 1, false, 0}, WrittenShape{1, 1, 3, true, 0},
+                                           WrittenShape{1, 97, 8, false, 0}, WrittenShape{70, 1, 2, true, 0},
+                                           WrittenShape{128, 64, 2, true, 1}, WrittenShape{100, 37, 4, false, 3},
+                                           WrittenShape{64, 64, 1, false, 6}));
 
 TEST_P(MovmfWriterTest, PortionsMakeTheSameFile) {
-  const Shape c = GetParam();
+  const WrittenShape c = GetParam();
   const unsigned seed = 31;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
@@ -101,7 +102,7 @@ TEST_P(MovmfWriterTest, PortionsMakeTheSameFile) {
 }
 
 TEST_P(MovmfWriterTest, WhatIsKnownLastIsInEveryPart) {
-  const Shape c = GetParam();
+  const WrittenShape c = GetParam();
   const TemporaryFolder folder;
   MovmfMipmap mipmap = rounded_mipmap(c, StorageEncoding::kSnorm16);
   // Names and values of attributes inside a value are no attributes.
@@ -125,7 +126,7 @@ TEST_P(MovmfWriterTest, WhatIsKnownLastIsInEveryPart) {
 }
 
 TEST_P(MovmfWriterTest, RowsAreReadAsTheyWereWritten) {
-  const Shape c = GetParam();
+  const WrittenShape c = GetParam();
   const TemporaryFolder folder;
   MovmfMipmap mipmap = rounded_mipmap(c, StorageEncoding::kHalf);
   BakedWriteOptions options;

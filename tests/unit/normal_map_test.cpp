@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -18,9 +17,6 @@ namespace multum::testing {
 namespace {
 
 using OIIO::TypeDesc;
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 

@@ -13,12 +13,11 @@
 namespace multum {
 namespace {
 
+using testing::kDegree;
 using testing::random_direction;
 using testing::random_shares;
 using testing::stored_lobe;
 using testing::uniform;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Rounds texels of some lobes each, as one level that is not the finest. texels[i][j] = lobe j of texel i.
 void quantize(std::vector<std::vector<glm::vec4>>& texels, StorageEncoding encoding) {

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "host/image/colour_map.h"
 #include "tests/unit/image_test_files.h"
@@ -14,9 +13,6 @@ namespace multum::testing {
 namespace {
 
 using OIIO::TypeDesc;
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
 
 using Planes = std::array<std::vector<float>, 3>;
 

@@ -32,20 +32,20 @@ using testing::TemporaryFolder;
 using testing::uniform;
 using testing::write_bytes;
 
-struct Shape {
+struct ShShape {
   int order, width, height;
   bool has_colours;
   StorageEncoding encoding;
   int first_level;
 };
 
-void PrintTo(const Shape& s, std::ostream* out) {
+void PrintTo(const ShShape& s, std::ostream* out) {
   *out << "order " << s.order << ", " << s.width << " x " << s.height << (s.has_colours ? " colours " : " ")
        << storage_encoding_name(s.encoding) << " from level " << s.first_level;
 }
 
 // As a bake leaves them: level 0 single directions, others weaker.
-ShMipmap random_harmonics(const Shape& shape, unsigned seed) {
+ShMipmap random_harmonics(const ShShape& shape, unsigned seed) {
   std::mt19937 random(seed);
   ShMipmap mipmap;
   BakedHeader& header = mipmap.header;
@@ -88,14 +88,14 @@ void expect_same(const ShMipmap& found, const ShMipmap& expected) {
   }
 }
 
-constexpr Shape kUsual = {4, 40, 24, true, StorageEncoding::kHalf, 0};
+constexpr ShShape kUsual = {4, 40, 24, true, StorageEncoding::kHalf, 0};
 
-class ShFileTest : public ::testing::TestWithParam<Shape> {};
+class ShFileTest : public ::testing::TestWithParam<ShShape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, ShFileTest,
-                         ::testing::Values(Shape{8, 1, 1, false, StorageEncoding::kHalf, 0}, kUsual,
-                                           Shape{3, 40, 24, false, StorageEncoding::kFloat, 2},
-                                           Shape{1, 1, 300, true, StorageEncoding::kFloat, 0},
-                                           Shape{20, 9, 5, true, StorageEncoding::kHalf, 1}));
+                         ::testing::Values(ShShape{8, 1, 1, false, StorageEncoding::kHalf, 0}, kUsual,
+                                           ShShape{3, 40, 24, false, StorageEncoding::kFloat, 2},
+                                           ShShape{1, 1, 300, true, StorageEncoding::kFloat, 0},
+                                           ShShape{20, 9, 5, true, StorageEncoding::kHalf, 1}));
 
 TEST_P(ShFileTest, WhatIsWrittenIsRead) {
   const TemporaryFolder folder;
@@ -237,13 +237,13 @@ std::vector<std::string> failures(int level, const std::function<void(ShLevel&)>
 }
 
 TEST(ShVerifyTest, EachCheckFindsItsDamage) {
-  using Names = std::vector<std::string>;
+  using Failures = std::vector<std::string>;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(failures(1, [](ShLevel&) {}), Names{});
-  EXPECT_EQ(failures(1, [](ShLevel& l) { l.parts[5][7].w = kNan; }), Names{"finite"});
-  EXPECT_EQ(failures(1, [](ShLevel& l) { l.colours[7].y = kInf; }), Names{"finite"});
-  EXPECT_EQ(failures(1, [](ShLevel& l) { l.parts[2][7].x = 1.0f; }), Names{"power"});
-  EXPECT_EQ(failures(0, [](ShLevel& l) { l.parts[0][7] *= 0.5f; }), Names{"level 0"});
+  EXPECT_EQ(failures(1, [](ShLevel&) {}), Failures{});
+  EXPECT_EQ(failures(1, [](ShLevel& l) { l.parts[5][7].w = kNan; }), Failures{"finite"});
+  EXPECT_EQ(failures(1, [](ShLevel& l) { l.colours[7].y = kInf; }), Failures{"finite"});
+  EXPECT_EQ(failures(1, [](ShLevel& l) { l.parts[2][7].x = 1.0f; }), Failures{"power"});
+  EXPECT_EQ(failures(0, [](ShLevel& l) { l.parts[0][7] *= 0.5f; }), Failures{"level 0"});
 }
 
 TEST(ShVerifyTest, AFlippedBitIsFound) {

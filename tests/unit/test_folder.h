@@ -17,6 +17,8 @@
 
 namespace multum::testing {
 
+using Names = std::set<std::string>;
+
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -34,8 +36,8 @@ class TemporaryFolder {
   const std::string& path() const { return path_; }
   std::string operator/(const std::string& name) const { return path_ + "/" + name; }
   /// Names of all that lies in it, hidden files too.
-  std::set<std::string> names() const {
-    std::set<std::string> found;
+  Names names() const {
+    Names found;
     for (const auto& entry : std::filesystem::directory_iterator(path_)) found.insert(entry.path().filename().string());
     return found;
   }
