@@ -68,8 +68,8 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
 
 }  // namespace
 
-BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progress) {
-  BakeSource source = read_bake_source(job, progress);
+BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress) {
+  BakeSource source = read_bake_source(job, readings, progress);
   const NormalMapReport& found = report.input = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
@@ -155,7 +155,7 @@ BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device
   if (!job.force && find_output_state(job, settings).finding == OutputFinding::kInPlace) return unchanged_report(job);
   StageClock clock(report);
   std::optional<BakeSource> read;
-  if (given == nullptr) read = read_source(job, report, progress);
+  if (given == nullptr) read = read_source(job, MapReadings::kFew, report, progress);
   else report.input = given->map.report;
   clock.finish("read");
   bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);

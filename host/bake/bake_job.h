@@ -18,6 +18,7 @@
 namespace multum {
 
 struct BakeSource;
+enum class MapReadings;
 
 struct BakeJob {
   std::string input;      // a normal map or height field
@@ -64,7 +65,7 @@ BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
 BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
 
 /// Reads what the job names, and says what was found. Fills BakeReport::input.
-BakeSource read_source(const BakeJob& job, BakeReport& report, Progress* progress);
+BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress);
 /// Bakes, whatever is there, of a source that has been read (host/bake/bake_source.h).
 BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress);
 /// Throws Error(kUsage, kEnvironment) for what can be told of a job before anything is read.

@@ -10,11 +10,13 @@
 namespace multum {
 namespace {
 
-// A map stays in memory up to so many bytes: of what a job is held to, little; else a part of the quarter of the
-// machine that it may take. A map of 4096 x 4096 is 192 MiB, and a scratch file of it a fifth of a plan's time.
-std::int64_t map_bytes_in_memory(const BakeJob& job) {
-  constexpr std::int64_t kLittle = std::int64_t{16} << 20;
-  return job.memory_bytes > 0 ? kLittle : std::max(kLittle, static_cast<std::int64_t>(machine_memory_bytes() / 32));
+// A map stays in memory up to so many bytes: of what a job is held to, little. A map of 4096 x 4096 is 192 MiB: a
+// scratch file of it is a fifth of a plan's time, and nothing that shows in a bake's (docs/CHANGELOG.md).
+std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
+  constexpr std::int64_t kLittle = std::int64_t{16} << 20, kUsual = std::int64_t{64} << 20;
+  if (job.memory_bytes > 0) return kLittle;
+  const std::int64_t much = std::max(kLittle, static_cast<std::int64_t>(machine_memory_bytes() / 32));
+  return readings == MapReadings::kFew ? std::min(kUsual, much) : much;
 }
 
 }  // namespace
@@ -41,8 +43,8 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
   return header;
 }
 
-BakeSource read_bake_source(const BakeJob& job, Progress* progress) {
-  const ReadingPlace place = {scratch_folder(job), map_bytes_in_memory(job)};
+BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress) {
+  const ReadingPlace place = {scratch_folder(job), map_bytes_in_memory(job, readings)};
   BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt,
                     std::nullopt};
   const int width = source.map.normals.width(), height = source.map.normals.height();

@@ -13,6 +13,9 @@
 
 namespace multum {
 
+/// How often a job goes through its maps: what it reads again and again stays in memory longer.
+enum class MapReadings { kFew, kMany };
+
 struct BakeSource {
   NormalMapRows map;
   std::optional<PlaneStore> albedo;  // where the job has one
@@ -31,6 +34,6 @@ std::string scratch_folder(const BakeJob& job);
 BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 
 /// Throws Error(kInput) for files that cannot be used.
-BakeSource read_bake_source(const BakeJob& job, Progress* progress);
+BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress);
 
 }  // namespace multum

@@ -71,7 +71,7 @@ std::string row_name(const AccuracyRow& row) {
 }  // namespace
 
 BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress) {
-  const BakeSource source = read_bake_source(job, progress);
+  const BakeSource source = read_bake_source(job, MapReadings::kFew, progress);
   const BakedHeader header = read_baked_header(job.output);
   BakedCheck check;
   check.damage = other_shape(header, source);

@@ -253,7 +253,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   BakeReport choosing;
   StageClock clock(choosing);
   std::optional<BakeSource> read;
-  if (given_source == nullptr) read = read_source(job, choosing, progress);
+  if (given_source == nullptr) read = read_source(job, MapReadings::kMany, choosing, progress);
   const BakeSource& source = given_source != nullptr ? *given_source : *read;
   clock.finish("read");
   if (source.has_roughness && target.brdf.name != "lambert") target.brdf.name = "roughness";

@@ -183,7 +183,7 @@ class Sweep {
   TradeoffResult run() {
     const auto started = std::chrono::steady_clock::now();
     BakeReport reading;
-    const BakeSource source = read_source(job_.bake, reading, progress_);
+    const BakeSource source = read_source(job_.bake, MapReadings::kMany, reading, progress_);
     result_.width = source.map.normals.width();
     result_.height = source.map.normals.height();
     // Levels that a map has not got cannot be its first.

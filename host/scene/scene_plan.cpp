@@ -81,7 +81,7 @@ ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress*
     job.threads = settings.threads;
     if (job.scratch_folder.empty()) job.scratch_folder = std::filesystem::temp_directory_path().string();
     BakeReport read;  // what the maps say of themselves is told by the bake, too
-    auto source = std::make_shared<BakeSource>(read_source(job, read, progress));
+    auto source = std::make_shared<BakeSource>(read_source(job, MapReadings::kMany, read, progress));
     planners.push_back(std::make_unique<MapPlanner>(scene, m, source, settings));
     plan.maps.push_back(planners.back()->plan());
     MapPlan& map = plan.maps.back();

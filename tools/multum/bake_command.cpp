@@ -63,7 +63,7 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option(
           "--memory", o.job.memory_bytes,
           "resident memory to stay within, as 800M or 2G: larger maps are baked in bands of rows, with the same "
-          "result (default: a quarter of the machine's)")
+          "result (default: what makes it faster, at most a quarter of the machine's)")
       ->transform(CLI::AsSizeValue(false));
   bake.add_option("--scratch", o.job.scratch_folder, "folder for what does not fit in memory (default: the output's)");
   bake.add_flag("--resume", o.job.resume, "go on from what a killed bake of the same output left beside it");
@@ -168,9 +168,10 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   apply(o.map, job);
   job.measure = !o.no_measure;
   job.region = parse_region(o.region);
-  Device device = Device::open(o.device);
-  device.time_launches(o.run_stats);
   const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
+  // One map is looked at first, which may end it; of several, none is read where there is no device to bake on.
+  Device device = jobs.size() > 1 ? Device::open(o.device) : Device::when_needed(o.device);
+  device.time_launches(o.run_stats);
   if (jobs.size() > 1) return bake_several(jobs, o, device);
   if (has_target(o)) return bake_chosen(jobs[0], o, device), 0;
   print_report(jobs[0], printing(o), bake_with_progress(jobs[0], o, device));
