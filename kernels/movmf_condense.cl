@@ -15,52 +15,12 @@
 //
 // The map streams by in bands of rows. Sums are whole numbers of 2^-30, so that no order of bands, chunks or threads
 // can be seen in them, and nothing is rounded away that thousands of nearly equal normals differ by: 2^28 of them add
-// up to 2^58 at most. A launch is for the texels of one row of a level. This file has only a scalar variant.
+// up to 2^58 at most. A launch is for the texels of one row of a level. This file has only a scalar variant; those for
+// devices with atomic additions and teams of work-items are in movmf_condense_team.cl, the same bytes.
 
-#include "device/level_window.clh"
-#include "device/planar_sample.clh"
-#include "device/texel_coverage.clh"
-#include "shared/movmf_fit.h"
+#include "device/condensed_cells.clh"
 
-#ifndef MULTUM_WEIGHTED
-#define MULTUM_WEIGHTED 0
-#endif
-
-#ifndef MULTUM_PLANAR
-#define MULTUM_PLANAR 0
-#endif
-
-#define FIXED_POINT 1073741824.0f  // 2^30
-#define FIXED_POINT_INVERSE (1.0f / FIXED_POINT)
 #define CELL_BLOCK 64
-
-static float2 equal_area(float x, float y, float z) {
-  const float inverse = 1.0f / sqrt(MAX_V(1.0f + z, 1e-6f));
-  return (float2)(x * inverse, y * inverse);
-}
-
-static float2 place_of_normal(float x, float y, float z, const MultumMovmfFit* fit) {
-  const float inverse = fit->shortened ? 1.0f / MAX_V(length_of(x, y, z), 1e-6f) : 1.0f;
-  return equal_area(x * inverse, y * inverse, z * inverse);
-}
-
-static int length_class(float x, float y, float z) {
-  const float spread = 1.0f - length_of(x, y, z);
-  return (spread > 1.0f / 1250.0f) + (spread > 1.0f / 133.0f) + (spread > 1.0f / 22.0f);
-}
-
-typedef struct Covered {
-  int first_column, last_column, first_row, last_row;  // last: one past
-} Covered;
-
-static Covered covered_by(int x, int y, const MultumMovmfFit* fit) {
-  Covered c;
-  c.first_column = first_covered(x, fit->map_width, fit->width);
-  c.first_row = first_covered(y, fit->map_height, fit->height);
-  c.last_column = covered_end(x, fit->map_width, fit->width);
-  c.last_row = covered_end(y, fit->map_height, fit->height);
-  return c;
-}
 
 // Part `index` of `count` parts of a range of `size`: one place in it, by chance, so that a pattern cannot fall in
 // step.
@@ -131,42 +91,6 @@ __kernel void movmf_condense_axes(__global const float* probes, __global float* 
   }
 }
 
-static int cell_along(float p, __global const float* axis, int cell_side) {
-  const float at = MIN_V(MAX_V((p - axis[0]) * axis[1], 0.0f), (float)MULTUM_AXIS_BINS);
-  const int bin = min((int)at, MULTUM_AXIS_BINS - 1);
-  const float low = axis[2 + bin];
-  return clamp((int)fma(at - (float)bin, axis[3 + bin] - low, low), 0, cell_side - 1);
-}
-
-typedef struct CellGrid {
-  __global const float* axis_x;
-  __global const float* axis_y;
-} CellGrid;
-
-static CellGrid grid_of_texel(__global const float* axes, int texel) {
-  CellGrid grid;
-  grid.axis_x = axes + (size_t)texel * 2 * MULTUM_AXIS_FLOATS;
-  grid.axis_y = grid.axis_x + MULTUM_AXIS_FLOATS;
-  return grid;
-}
-
-static int cell_of_normal(float x, float y, float z, CellGrid grid, const MultumMovmfFit* fit) {
-  const float2 p = place_of_normal(x, y, z, fit);
-  const int cell =
-      cell_along(p.y, grid.axis_y, fit->cell_side) * fit->cell_side + cell_along(p.x, grid.axis_x, fit->cell_side);
-  return fit->shortened ? cell + fit->cell_side * fit->cell_side * length_class(x, y, z) : cell;
-}
-
-// What a normal adds to its cell: the values times the weight, and the weight, in units of 2^-30. Rounded towards zero:
-// that is one instruction, where convert_long4_rte is a function.
-static long4 cell_value(float x, float y, float z, float weight, const MultumMovmfFit* fit, int are_normals) {
-  if (MULTUM_PLANAR && are_normals) {
-    TO_PLANAR_SAMPLE(float, x, y, z, fit->shortened)
-    z = fma(x, x, fma(y, y, z));
-  }
-  return (long4)((long)(x * weight), (long)(y * weight), (long)(z * weight), (long)weight);
-}
-
 // Adds the values of normals to their cells. One work-item = one of chunk_count chunks of columns of one texel; global
 // size width * chunk_count.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
@@ -217,71 +141,6 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
   }
 }
 
-#ifdef cl_khr_int64_base_atomics
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
-
-static void add_to_cell(__global long* cells, int cell, long4 value) {
-  __global long* at = cells + (size_t)cell * MULTUM_CELL_SUMS;
-  atom_add((volatile __global long*)at, value.x);
-  atom_add((volatile __global long*)(at + 1), value.y);
-  atom_add((volatile __global long*)(at + 2), value.z);
-  atom_add((volatile __global long*)(at + 3), value.w);
-}
-
-// The same into one table a texel, by atomic additions of whole numbers, whose order cannot be seen. One work-item =
-// strip_rows rows of one column of one texel; global size width * fit.sample_columns * strip_count, columns side by
-// side. What goes to one cell in a row of turns is added there once, so that a flat map is no queue.
-//   cells [texel][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
-__kernel void movmf_condense_add(__global const float* restrict normal_x, __global const float* restrict normal_y,
-                                 __global const float* restrict normal_z, __global const float* restrict value_x,
-                                 __global const float* restrict value_y, __global const float* restrict value_z,
-                                 __global const float* restrict axes, __global long* cells, MultumMovmfFit fit,
-                                 int texel_row, int strip_rows, int strip_count, int are_normals) {
-  const int item = (int)get_global_id(0);
-  const int columns = fit.width * fit.sample_columns;
-  const int strip = item / columns, x = item % columns / fit.sample_columns;
-  if (strip >= strip_count) return;
-  const Covered covered = covered_by(x, texel_row, &fit);
-  const int column = covered.first_column + item % columns % fit.sample_columns;
-  if (column >= covered.last_column) return;
-  __global long* out = cells + (size_t)x * fit.sample_capacity * MULTUM_CELL_SUMS;
-  const CellGrid grid = grid_of_texel(axes, x);
-  const int first_row = max(covered.first_row, fit.map_first_row) + strip * strip_rows;
-  const int last_row = min(min(covered.last_row, fit.map_first_row + fit.map_window_rows), first_row + strip_rows);
-  long4 sum = (long4)(0);
-  int cell_of_sum = -1;
-  for (int row = first_row; row < last_row; ++row) {
-    const size_t source = (size_t)(row - fit.map_first_row) * fit.map_width + column;
-    float weight = FIXED_POINT;
-#if MULTUM_WEIGHTED
-    const float row_weight = coverage(row, texel_row, fit.map_height, fit.height);
-    weight *= row_weight * coverage(column, x, fit.map_width, fit.width);
-#endif
-    const int cell = cell_of_normal(normal_x[source], normal_y[source], normal_z[source], grid, &fit);
-    const long4 value = cell_value(value_x[source], value_y[source], value_z[source], weight, &fit, are_normals);
-    if (cell != cell_of_sum) {
-      if (cell_of_sum >= 0) add_to_cell(out, cell_of_sum, sum);
-      cell_of_sum = cell;
-      sum = (long4)(0);
-    }
-    sum += value;
-  }
-  if (cell_of_sum >= 0) add_to_cell(out, cell_of_sum, sum);
-}
-#endif
-
-// Adds the chunks of a cell. A weight of 0 or less: the cell holds nothing.
-static float4 mean_of_cell(__global const long* chunks, int cell, int cell_count, int chunk_count, int are_normals) {
-  long4 sum = vload4(cell, chunks);
-  for (int chunk = 1; chunk < chunk_count; ++chunk) sum += vload4(chunk * cell_count + cell, chunks);
-  if (sum.w <= 0) return (float4)(0.0f);
-  const float weight = (float)sum.w;
-  float4 mean =
-      (float4)((float)sum.x / weight, (float)sum.y / weight, (float)sum.z / weight, weight * FIXED_POINT_INVERSE);
-  if (MULTUM_PLANAR && are_normals) mean.z = MAX_V(mean.z - fma(mean.x, mean.x, mean.y * mean.y), 0.0f);
-  return mean;
-}
-
 // Adds the chunks and lines up the cells that hold anything. One work-item = one texel; global size texel_count.
 //   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
@@ -299,64 +158,4 @@ __kernel void movmf_condense_means(__global const long* cells, __global float* s
     if (mean.w > 0.0f) vstore4(mean, count++, out);
   }
   sample_counts[texel] = count;
-}
-
-// The same by a team of MULTUM_TEAM work-items a texel, the same bytes: a member takes a cell, and its place is the
-// number of those before it that hold anything. Local size MULTUM_TEAM, global size MULTUM_TEAM * texel_count.
-__attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_condense_team_means(
-    __global const long* cells, __global float* samples, __global int* sample_counts, int texel_count, int chunk_count,
-    int cell_count, int are_normals) {
-  __local int holds[MULTUM_TEAM];
-  const int texel = (int)get_group_id(0), member = (int)get_local_id(0);
-  if (texel >= texel_count) return;
-  __global const long* in = cells + (size_t)texel * chunk_count * cell_count * MULTUM_CELL_SUMS;
-  __global float* out = samples + (size_t)texel * cell_count * MULTUM_CONDENSED_SAMPLE;
-  int count = 0;
-  for (int block = 0; block < cell_count; block += MULTUM_TEAM) {
-    const int cell = block + member;
-    const float4 mean =
-        cell < cell_count ? mean_of_cell(in, cell, cell_count, chunk_count, are_normals) : (float4)(0.0f);
-    holds[member] = mean.w > 0.0f ? 1 : 0;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    int place = count;
-    for (int i = 0; i < MULTUM_TEAM; ++i) {
-      place += i < member ? holds[i] : 0;
-      count += holds[i];
-    }
-    if (mean.w > 0.0f) vstore4(mean, place, out);
-    barrier(CLK_LOCAL_MEM_FENCE);
-  }
-  if (member == 0) sample_counts[texel] = count;
-}
-
-// The samples of 16 texels side by side, as EM streams them. One work-item = one of part_count parts of the samples of
-// one group of slots, every part_count-th; global size slot_count / MULTUM_GROUP * part_count.
-//   condensed [texel of the window][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE]
-//   condensed_counts [texel of the window]
-//   samples [group][sample][4][MULTUM_GROUP]   written
-//   sample_counts [group]                      written: that of the texel that has most; what others lack weighs 0
-// Memory bound.
-__kernel void movmf_condensed_pack(__global const float* condensed, __global const int* condensed_counts,
-                                   __global const int* texel_list, __global float* samples, __global int* sample_counts,
-                                   MultumMovmfFit fit, int part_count) {
-  const int group = (int)get_global_id(0) / part_count, part = (int)get_global_id(0) % part_count;
-  if (group * MULTUM_GROUP >= fit.slot_count) return;
-  __global float* out = samples + (size_t)group * fit.sample_capacity * 4 * MULTUM_GROUP;
-  __global const int* texels = texel_list + group * MULTUM_GROUP;
-  int most = 1;
-  for (int lane = 0; lane < MULTUM_GROUP; ++lane)
-    if (texels[lane] >= 0) most = max(most, condensed_counts[texels[lane]]);
-  for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
-    const int count = texels[lane] < 0 ? 0 : condensed_counts[texels[lane]];
-    __global const float* in = condensed + (size_t)max(texels[lane], 0) * fit.sample_capacity * MULTUM_CONDENSED_SAMPLE;
-    for (int i = part; i < most; i += part_count) {
-      const float4 sample = i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f);
-      __global float* to = out + (size_t)i * 4 * MULTUM_GROUP + lane;
-      to[0] = sample.x;
-      to[MULTUM_GROUP] = sample.y;
-      to[2 * MULTUM_GROUP] = sample.z;
-      to[3 * MULTUM_GROUP] = sample.w;
-    }
-  }
-  if (part == 0) sample_counts[group] = most;
 }

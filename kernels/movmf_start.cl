@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Before a launch of EM: where each texel's lobes start, what its neighbours say, and its normals side by side.
+// Before a launch of EM: where each texel's lobes start, and what its neighbours say.
 // Alignment after Han et al. 2007, section 7.2, in the order of docs/ALGORITHMS.md, "Order".
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
-#include "device/texel_coverage.clh"
 #include "shared/movmf_fit.h"
 #include "shared/vmf_lobe.h"
 
 #ifndef MULTUM_LOBES
 #define MULTUM_LOBES 4
-#endif
-// Finest texels that only lie partly in a texel get fractional weights (maps that are no powers of two).
-#ifndef MULTUM_WEIGHTED
-#define MULTUM_WEIGHTED 0
 #endif
 
 // The four colours (x & 1, y & 1) in the order in which they are fitted: diagonal neighbours first.
@@ -153,46 +148,5 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
     STORE_V(prior.x * fit.alignment, out + (MULTUM_START_PRIOR + 0) * MULTUM_GROUP);
     STORE_V(prior.y * fit.alignment, out + (MULTUM_START_PRIOR + 1) * MULTUM_GROUP);
     STORE_V(prior.z * fit.alignment, out + (MULTUM_START_PRIOR + 2) * MULTUM_GROUP);
-  }
-}
-
-// movmf_pack: the normals of 16 texels side by side, so that EM streams them once an iteration.
-// One work-item = one row of samples of one group; global size sample_rows * slot_count / MULTUM_GROUP.
-//   normal_x, normal_y, normal_z [map_window_rows * map_width]
-//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]
-//   sample_counts [group]
-// Samples that no finest texel stands for (narrower texels, unused slots) repeat one and weigh 0. Memory bound.
-__kernel void movmf_pack(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
-                         __global const int* texel_list, __global float* samples, __global int* sample_counts,
-                         MultumMovmfFit fit) {
-  const int item = (int)get_global_id(0);
-  const int group = item / fit.sample_rows;
-  const int row = item % fit.sample_rows;
-  if (group * MULTUM_GROUP >= fit.slot_count) return;
-  const int planes = 3 + MULTUM_WEIGHTED;
-  if (row == 0) sample_counts[group] = fit.sample_columns * fit.sample_rows;
-  __global float* out = samples + ((size_t)group * fit.sample_rows + row) * fit.sample_columns * planes * MULTUM_GROUP;
-  for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
-    const int texel = max(texel_list[group * MULTUM_GROUP + lane], 0);
-    const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
-    const int first_column = first_covered(x, fit.map_width, fit.width);
-    const int first_row = first_covered(y, fit.map_height, fit.height);
-    const int map_row = min(first_row + row, fit.map_height - 1);
-    const size_t row_start = map_row_start(map_row, &fit);
-#if MULTUM_WEIGHTED
-    const float row_weight = coverage(first_row + row, y, fit.map_height, fit.height);
-#endif
-    for (int i = 0; i < fit.sample_columns; ++i) {
-      const size_t source = row_start + min(first_column + i, fit.map_width - 1);
-      __global float* sample = out + (size_t)i * planes * MULTUM_GROUP + lane;
-      float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
-      TO_SAMPLE(float, nx, ny, nz, fit.shortened)
-      sample[0 * MULTUM_GROUP] = nx;
-      sample[1 * MULTUM_GROUP] = ny;
-      sample[2 * MULTUM_GROUP] = nz;
-#if MULTUM_WEIGHTED
-      sample[3 * MULTUM_GROUP] = row_weight * coverage(first_column + i, x, fit.map_width, fit.width);
-#endif
-    }
   }
 }

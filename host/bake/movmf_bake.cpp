@@ -12,6 +12,7 @@
 #include "host/bake/mip_schedule.h"
 #include "host/bake/movmf_average.h"
 #include "host/bake/movmf_fit.h"
+#include "host/bake/movmf_model.h"
 #include "host/bake/movmf_start.h"
 #include "host/base/error.h"
 
@@ -132,6 +133,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
     while (settings.first_level > 0 && std::max(mip_level_size(likeness.width, whole.first_level),
                                                 mip_level_size(likeness.height, whole.first_level)) > kComparedSideMax)
       ++whole.first_level;
+    device.prepare({MovmfModel::program(settings.representation, settings.lobe_count, whole.first_level)});
     const Rehearsal rehearsal(device, likeness, whole, schedule);  // the map's own kernels: no second set of programs
     double least = HUGE_VAL;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -177,6 +179,7 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   report.plan = plan.to_text(schedule, settings, features.triple_count());
   report.device = device.info().name;
   MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};
+  prepare_fit(device, schedule, settings, !features.empty());
   if (inputs.region == nullptr) {  // a region grows from the lobes that are there
     progress_stage(progress, "choose a start");
     fit.top_start = choose_start(device, normals, settings, schedule, report);

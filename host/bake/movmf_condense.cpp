@@ -46,10 +46,11 @@ class LevelCondenser {
         host_(std::max(row_bytes_, width_ * kAxisBytes)),
         numbers_(width_) {
     const auto kernel = [&](const char* name) { return device.kernel("movmf_condense", name, variant); };
+    const auto team_kernel = [&](const char* name) { return device.kernel("movmf_condense_team", name, variant); };
     probe_kernel_ = kernel("movmf_condense_probe");
     axes_kernel_ = kernel("movmf_condense_axes");
-    cells_kernel_ = kernel(is_atomic() ? "movmf_condense_add" : "movmf_condense_cells");
-    means_kernel_ = kernel(by_teams() ? "movmf_condense_team_means" : "movmf_condense_means");
+    cells_kernel_ = is_atomic() ? team_kernel("movmf_condense_add") : kernel("movmf_condense_cells");
+    means_kernel_ = by_teams() ? team_kernel("movmf_condense_team_means") : kernel("movmf_condense_means");
     for (std::size_t t = 0; t < triple_count; ++t) result_.triples.emplace_back(level.fit.height, row_bytes_, place);
     samples_ = device.make_buffer(row_bytes_, "condensed normals");
     counts_ = device.make_buffer(width_ * sizeof(int), "numbers of condensed normals");
@@ -198,11 +199,32 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
   };
 }
 
+namespace {
+
+KernelVariant condense_variant(const MipSchedule& schedule, Representation representation) {
+  return {1, 1, schedule.weighted, representation == Representation::kGmm};
+}
+
+}  // namespace
+
+std::vector<ProgramChoice> condense_programs(const MipSchedule& schedule, Representation representation,
+                                             const LaunchShape& shape) {
+  std::vector<ProgramChoice> programs;
+  const KernelVariant variant = condense_variant(schedule, representation);
+  for (const LevelSchedule& level : schedule.levels) {
+    if (level.method != FitMethod::kCondensed) continue;
+    programs.push_back({"movmf_condense", variant});
+    if (shape.atomic_cells || shape.has_teams()) programs.push_back({"movmf_condense_team", variant});
+    break;
+  }
+  return programs;
+}
+
 std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
                                               const std::vector<const PlaneStore*>& features,
                                               const MipSchedule& schedule, Representation representation, int band_rows,
                                               MapWindows* on_device, const StorePlace& place, Progress* progress) {
-  const KernelVariant variant{1, 1, schedule.weighted, representation == Representation::kGmm};
+  const KernelVariant variant = condense_variant(schedule, representation);
   std::map<int, LevelCondenser> levels;
   for (const LevelSchedule& level : schedule.levels)
     if (level.method == FitMethod::kCondensed)

@@ -37,6 +37,10 @@ std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& 
                                               const MipSchedule& schedule, Representation representation, int band_rows,
                                               MapWindows* on_device, const StorePlace& place, Progress* progress);
 
+/// The programs that condense_levels() needs; none where no level is condensed.
+std::vector<ProgramChoice> condense_programs(const MipSchedule& schedule, Representation representation,
+                                             const LaunchShape& shape);
+
 /// Bytes of the buffers of condense_levels(), about.
 std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count, const LaunchShape& shape);
 

@@ -58,9 +58,33 @@ MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool wei
       settings_(settings),
       scalar_{settings.lobe_count, 1, weighted, settings.representation == Representation::kGmm},
       fast_(scalar_),
-      condensed_(scalar_) {
-  fast_.vector_width = condensed_.vector_width = device.shape().vector_width;
+      condensed_(scalar_),
+      starting_(scalar_),
+      packing_(scalar_) {
+  fast_.vector_width = condensed_.vector_width = starting_.vector_width = device.shape().vector_width;
   condensed_.weighted = true;  // by the number of normals in a cell
+  starting_.weighted = false;
+  packing_.lobes = 1;
+}
+
+std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bool has_features) const {
+  const auto uses = [&](FitMethod method) {
+    return std::any_of(schedule.levels.begin(), schedule.levels.end(),
+                       [&](const LevelSchedule& level) { return level.method == method; });
+  };
+  const bool uses_condensed = uses(FitMethod::kCondensed), uses_texels = uses(FitMethod::kTexels);
+  std::vector<ProgramChoice> programs;
+  if (uses_texels) programs.push_back({"movmf_em_texels", fast_});
+  if (!schedule.levels.empty()) programs.push_back({"movmf_start", starting_});
+  if (uses_condensed || uses_texels) programs.push_back({"movmf_pack", packing_});
+  // Of a map whose sides are no powers of two it is the first one again, which is prepared once.
+  if (uses_condensed) programs.push_back({"movmf_em_texels", condensed_});
+  if (uses(FitMethod::kChunks)) {
+    programs.push_back({"movmf_em_chunks", fast_});
+    programs.push_back({"movmf_em_mstep", scalar_});
+  }
+  if (has_features && !schedule.levels.empty()) programs.push_back({"movmf_features", scalar_});
+  return programs;
 }
 
 // A kernel is made when a step first needs it: levels differ in their methods.
@@ -79,8 +103,8 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
   ensure(device_, start_, slots * lobe_count() * MULTUM_START_PLANES * sizeof(float), "EM parameters");
   device_.write(list_, texels.data(), slots * sizeof(int));
   const DeviceBuffer& parent = windows.parent != nullptr ? windows.parent->buffer() : windows.lobes->buffer();
-  made(start_kernel_, "movmf_start", "movmf_start", fast_)
-      .launch({slots / static_cast<std::size_t>(fast_.vector_width)}, parent, windows.lobes->buffer(),
+  made(start_kernel_, "movmf_start", "movmf_start", starting_)
+      .launch({slots / static_cast<std::size_t>(starting_.vector_width)}, parent, windows.lobes->buffer(),
               windows.directed->buffer(), list_, start_, fit);
   if (method == FitMethod::kChunks) run_chunks(fit, texel_count, windows, progress);
   else run_em(method, fit, windows);
@@ -95,14 +119,14 @@ void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, const Step
   if (method == FitMethod::kTexels) {
     ensure(device_, samples_, sample_bytes(fit, slots, fast_.weighted ? kWeightedPlanes : 3), "packed normals");
     const MapWindow& normals = *windows.normals;
-    made(pack_kernel_, "movmf_start", "movmf_pack", scalar_)
+    made(pack_kernel_, "movmf_pack", "movmf_pack", packing_)
         .launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals[0], normals[1], normals[2], list_,
                 samples_, sample_counts_, fit);
     fit_packed(fit, fast_, em_texels_kernel_, em_team_kernel_, windows);
   } else {
     ensure(device_, samples_, sample_bytes(fit, slots, kWeightedPlanes), "packed normals");
     const int parts = device_.shape().pack_parts;
-    made(condensed_pack_kernel_, "movmf_condense", "movmf_condensed_pack", scalar_)
+    made(condensed_pack_kernel_, "movmf_pack", "movmf_condensed_pack", packing_)
         .launch({groups * static_cast<std::size_t>(parts)}, windows.condensed->buffer(),
                 windows.condensed_counts->buffer(), list_, samples_, sample_counts_, fit, parts);
     fit_packed(fit, condensed_, em_condensed_kernel_, em_condensed_team_kernel_, windows);

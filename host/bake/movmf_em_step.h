@@ -32,6 +32,8 @@ class MovmfEmStep {
  public:
   MovmfEmStep(Device& device, const MovmfSettings& settings, bool weighted);
 
+  /// Those that run() needs for the levels of `schedule`, finest levels first.
+  std::vector<ProgramChoice> programs(const MipSchedule& schedule, bool has_features) const;
   /// Fits the texels (places in the window, as step_texels() gives them). kChunks passes over the map once an
   /// iteration, in bands of what `normals` holds at most. Throws Cancelled.
   void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, const StepWindows& windows,
@@ -52,6 +54,7 @@ class MovmfEmStep {
   Device& device_;
   const MovmfSettings settings_;
   KernelVariant scalar_, fast_, condensed_;
+  KernelVariant starting_, packing_;  // no more than these kernels depend on: fewer programs
   Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
   Kernel condensed_pack_kernel_, em_condensed_kernel_, em_condensed_team_kernel_;
   Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;

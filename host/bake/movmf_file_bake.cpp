@@ -11,6 +11,7 @@
 #include "host/bake/bake_sink.h"
 #include "host/bake/file_bake_steps.h"
 #include "host/bake/movmf_bake.h"
+#include "host/bake/movmf_model.h"
 #include "host/bake/output_state.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
@@ -107,7 +108,10 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   const MovmfMipmap header = empty_movmf_mipmap(run.header, job.fitting.lobe_count);
   MovmfWriter writer(job.output, header, job.writing);
   std::optional<MovmfMeter> meter;
-  if (job.measure) meter.emplace(header, run.header.has_colours, accuracy_settings(job));
+  if (job.measure) {
+    meter.emplace(header, run.header.has_colours, accuracy_settings(job));
+    run.device.prepare({MovmfModel::program(job.representation, job.fitting.lobe_count, job.fitting.first_level)});
+  }
   BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report);
   fit(run, header, output, report, progress);
   run.clock.finish("fit");

@@ -22,6 +22,11 @@ double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+ProgramChoice level_zero_program(const MipSchedule& schedule, const MovmfSettings& settings) {
+  return {"movmf_level_zero",
+          {settings.lobe_count, 1, schedule.weighted, settings.representation == Representation::kGmm}};
+}
+
 class MovmfFitter {
  public:
   MovmfFitter(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
@@ -35,10 +40,6 @@ class MovmfFitter {
         report_(report),
         progress_(progress),
         em_step_(device, settings, schedule.weighted),
-        level_zero_kernel_(settings.first_level > 0 ? Kernel()
-                                                    : device.kernel("movmf_level_zero", "movmf_level_zero",
-                                                                    {settings.lobe_count, 1, schedule.weighted,
-                                                                     settings.representation == Representation::kGmm})),
         map_width_(inputs.normals->width()),
         map_height_(inputs.normals->height()) {
     for (int l = settings.first_level; l < mip_level_count(map_width_, map_height_); ++l)
@@ -250,6 +251,10 @@ class MovmfFitter {
     const std::size_t texels = static_cast<std::size_t>(map_width_) * static_cast<std::size_t>(out.row_count);
     DeviceBuffer nearest = device_.make_buffer(texels, "numbers of lobes");
     const MapWindow& normals = *rows.normals;
+    if (!level_zero_kernel_.is_made()) {
+      const ProgramChoice program = level_zero_program(schedule_, settings_);
+      level_zero_kernel_ = device_.kernel(program.file, "movmf_level_zero", program.variant);
+    }
     level_zero_kernel_.launch({texels}, normals[0], normals[1], normals[2], rows.lobes->buffer(), nearest, rows.fit,
                               settings_.aligned_start ? 1 : 0, first - normals.first_row(), first, out.row_count);
     ++zero_launches_;
@@ -321,6 +326,16 @@ class MovmfFitter {
 };
 
 }  // namespace
+
+void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSettings& settings, bool has_features) {
+  if (schedule.levels.empty()) return;  // a single texel
+  std::vector<ProgramChoice> programs =
+      MovmfEmStep(device, settings, schedule.weighted).programs(schedule, has_features);
+  if (settings.first_level == 0) programs.push_back(level_zero_program(schedule, settings));
+  for (const ProgramChoice& program : condense_programs(schedule, settings.representation, device.shape()))
+    programs.push_back(program);
+  device.prepare(programs);
+}
 
 void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
                const BakePlan& plan, MovmfSink& sink, BakeReport& report, Progress* progress) {

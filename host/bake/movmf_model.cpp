@@ -18,9 +18,15 @@ glm::dvec4 as_gaussian(const glm::dvec4& mean) {
 
 }  // namespace
 
+ProgramChoice MovmfModel::program(Representation representation, int lobe_count, int first_level) {
+  const int lobes = lobe_count + (first_level > 0 ? 1 : 0);  // and the averages as one
+  return {"movmf_shade", {lobes, 1, false, representation == Representation::kGmm}};
+}
+
 MovmfModel::MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels)
     : AccuracyModel(texels, mipmap.first_level),
       has_gaussians_(mipmap.representation == Representation::kGmm),
+      program_(program(mipmap.representation, mipmap.lobe_count(), mipmap.first_level)),
       lobe_count_(static_cast<std::size_t>(mipmap.lobe_count())),
       lobes_(kept().count() * lobe_count_),
       colours_(has_colours ? lobes_.size() : 0) {
@@ -82,8 +88,7 @@ class MovmfShading : public PointShading {
       : device_(device),
         model_(model),
         directions_(device, directions),
-        kernel_(device.kernel("movmf_shade", "movmf_shade",
-                              {static_cast<int>(model.lobe_count()), 1, false, model.has_gaussians()})) {}
+        kernel_(device.kernel(model.program().file, "movmf_shade", model.program().variant)) {}
 
   void shade(const std::vector<SamplePoint>& points, int, int channel, int threads,
              std::vector<float>& values) override {

@@ -18,6 +18,9 @@ namespace multum {
 
 class MovmfModel : public AccuracyModel {
  public:
+  /// What shades models of such mipmaps.
+  static ProgramChoice program(Representation representation, int lobe_count, int first_level);
+
   /// `mipmap` without texels; `texels` must outlive it.
   MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels);
 
@@ -27,7 +30,7 @@ class MovmfModel : public AccuracyModel {
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
   /// Of filtered points: behind the lobes, one of the averages where there are any.
   std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
-  bool has_gaussians() const { return has_gaussians_; }
+  const ProgramChoice& program() const { return program_; }
 
   /// lobes[point][lobe] as hardware filtering gives them; multiplied by their colours in `channel` unless it is -1.
   std::vector<glm::vec4> filtered_lobes(const std::vector<SamplePoint>& points, int channel, int threads) const;
@@ -36,6 +39,7 @@ class MovmfModel : public AccuracyModel {
   void add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const;
 
   bool has_gaussians_;
+  ProgramChoice program_;
   std::size_t lobe_count_;
   std::vector<glm::vec4> lobes_;    // [kept texel][lobe]
   std::vector<glm::vec3> colours_;  // the same

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 #include "host/base/error.h"
@@ -71,7 +72,16 @@ DeviceInfo info_of(cl_device_id id, int index, const std::string& platform) {
   return info;
 }
 
+// PoCL would compile a kernel once more for each local size at its first launch, though the program has a version for
+// all sizes: seconds of a first bake. Kernels of one work-item a group gain nothing by it (PoCL 3.1, AVX-512: bakes of
+// 1024 x 1024 in the same time). Who sets the variable is heard.
+void ask_for_one_version_of_kernels() {
+  static const int asked = setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
+  static_cast<void>(asked);
+}
+
 std::vector<FoundDevice> find_devices() {
+  ask_for_one_version_of_kernels();
   std::vector<FoundDevice> found;
   cl_uint platform_count = 0;
   const cl_int status = clGetPlatformIDs(0, nullptr, &platform_count);
@@ -134,7 +144,9 @@ DeviceState::~DeviceState() {
   if (context != nullptr) clReleaseContext(context);
 }
 
-Device Device::open(const std::string& selector) {
+namespace {
+
+std::shared_ptr<DeviceState> open_state(const std::string& selector) {
   const std::vector<FoundDevice> devices = find_devices();
   if (devices.empty())
     throw Error(ErrorCode::kEnvironment,
@@ -146,9 +158,8 @@ Device Device::open(const std::string& selector) {
     throw Error(ErrorCode::kEnvironment,
                 "no OpenCL device matches '" + selector + "'; expected a number or part of a name of" + known);
   }
-  Device device;
-  device.state_ = std::make_shared<DeviceState>();
-  DeviceState& state = *device.state_;
+  auto opened = std::make_shared<DeviceState>();
+  DeviceState& state = *opened;
   state.info = devices[*number].info;
   state.device = devices[*number].id;
   cl_int status = CL_SUCCESS;
@@ -157,29 +168,50 @@ Device Device::open(const std::string& selector) {
   state.queue = clCreateCommandQueue(state.context, state.device, 0, &status);
   check_cl(status, state.info.name + ": clCreateCommandQueue");
   state.shape = LaunchShape::of(state.info);
-  return device;
+  return opened;
 }
+
+}  // namespace
+
+Device Device::open(const std::string& selector) { return open(DeviceChoice{selector}); }
 
 Device Device::open(const DeviceChoice& choice) {
-  Device device = open(choice.selector);
-  if (choice.as_accelerator) device.set_shape(LaunchShape::of_accelerator(device.info()));
+  Device device = when_needed(choice);
+  device.opened();
   return device;
 }
 
-const DeviceInfo& Device::info() const { return state_->info; }
-const LaunchShape& Device::shape() const { return state_->shape; }
-void Device::set_shape(const LaunchShape& shape) { state_->shape = shape; }
-const std::map<std::string, std::uint64_t>& Device::launch_counts() const { return state_->launch_counts; }
+Device Device::when_needed(const DeviceChoice& choice) {
+  Device device;
+  device.choice_ = choice;
+  return device;
+}
+
+const std::shared_ptr<DeviceState>& Device::opened() const {
+  if (state_ == nullptr) {
+    state_ = open_state(choice_.selector);
+    if (choice_.as_accelerator) state_->shape = LaunchShape::of_accelerator(state_->info);
+  }
+  return state_;
+}
+
+DeviceState& Device::state() const { return *opened(); }
+
+const DeviceInfo& Device::info() const { return state().info; }
+const LaunchShape& Device::shape() const { return state().shape; }
+void Device::set_shape(const LaunchShape& shape) { state().shape = shape; }
+const std::map<std::string, std::uint64_t>& Device::launch_counts() const { return state().launch_counts; }
 std::uint64_t Device::launch_total() const {
   std::uint64_t sum = 0;
-  for (const auto& entry : state_->launch_counts) sum += entry.second;
+  for (const auto& entry : state().launch_counts) sum += entry.second;
   return sum;
 }
-int Device::program_count() const { return static_cast<int>(state_->programs.size()); }
+int Device::unprepared_count() const { return state().unprepared_count; }
+int Device::program_count() const { return static_cast<int>(state().programs.size()); }
 
 std::map<std::string, int> Device::build_counts() const {
   std::map<std::string, int> counts;
-  for (const auto& [key, program] : state_->programs) ++counts[key.substr(0, key.find(' '))];
+  for (const auto& [key, program] : state().programs) ++counts[key.substr(0, key.find(' '))];
   return counts;
 }
 
@@ -208,60 +240,64 @@ std::shared_ptr<void> create_memory(const DeviceState& state, cl_mem_flags flags
 
 DeviceBuffer Device::make_buffer(std::size_t byte_count, const std::string& what) {
   DeviceBuffer buffer;
-  buffer.memory_ = create_memory(*state_, CL_MEM_READ_WRITE, byte_count, nullptr, what);
+  buffer.memory_ = create_memory(state(), CL_MEM_READ_WRITE, byte_count, nullptr, what);
   buffer.byte_count_ = byte_count;
   return buffer;
 }
 
 DeviceBuffer Device::wrap_buffer(const void* data, std::size_t byte_count, const std::string& what) {
   DeviceBuffer buffer;
-  const cl_mem_flags how = state_->shape.staging_bytes == 0 ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR;
-  buffer.memory_ = create_memory(*state_, CL_MEM_READ_ONLY | how, byte_count, const_cast<void*>(data), what);
-  state_->count_upload(byte_count);
+  const cl_mem_flags how = state().shape.staging_bytes == 0 ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR;
+  buffer.memory_ = create_memory(state(), CL_MEM_READ_ONLY | how, byte_count, const_cast<void*>(data), what);
+  state().count_upload(byte_count);
   buffer.byte_count_ = byte_count;
   return buffer;
 }
 
-void Device::finish() { check_cl(clFinish(state_->queue), "clFinish"); }
-void Device::flush() { check_cl(clFlush(state_->queue), "clFlush"); }
+void Device::finish() { check_cl(clFinish(state().queue), "clFinish"); }
+void Device::flush() { check_cl(clFlush(state().queue), "clFlush"); }
 
-std::uint64_t Device::buffer_bytes_peak() const { return state_->buffer_bytes->peak; }
+std::uint64_t Device::buffer_bytes_peak() const { return state().buffer_bytes->peak; }
 
 void Device::time_launches(bool on) {
-  if (on == state_->times_launches) return;
+  if (!on && state_ == nullptr) return;
+  if (on == state().times_launches) return;
   finish();
-  release_staging(*state_);  // mapped by the queue that goes
+  release_staging(state());  // mapped by the queue that goes
   cl_int status = CL_SUCCESS;
   cl_command_queue queue =
-      clCreateCommandQueue(state_->context, state_->device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
-  check_cl(status, state_->info.name + ": clCreateCommandQueue");
-  collect_times(*state_);
-  clReleaseCommandQueue(state_->queue);
-  state_->queue = queue;
-  state_->times_launches = on;
+      clCreateCommandQueue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
+  check_cl(status, state().info.name + ": clCreateCommandQueue");
+  collect_times(state());
+  clReleaseCommandQueue(state().queue);
+  state().queue = queue;
+  state().times_launches = on;
 }
 
 std::map<std::string, double> Device::launch_seconds() {
   finish();
-  collect_times(*state_);
-  return state_->launch_seconds;
+  collect_times(state());
+  return state().launch_seconds;
 }
 
-void Device::edit_kernels(std::vector<SourceEdit> edits) { state_->edits = std::move(edits); }
+void Device::edit_kernels(std::vector<SourceEdit> edits) { state().edits = std::move(edits); }
+
+void Device::prepare(const std::vector<ProgramChoice>& programs) {
+  for (const ProgramChoice& program : programs)
+    prepare_program(state(), program.file, build_options(program.variant, state().info.rounds_when_asked));
+}
 
 Kernel Device::kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant) {
-  const std::string options = build_options(variant, state_->info.rounds_when_asked);
-  std::string key = file + " " + options;
-  for (const SourceEdit& edit : state_->edits)
-    if (edit.file == file) key += "\n" + edit.text + "\n" + edit.replacement;
-  auto found = state_->programs.find(key);
-  if (found == state_->programs.end())
-    found = state_->programs.emplace(key, load_program(*state_, file, options)).first;
+  const std::string options = build_options(variant, state().info.rounds_when_asked);
+  const std::string key = program_key(state(), file, options);
+  auto found = state().programs.find(key);
+  if (found == state().programs.end())
+    found = state().programs.emplace(key, load_program(state(), file, options)).first;
   cl_int status = CL_SUCCESS;
   cl_kernel made = clCreateKernel(found->second, kernel_name.c_str(), &status);
   check_cl(status, "kernel " + kernel_name + " of " + file + ".cl");
   Kernel kernel;
-  kernel.device_ = state_;
+  kernel.device_ = opened();
   kernel.kernel_ = {made, [](void* k) { clReleaseKernel(static_cast<cl_kernel>(k)); }};
   kernel.name_ = kernel_name;
   return kernel;

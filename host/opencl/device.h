@@ -103,6 +103,12 @@ class Kernel {
   std::string name_;
 };
 
+/// kernels/FILE.cl in one of its variants.
+struct ProgramChoice {
+  std::string file;
+  KernelVariant variant;
+};
+
 /// Which device, and how it is used.
 struct DeviceChoice {
   std::string selector;         // as Device::open() has it
@@ -115,6 +121,9 @@ class Device {
   /// platform's name. Throws Error(kEnvironment) when there is no such device, listing those there are.
   static Device open(const std::string& selector);
   static Device open(const DeviceChoice& choice);
+  /// The same when something is first asked of it: a driver takes 80 MiB and tens of milliseconds, and whoever refuses
+  /// an input needs none. What open() throws is thrown then.
+  static Device when_needed(const DeviceChoice& choice);
 
   const DeviceInfo& info() const;
   /// How work is cut up for it (host/opencl/launch_shape.h), and another way of doing so, for tests.
@@ -139,6 +148,9 @@ class Device {
   void move_down(const BufferRange& from, std::size_t to);
   void fill_zero(DeviceBuffer& buffer);
 
+  /// Begins to build these programs side by side, in their order, those that the cache lacks; kernel() waits for its
+  /// own. Without a cache folder (program_cache.h) it does nothing.
+  void prepare(const std::vector<ProgramChoice>& programs);
   /// A kernel of kernels/FILE.cl, built with the variant's options or taken from the program cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
 
@@ -155,6 +167,8 @@ class Device {
   const std::map<std::string, std::uint64_t>& launch_counts() const;
   std::uint64_t launch_total() const;
   int program_count() const;
+  /// Programs that kernel() had to build while its caller waited: no cache had them, and nobody had prepared them.
+  int unprepared_count() const;
   /// Of these, by kernels/FILE.cl.
   std::map<std::string, int> build_counts() const;
   const TransferCounts& transfers() const;
@@ -167,7 +181,11 @@ class Device {
   std::map<std::string, double> launch_seconds();
 
  private:
-  std::shared_ptr<DeviceState> state_;
+  const std::shared_ptr<DeviceState>& opened() const;
+  DeviceState& state() const;
+
+  DeviceChoice choice_;
+  mutable std::shared_ptr<DeviceState> state_;
 };
 
 }  // namespace multum

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/opencl/background_builds.h"
 #include "host/opencl/cl_headers.h"
 #include "host/opencl/device.h"
 #include "host/opencl/launch_shape.h"
@@ -61,6 +62,9 @@ class DeviceState {
   std::shared_ptr<BufferBytes> buffer_bytes = std::make_shared<BufferBytes>();
   std::array<StagingBuffer, 2> staging;  // one is filled while the other one is copied
   std::size_t next_staging = 0;
+  int unprepared_count = 0;
+  bool told_of_building = false;
+  BackgroundBuilds builds;  // last: its threads end before the rest goes
 };
 
 /// Gives the staging buffers back to the queue that mapped them.
@@ -69,7 +73,15 @@ void release_staging(DeviceState& state);
 /// Adds up the times of launches that have ended; waits for those that have not.
 void collect_times(DeviceState& state);
 
-/// Builds kernels/FILE.cl with `options`, or loads the binary that an earlier run left in the cache folder.
+/// What state.programs knows kernels/FILE.cl by, as it is now edited.
+std::string program_key(const DeviceState& state, const std::string& file, const std::string& options);
+
+/// Builds kernels/FILE.cl with `options`, or loads the binary that is prepared or that an earlier run left in the cache
+/// folder.
 cl_program load_program(DeviceState& state, const std::string& file, const std::string& options);
+
+/// Begins to build it, unless it is there already or there is no cache folder, whose binaries alone can be handed from
+/// one context to another. False where nothing is to be built.
+bool prepare_program(DeviceState& state, const std::string& file, const std::string& options);
 
 }  // namespace multum

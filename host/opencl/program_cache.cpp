@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/base/atomic_file.h"
@@ -26,45 +28,33 @@ std::string g_cache_folder;
 // driver.
 constexpr std::size_t kDigestSize = 64;
 
-std::string build_log(const DeviceState& state, cl_program program) {
+std::string build_log(cl_device_id device, cl_program program) {
   std::size_t size = 0;
-  if (clGetProgramBuildInfo(program, state.device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS) return "";
+  if (clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS) return "";
   std::string text(size, '\0');
-  clGetProgramBuildInfo(program, state.device, CL_PROGRAM_BUILD_LOG, size, text.data(), nullptr);
+  clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, size, text.data(), nullptr);
   return text;
 }
 
-cl_program build_from_source(const DeviceState& state, const std::string& file, std::string_view source,
+cl_program build_from_source(cl_context context, cl_device_id device, const std::string& file, std::string_view source,
                              const std::string& options) {
   cl_int status = CL_SUCCESS;
   const char* text = source.data();
   const std::size_t length = source.size();
-  cl_program program = clCreateProgramWithSource(state.context, 1, &text, &length, &status);
+  cl_program program = clCreateProgramWithSource(context, 1, &text, &length, &status);
   check_cl(status, file + ".cl: clCreateProgramWithSource");
-  status = clBuildProgram(program, 1, &state.device, options.c_str(), nullptr, nullptr);
+  status = clBuildProgram(program, 1, &device, options.c_str(), nullptr, nullptr);
   if (status != CL_SUCCESS) {
-    const std::string log = build_log(state, program);
+    const std::string log = build_log(device, program);
     clReleaseProgram(program);
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}.cl does not build on {} with {}: {}\n{}", file,
-                                                     state.info.name, options, cl_error_name(status), log));
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}.cl does not build with {}: {}\n{}", file, options, cl_error_name(status), log));
   }
   return program;
 }
 
-// Null when there is no usable binary.
-cl_program load_binary(const DeviceState& state, const std::string& path, const std::string& options) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return nullptr;  // reading a folder would throw
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return nullptr;
-  std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (bytes.size() <= kDigestSize) return nullptr;
-  const std::string digest = bytes.substr(bytes.size() - kDigestSize);
-  bytes.resize(bytes.size() - kDigestSize);
-  if (hash_text(bytes) != digest) {
-    log_verbose("program cache: " + path + " is damaged, building anew");
-    return nullptr;
-  }
+// Null when the driver does not take it: it is another's, or damaged.
+cl_program build_from_binary(const DeviceState& state, const std::string& bytes, const std::string& options) {
   const std::size_t length = bytes.size();
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   cl_int binary_status = CL_SUCCESS, status = CL_SUCCESS;
@@ -78,14 +68,35 @@ cl_program load_binary(const DeviceState& state, const std::string& path, const 
   return program;
 }
 
-// Failing to keep a binary costs the next run a build; it is no reason to fail this one.
-void save_binary(cl_program program, const std::string& path) {
+// Empty when the driver has none.
+std::string binary_of(cl_program program) {
   std::size_t length = 0;
   if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(length), &length, nullptr) != CL_SUCCESS || length == 0)
-    return;
+    return {};
   std::string bytes(length, '\0');
   auto* data = reinterpret_cast<unsigned char*>(bytes.data());
-  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(data), &data, nullptr) != CL_SUCCESS) return;
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(data), &data, nullptr) != CL_SUCCESS) return {};
+  return bytes;
+}
+
+// Empty when there is no usable one.
+std::string read_binary(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};  // reading a folder would throw
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return {};
+  std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  if (bytes.size() <= kDigestSize) return {};
+  const std::string digest = bytes.substr(bytes.size() - kDigestSize);
+  bytes.resize(bytes.size() - kDigestSize);
+  if (hash_text(bytes) == digest) return bytes;
+  log_verbose("program cache: " + path + " is damaged, building anew");
+  return {};
+}
+
+// Failing to keep a binary costs the next run a build; it is no reason to fail this one.
+void save_binary(const std::string& bytes, const std::string& path) {
+  if (bytes.empty()) return;
   try {
     std::filesystem::create_directories(std::filesystem::path(path).parent_path());
     write_text_file(path, bytes + hash_text(bytes));
@@ -94,29 +105,97 @@ void save_binary(cl_program program, const std::string& path) {
   }
 }
 
+struct Source {
+  std::string text;
+  std::string path;  // of its binary
+};
+
+Source source_of(const DeviceState& state, const std::string& file, const std::string& options) {
+  const auto found = kernel_sources().find(file);
+  MULTUM_CHECK(found != kernel_sources().end());
+  Source source{edited_source(found->second, file, state.edits), ""};
+  if (g_cache_folder.empty()) return source;
+  ContentHash key;
+  for (std::string_view part :
+       {std::string_view(source.text), std::string_view(options), std::string_view(state.info.name),
+        std::string_view(state.info.platform), std::string_view(state.info.driver)}) {
+    key.update(part);
+    key.update("\n");
+  }
+  source.path = g_cache_folder + "/" + file + "-" + key.finish().substr(0, 32) + ".clbin";
+  return source;
+}
+
+// Once a device: the first run takes seconds more than those after it, and nobody should wonder why.
+void tell_of_building(DeviceState& state) {
+  if (state.told_of_building) return;
+  state.told_of_building = true;
+  log_info("compiling kernels for " + state.info.name + ", once: they are kept in " + g_cache_folder);
+}
+
+std::string build_binary(cl_context context, cl_device_id device, const std::string& file, const Source& source,
+                         const std::string& options) {
+  cl_program program = build_from_source(context, device, file, source.text, options);
+  const std::shared_ptr<void> program_end(program, [](void* p) { clReleaseProgram(static_cast<cl_program>(p)); });
+  const std::string bytes = binary_of(program);
+  save_binary(bytes, source.path);
+  return bytes;
+}
+
+std::shared_ptr<void> make_context(cl_device_id device) {
+  cl_int status = CL_SUCCESS;
+  cl_context context = clCreateContext(nullptr, 1, &device, nullptr, nullptr, &status);
+  check_cl(status, "clCreateContext");
+  return {context, [](void* c) { clReleaseContext(static_cast<cl_context>(c)); }};
+}
+
 }  // namespace
 
 void set_program_cache_folder(const std::string& folder) { g_cache_folder = folder; }
 
+std::string program_key(const DeviceState& state, const std::string& file, const std::string& options) {
+  std::string key = file + " " + options;
+  for (const SourceEdit& edit : state.edits)
+    if (edit.file == file) key += "\n" + edit.text + "\n" + edit.replacement;
+  return key;
+}
+
+bool prepare_program(DeviceState& state, const std::string& file, const std::string& options) {
+  const std::string key = program_key(state, file, options);
+  if (g_cache_folder.empty() || state.programs.count(key) != 0 || state.builds.has(key)) return false;
+  const Source source = source_of(state, file, options);
+  if (!read_binary(source.path).empty()) return false;
+  tell_of_building(state);
+  // PoCL builds one program at a time in a context, and reads its library of functions once for each, in half the time
+  // that a small program takes: a context a thread.
+  state.builds.add(key, [device = state.device, file, source, options](std::shared_ptr<void>& context) {
+    if (context == nullptr) context = make_context(device);
+    return build_binary(static_cast<cl_context>(context.get()), device, file, source, options);
+  });
+  return true;
+}
+
 cl_program load_program(DeviceState& state, const std::string& file, const std::string& options) {
-  const auto found = kernel_sources().find(file);
-  MULTUM_CHECK(found != kernel_sources().end());
-  const std::string source = edited_source(found->second, file, state.edits);
-  if (g_cache_folder.empty()) return build_from_source(state, file, source, options);
-  ContentHash key;
-  for (std::string_view part : {std::string_view(source), std::string_view(options), std::string_view(state.info.name),
-                                std::string_view(state.info.platform), std::string_view(state.info.driver)}) {
-    key.update(part);
-    key.update("\n");
+  const std::optional<std::string> prepared = state.builds.take(program_key(state, file, options));
+  const Source source = source_of(state, file, options);
+  const auto from_binary = [&](const std::string& bytes) {
+    return bytes.empty() ? nullptr : build_from_binary(state, bytes, options);
+  };
+  if (!g_cache_folder.empty()) {
+    if (cl_program program = from_binary(prepared ? *prepared : read_binary(source.path))) {
+      if (!prepared) log_verbose("program cache: " + file + " loaded");
+      return program;
+    }
+    // What was just built is taken as a binary, too: the first run does what every later one does.
+    if (!prepared) {
+      ++state.unprepared_count;
+      log_verbose("program cache: " + file + " is built while its caller waits");
+      tell_of_building(state);
+      if (cl_program program = from_binary(build_binary(state.context, state.device, file, source, options)))
+        return program;
+    }
   }
-  const std::string path = g_cache_folder + "/" + file + "-" + key.finish().substr(0, 32) + ".clbin";
-  if (cl_program cached = load_binary(state, path, options)) {
-    log_verbose("program cache: " + file + " loaded");
-    return cached;
-  }
-  cl_program program = build_from_source(state, file, source, options);
-  save_binary(program, path);
-  return program;
+  return build_from_source(state.context, state.device, file, source.text, options);
 }
 
 }  // namespace multum

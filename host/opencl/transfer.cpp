@@ -103,24 +103,24 @@ void release_staging(DeviceState& state) {
   for (StagingBuffer& staging : state.staging) release(state, staging);
 }
 
-const TransferCounts& Device::transfers() const { return state_->transfers; }
+const TransferCounts& Device::transfers() const { return state().transfers; }
 
 void Device::write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
   MULTUM_CHECK(byte_count <= buffer.byte_count_);
   if (byte_count == 0) return;
-  check_cl(clEnqueueWriteBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
+  check_cl(clEnqueueWriteBuffer(state().queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
                                 0, nullptr, nullptr),
            "clEnqueueWriteBuffer");
-  state_->count_upload(byte_count);
+  state().count_upload(byte_count);
 }
 
 void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count) {
   MULTUM_CHECK(byte_count <= buffer.byte_count_);
   if (byte_count == 0) return;
-  check_cl(clEnqueueReadBuffer(state_->queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
+  check_cl(clEnqueueReadBuffer(state().queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
                                0, nullptr, nullptr),
            "clEnqueueReadBuffer");
-  state_->count_download(byte_count);
+  state().count_download(byte_count);
 }
 
 namespace {
@@ -144,36 +144,36 @@ void Device::read_ranges(const std::vector<BufferRange>& ranges, const WithBytes
   const std::size_t total = total_of(ranges);
   if (total == 0) return;
   const auto map = [&](const BufferRange& range) {
-    return std::make_unique<MappedRange>(*state_, memory_of(range.buffer->memory_), range.begin, range.count);
+    return std::make_unique<MappedRange>(state(), memory_of(range.buffer->memory_), range.begin, range.count);
   };
-  if (is_mapped(*state_)) return with_mapped(ranges, map, body);
-  const Bytes places = places_in(next_staging(*state_, total).bytes, ranges);
+  if (is_mapped(state())) return with_mapped(ranges, map, body);
+  const Bytes places = places_in(next_staging(state(), total).bytes, ranges);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     if (ranges[i].count == 0) continue;
-    check_cl(clEnqueueReadBuffer(state_->queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
+    check_cl(clEnqueueReadBuffer(state().queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
                                  ranges[i].count, places[i], 0, nullptr, nullptr),
              "clEnqueueReadBuffer");
-    state_->count_download(ranges[i].count);
+    state().count_download(ranges[i].count);
   }
   finish();
   body(places);
 }
 
 void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body) {
-  if (is_mapped(*state_)) return read_ranges(ranges, body);
+  if (is_mapped(state())) return read_ranges(ranges, body);
   for (const BufferRange& range : ranges) MULTUM_CHECK(range.begin + range.count <= range.buffer->byte_count_);
   const std::size_t total = total_of(ranges);
   if (total == 0) return;
-  StagingBuffer& staging = next_staging(*state_, total);
+  StagingBuffer& staging = next_staging(state(), total);
   const Bytes places = places_in(staging.bytes, ranges);
   body(places);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     if (ranges[i].count == 0) continue;
     if (staging.copied != nullptr) clReleaseEvent(std::exchange(staging.copied, nullptr));
-    check_cl(clEnqueueWriteBuffer(state_->queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
+    check_cl(clEnqueueWriteBuffer(state().queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
                                   ranges[i].count, places[i], 0, nullptr, &staging.copied),
              "clEnqueueWriteBuffer");
-    state_->count_upload(ranges[i].count);
+    state().count_upload(ranges[i].count);
   }
   flush();  // the last copy's end is the end of all: the queue keeps its order
 }
@@ -183,14 +183,14 @@ void Device::move_down(const BufferRange& from, std::size_t to) {
   if (from.count == 0 || to == from.begin) return;
   const cl_mem memory = memory_of(from.buffer->memory_);
   const std::size_t distance = from.begin - to;
-  if (is_mapped(*state_)) {
-    const MappedRange mapped(*state_, memory, to, distance + from.count);
+  if (is_mapped(state())) {
+    const MappedRange mapped(state(), memory, to, distance + from.count);
     std::memmove(mapped.bytes(), mapped.bytes() + distance, from.count);
     return;
   }
   // In pieces that do not overlap what they are copied to, one after another.
   for (std::size_t done = 0; done < from.count; done += distance)
-    check_cl(clEnqueueCopyBuffer(state_->queue, memory, memory, from.begin + done, to + done,
+    check_cl(clEnqueueCopyBuffer(state().queue, memory, memory, from.begin + done, to + done,
                                  std::min(distance, from.count - done), 0, nullptr, nullptr),
              "clEnqueueCopyBuffer");
 }
@@ -198,13 +198,13 @@ void Device::move_down(const BufferRange& from, std::size_t to) {
 void Device::fill_zero(DeviceBuffer& buffer) {
   if (buffer.byte_count_ == 0) return;
   const auto memory = static_cast<cl_mem>(buffer.memory_.get());
-  if (is_mapped(*state_)) {
-    const MappedRange mapped(*state_, memory, 0, buffer.byte_count_);
+  if (is_mapped(state())) {
+    const MappedRange mapped(state(), memory, 0, buffer.byte_count_);
     std::memset(mapped.bytes(), 0, buffer.byte_count_);
     return;
   }
   const unsigned char zero = 0;
-  check_cl(clEnqueueFillBuffer(state_->queue, memory, &zero, 1, 0, buffer.byte_count_, 0, nullptr, nullptr),
+  check_cl(clEnqueueFillBuffer(state().queue, memory, &zero, 1, 0, buffer.byte_count_, 0, nullptr, nullptr),
            "clEnqueueFillBuffer");
 }
 

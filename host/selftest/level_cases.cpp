@@ -122,7 +122,7 @@ void add_coverage(Device& device, int map_width, int map_height, int level_numbe
   DeviceBuffer out = device.make_buffer(samples.size() * sizeof(float), "samples");
   device.write(out, samples.data(), out.byte_count());
   const DeviceBuffer counts = device.make_buffer(slots / kGroup * sizeof(int), "sample counts");
-  device.kernel("movmf_start", "movmf_pack", {4, 1, true})
+  device.kernel("movmf_pack", "movmf_pack", {4, 1, true})
       .launch({static_cast<std::size_t>(fit.sample_rows) * slots / kGroup}, normals, normals, normals, texels, out,
               counts, fit);
   device.read(out, samples.data(), out.byte_count());
@@ -156,7 +156,7 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
     std::vector<int> list(kGroup);
     std::iota(list.begin(), list.end(), 0);
     const DeviceBuffer samples = uploaded(device, std::vector<float>(4 * kGroup, kPoison), "samples");
-    device.kernel("movmf_start", "movmf_pack", {4, 1, true, true})
+    device.kernel("movmf_pack", "movmf_pack", {4, 1, true, true})
         .launch({1}, uploaded(device, planes[0], "x"), uploaded(device, planes[1], "y"),
                 uploaded(device, planes[2], "z"), uploaded(device, list, "texels"), samples,
                 uploaded(device, std::vector<int>(1), "sample counts"), fit);
@@ -192,7 +192,7 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
   const DeviceBuffer samples =
       uploaded(device, std::vector<float>(2 * kGroup * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison), "samples");
   const DeviceBuffer sample_counts = uploaded(device, std::vector<int>(2, -1), "sample counts");
-  device.kernel("movmf_condense", "movmf_condensed_pack", {1, 1, false})
+  device.kernel("movmf_pack", "movmf_condensed_pack", {1, 1, false})
       .launch({2 * static_cast<std::size_t>(part_count), 64}, uploaded(device, condensed, "condensed"),
               uploaded(device, counts, "counts"), uploaded(device, list, "texels"), samples, sample_counts, fit,
               part_count);
@@ -289,18 +289,18 @@ std::vector<NumericalCase> level_cases() {
         "fractional weights: each finest texel counts once a level", 1e-6, "relative, of a texel's weight",
         "a rounding a sample"},
        strips_and_odd_sizes,
-       {{"movmf_start", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
+       {{"movmf_pack", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
       {{"shortened-normals-as-points", "movmf_pack (planar)",
         "a normal of no length has no point: 0 / 0; its facets lie outside the circle",
         "a length of at least 1e-6 divides; at most 1 - |p|^2 scatters", 1e-6, "absolute",
         "a root, two quotients and the cancellation of 1 - |p|^2"},
        shortened_normals_as_points,
-       {{"movmf_start", "MAX_V(length, (real)(1e-6f))", "length"}}},
+       {{"movmf_pack", "MAX_V(length, (real)(1e-6f))", "length"}}},
       {{"uneven-cells-side-by-side", "movmf_condensed_pack", "what lies behind a texel's cells counts as its samples",
         "samples of weight 0 up to the number of the texel that has most", kNothingWrong, "values wrong",
         "none may be: copies"},
        uneven_cells_by_any_parts,
-       {{"movmf_condense", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},
+       {{"movmf_pack", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},
       {{"a-dead-lobe-takes-nothing", "movmf_level_zero", "a lobe of no normals, or of no direction, is the nearest",
         "lobes of an amplitude up to 1e-6 are passed over", kNothingWrong, "texels wrong", "none may be"},
        a_dead_lobe_takes_nothing,

@@ -330,7 +330,8 @@ void texels_2_28_into_cells(Device& device, WorstError& worst, bool atomic) {
   std::vector<std::int64_t> cells(static_cast<std::size_t>(chunk_count) * kCells * MULTUM_CELL_SUMS, 0);
   DeviceBuffer out = device.make_buffer(cells.size() * sizeof(std::int64_t), "cells");
   device.fill_zero(out);
-  Kernel add = device.kernel("movmf_condense", atomic ? "movmf_condense_add" : "movmf_condense_cells", {1, 1, false});
+  Kernel add = atomic ? device.kernel("movmf_condense_team", "movmf_condense_add", {1, 1, false})
+                      : device.kernel("movmf_condense", "movmf_condense_cells", {1, 1, false});
   for (fit.map_first_row = 0; fit.map_first_row < kHeight; fit.map_first_row += kBandRows)
     if (atomic)
       add.launch({static_cast<std::size_t>(fit.sample_columns) * static_cast<std::size_t>(strip_count)}, x, y, z, x, y,
@@ -375,9 +376,10 @@ void means_of_2_58(Device& device, WorstError& worst, bool by_team) {
   DeviceBuffer out = device.make_buffer(samples.size() * sizeof(float), "samples"),
                counts = device.make_buffer(sizeof(int), "counts");
   device.write(out, samples.data(), out.byte_count());
-  device.kernel("movmf_condense", by_team ? "movmf_condense_team_means" : "movmf_condense_means", {1, 1, false})
-      .launch(by_team ? Kernel::WorkSize{MULTUM_TEAM, MULTUM_TEAM} : Kernel::WorkSize{1}, in, out, counts, 1,
-              chunk_count, 3, 1);
+  Kernel add_up = by_team ? device.kernel("movmf_condense_team", "movmf_condense_team_means", {1, 1, false})
+                          : device.kernel("movmf_condense", "movmf_condense_means", {1, 1, false});
+  add_up.launch(by_team ? Kernel::WorkSize{MULTUM_TEAM, MULTUM_TEAM} : Kernel::WorkSize{1}, in, out, counts, 1,
+                chunk_count, 3, 1);
   device.read(out, samples.data(), out.byte_count());
   int count = 0;
   device.read(counts, &count, sizeof(count));
@@ -464,6 +466,8 @@ std::vector<NumericalCase> sum_cases() {
         "two conversions and a division"},
        means_of_2_58_by_any_form,
        {{"movmf_condense", "long4 sum = vload4(cell, chunks);",
+         "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"},
+        {"movmf_condense_team", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"}}},
       {{"axes-of-no-extent", "movmf_condense_probe, movmf_condense_axes",
         "bins a unit of 63 / 0; straight down lies at 0 / 0", "an extent of 1e-6 at least, 1 + z of 1e-6 at least",

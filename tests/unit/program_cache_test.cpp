@@ -6,7 +6,12 @@
 
 #include <cmath>
 
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "host/bake/movmf_bake.h"
 #include "host/base/content_hash.h"
+#include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/opencl/device.h"
 #include "kernels/shared/movmf_fit.h"
@@ -92,6 +97,91 @@ TEST_F(ProgramCacheTest, AFolderThatCannotBeMadeCostsOnlyTheBuild) {
   std::filesystem::remove(path);
   std::filesystem::create_directory(path);
   EXPECT_NE(use(folder / "cache").find("is a folder"), std::string::npos);
+}
+
+TEST_F(ProgramCacheTest, WhatIsPreparedIsBuiltOnceAndKept) {
+  const TemporaryFolder folder;
+  set_program_cache_folder(folder.path());
+  const KernelVariant variant{1, 1, false};
+  {
+    ::testing::internal::CaptureStderr();
+    Device device = Device::open("");
+    device.prepare({{"movmf_level_zero", variant}, {"moments", variant}, {"movmf_level_zero", variant}});
+    device.prepare({{"moments", variant}});
+    device.kernel("movmf_level_zero", "movmf_level_zero", variant);
+    device.kernel("moments", "moment_finest", variant);
+    EXPECT_EQ(device.unprepared_count(), 0);
+    device.kernel("mip_box", "mip_texels", variant);
+    EXPECT_EQ(device.unprepared_count(), 1) << "nobody had prepared this one";
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find("compiling kernels for " + device.info().name), std::string::npos) << said;
+    EXPECT_EQ(said.find("compiling"), said.rfind("compiling")) << "once: " << said;
+  }
+  EXPECT_EQ(folder.names().size(), 3u);
+  ::testing::internal::CaptureStderr();
+  Device device = Device::open("");
+  device.prepare({{"movmf_level_zero", variant}, {"moments", variant}});
+  device.kernel("moments", "moment_finest", variant);
+  EXPECT_EQ(device.unprepared_count(), 0);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "") << "nothing was compiled";
+}
+
+TEST_F(ProgramCacheTest, WhatIsPreparedAndNeverAskedForHoldsNobodyUp) {
+  const TemporaryFolder folder;
+  set_program_cache_folder(folder.path());
+  std::vector<ProgramChoice> many;
+  for (int order = 1; order <= 20; ++order) many.push_back({"sh_project", {1, 1, false, false, order}});
+  {
+    Device device = Device::open("");
+    device.prepare(many);
+  }  // waits for those that run, and for no other
+  EXPECT_LT(folder.names().size(), many.size());
+}
+
+TEST_F(ProgramCacheTest, AProgramThatDoesNotBuildIsToldToWhoAsksForIt) {
+  const TemporaryFolder folder;
+  set_program_cache_folder(folder.path());
+  Device device = Device::open("");
+  device.edit_kernels({{"movmf_level_zero", "__kernel", "no kernel;"}});
+  device.prepare({{"movmf_level_zero", {1, 1, false}}});
+  try {
+    device.kernel("movmf_level_zero", "movmf_level_zero", {1, 1, false});
+    FAIL() << "it was built";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kEnvironment);
+    EXPECT_NE(std::string(error.what()).find("movmf_level_zero.cl"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(folder.names().size(), 0u);
+}
+
+// The first bake of a machine builds what it launches, side by side, and nothing else.
+TEST_F(ProgramCacheTest, ABakePreparesWhatItLaunches) {
+  constexpr int kWidth = 256, kHeight = 192;  // large enough for condensed levels, and weighted ones
+  NormalMap map;
+  map.width = kWidth;
+  map.height = kHeight;
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const double at = i;
+    const glm::vec3 normal = glm::normalize(glm::vec3(0.4 * std::sin(at), 0.4 * std::cos(1.7 * at), 1.0));
+    map.x.push_back(normal.x);
+    map.y.push_back(normal.y);
+    map.z.push_back(normal.z);
+  }
+  const std::vector<float> grey(map.x.size(), 0.5f);
+  const ColourMap colours{kWidth, kHeight, grey, grey, grey, "", 0};
+  for (const bool coloured : {false, true}) {
+    SCOPED_TRACE(coloured);
+    const TemporaryFolder folder;
+    set_program_cache_folder(folder.path());
+    Device device = Device::open(DeviceChoice{"", coloured});  // one of them as an accelerator
+    MovmfSettings settings;
+    settings.lobe_count = 2;
+    BakeReport report;
+    bake_movmf(device, map, coloured ? &colours : nullptr, settings, report, nullptr);
+    EXPECT_EQ(device.unprepared_count(), 0);
+    EXPECT_EQ(static_cast<std::size_t>(device.program_count()), folder.names().size()) << "built and never asked for";
+    EXPECT_GE(device.program_count(), 5);
+  }
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ int run_mip(MipOptions& o) {
   if (o.wrap_t) o.job.wrap_t = *o.wrap_t;
   if (!(std::isfinite(o.job.scale) && o.job.scale != 0.0f))
     throw Error(ErrorCode::kUsage, fmt::format("--scale is {}, expected a number that is not 0", o.job.scale));
-  Device device = Device::open(o.device);
+  Device device = Device::when_needed(DeviceChoice{o.device});
   const auto progress = make_progress(o.common);
   return print_result(o.common, o.job.output, o.job.kind, bake_mip(o.job, device, progress.get()));
 }
@@ -136,7 +136,7 @@ int run_reflectance(ReflectanceOptions& o) {
   if (std::sscanf(o.brdf.c_str(), "blinn-phong:%f%c", &o.job.exponent, &rest) != 1)
     throw Error(ErrorCode::kUsage, "--brdf is '" + o.brdf + "', expected blinn-phong:S with S 1..100000");
   validate(o.job);  // before a device is looked for
-  Device device = Device::open(o.device);
+  Device device = Device::when_needed(DeviceChoice{o.device});
   const auto progress = make_progress(o.common);
   return print_result(o.common, o.job.output, PyramidKind::kReflectance,
                       bake_reflectance(o.job, device, progress.get()));

@@ -44,7 +44,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   job.scratch = o.output + ".sweep";
   if (std::filesystem::exists(job.scratch))
     throw Error(ErrorCode::kEnvironment, job.scratch + ": is there already, expected no file or folder of that name");
-  Device device = Device::open(o.device);
+  Device device = Device::when_needed(DeviceChoice{o.device});
   const auto progress = make_progress(o.common);
   const TradeoffResult result = run_tradeoff(job, device, progress.get());
   write_text_file(o.output, tradeoff_page(job, result));

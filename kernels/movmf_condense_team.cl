@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// What movmf_condense.cl does, for devices that add to one place from many work-items and take a texel by a team of
+// them (host/opencl/launch_shape.h): the same bytes. A file of its own, since a driver compiles all that a file has.
+// This file has only a scalar variant.
+
+#include "device/condensed_cells.clh"
+
+#ifdef cl_khr_int64_base_atomics
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+
+static void add_to_cell(__global long* cells, int cell, long4 value) {
+  __global long* at = cells + (size_t)cell * MULTUM_CELL_SUMS;
+  atom_add((volatile __global long*)at, value.x);
+  atom_add((volatile __global long*)(at + 1), value.y);
+  atom_add((volatile __global long*)(at + 2), value.z);
+  atom_add((volatile __global long*)(at + 3), value.w);
+}
+
+// As movmf_condense_cells, into one table a texel, by atomic additions of whole numbers, whose order cannot be seen.
+// One work-item = strip_rows rows of one column of one texel; global size width * fit.sample_columns * strip_count,
+// columns side by side. What goes to one cell in a row of turns is added there once, so that a flat map is no queue.
+//   cells [texel][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
+__kernel void movmf_condense_add(__global const float* restrict normal_x, __global const float* restrict normal_y,
+                                 __global const float* restrict normal_z, __global const float* restrict value_x,
+                                 __global const float* restrict value_y, __global const float* restrict value_z,
+                                 __global const float* restrict axes, __global long* cells, MultumMovmfFit fit,
+                                 int texel_row, int strip_rows, int strip_count, int are_normals) {
+  const int item = (int)get_global_id(0);
+  const int columns = fit.width * fit.sample_columns;
+  const int strip = item / columns, x = item % columns / fit.sample_columns;
+  if (strip >= strip_count) return;
+  const Covered covered = covered_by(x, texel_row, &fit);
+  const int column = covered.first_column + item % columns % fit.sample_columns;
+  if (column >= covered.last_column) return;
+  __global long* out = cells + (size_t)x * fit.sample_capacity * MULTUM_CELL_SUMS;
+  const CellGrid grid = grid_of_texel(axes, x);
+  const int first_row = max(covered.first_row, fit.map_first_row) + strip * strip_rows;
+  const int last_row = min(min(covered.last_row, fit.map_first_row + fit.map_window_rows), first_row + strip_rows);
+  long4 sum = (long4)(0);
+  int cell_of_sum = -1;
+  for (int row = first_row; row < last_row; ++row) {
+    const size_t source = (size_t)(row - fit.map_first_row) * fit.map_width + column;
+    float weight = FIXED_POINT;
+#if MULTUM_WEIGHTED
+    const float row_weight = coverage(row, texel_row, fit.map_height, fit.height);
+    weight *= row_weight * coverage(column, x, fit.map_width, fit.width);
+#endif
+    const int cell = cell_of_normal(normal_x[source], normal_y[source], normal_z[source], grid, &fit);
+    const long4 value = cell_value(value_x[source], value_y[source], value_z[source], weight, &fit, are_normals);
+    if (cell != cell_of_sum) {
+      if (cell_of_sum >= 0) add_to_cell(out, cell_of_sum, sum);
+      cell_of_sum = cell;
+      sum = (long4)(0);
+    }
+    sum += value;
+  }
+  if (cell_of_sum >= 0) add_to_cell(out, cell_of_sum, sum);
+}
+#endif
+
+// As movmf_condense_means, by a team of MULTUM_TEAM work-items a texel, the same bytes: a member takes a cell, and its
+// place is the number of those before it that hold anything. Local size MULTUM_TEAM, global size MULTUM_TEAM *
+// texel_count.
+__attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_condense_team_means(
+    __global const long* cells, __global float* samples, __global int* sample_counts, int texel_count, int chunk_count,
+    int cell_count, int are_normals) {
+  __local int holds[MULTUM_TEAM];
+  const int texel = (int)get_group_id(0), member = (int)get_local_id(0);
+  if (texel >= texel_count) return;
+  __global const long* in = cells + (size_t)texel * chunk_count * cell_count * MULTUM_CELL_SUMS;
+  __global float* out = samples + (size_t)texel * cell_count * MULTUM_CONDENSED_SAMPLE;
+  int count = 0;
+  for (int block = 0; block < cell_count; block += MULTUM_TEAM) {
+    const int cell = block + member;
+    const float4 mean =
+        cell < cell_count ? mean_of_cell(in, cell, cell_count, chunk_count, are_normals) : (float4)(0.0f);
+    holds[member] = mean.w > 0.0f ? 1 : 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    int place = count;
+    for (int i = 0; i < MULTUM_TEAM; ++i) {
+      place += i < member ? holds[i] : 0;
+      count += holds[i];
+    }
+    if (mean.w > 0.0f) vstore4(mean, place, out);
+    barrier(CLK_LOCAL_MEM_FENCE);
+  }
+  if (member == 0) sample_counts[texel] = count;
+}

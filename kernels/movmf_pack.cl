@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Before a launch of EM: the samples of 16 texels side by side, from the map or from condensed normals. Neither knows
+// how many lobes there are. This file has only a scalar variant.
+
+#include "device/level_window.clh"
+#include "device/movmf_em.clh"
+#include "device/texel_coverage.clh"
+#include "shared/movmf_fit.h"
+
+// Finest texels that only lie partly in a texel get fractional weights (maps that are no powers of two).
+#ifndef MULTUM_WEIGHTED
+#define MULTUM_WEIGHTED 0
+#endif
+
+// The normals of 16 texels side by side, so that EM streams them once an iteration.
+// One work-item = one row of samples of one group; global size sample_rows * slot_count / MULTUM_GROUP.
+//   normal_x, normal_y, normal_z [map_window_rows * map_width]
+//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]
+//   sample_counts [group]
+// Samples that no finest texel stands for (narrower texels, unused slots) repeat one and weigh 0. Memory bound.
+__kernel void movmf_pack(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
+                         __global const int* texel_list, __global float* samples, __global int* sample_counts,
+                         MultumMovmfFit fit) {
+  const int item = (int)get_global_id(0);
+  const int group = item / fit.sample_rows;
+  const int row = item % fit.sample_rows;
+  if (group * MULTUM_GROUP >= fit.slot_count) return;
+  const int planes = 3 + MULTUM_WEIGHTED;
+  if (row == 0) sample_counts[group] = fit.sample_columns * fit.sample_rows;
+  __global float* out = samples + ((size_t)group * fit.sample_rows + row) * fit.sample_columns * planes * MULTUM_GROUP;
+  for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
+    const int texel = max(texel_list[group * MULTUM_GROUP + lane], 0);
+    const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
+    const int first_column = first_covered(x, fit.map_width, fit.width);
+    const int first_row = first_covered(y, fit.map_height, fit.height);
+    const int map_row = min(first_row + row, fit.map_height - 1);
+    const size_t row_start = map_row_start(map_row, &fit);
+#if MULTUM_WEIGHTED
+    const float row_weight = coverage(first_row + row, y, fit.map_height, fit.height);
+#endif
+    for (int i = 0; i < fit.sample_columns; ++i) {
+      const size_t source = row_start + min(first_column + i, fit.map_width - 1);
+      __global float* sample = out + (size_t)i * planes * MULTUM_GROUP + lane;
+      float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
+      TO_SAMPLE(float, nx, ny, nz, fit.shortened)
+      sample[0 * MULTUM_GROUP] = nx;
+      sample[1 * MULTUM_GROUP] = ny;
+      sample[2 * MULTUM_GROUP] = nz;
+#if MULTUM_WEIGHTED
+      sample[3 * MULTUM_GROUP] = row_weight * coverage(first_column + i, x, fit.map_width, fit.width);
+#endif
+    }
+  }
+}
+
+// The same of condensed normals. One work-item = one of part_count parts of the samples of
+// one group of slots, every part_count-th; global size slot_count / MULTUM_GROUP * part_count.
+//   condensed [texel of the window][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE]
+//   condensed_counts [texel of the window]
+//   samples [group][sample][4][MULTUM_GROUP]   written
+//   sample_counts [group]                      written: that of the texel that has most; what others lack weighs 0
+// Memory bound.
+__kernel void movmf_condensed_pack(__global const float* condensed, __global const int* condensed_counts,
+                                   __global const int* texel_list, __global float* samples, __global int* sample_counts,
+                                   MultumMovmfFit fit, int part_count) {
+  const int group = (int)get_global_id(0) / part_count, part = (int)get_global_id(0) % part_count;
+  if (group * MULTUM_GROUP >= fit.slot_count) return;
+  __global float* out = samples + (size_t)group * fit.sample_capacity * 4 * MULTUM_GROUP;
+  __global const int* texels = texel_list + group * MULTUM_GROUP;
+  int most = 1;
+  for (int lane = 0; lane < MULTUM_GROUP; ++lane)
+    if (texels[lane] >= 0) most = max(most, condensed_counts[texels[lane]]);
+  for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
+    const int count = texels[lane] < 0 ? 0 : condensed_counts[texels[lane]];
+    __global const float* in = condensed + (size_t)max(texels[lane], 0) * fit.sample_capacity * MULTUM_CONDENSED_SAMPLE;
+    for (int i = part; i < most; i += part_count) {
+      const float4 sample = i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f);
+      __global float* to = out + (size_t)i * 4 * MULTUM_GROUP + lane;
+      to[0] = sample.x;
+      to[MULTUM_GROUP] = sample.y;
+      to[2 * MULTUM_GROUP] = sample.z;
+      to[3 * MULTUM_GROUP] = sample.w;
+    }
+  }
+  if (part == 0) sample_counts[group] = most;
+}
