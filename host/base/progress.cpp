@@ -12,6 +12,7 @@
 #include <cstdio>
 
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 
 namespace multum {
 
@@ -45,6 +46,12 @@ namespace {
 volatile std::sig_atomic_t g_interrupted = 0;
 
 void on_interrupt(int) { g_interrupted = 1; }
+
+}  // namespace
+
+bool is_interrupted() { return g_interrupted != 0; }
+
+namespace {
 
 void install_interrupt_handlers() {
   struct sigaction action = {};

@@ -14,6 +14,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 #include "host/base/log.h"
 #include "host/opencl/cl_error.h"
 #include "host/opencl/device_state.h"
@@ -47,6 +48,8 @@ cl_program build_from_source(cl_context context, cl_device_id device, const std:
   if (status != CL_SUCCESS) {
     const std::string log = build_log(device, program);
     clReleaseProgram(program);
+    // At a signal LLVM, which PoCL compiles with, deletes the files that it is writing.
+    if (is_interrupted()) throw Cancelled();
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}.cl does not build with {}: {}\n{}", file, options, cl_error_name(status), log));
   }

@@ -74,7 +74,7 @@ class LevelBench {
       samples_.resize(slots_ * static_cast<std::size_t>(fit_.sample_columns * fit_.sample_rows) * 3);
       sample_count_buffer_ = device.make_buffer(slots_ / MULTUM_GROUP * sizeof(int), "sample counts");
       sample_buffer_ = device.make_buffer(samples_.size() * sizeof(float), "samples");
-      device.kernel("movmf_start", "movmf_pack", scalar)
+      device.kernel("movmf_pack", "movmf_pack", scalar)
           .launch({slots_ / MULTUM_GROUP * static_cast<std::size_t>(fit_.sample_rows)}, plane_buffers_[0],
                   plane_buffers_[1], plane_buffers_[2], list_buffer_, sample_buffer_, sample_count_buffer_, fit_);
       device.read(sample_buffer_, samples_.data(), samples_.size() * sizeof(float));

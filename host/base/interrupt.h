@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether a signal has asked this program to end (make_progress() in host/base/progress.h listens to them).
+#pragma once
+
+namespace multum {
+
+/// True from the first SIGINT or SIGTERM on, in programs that listen to them.
+bool is_interrupted();
+
+}  // namespace multum
