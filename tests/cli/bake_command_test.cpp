@@ -263,7 +263,7 @@ TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
 }
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
-  make_map("map", 256);  // the bar is drawn anew 12 times a second
+  make_map("map", 1024);  // the bar is drawn anew 12 times a second: a fit takes longer than that
   const std::vector<std::string> arguments = {"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--force"};
   const ProgramResult piped = multum(arguments);
   ASSERT_EQ(piped.exit_code, 0) << piped.err;
