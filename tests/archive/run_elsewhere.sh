@@ -63,10 +63,7 @@ env -i PATH=/usr/bin:/bin HOME="$work/elsewhere" LANG=C.UTF-8 MULTUM_CACHE_DIR= 
 
 [ "$(id -u)" -eq 0 ] || skip "a root of $release wants root"
 command -v mmdebstrap > /dev/null || skip 'mmdebstrap is not here (Debian package mmdebstrap)'
-mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2> /dev/null |
-  sed -n 's/^URIs: *\([^ ]*\).*/\1/p; s/^deb  *\(\[[^]]*\] *\)\?\([^ ]*\).*/\2/p' | grep -v security | sed -n 1p) ||
-  true
-[ -n "$mirror" ] || skip 'apt names no mirror of Debian'
+mirror=$("$repository/tools/debian_mirror") || skip 'apt names no mirror of Debian'
 echo "run_elsewhere: in a root of $release"
 # Packages and what they depend on, unpacked and not configured: no program here wants that.
 mmdebstrap --variant=extract --include=pocl-opencl-icd,libosmesa6,base-files,bash,coreutils,grep "$release" "$root" \
