@@ -75,6 +75,10 @@ int floor_divide(std::int64_t a, std::int64_t b) { return static_cast<int>(a >= 
 
 }  // namespace
 
+bool MipSchedule::uses(FitMethod method) const {
+  return std::any_of(levels.begin(), levels.end(), [&](const LevelSchedule& level) { return level.method == method; });
+}
+
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted) {
   MULTUM_CHECK(map_width >= 1 && map_height >= 1 && map_width <= 32768 && map_height <= 32768);
   MipSchedule schedule;

@@ -30,6 +30,8 @@ struct LevelSchedule {
 struct MipSchedule {
   bool weighted;                      // texels cover fractions of finest texels
   std::vector<LevelSchedule> levels;  // coarsest first, down to level 1 or MovmfSettings::first_level
+
+  bool uses(FitMethod method) const;
 };
 
 /// A texel of up to this many samples is summed by one work-item in one go; larger ones are condensed, or summed in

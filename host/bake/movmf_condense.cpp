@@ -209,14 +209,10 @@ KernelVariant condense_variant(const MipSchedule& schedule, Representation repre
 
 std::vector<ProgramChoice> condense_programs(const MipSchedule& schedule, Representation representation,
                                              const LaunchShape& shape) {
-  std::vector<ProgramChoice> programs;
+  if (!schedule.uses(FitMethod::kCondensed)) return {};
   const KernelVariant variant = condense_variant(schedule, representation);
-  for (const LevelSchedule& level : schedule.levels) {
-    if (level.method != FitMethod::kCondensed) continue;
-    programs.push_back({"movmf_condense", variant});
-    if (shape.atomic_cells || shape.has_teams()) programs.push_back({"movmf_condense_team", variant});
-    break;
-  }
+  std::vector<ProgramChoice> programs = {{"movmf_condense", variant}};
+  if (shape.atomic_cells || shape.has_teams()) programs.push_back({"movmf_condense_team", variant});
   return programs;
 }
 

@@ -68,18 +68,14 @@ MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool wei
 }
 
 std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bool has_features) const {
-  const auto uses = [&](FitMethod method) {
-    return std::any_of(schedule.levels.begin(), schedule.levels.end(),
-                       [&](const LevelSchedule& level) { return level.method == method; });
-  };
-  const bool uses_condensed = uses(FitMethod::kCondensed), uses_texels = uses(FitMethod::kTexels);
+  const bool uses_condensed = schedule.uses(FitMethod::kCondensed), uses_texels = schedule.uses(FitMethod::kTexels);
   std::vector<ProgramChoice> programs;
   if (uses_texels) programs.push_back({"movmf_em_texels", fast_});
   if (!schedule.levels.empty()) programs.push_back({"movmf_start", starting_});
   if (uses_condensed || uses_texels) programs.push_back({"movmf_pack", packing_});
   // Of a map whose sides are no powers of two it is the first one again, which is prepared once.
   if (uses_condensed) programs.push_back({"movmf_em_texels", condensed_});
-  if (uses(FitMethod::kChunks)) {
+  if (schedule.uses(FitMethod::kChunks)) {
     programs.push_back({"movmf_em_chunks", fast_});
     programs.push_back({"movmf_em_mstep", scalar_});
   }

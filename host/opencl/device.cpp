@@ -76,8 +76,7 @@ DeviceInfo info_of(cl_device_id id, int index, const std::string& platform) {
 // all sizes: seconds of a first bake. Kernels of one work-item a group gain nothing by it (PoCL 3.1, AVX-512: bakes of
 // 1024 x 1024 in the same time). Who sets the variable is heard.
 void ask_for_one_version_of_kernels() {
-  static const int asked = setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
-  static_cast<void>(asked);
+  [[maybe_unused]] static const int asked = setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
 }
 
 std::vector<FoundDevice> find_devices() {

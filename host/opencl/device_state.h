@@ -81,7 +81,7 @@ std::string program_key(const DeviceState& state, const std::string& file, const
 cl_program load_program(DeviceState& state, const std::string& file, const std::string& options);
 
 /// Begins to build it, unless it is there already or there is no cache folder, whose binaries alone can be handed from
-/// one context to another. False where nothing is to be built.
-bool prepare_program(DeviceState& state, const std::string& file, const std::string& options);
+/// one context to another.
+void prepare_program(DeviceState& state, const std::string& file, const std::string& options);
 
 }  // namespace multum

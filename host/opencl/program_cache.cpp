@@ -29,35 +29,37 @@ std::string g_cache_folder;
 // driver.
 constexpr std::size_t kDigestSize = 64;
 
-std::string build_log(cl_device_id device, cl_program program) {
+std::string build_log(const DeviceState& state, cl_program program) {
   std::size_t size = 0;
-  if (clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS) return "";
+  if (clGetProgramBuildInfo(program, state.device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS) return "";
   std::string text(size, '\0');
-  clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, size, text.data(), nullptr);
+  clGetProgramBuildInfo(program, state.device, CL_PROGRAM_BUILD_LOG, size, text.data(), nullptr);
   return text;
 }
 
-cl_program build_from_source(cl_context context, cl_device_id device, const std::string& file, std::string_view source,
-                             const std::string& options) {
+// In the state's context, or in another of its device.
+cl_program build_from_source(const DeviceState& state, cl_context context, const std::string& file,
+                             std::string_view source, const std::string& options) {
   cl_int status = CL_SUCCESS;
   const char* text = source.data();
   const std::size_t length = source.size();
   cl_program program = clCreateProgramWithSource(context, 1, &text, &length, &status);
   check_cl(status, file + ".cl: clCreateProgramWithSource");
-  status = clBuildProgram(program, 1, &device, options.c_str(), nullptr, nullptr);
+  status = clBuildProgram(program, 1, &state.device, options.c_str(), nullptr, nullptr);
   if (status != CL_SUCCESS) {
-    const std::string log = build_log(device, program);
+    const std::string log = build_log(state, program);
     clReleaseProgram(program);
     // At a signal LLVM, which PoCL compiles with, deletes the files that it is writing.
     if (is_interrupted()) throw Cancelled();
-    throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}.cl does not build with {}: {}\n{}", file, options, cl_error_name(status), log));
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}.cl does not build on {} with {}: {}\n{}", file,
+                                                     state.info.name, options, cl_error_name(status), log));
   }
   return program;
 }
 
-// Null when the driver does not take it: it is another's, or damaged.
+// Null when there is none, or the driver does not take it: it is another's, or damaged.
 cl_program build_from_binary(const DeviceState& state, const std::string& bytes, const std::string& options) {
+  if (bytes.empty()) return nullptr;
   const std::size_t length = bytes.size();
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   cl_int binary_status = CL_SUCCESS, status = CL_SUCCESS;
@@ -136,9 +138,9 @@ void tell_of_building(DeviceState& state) {
   log_info("compiling kernels for " + state.info.name + ", once: they are kept in " + g_cache_folder);
 }
 
-std::string build_binary(cl_context context, cl_device_id device, const std::string& file, const Source& source,
+std::string build_binary(const DeviceState& state, cl_context context, const std::string& file, const Source& source,
                          const std::string& options) {
-  cl_program program = build_from_source(context, device, file, source.text, options);
+  cl_program program = build_from_source(state, context, file, source.text, options);
   const std::shared_ptr<void> program_end(program, [](void* p) { clReleaseProgram(static_cast<cl_program>(p)); });
   const std::string bytes = binary_of(program);
   save_binary(bytes, source.path);
@@ -163,42 +165,39 @@ std::string program_key(const DeviceState& state, const std::string& file, const
   return key;
 }
 
-bool prepare_program(DeviceState& state, const std::string& file, const std::string& options) {
+void prepare_program(DeviceState& state, const std::string& file, const std::string& options) {
   const std::string key = program_key(state, file, options);
-  if (g_cache_folder.empty() || state.programs.count(key) != 0 || state.builds.has(key)) return false;
+  if (g_cache_folder.empty() || state.programs.count(key) != 0 || state.builds.has(key)) return;
   const Source source = source_of(state, file, options);
-  if (!read_binary(source.path).empty()) return false;
+  std::error_code ignored;
+  if (std::filesystem::exists(source.path, ignored)) return;  // who needs it reads it, and builds it if it is damaged
   tell_of_building(state);
   // PoCL builds one program at a time in a context, and reads its library of functions once for each, in half the time
-  // that a small program takes: a context a thread.
-  state.builds.add(key, [device = state.device, file, source, options](std::shared_ptr<void>& context) {
-    if (context == nullptr) context = make_context(device);
-    return build_binary(static_cast<cl_context>(context.get()), device, file, source, options);
+  // that a small program takes: a context a thread. The state outlives its builds, which read what it is a state of.
+  state.builds.add(key, [&state, file, source, options](std::shared_ptr<void>& context) {
+    if (context == nullptr) context = make_context(state.device);
+    return build_binary(state, static_cast<cl_context>(context.get()), file, source, options);
   });
-  return true;
 }
 
 cl_program load_program(DeviceState& state, const std::string& file, const std::string& options) {
   const std::optional<std::string> prepared = state.builds.take(program_key(state, file, options));
+  if (prepared)
+    if (cl_program program = build_from_binary(state, *prepared, options)) return program;
   const Source source = source_of(state, file, options);
-  const auto from_binary = [&](const std::string& bytes) {
-    return bytes.empty() ? nullptr : build_from_binary(state, bytes, options);
-  };
-  if (!g_cache_folder.empty()) {
-    if (cl_program program = from_binary(prepared ? *prepared : read_binary(source.path))) {
-      if (!prepared) log_verbose("program cache: " + file + " loaded");
+  if (!prepared && !g_cache_folder.empty()) {
+    if (cl_program program = build_from_binary(state, read_binary(source.path), options)) {
+      log_verbose("program cache: " + file + " loaded");
       return program;
     }
+    ++state.unprepared_count;
+    log_verbose("program cache: " + file + " is built while its caller waits");
+    tell_of_building(state);
     // What was just built is taken as a binary, too: the first run does what every later one does.
-    if (!prepared) {
-      ++state.unprepared_count;
-      log_verbose("program cache: " + file + " is built while its caller waits");
-      tell_of_building(state);
-      if (cl_program program = from_binary(build_binary(state.context, state.device, file, source, options)))
-        return program;
-    }
+    const std::string bytes = build_binary(state, state.context, file, source, options);
+    if (cl_program program = build_from_binary(state, bytes, options)) return program;
   }
-  return build_from_source(state.context, state.device, file, source.text, options);
+  return build_from_source(state, state.context, file, source.text, options);
 }
 
 }  // namespace multum
