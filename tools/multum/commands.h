@@ -29,6 +29,8 @@ std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 /// Does what a command line says, without the program's name, and returns its exit code; `callback`, if any, hears of
 /// the progress. Throws Error, Cancelled.
 int run_command(std::vector<std::string> arguments, const Progress::Callback& callback);
+/// The program: a main() that says on stderr what went wrong.
+int run_multum(int argc, char** argv);
 
 /// multum-view lies beside multum, in the build folder and when installed; else the one in PATH.
 std::string find_viewer();

@@ -82,6 +82,11 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   return exit_code;
 }
 
+int run_multum(int argc, char** argv) {
+  const auto run = [](int count, char** words) { return run_command({words + 1, words + count}, nullptr); };
+  return run_guarded("multum", run, argc, argv);
+}
+
 std::unique_ptr<Progress> make_progress(const CommonOptions& options) {
   return listener() ? std::make_unique<Progress>(listener()) : make_terminal_progress(!options.quiet);
 }
