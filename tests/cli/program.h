@@ -53,7 +53,7 @@ inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Tests of `multum`: a folder, and commands in it. Without multum's cache of programs: PoCL keeps what it compiles by
-/// itself, and to put a program into a file it compiles every kernel a second time, for groups of any size.
+/// itself, for all tests at once, and it compiles what is launched, where a program in a file has all of its kernels.
 class CliTest : public ::testing::Test {
  protected:
   CliTest();

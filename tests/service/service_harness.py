@@ -29,8 +29,8 @@ class Service:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(config)
             self.options += ["--config", path]
-        # Without multum's cache of programs: PoCL keeps what it compiles by itself, and to put a program into a file it
-        # compiles every kernel a second time.
+        # Without multum's cache of programs: PoCL keeps what it compiles by itself, and it compiles what is launched,
+        # where a program in a file has all of its kernels.
         self.environment = dict(os.environ, MULTUM_CACHE_DIR="", **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
