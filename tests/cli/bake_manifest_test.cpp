@@ -70,7 +70,7 @@ class BakeManifestCommandTest : public CliTest {
     ASSERT_EQ(made.exit_code, 0) << made.err;
   }
   // The check finds `state` of b and nothing of a, lists it with `why`, and is content once b has been mended.
-  void expect_finding(const std::string& state, const std::string& why) const {
+  void expect_finding(const std::string& state, const std::vector<std::string>& why) const {
     const auto before = times();
     const ProgramResult dry = bake({"--check", "--dry-run"});
     EXPECT_EQ(dry.exit_code, 5) << dry.err;
@@ -78,10 +78,9 @@ class BakeManifestCommandTest : public CliTest {
     const ProgramResult check = bake({"--check"});
     EXPECT_EQ(check.exit_code, 5) << check.err;
     for (const ProgramResult& result : {dry, check}) {
-      EXPECT_TRUE(
-          contains(result.err, fmt::format("FAILED for 1 of 2 maps: 1 {}\n  {:<8} out/b.ndf.exr: ", state, state)))
-          << result.err;
-      EXPECT_TRUE(contains(result.err, why)) << result.err;
+      EXPECT_TRUE(contains(result.err, fmt::format("1 {}\n  {:<8} out/b.ndf.exr: ", state, state))) << result.err;
+      expect_says(result.err, {"FAILED", "1 of 2 maps"});
+      expect_says(result.err, why);
     }
     EXPECT_FALSE(contains(dry.err, "baked now")) << dry.err;
     EXPECT_TRUE(contains(check.err, "; baked now")) << check.err;
@@ -96,7 +95,7 @@ TEST_F(BakeManifestCommandTest, BakesAsTheCommandLineDoes) {
   const ProgramResult result = bake();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.out, "out/a.ndf.exr: written")) << result.out;
-  EXPECT_TRUE(contains(result.out, "multum bake: passed, 2 maps in place: 2 baked\n")) << result.out;
+  expect_says(result.out, {"multum bake: ", "passed", "2 maps", "2 baked\n"});
   const auto same = [&](const std::string& name, std::vector<std::string> options) {
     options.insert(options.begin(),
                    {"bake", path(name + "_normal.png"), "-o", path(name + ".ndf.exr"), "--green", "up"});
@@ -114,7 +113,7 @@ TEST_F(BakeManifestCommandTest, WhatIsUpToDateIsLeftAlone) {
   for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--check"}, {"--check", "--dry-run"}}) {
     const ProgramResult result = bake(options);
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_TRUE(contains(result.out, "passed, 2 maps in place: 2 unchanged\n")) << result.out;
+    expect_says(result.out, {"passed", "2 maps", "2 unchanged\n"});
     EXPECT_TRUE(contains(result.out, options.empty() ? "out/b.ndf.exr: unchanged" : "out/b.ndf.exr: in place, "))
         << result.out;
   }
@@ -124,28 +123,28 @@ TEST_F(BakeManifestCommandTest, WhatIsUpToDateIsLeftAlone) {
   EXPECT_EQ(times().at(path("out/b.ndf.exr")), before.at(path("out/b.ndf.exr")));
   const ProgramResult forced = bake({"--force"});
   EXPECT_EQ(forced.exit_code, 0) << forced.err;
-  EXPECT_TRUE(contains(forced.out, "2 maps in place: 2 baked")) << forced.out;
+  expect_says(forced.out, {"2 maps", "2 baked"});
   EXPECT_NE(times().at(path("out/b.ndf.exr")), before.at(path("out/b.ndf.exr")));
 }
 
 TEST_F(BakeManifestCommandTest, AnEditedSourceIsStale) {
   bake_all();
   edit_source("b", 16);
-  expect_finding("stale", "the source has changed");
+  expect_finding("stale", {"source", "changed"});
   write_bytes(path("b_normal.png"), read_bytes(path("a_normal.png")));
   const ProgramResult plain = bake();
   EXPECT_EQ(plain.exit_code, 0) << plain.err;
-  EXPECT_TRUE(contains(plain.out, "2 maps in place: 1 unchanged, 1 baked")) << plain.out;
+  expect_says(plain.out, {"2 maps", "1 unchanged", "1 baked"});
   EXPECT_EQ(read_movmf_header(path("out/b.ndf.exr")).width(), 32);
 }
 
 TEST_F(BakeManifestCommandTest, OtherSettingsAreStale) {
   bake_all();
   write_manifest("lobes = 2\nkappa_cap = 250.5\n");
-  expect_finding("stale", "kappa_cap was 500, is 250.5; lobes was 4, is 2");
+  expect_finding("stale", {"kappa_cap", "500", "250.5", "lobes", "4", "2"});
   fs::copy(path("b_normal.png"), path("grey.png"));
   write_manifest("lobes = 2\nkappa_cap = 250.5\nalbedo = \"grey.png\"\n");
-  expect_finding("stale", "the albedo has changed");
+  expect_finding("stale", {"albedo", "changed"});
 }
 
 TEST_F(BakeManifestCommandTest, AFileThatWasNotMeasuredIsStale) {
@@ -154,13 +153,13 @@ TEST_F(BakeManifestCommandTest, AFileThatWasNotMeasuredIsStale) {
       multum({"bake", path("b_normal.png"), "-o", path("out/b.ndf.exr"), "--green", "up", "--no-measure", "--force"})
           .exit_code,
       0);
-  expect_finding("stale", "its error was not measured");
+  expect_finding("stale", {"error", "not measured"});
 }
 
 TEST_F(BakeManifestCommandTest, ADeletedFileIsMissing) {
   bake_all();
   fs::remove(path("out/b.ndf.exr"));
-  expect_finding("missing", "there is no such file");
+  expect_finding("missing", {"no such file"});
 }
 
 TEST_F(BakeManifestCommandTest, FlippedBitsAreDamage) {
@@ -168,7 +167,7 @@ TEST_F(BakeManifestCommandTest, FlippedBitsAreDamage) {
   const std::string whole = read_bytes(path("out/b.ndf.exr"));
   damage("out/b.ndf.exr");
   EXPECT_EQ(bake().exit_code, 0) << "without --check the header is believed";
-  expect_finding("damaged", "");
+  expect_finding("damaged", {});
   EXPECT_TRUE(read_bytes(path("out/b.ndf.exr")) == whole);
 }
 
@@ -179,13 +178,13 @@ TEST_F(BakeManifestCommandTest, AWrongChecksumIsDamage) {
   for (std::size_t at = bytes.find(hash); at != std::string::npos; at = bytes.find(hash, at))
     bytes.replace(at, 4, "0000");
   write_bytes(path("out/b.ndf.exr"), bytes);
-  expect_finding("damaged", "checksum: found " + hash);
+  expect_finding("damaged", {"checksum", hash});
 }
 
 TEST_F(BakeManifestCommandTest, WhatIsNoBakedFileIsDamage) {
   bake_all();
   write_bytes(path("out/b.ndf.exr"), "no baked file");
-  expect_finding("damaged", "not a readable baked file");
+  expect_finding("damaged", {"baked file"});
 }
 
 // The checksum is of the pixels: a header that promises more than they hold is found by measuring alone.
@@ -203,8 +202,8 @@ TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
   const auto before = times();
   const ProgramResult check = bake({"--check"});
   EXPECT_EQ(check.exit_code, 5) << check.err;
-  EXPECT_TRUE(contains(check.err, "1 worse\n  worse    out/b.ndf.exr: is ")) << check.err;
-  EXPECT_TRUE(contains(check.err, "% off at level 1, centre, blinn-phong:500, states 0 %")) << check.err;
+  EXPECT_TRUE(contains(check.err, "1 worse\n  worse    out/b.ndf.exr: ")) << check.err;
+  expect_says(check.err, {"level 1", "centre", "blinn-phong:500", "0 %"});
   EXPECT_EQ(times(), before) << "what is worse is not baked again";
 }
 
@@ -217,8 +216,7 @@ TEST_F(BakeManifestCommandTest, ErrorMaxIsHeld) {
   for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--check"}}) {
     const ProgramResult result = bake(options);
     EXPECT_EQ(result.exit_code, 5) << result.err;
-    EXPECT_TRUE(contains(result.err, "FAILED for 1 of 2 maps: 1 worse\n  worse    out/b.ndf.exr: is ")) << result.err;
-    EXPECT_TRUE(contains(result.err, "% off, error_max allows 1 %\n")) << result.err;
+    expect_says(result.err, {"FAILED", "1 of 2 maps", "1 worse\n  worse    out/b.ndf.exr: ", "error_max", "1 %\n"});
   }
   EXPECT_EQ(times(), before);
   write_manifest("error_max = 0.99\n");
@@ -234,10 +232,9 @@ TEST_F(BakeManifestCommandTest, OneBadMapDoesNotStopTheOthers) {
       "output = \"out/<UDIM>.exr\"\n[[map]]\ninput = \"a_normal.png\"\ngreen = \"up\"\noutput = \"out/a.ndf.exr\"\n");
   for (const bool is_check : {false, true}) {
     const ProgramResult result = is_check ? bake({"--check"}) : bake();
-    EXPECT_EQ(result.exit_code, 3) << result.err;
-    for (const char* part : {"FAILED for 2 of 3 maps: 2 failed\n", "\n  failed   out/c.ndf.exr: ", "broken.png",
-                             "\n  failed   out/<UDIM>.exr: ", "none_<UDIM>.png"})
-      EXPECT_TRUE(contains(result.err, part)) << part << " is not in\n" << result.err;
+    expect_refusal(result, kInput,
+                   {"FAILED", "2 of 3 maps", "2 failed\n", "\n  failed   out/c.ndf.exr: ", "broken.png",
+                    "\n  failed   out/<UDIM>.exr: ", "none_<UDIM>.png"});
     EXPECT_TRUE(fs::exists(path("out/a.ndf.exr")));
     EXPECT_FALSE(fs::exists(path("out/c.ndf.exr")));
   }
@@ -253,8 +250,7 @@ TEST_F(BakeManifestCommandTest, SetsAreBakedTileByTile) {
   EXPECT_TRUE(fs::exists(path("out/rock_1001.ndf.exr")));
   fs::remove(path("out/rock_1002.ndf.exr"));
   const ProgramResult check = bake({"--check"});
-  EXPECT_EQ(check.exit_code, 5);
-  EXPECT_TRUE(contains(check.err, "1 of 2 maps: 1 missing\n  missing  out/rock_1002.ndf.exr: ")) << check.err;
+  expect_refusal(check, kVerification, {"1 of 2 maps", "1 missing\n  missing  out/rock_1002.ndf.exr: "});
   EXPECT_EQ(bake({"--check"}).exit_code, 0);
 }
 
@@ -310,52 +306,42 @@ TEST_F(BakeManifestCommandTest, ChoosesSettingsForATarget) {
   EXPECT_EQ(times(), before);
   write_manifest("target_error = 0.4\nndf = \"vmf\"\n");
   const ProgramResult other = bake({"--check", "--dry-run"});
-  EXPECT_EQ(other.exit_code, 5);
-  EXPECT_TRUE(contains(other.err,
-                       "out/b.ndf.exr: its settings were chosen for an error of 0.5 for blinn-phong:100 by "
-                       "vmf, expected an error of 0.4 for blinn-phong:100 by vmf"))
-      << other.err;
+  expect_refusal(other, kVerification,
+                 {"out/b.ndf.exr: ", "settings", "error of 0.5 for blinn-phong:100 by vmf",
+                  "expected an error of 0.4 for blinn-phong:100 by vmf"});
   write_manifest("target_error = 0.00001\nndf = \"moments\"\n");
   const ProgramResult missed = bake();
-  EXPECT_EQ(missed.exit_code, 5);
-  EXPECT_TRUE(contains(missed.err, "no settings reach an error of 1e-05 for blinn-phong:100 by moments: the best, "))
-      << missed.err;
-  EXPECT_TRUE(contains(missed.err, "not written")) << missed.err;
+  expect_refusal(missed, kVerification, {"no settings", "1e-05", "blinn-phong:100", "moments", "best", "not written"});
 }
 
 TEST_F(BakeManifestCommandTest, WhatDoesNotGoTogether) {
   const auto before = times();
-  const auto refused = [&](const std::vector<std::string>& options, const std::string& part, int code = 2) {
-    const ProgramResult result = bake(options);
-    EXPECT_EQ(result.exit_code, code) << part;
-    EXPECT_TRUE(contains(result.err, part)) << result.err;
-  };
-  refused({path("a_normal.png")}, "input is given beside --manifest");
-  refused({"-o", path("c.exr")}, "--output is given beside --manifest");
-  refused({"--report", path("r.json")}, "--report is given beside --manifest");
-  refused({"--no-measure"}, "--no-measure is given beside --manifest");
-  refused({"--first-level", "1"}, "--first-level is given beside --manifest, expected first_level under [[map]]");
-  refused({"-d", "half"}, "--data-format is given beside --manifest, expected data_format under");
-  refused({"--bumpformat", "normal"}, "--bumpformat is given beside --manifest");
-  refused({"--target-error", "0.1"}, "--target-error is given beside --manifest, expected target_error under");
-  refused({"--check", "--force"}, "--force excludes --check");
-  refused({"--dry-run"}, "--dry-run requires --check");
+  const auto refused = [&](const std::vector<std::string>& options, const std::vector<std::string>& parts,
+                           int code = kUsage) { expect_refusal(bake(options), code, parts); };
+  refused({path("a_normal.png")}, {"input", "--manifest"});
+  refused({"-o", path("c.exr")}, {"--output", "--manifest"});
+  refused({"--report", path("r.json")}, {"--report", "--manifest"});
+  refused({"--no-measure"}, {"--no-measure", "--manifest"});
+  refused({"--first-level", "1"}, {"--first-level", "--manifest", "first_level", "[[map]]"});
+  refused({"-d", "half"}, {"--data-format", "--manifest", "data_format"});
+  refused({"--bumpformat", "normal"}, {"--bumpformat", "--manifest"});
+  refused({"--target-error", "0.1"}, {"--target-error", "--manifest", "target_error"});
+  refused({"--check", "--force"}, {"--force", "excludes", "--check"});
+  refused({"--dry-run"}, {"--dry-run", "requires", "--check"});
   for (const char* option : {"--junit", "--summary"}) {
-    refused({option, path("a_normal.png")}, "is named twice");
-    refused({option, path("out/b.ndf.exr")}, "is named twice");
-    refused({option, path("maps.toml")}, "is named twice");
-    refused({option, path("none/report")}, "does not exist", 4);
+    refused({option, path("a_normal.png")}, {"a_normal.png", "twice"});
+    refused({option, path("out/b.ndf.exr")}, {"b.ndf.exr", "twice"});
+    refused({option, path("maps.toml")}, {"maps.toml", "twice"});
+    refused({option, path("none/report")}, {"none", "not exist"}, kEnvironment);
   }
-  refused({"--junit", path("r"), "--summary", path("r")}, "is named twice");
+  refused({"--junit", path("r"), "--summary", path("r")}, {path("r"), "twice"});
   for (const char* option : {"--check", "--junit", "--summary"}) {
     std::vector<std::string> command = {"bake", path("a_normal.png"), "-o", path("c.exr"), option};
     if (option != std::string("--check")) command.push_back(path("r"));
-    const ProgramResult result = multum(command);
-    EXPECT_EQ(result.exit_code, 2) << option;
-    EXPECT_TRUE(contains(result.err, std::string(option) + " requires --manifest")) << result.err;
+    expect_refusal(multum(command), kUsage, {option, "requires", "--manifest"});
   }
   write_manifest("lobes = 9\n");
-  refused({"--check"}, "maps.toml:10: map.lobes is 9, expected a whole number from 1 to 8", 3);
+  refused({"--check"}, {"maps.toml:10: ", "map.lobes", "9", "1 to 8"}, kInput);
   write_manifest("");
   EXPECT_EQ(times().size(), before.size()) << "nothing was written";
 }

@@ -25,18 +25,18 @@ class DecodingFailureTest : public CliTest {
   }
 
   // `command` with its -o, over an older file.
-  void expect_refused(std::vector<std::string> command, int code, const std::vector<std::string>& parts) const {
+  ProgramResult expect_refused(std::vector<std::string> command, int code,
+                               const std::vector<std::string>& parts) const {
     const std::string output = path("out/") + (command.front() == "multum" ? "map.ndf.exr" : "picture.png");
     command.front() = path("bin/") + command.front();
     command.insert(command.end(), {"-o", output});
     write_bytes(output, "an older file");
     const ProgramResult result = run_program(command);
-    EXPECT_EQ(result.exit_code, code) << result.err;
-    for (const std::string& part : parts)
-      EXPECT_NE(result.err.find(part), std::string::npos) << "no \"" << part << "\" in: " << result.err;
+    expect_refusal(result, code, parts);
     EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "something is left beside it";
     EXPECT_EQ(read_bytes(output), "an older file");
     fs::remove(output);
+    return result;
   }
 
   std::string map_named(const std::string& name) const {
@@ -49,22 +49,21 @@ TEST_F(DecodingFailureTest, BakeRefusesWhatEndsItsDecoder) {
   install("helper_drill");
 #ifndef MULTUM_SHADOW_MEMORY  // which has its own words for signals
   expect_refused({"multum", "bake", map_named("segfault.png")}, kInput,
-                 {"segfault.png: the process that decodes it was ended by signal 11 (Segmentation fault)", "expected"});
+                 {"segfault.png: ", "decodes", "signal 11", "Segmentation fault", "expected"});
 #endif
-  expect_refused({"multum", "bake", map_named("exit.png")}, kInput,
-                 {"exit.png: the process that decodes it ended with exit code 7"});
+  expect_refused({"multum", "bake", map_named("exit.png")}, kInput, {"exit.png: ", "decodes", "exit code 7"});
   expect_refused({"multum", "bake", map_named("hang.png"), "--decode", "child:1"}, kInput,
-                 {"hang.png: the process that decodes it took more than 1 s and was ended"});
+                 {"hang.png: ", "decodes", "more than 1 s"});
 }
 
 TEST_F(DecodingFailureTest, NoDecoderIsAnErrorOfTheMachine) {
   install("");
   expect_refused({"multum", "bake", path("map_normal.png")}, kEnvironment,
-                 {"bin/multum-decode: cannot be started: No such file or directory"});
+                 {"bin/multum-decode: ", "started", "No such file or directory"});
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "-q", "--no-measure"}).exit_code, 0);
   write_bytes(path("mesh.obj"), "");
   expect_refused({"multum-view", path("map.ndf.exr"), "--mesh", path("mesh.obj")}, kEnvironment,
-                 {"bin/multum-decode: cannot be started"});
+                 {"bin/multum-decode: ", "started"});
 }
 
 // With no decoder in reach nothing is read. With one, what it may take is handed on to the sweep's multum-view.
@@ -92,13 +91,12 @@ TEST_F(DecodingFailureTest, TheViewerRefusesWhatEndsItsDecoder) {
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", baked, "-q", "--no-measure"}).exit_code, 0);
   write_bytes(path("exit.obj"), "");
   write_bytes(path("hang.glb"), "");
-  expect_refused(
-      {"multum-view", baked, "--mesh", path("exit.obj")}, kInput,
-      {"exit.obj: the process that decodes it ended with exit code 7", "expected a file that assimp survives"});
+  expect_refused({"multum-view", baked, "--mesh", path("exit.obj")}, kInput,
+                 {"exit.obj: ", "decodes", "exit code 7", "assimp"});
   expect_refused({"multum-view", baked, "--mesh", path("hang.glb"), "--decode", "child:1"}, kInput,
-                 {"hang.glb: the process that decodes it took more than 1 s and was ended"});
+                 {"hang.glb: ", "decodes", "more than 1 s"});
   expect_refused({"multum-view", baked, "--source", map_named("exit.png"), "--compare", "truth"}, kInput,
-                 {"exit.png: the process that decodes it ended with exit code 7"});
+                 {"exit.png: ", "decodes", "exit code 7"});
 }
 
 #ifndef MULTUM_SHADOW_MEMORY
@@ -107,10 +105,14 @@ TEST_F(DecodingFailureTest, MeshesThatNeedTooMuchMemoryAreRefused) {
   const std::string baked = path("map.ndf.exr");
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", baked, "-q", "--no-measure"}).exit_code, 0);
   write_bytes(path("bomb.gltf"), gltf_bomb());
-  expect_refused({"multum-view", baked, "--mesh", path("bomb.gltf")}, kInput,
-                 {"bomb.gltf: its decoding needs more than 1073", "--decode child:SECONDS,MEMORY allows more"});
-  expect_refused({"multum-view", baked, "--mesh", path("bomb.gltf"), "--decode", "child:30,128M"}, kInput,
-                 {"bomb.gltf: its decoding needs more than 134"});
+  const std::vector<std::string> parts = {"bomb.gltf: ", "decoding", "bytes of memory",
+                                          "--decode child:SECONDS,MEMORY"};
+  std::vector<std::string> command = {"multum-view", baked, "--mesh", path("bomb.gltf")};
+  const ProgramResult usual = expect_refused(command, kInput, parts);
+  EXPECT_TRUE(contains(usual.err, " 1073")) << usual.err;  // 2^30 and some for the file's size
+  command.insert(command.end(), {"--decode", "child:30,128M"});
+  const ProgramResult less = expect_refused(command, kInput, parts);
+  EXPECT_TRUE(contains(less.err, " 134")) << less.err;
 }
 #endif
 
@@ -119,9 +121,8 @@ TEST_F(DecodingFailureTest, WhereFilesAreDecodedIsChecked) {
   for (const char* place :
        {"there", "here", "child:0", "child:2x", "child:2,", "child:2,much", "child:2,1M", "child:,1G"}) {
     const ProgramResult result = multum({"bake", path("map_normal.png"), "-o", path("a.exr"), "--decode", place});
-    EXPECT_EQ(result.exit_code, 2) << place;
-    EXPECT_NE(result.err.find("expected child, child:SECONDS (1 to 86400) or child:SECONDS,MEMORY"), std::string::npos)
-        << result.err;
+    SCOPED_TRACE(place);
+    expect_refusal(result, kUsage, {"child,", "child:SECONDS", "1 to 86400", "child:SECONDS,MEMORY"});
   }
   EXPECT_NE(multum({"tradeoff", "--help"}).out.find("--decode"), std::string::npos);
 }

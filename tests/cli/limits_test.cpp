@@ -30,8 +30,7 @@ class LimitsTest : public CliTest {
   void expect_failed(const ProgramResult& result, const std::vector<std::string>& parts) const {
     EXPECT_EQ(result.signal, 0);
     EXPECT_GT(result.exit_code, 0);
-    for (const std::string& part : parts)
-      EXPECT_NE(result.err.find(part), std::string::npos) << part << "\n" << result.err;
+    expect_says(result.err, parts);
     EXPECT_TRUE(std::filesystem::is_empty(path("out"))) << "something was left";
   }
 };

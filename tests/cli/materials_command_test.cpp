@@ -66,10 +66,11 @@ TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
     EXPECT_GT(header.mean_cosine, 0.9f);
     EXPECT_LT(header.mean_cosine, 1.0f);
     const ProgramResult info = multum({"info", path("a.ndf.exr")});
-    EXPECT_TRUE(contains(info.out, "weights of 4 basis BRDFs, the BRDF's width in (mean cosine 0.9")) << info.out;
+    EXPECT_TRUE(contains(info.out, "mean cosine 0.9")) << info.out;
+    expect_says(info.out, {"weights of 4"});
     const ProgramResult verify = multum({"verify", path("a.ndf.exr")});
     EXPECT_EQ(verify.exit_code, 0) << verify.out;
-    EXPECT_TRUE(contains(verify.out, "with 4 weights and roughness")) << verify.out;
+    expect_says(verify.out, {"4 weights", "roughness"});
     std::string bytes = read_bytes(path("a.ndf.exr"));
     for (std::size_t i = bytes.size() - 2000; i < bytes.size() - 1936; ++i) bytes[i] = static_cast<char>(bytes[i] ^ 16);
     std::ofstream(path("damaged.ndf.exr"), std::ios::binary) << bytes;
@@ -109,11 +110,9 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   image.values.assign(32 * 64, 0.5f);
   write_test_image(path("narrow.png"), image);
   ProgramResult result = bake("a.ndf.exr", {"--roughness", path("narrow.png")});
-  EXPECT_EQ(result.exit_code, 3);
-  EXPECT_TRUE(contains(result.err, "narrow.png: found a roughness map of 32 x 64")) << result.err;
+  expect_refusal(result, kInput, {"narrow.png: ", "32 x 64"});
   result = bake("a.ndf.exr", {"--roughness", path("orm.png") + ":A"});
-  EXPECT_EQ(result.exit_code, 3);
-  EXPECT_TRUE(contains(result.err, "found no channel A")) << result.err;
+  expect_refusal(result, kInput, {"orm.png", "no channel A"});
   result = bake("a.ndf.exr", {"--weights", path("none.png")});
   EXPECT_EQ(result.exit_code, 3) << result.err;
   // What is read must not be written over, whatever its channel.
@@ -123,8 +122,7 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   write_rough_texel(NAN);
   for (const char* ndf : {"vmf", "gmm", "sh", "moments"}) {
     result = bake("a.ndf.exr", {"--ndf", ndf, "--roughness", path("rough.exr")});
-    EXPECT_EQ(result.exit_code, 3) << result.err;
-    EXPECT_TRUE(contains(result.err, "rough.exr: texel (5, 1): found nan in channel")) << result.err;
+    expect_refusal(result, kInput, {"rough.exr: ", "(5, 1)", "nan", "channel"});
   }
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
 }

@@ -52,6 +52,12 @@ inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+/// It ended with `exit_code`, and stderr says all of `parts`.
+inline void expect_refusal(const ProgramResult& result, int exit_code, const std::vector<std::string>& parts) {
+  EXPECT_EQ(result.exit_code, exit_code) << result.out << result.err;
+  expect_says(result.err, parts);
+}
+
 /// Tests of `multum`: a folder, and commands in it. Without multum's cache of programs: PoCL keeps what it compiles by
 /// itself, for all tests at once, and it compiles what is launched, where a program in a file has all of its kernels.
 class CliTest : public ::testing::Test {

@@ -43,10 +43,8 @@ class RefusalTest : public CliTest {
   }
 
   static void expect_failure(const ProgramResult& result, int code, const std::vector<std::string>& parts) {
-    EXPECT_EQ(result.exit_code, code) << result.err;
+    expect_refusal(result, code, parts);
     EXPECT_EQ(result.out.find("written"), std::string::npos) << result.out;
-    for (const std::string& part : parts)
-      EXPECT_NE(result.err.find(part), std::string::npos) << "no \"" << part << "\" in: " << result.err;
   }
 
   std::set<std::string> out_names() const {
@@ -58,35 +56,32 @@ class RefusalTest : public CliTest {
 };
 
 TEST_F(RefusalTest, InputsThatAreNoNormalMap) {
-  expect_refused(path("missing.png"), {}, kInput, {"missing.png", "no such file"});
-  expect_refused(path("out"), {}, kInput, {path("out"), "is not a file"});
-  expect_refused(path("map_albedo.png"), {}, kInput,
-                 {"map_albedo.png", "found no normal map and no height field", "expected unit vectors"});
+  expect_refused(path("missing.png"), {}, kInput, {"missing.png", "no such"});
+  expect_refused(path("out"), {}, kInput, {path("out"), "not a file"});
+  expect_refused(path("map_albedo.png"), {}, kInput, {"map_albedo.png", "normal map", "height field", "unit vectors"});
 
   TestImage mask{.width = 64, .height = 64};  // areas of plain red, green, blue and black
   for (int i = 0; i < 64 * 64; ++i)
     for (int c = 0; c < 3; ++c) mask.values.push_back((i / 8 + i / 512) % 4 == c ? 1.0f : 0.0f);
   write_test_image(path("mask.png"), mask);
-  expect_refused(path("mask.png"), {}, kInput, {"mask.png", "found no normal map", "expected unit vectors"});
+  expect_refused(path("mask.png"), {}, kInput, {"mask.png", "normal map", "unit vectors"});
 
   TestImage grey{.width = 64, .height = 64, .channels = 1};
   for (int i = 0; i < 64 * 64; ++i) grey.values.push_back(i / 8 % 2 == 0 ? 0.0f : 1.0f);
   write_test_image(path("grey.png"), grey);
-  expect_refused(path("grey.png"), {}, kInput,
-                 {"grey.png", "every texel is 0 or 1, as in a mask", "--bumpformat height"});
-  expect_refused(path("grey.png"), {"--two-channel"}, kInput,
-                 {"grey.png", "1 colour channel", "expected red and green"});
+  expect_refused(path("grey.png"), {}, kInput, {"grey.png", "0 or 1", "mask", "--bumpformat height"});
+  expect_refused(path("grey.png"), {"--two-channel"}, kInput, {"grey.png", "1 colour channel", "red and green"});
 
   write_bytes(path("text.png"), "not an image");
-  expect_refused(path("text.png"), {}, kInput, {"text.png", "found an unknown format", "expected PNG"});
+  expect_refused(path("text.png"), {}, kInput, {"text.png", "format", "PNG"});
   write_bytes(path("empty.png"), "");
-  expect_refused(path("empty.png"), {}, kInput, {"empty.png", "found an unknown format"});
+  expect_refused(path("empty.png"), {}, kInput, {"empty.png", "format"});
 }
 
 TEST_F(RefusalTest, DamagedInputs) {
   const std::string whole = read_bytes(path("map_normal.png"));
   write_bytes(path("cut.png"), whole.substr(0, whole.size() / 2));
-  expect_refused(path("cut.png"), {}, kInput, {"cut.png", "the file is cut", "expected"});
+  expect_refused(path("cut.png"), {}, kInput, {"cut.png", "cut: ", std::to_string(whole.size() / 2), "expected"});
   std::string damaged = whole;
   for (std::size_t i = damaged.size() / 2; i < damaged.size() / 2 + 64; ++i) damaged[i] = '\x55';
   write_bytes(path("damaged.png"), damaged);
@@ -98,8 +93,8 @@ TEST_F(RefusalTest, TooManyRepairsAndTooManyTexels) {
   map.type = OIIO::TypeDesc::FLOAT;
   for (int i = 0; i < 64; ++i) map.at(i, 7, 1) = std::numeric_limits<float>::quiet_NaN();  // 1.6 % of all
   write_test_image(path("nan.exr"), map);
-  expect_refused(path("nan.exr"), {}, kInput, {"nan.exr", "64 ", "expected at most", "raise --repair-max"});
-  expect_refused(path("nan.exr"), {"--checknan"}, kInput, {"nan.exr", "column 0, row 7", "expected finite"});
+  expect_refused(path("nan.exr"), {}, kInput, {"nan.exr", "64 ", "at most", "--repair-max"});
+  expect_refused(path("nan.exr"), {"--checknan"}, kInput, {"nan.exr", "column 0, row 7", "finite"});
   expect_refused(path("nan.exr"), {"--fixnan", "none"}, kInput, {"nan.exr"});
   const ProgramResult repaired =
       multum({"bake", path("nan.exr"), "-o", path("out/nan.ndf.exr"), "--repair-max", "0.1", "--no-measure"});
@@ -109,28 +104,26 @@ TEST_F(RefusalTest, TooManyRepairsAndTooManyTexels) {
   TestImage strip{.width = 40000, .height = 1};
   for (int i = 0; i < 40000; ++i) strip.values.insert(strip.values.end(), {0.5f, 0.5f, 1.0f});
   write_test_image(path("strip.png"), strip);
-  expect_refused(path("strip.png"), {}, kInput, {"found a map of 40000 x 1", "expected at most 32768", "strip.png"});
+  expect_refused(path("strip.png"), {}, kInput, {"40000 x 1", "32768", "strip.png"});
 }
 
 TEST_F(RefusalTest, AlbedoOfAnotherSize) {
   make_map("small", 16);
   expect_refused(path("map_normal.png"), {"--albedo", path("small_albedo.png")}, kInput,
-                 {"small_albedo.png", "found an albedo of 16 x 16", "expected the normal map's 64 x 64"});
-  expect_refused(path("map_normal.png"), {"--albedo", path("no_albedo.png")}, kInput,
-                 {"no_albedo.png", "No such file"});
+                 {"small_albedo.png", "16 x 16", "64 x 64"});
+  expect_refused(path("map_normal.png"), {"--albedo", path("no_albedo.png")}, kInput, {"no_albedo.png", "No such"});
 }
 
 TEST_F(RefusalTest, SettingsOutsideTheirRanges) {
   const std::string map = path("map_normal.png");
-  expect_refused(map, {"--lobes", "0"}, kUsage, {"--lobes is 0", "expected 1 to 8"});
-  expect_refused(map, {"--lobes", "9"}, kUsage, {"--lobes is 9", "expected 1 to 8"});
-  expect_refused(map, {"--iterations", "0"}, kUsage, {"--iterations is 0", "expected 1 to 1000"});
-  expect_refused(map, {"--first-level", "-1"}, kUsage, {"--first-level is -1", "expected 0 to 15"});
-  expect_refused(map, {"--first-level", "7"}, kUsage,
-                 {"--first-level is 7, expected 0 to 6, the levels of a map of 64 x 64"});
-  expect_refused(map, {"--height-scale", "0"}, kUsage, {"--height-scale is 0", "expected a finite number"});
+  expect_refused(map, {"--lobes", "0"}, kUsage, {"--lobes", "0", "1 to 8"});
+  expect_refused(map, {"--lobes", "9"}, kUsage, {"--lobes", "9", "1 to 8"});
+  expect_refused(map, {"--iterations", "0"}, kUsage, {"--iterations", "0", "1 to 1000"});
+  expect_refused(map, {"--first-level", "-1"}, kUsage, {"--first-level", "-1", "0 to 15"});
+  expect_refused(map, {"--first-level", "7"}, kUsage, {"--first-level", "7", "0 to 6", "64 x 64"});
+  expect_refused(map, {"--height-scale", "0"}, kUsage, {"--height-scale", "0", "finite"});
   expect_refused(map, {"--lobes", "four"}, kUsage, {"--lobes", "four"});
-  expect_refused(map, {"--compression", "dwaa"}, kUsage, {"'dwaa'", "expected none, rle, zips, zip or piz"});
+  expect_refused(map, {"--compression", "dwaa"}, kUsage, {"'dwaa'", "rle", "zips", "zip", "piz"});
   expect_refused(map, {"--compression", "zip:10"}, kUsage, {"'zip:10'"});
   expect_refused(map, {"--data-format", "1"}, kUsage, {"--data-format", "1 not in", "{snorm16,half,float}"});
   expect_refused(map, {"--order", "0"}, kUsage, {"--order", "0 not in", "{colour,scanline}"});
@@ -139,24 +132,24 @@ TEST_F(RefusalTest, SettingsOutsideTheirRanges) {
   expect_refused(map, {"--wrap", "repeat"}, kUsage, {"--wrap", "repeat"});
   expect_refused(map, {"--threads", "0"}, kUsage, {"--threads", "0"});
   expect_refused(map, {"--signed", "--unsigned"}, kUsage, {"--signed", "--unsigned"});
-  expect_refused(map, {"--device", "no such device"}, kEnvironment, {"'no such device'", "expected a number or part"});
+  expect_refused(map, {"--device", "no such device"}, kEnvironment, {"'no such device'", "number", "name"});
 }
 
 TEST_F(RefusalTest, OutputsThatCannotBe) {
   const std::string map = path("map_normal.png");
   const auto bake = [&](const std::string& output) { return multum({"bake", map, "-o", output}); };
-  expect_failure(bake(path("none/map.ndf.exr")), kEnvironment, {"none/map.ndf.exr", "does not exist"});
+  expect_failure(bake(path("none/map.ndf.exr")), kEnvironment, {"none/map.ndf.exr", "not exist"});
   expect_failure(bake(path("out")), kUsage, {path("out"), "expected"});
-  expect_failure(bake(path("out/map.png")), kUsage, {"out/map.png", "expected one that ends in .ndf.exr"});
+  expect_failure(bake(path("out/map.png")), kUsage, {"out/map.png", ".ndf.exr"});
   std::filesystem::create_directory(path("out/folder.exr"));
-  expect_failure(bake(path("out/folder.exr")), kUsage, {"folder.exr", "is a folder"});
+  expect_failure(bake(path("out/folder.exr")), kUsage, {"folder.exr", "a folder"});
   std::filesystem::remove(path("out/folder.exr"));
   // Nobody writes here, root neither.
-  expect_failure(bake("/proc/map.ndf.exr"), kEnvironment, {"/proc/map.ndf.exr", "no file can be created"});
+  expect_failure(bake("/proc/map.ndf.exr"), kEnvironment, {"/proc/map.ndf.exr", "created"});
   expect_failure(multum({"bake", map, "-o", path("out/map.exr"), "--report", path("none/r.json")}), kEnvironment,
-                 {"none/r.json", "does not exist"});
+                 {"none/r.json", "not exist"});
   expect_failure(multum({"bake", map, "-o", path("map_albedo.exr"), "--albedo", path("map_albedo.exr")}), kUsage,
-                 {"map_albedo.exr", "is named twice"});
+                 {"map_albedo.exr", "twice"});
   EXPECT_EQ(out_names(), std::set<std::string>());
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png", "out"}));
 }
@@ -169,7 +162,7 @@ TEST_F(RefusalTest, AFullDiskLeavesTheOlderFile) {
   write_bytes(output, "an older file");
   // A limit on file sizes stands for the full disk: write() fails, in the middle of the file.
   command.insert(command.begin(), {"bash", "-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "bash"});
-  expect_failure(run_program(command), kEnvironment, {"map.ndf.exr", "writing failed"});
+  expect_failure(run_program(command), kEnvironment, {"map.ndf.exr", "writing"});
   EXPECT_EQ(out_names(), std::set<std::string>{"map.ndf.exr"});
   EXPECT_EQ(read_bytes(output), "an older file");
   EXPECT_EQ(multum({"bake", path("map_normal.png"), "-o", output, "--quiet"}).exit_code, 0);
@@ -179,7 +172,7 @@ TEST_F(RefusalTest, ResultsThatNobodyCanRead) {
   const std::string output = path("out/map.ndf.exr");
   std::vector<std::string> command = multum_command({"bake", path("map_normal.png"), "-o", output, "--no-measure"});
   command.insert(command.begin(), {"bash", "-c", "exec \"$@\" > /dev/full", "bash"});
-  expect_failure(run_program(command), kEnvironment, {"standard output cannot be written"});
+  expect_failure(run_program(command), kEnvironment, {"standard output", "written"});
 }
 
 TEST_F(RefusalTest, DamagedBakedFiles) {
@@ -193,24 +186,24 @@ TEST_F(RefusalTest, DamagedBakedFiles) {
   flipped[whole.size() * 3 / 4] = static_cast<char>(flipped[whole.size() * 3 / 4] ^ 0x10);
   write_bytes(bad, flipped);
   const ProgramResult verify = multum({"verify", bad});
-  expect_failure(verify, kVerification, {"bad.ndf.exr", "verification failed"});
+  expect_failure(verify, kVerification, {"bad.ndf.exr", "verification"});
   EXPECT_NE(verify.out.find("FAILED checksum   found "), std::string::npos) << verify.out;
 
   for (const std::size_t size : {whole.size() - 1, whole.size() / 2, std::size_t{3000}, std::size_t{100}}) {
     write_bytes(bad, whole.substr(0, size));
-    expect_failure(multum({"verify", bad}), kInput, {"bad.ndf.exr", "not a readable baked file"});
+    expect_failure(multum({"verify", bad}), kInput, {"bad.ndf.exr", "baked file"});
   }
   for (const char* command : {"verify", "info"}) {
     write_bytes(bad, whole.substr(0, 3000));
-    expect_failure(multum({command, bad}), kInput, {"bad.ndf.exr", "not a readable baked file"});
+    expect_failure(multum({command, bad}), kInput, {"bad.ndf.exr", "baked file"});
     write_bytes(bad, "");
-    expect_failure(multum({command, bad}), kInput, {"bad.ndf.exr", "not a readable baked file"});
-    expect_failure(multum({command, path("none.exr")}), kInput, {"none.exr", "No such file"});
+    expect_failure(multum({command, bad}), kInput, {"bad.ndf.exr", "baked file"});
+    expect_failure(multum({command, path("none.exr")}), kInput, {"none.exr", "No such"});
     expect_failure(multum({command, path("out")}), kInput, {path("out")});
     write_test_image(path("foreign.exr"), normal_image(8, 8));
     expect_failure(multum({command, path("foreign.exr")}), kInput,
-                   {"foreign.exr", "found no attribute multum:representation", "expected a file written by"});
-    expect_failure(multum({command, path("map_normal.png")}), kInput, {"map_normal.png", "not a readable baked file"});
+                   {"foreign.exr", "multum:representation", "written by"});
+    expect_failure(multum({command, path("map_normal.png")}), kInput, {"map_normal.png", "baked file"});
   }
 }
 
@@ -237,19 +230,19 @@ TEST_F(RefusalTest, ABakedFileWithAnyByteFlippedNeverCrashesVerify) {
 
 TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(multum({}), kUsage,
-                 {"no command given",
+                 {"no command",
                   "bake plan tradeoff info verify devices selftest testmap mip reflectance lod materials animation "
                   "infer serve submit",
                   "--help"});
-  expect_failure(multum({"cook"}), kUsage, {"'cook' is no command", "expected one of: bake"});
-  expect_failure(multum({"bake"}), kUsage, {"input is required", "multum bake --help"});
-  expect_failure(multum({"bake", path("map_normal.png")}), kUsage, {"--output is required", "multum bake --help"});
+  expect_failure(multum({"cook"}), kUsage, {"'cook'", "no command", ": bake"});
+  expect_failure(multum({"bake"}), kUsage, {"input", "required", "multum bake --help"});
+  expect_failure(multum({"bake", path("map_normal.png")}), kUsage, {"--output", "required", "multum bake --help"});
   expect_failure(multum({"bake", path("map_normal.png"), "-o", path("out/a.exr"), "--cheap"}), kUsage,
-                 {"not expected: --cheap", "multum bake --help"});
+                 {"--cheap", "multum bake --help"});
   expect_failure(multum({"bake", path("map_normal.png"), "-o"}), kUsage, {"--output"});
-  expect_failure(multum({"info"}), kUsage, {"file is required", "multum info --help"});
-  expect_failure(multum({"verify"}), kUsage, {"file is required", "multum verify --help"});
-  expect_failure(multum({"testmap", path("t"), "--size", "17"}), kUsage, {"--size is 17", "even"});
+  expect_failure(multum({"info"}), kUsage, {"file", "required", "multum info --help"});
+  expect_failure(multum({"verify"}), kUsage, {"file", "required", "multum verify --help"});
+  expect_failure(multum({"testmap", path("t"), "--size", "17"}), kUsage, {"--size", "17", "even"});
   expect_failure(multum({"testmap", path("t"), "--size", "8"}), kUsage, {"--size", "16 to 32768"});
   EXPECT_EQ(out_names(), std::set<std::string>());
 }

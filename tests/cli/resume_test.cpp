@@ -194,13 +194,13 @@ TEST_F(RegionTest, WhatDoesNotFitIsRefused) {
   const auto refused = [&](const std::vector<std::string>& more, const std::vector<std::string>& parts) {
     const ProgramResult result = bake("edited.png", "new.ndf.exr", more);
     EXPECT_NE(result.exit_code, 0);
-    for (const std::string& part : parts) EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+    expect_says(result.err, parts);
     EXPECT_FALSE(std::filesystem::exists(path("new.ndf.exr")));
   };
-  refused({"--region", "0,0,300,10", "--onto", path("old.ndf.exr")}, {"0,0,300,10", "inside 256 x 256"});
+  refused({"--region", "0,0,300,10", "--onto", path("old.ndf.exr")}, {"0,0,300,10", "256 x 256"});
   refused({"--region", "0,0,8", "--onto", path("old.ndf.exr")}, {"0,0,8", "x,y,width,height"});
-  refused({"--region", "0,0,8,8"}, {"--region and --onto go together"});
-  refused({"--onto", path("old.ndf.exr")}, {"--region and --onto go together"});
+  refused({"--region", "0,0,8,8"}, {"--region", "--onto"});
+  refused({"--onto", path("old.ndf.exr")}, {"--region", "--onto"});
   refused({"--region", "0,0,8,8", "--onto", path("none.ndf.exr")}, {"none.ndf.exr"});
   refused({"--lobes", "3", "--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"old.ndf.exr", "lobes: 4", "3"});
   refused({"-d", "half", "--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"old.ndf.exr", "snorm16", "half"});
