@@ -58,8 +58,7 @@ TEST(AlbedoReading, GreyBecomesRgbAndInvalidValuesBlack) {
 TEST(AlbedoReading, AnotherSizeIsRefusedNamingBoth) {
   const TemporaryFolder folder;
   write_test_image(folder / "a.png", colour_image(TypeDesc::UINT8, ""));
-  expect_error(ErrorCode::kInput, {"a.png", "found an albedo of 2 x 1", "4 x 4"},
-               [&] { read_albedo_map(folder / "a.png", 4, 4, 1); });
+  expect_error(ErrorCode::kInput, {"a.png", "2 x 1", "4 x 4"}, [&] { read_albedo_map(folder / "a.png", 4, 4, 1); });
 }
 
 TEST(AlbedoReading, TransferFunctionsAreInverse) {

@@ -63,13 +63,13 @@ TEST(ExrLayers, RefusalsNameFileAndChannel) {
   const TemporaryFolder folder;
   const std::string file = folder / "some.exr";
   write_exr(file, 1, 1, {{"", {"Y", "Z"}, {Plane{1}, Plane{2}}, {}}});
-  expect_refused({file, "no channel \"X\"", "it has Y, Z"}, [&] { read_exr_channels(file, {"Z", "X"}); });
-  expect_refused({folder / "none.exr", "no such file"}, [&] { read_exr_channels(folder / "none.exr", {"Z"}); });
+  expect_refused({file, "no channel \"X\"", "Y, Z"}, [&] { read_exr_channels(file, {"Z", "X"}); });
+  expect_refused({folder / "none.exr", "no such"}, [&] { read_exr_channels(folder / "none.exr", {"Z"}); });
   write_test_image(folder / "map.png", normal_image(8, 8));
-  expect_refused({"map.png", "found png, expected OpenEXR"}, [&] { exr_channel_names(folder / "map.png"); });
+  expect_refused({"map.png", "png", "OpenEXR"}, [&] { exr_channel_names(folder / "map.png"); });
 
   write_exr(folder / "whole.exr", 1, 1, {{"", {"object"}, {Plane{1}}, {}, "uint"}});
-  expect_refused({"whole.exr", "channel \"object\" holds integers", "expected half or float"},
+  expect_refused({"whole.exr", "\"object\"", "integers", "half", "float"},
                  [&] { read_exr_channels(folder / "whole.exr", {"object"}); });
 
   const Plane noise = [] {
@@ -94,7 +94,7 @@ TEST(ExrLayers, CropsAreRefusedInEveryPart) {
   auto output = OIIO::ImageOutput::create(folder / "crop.exr");
   ASSERT_TRUE(output->open(folder / "crop.exr", spec) && output->write_image(OIIO::TypeDesc::FLOAT, plane.data()));
   ASSERT_TRUE(output->close());
-  expect_refused({"crop.exr", "data window of 2 x 2 at (1, 0)", "frame of 4 x 4", "expected the whole frame"},
+  expect_refused({"crop.exr", "2 x 2 at (1, 0)", "4 x 4", "whole frame"},
                  [&] { read_exr_channels(folder / "crop.exr", {"Z"}); });
 
   // Parts share a display window, so one of another size is a crop too.
@@ -109,7 +109,7 @@ TEST(ExrLayers, CropsAreRefusedInEveryPart) {
   ASSERT_TRUE(output->open(sizes, specs[1], OIIO::ImageOutput::AppendSubimage)) << output->geterror();
   ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, plane.data())) << output->geterror();
   ASSERT_TRUE(output->close());
-  expect_refused({"sizes.exr", "data window of 2 x 2 at (0, 0)", "frame of 4 x 4"}, [&] { exr_channel_names(sizes); });
+  expect_refused({"sizes.exr", "2 x 2 at (0, 0)", "4 x 4"}, [&] { exr_channel_names(sizes); });
 }
 
 // Identifiers by the public test vectors of MurmurHash3: those of the names of Blender's manifests (lengths that leave
@@ -189,25 +189,25 @@ TEST(Cryptomatte, Refusals) {
   };
   ExrPart part = cryptomatte_part();
   part.attributes.clear();
-  expect_part_refused(part, {"no Cryptomatte \"CryptoObject\"; it has none"});
+  expect_part_refused(part, {"no Cryptomatte", "\"CryptoObject\"", "none"});
   part = cryptomatte_part();
   part.attributes[0].second = "ViewLayer.CryptoMaterial";
-  expect_part_refused(part, {"no Cryptomatte \"CryptoObject\"; it has ViewLayer.CryptoMaterial"});
+  expect_part_refused(part, {"no Cryptomatte", "\"CryptoObject\"", "ViewLayer.CryptoMaterial"});
   part = cryptomatte_part();
   part.attributes.emplace_back("cryptomatte/1111111/name", "Other.CryptoObject");
   expect_part_refused(part, {"several Cryptomattes", "ViewLayer.CryptoObject, Other.CryptoObject"});
   part = cryptomatte_part();
   part.attributes[1].second = "CRC32";
-  expect_part_refused(part, {"the Cryptomatte manifest has no \"walls\"", "its hash is \"CRC32\""});
+  expect_part_refused(part, {"manifest", "no \"walls\"", "\"CRC32\""});
   part = cryptomatte_part();
   part.attributes[2].second = "none";
-  expect_part_refused(part, {"conversion \"none\", expected uint32_to_float32"});
+  expect_part_refused(part, {"\"none\"", "uint32_to_float32"});
   part = cryptomatte_part();
   part.attributes.emplace_back("cryptomatte/0a1b2c3/manifest", "{\"walls\":");
-  expect_part_refused(part, {"manifest is damaged: it is no JSON object"});
+  expect_part_refused(part, {"manifest", "damaged", "JSON"});
   for (const char* manifest : {R"({"walls":"no"})", R"({"walls":17})", R"({"walls":""})", R"({"walls":"123456789"})"}) {
     part.attributes.back().second = manifest;
-    expect_part_refused(part, {"manifest is damaged: \"walls\" is", "hexadecimal"});
+    expect_part_refused(part, {"manifest", "damaged", "\"walls\"", "hexadecimal"});
   }
   part = cryptomatte_part();
   part.channels[0] = "Other00.r";
@@ -217,7 +217,7 @@ TEST(Cryptomatte, Refusals) {
   expect_part_refused(part, {"no channel \"CryptoObject00.a\""});
   part = cryptomatte_part();
   part.type = "half";
-  expect_part_refused(part, {"half floats, which hold no Cryptomatte identifiers"});
+  expect_part_refused(part, {"half", "Cryptomatte"});
 }
 
 // The objects of the real field are all that its rooms hold, so their coverages sum to 1, by manifest and by hash.

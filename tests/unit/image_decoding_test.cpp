@@ -152,15 +152,14 @@ TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsARefusal) {
   const std::string path = write("long.tif", normal_image(64, 9000));
   ImageReader reader(path, {});
   bool is_killed = false;
-  expect_error(ErrorCode::kInput, {"long.tif: the process that decodes it was ended by signal 9 (Killed)", "expected"},
-               [&] {
-                 reader.read(
-                     [&](const RawBand&) {
-                       if (!is_killed) ::kill(decoder_pid(), SIGKILL);
-                       is_killed = true;
-                     },
-                     nullptr);
-               });
+  expect_error(ErrorCode::kInput, {"long.tif: ", "decodes", "signal 9", "Killed", "expected"}, [&] {
+    reader.read(
+        [&](const RawBand&) {
+          if (!is_killed) ::kill(decoder_pid(), SIGKILL);
+          is_killed = true;
+        },
+        nullptr);
+  });
   EXPECT_TRUE(is_killed);
   EXPECT_EQ(refusal_of(path), "") << "the next one is decoded by a new child";
 }
@@ -187,7 +186,7 @@ TEST_F(ImageDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
 
 TEST_F(ImageDecodingTest, NoDecoderIsAnErrorOfTheMachine) {
   set_image_opener(open_in_child(child_of("no-such-decoder")));
-  expect_error(ErrorCode::kEnvironment, {"no-such-decoder: cannot be started"},
+  expect_error(ErrorCode::kEnvironment, {"no-such-decoder: ", "started"},
                [&] { read_picture(write("a.png", normal_image(8, 8))); });
 }
 

@@ -183,8 +183,7 @@ TEST(ImageReaderTest, ManyChannelsAreReadByNameOrRefused) {
   EXPECT_EQ(read_raw(folder / "layers.exr").planes.size(), 3u);
   image.channel_names = {"q.1", "q.2", "q.3", "q.4", "q.5", "q.6"};
   write_test_image(folder / "data.exr", image);
-  expect_error(ErrorCode::kInput, {"data.exr", "found 6 channels", "expected 1 to 3"},
-               [&] { read_raw(folder / "data.exr"); });
+  expect_error(ErrorCode::kInput, {"data.exr", "6 channels", "1 to 3"}, [&] { read_raw(folder / "data.exr"); });
 }
 
 TEST(ImageReaderTest, WhatIsNoImageIsRefused) {
@@ -193,9 +192,8 @@ TEST(ImageReaderTest, WhatIsNoImageIsRefused) {
   write_bytes(folder / "text.png", "this is no picture");
   expect_error(ErrorCode::kInput, {"absent.png", "no such file"}, [&] { read_raw(folder / "absent.png"); });
   expect_error(ErrorCode::kInput, {"is not a file"}, [&] { read_raw(folder / "."); });
-  expect_error(ErrorCode::kInput, {"empty.png", "found an unknown format (0 bytes)", "expected PNG"},
-               [&] { read_raw(folder / "empty.png"); });
-  expect_error(ErrorCode::kInput, {"text.png", "found an unknown format"}, [&] { read_raw(folder / "text.png"); });
+  expect_error(ErrorCode::kInput, {"empty.png", "format", "0 bytes", "PNG"}, [&] { read_raw(folder / "empty.png"); });
+  expect_error(ErrorCode::kInput, {"text.png", "format"}, [&] { read_raw(folder / "text.png"); });
 }
 
 TEST(ImageReaderTest, CutFilesAreRefusedInEveryFormat) {
@@ -239,8 +237,7 @@ TEST(ImageReaderTest, TexelLimitIsCheckedBeforeReading) {
   write_test_image(folder / "a.png", gradient_image(20, 10, 3));
   ImageReadSettings settings;
   settings.texel_count_max = 199;
-  expect_error(ErrorCode::kInput, {"a.png", "found 20 x 10 texels", "expected at most 199"},
-               [&] { read_raw(folder / "a.png", settings); });
+  expect_error(ErrorCode::kInput, {"a.png", "20 x 10", "199"}, [&] { read_raw(folder / "a.png", settings); });
   settings.texel_count_max = 200;
   EXPECT_EQ(read_raw(folder / "a.png", settings).width, 20);
 }

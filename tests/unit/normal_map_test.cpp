@@ -200,7 +200,7 @@ TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
   write_test_image(folder / "facets.png", image);
   const NormalMap map = read_map(folder / "facets.png");
   EXPECT_TRUE(contains(map.report.encoding, "green up (OpenGL), undecided")) << map.report.encoding_reason;
-  EXPECT_TRUE(contains(warnings(map), "up (OpenGL) is taken, --green up or --green down")) << warnings(map);
+  expect_says(warnings(map), {"up (OpenGL)", "--green up", "--green down"});
   NormalMapSettings settings;
   settings.green = GreenAxis::kDown;
   EXPECT_EQ(warnings(read_map(folder / "facets.png", settings)), "");
@@ -308,7 +308,7 @@ TEST(NormalMapReading, OneChannelIsNoNormalMap) {
   write_test_image(folder / "grey.png", image);
   NormalMapSettings settings;
   settings.bump_format = BumpFormat::kNormal;
-  expect_error(ErrorCode::kInput, {"found 1 colour channel"}, [&] { read_map(folder / "grey.png", settings); });
+  expect_error(ErrorCode::kInput, {"grey.png", "1 colour channel"}, [&] { read_map(folder / "grey.png", settings); });
   EXPECT_TRUE(contains(read_map(folder / "grey.png").report.encoding_reason, "cannot be told from a height"));
 }
 
@@ -319,8 +319,7 @@ TEST(NormalMapReading, TwoChannelsOfAGreyImageAreRefused) {
   write_test_image(folder / "ga.png", image);
   NormalMapSettings settings;
   settings.two_channel = true;
-  expect_error(ErrorCode::kInput,
-               {"ga.png", "found png uint8, 2 channels (alpha not read): 1 colour channel", "expected red and green"},
+  expect_error(ErrorCode::kInput, {"ga.png", "2 channels", "1 colour channel", "red and green"},
                [&] { read_map(folder / "ga.png", settings); });
 }
 
@@ -357,14 +356,14 @@ TEST(NormalMapReading, NormalsAreScaled) {
     }
   }
   settings.normal_scale = kNan;
-  expect_error(ErrorCode::kUsage, {"--normal-scale is"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--normal-scale"}, [&] { read_map("x", settings); });
   write_test_image(folder / "heights.png", TestImage{.width = 2, .height = 1, .channels = 1, .values = {0, 1}});
   settings = {};
   settings.bump_format = BumpFormat::kHeight;
   settings.normal_scale = 2.0f;
   const std::vector<std::string> warnings = read_map(folder / "heights.png", settings).report.warnings;
   ASSERT_FALSE(warnings.empty());
-  EXPECT_EQ(warnings[0], "--normal-scale: without effect on a height field");
+  expect_says(warnings[0], {"--normal-scale", "without effect", "height field"});
 }
 
 TEST(NormalMapReading, OptionsWithoutEffectAreNamed) {
@@ -376,29 +375,31 @@ TEST(NormalMapReading, OptionsWithoutEffectAreNamed) {
   settings.green = GreenAxis::kUp;
   settings.is_signed = false;
   const std::string found = warnings(read_map(folder / "grey.png", settings));
-  EXPECT_TRUE(contains(found, "--green, --unsigned: without effect on a height field")) << found;
+  expect_says(found, {"--green", "--unsigned", "without effect", "height field"});
   settings = {};
   settings.bump_format = BumpFormat::kHeight;
   settings.is_signed = true;
   settings.two_channel = true;
-  EXPECT_TRUE(contains(warnings(read_map(folder / "grey.png", settings)), "--signed, --two-channel: without effect"));
+  expect_says(warnings(read_map(folder / "grey.png", settings)), {"--signed", "--two-channel", "without effect"});
 
   write_test_image(folder / "normals.png", normal_image(64, 64));
   settings = {};
   EXPECT_EQ(warnings(read_map(folder / "normals.png", settings)), "");
   settings.height_scale = 8.0f;
-  EXPECT_EQ(warnings(read_map(folder / "normals.png", settings)), "--height-scale: without effect on a normal map\n");
+  const std::string scale_warning = warnings(read_map(folder / "normals.png", settings));
+  expect_says(scale_warning, {"--height-scale", "without effect", "normal map"});
+  EXPECT_EQ(scale_warning.find('\n'), scale_warning.size() - 1) << "one warning: " << scale_warning;
 }
 
 TEST(NormalMapReading, SettingsOutOfRangeAreRefused) {
   NormalMapSettings settings;
   settings.height_scale = 0.0f;
-  expect_error(ErrorCode::kUsage, {"--height-scale is"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--height-scale"}, [&] { read_map("x", settings); });
   settings.height_scale = kNan;
-  expect_error(ErrorCode::kUsage, {"--height-scale is"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--height-scale"}, [&] { read_map("x", settings); });
   settings = {};
   settings.repair_share_max = 1.5f;
-  expect_error(ErrorCode::kUsage, {"--repair-max is 1.5"}, [&] { read_map("x", settings); });
+  expect_error(ErrorCode::kUsage, {"--repair-max", "1.5"}, [&] { read_map("x", settings); });
   settings = {};
   settings.texel_count_max = 0;
   expect_error(ErrorCode::kUsage, {"texel_count_max"}, [&] { read_map("x", settings); });
@@ -483,8 +484,7 @@ TEST_F(NormalRepair, TooManyRepairsRefuseTheFileWithTheCounts) {
   read();  // 40 of 4096 are 0.98 %
   set(0, 0, 0, 0, 0);
   expect_error(ErrorCode::kInput,
-               {"a.exr", "41 of 4096 texels (1.00 %)", "40 not finite, 1 of zero length", "raise --repair-max"},
-               [&] { read(); });
+               {"a.exr", "41 of 4096", "1.00 %", "40 not finite", "1 of zero length", "--repair-max"}, [&] { read(); });
   NormalMapSettings settings;
   settings.repair_share_max = 0.02f;
   EXPECT_EQ(repair_count(read(settings)), 41);
@@ -519,9 +519,9 @@ TEST(NormalMapReading, UnusedTexelsAreFlatAndNoRepairs) {
   EXPECT_EQ(repair_count(map), 0);
   EXPECT_EQ(map.z[0], 1.0f);
   EXPECT_EQ(map.x[0], 0.0f);
-  EXPECT_TRUE(contains(warnings(map), "2024 of 4096 texels (49.4 %) are black")) << warnings(map);
+  expect_says(warnings(map), {"2024 of 4096", "49.4 %", "black"});
   blacken(33);
-  expect_error(ErrorCode::kInput, {"atlas.png", "2152 of 4096 texels (52.5 %) are black", "expected at most 50 %"},
+  expect_error(ErrorCode::kInput, {"atlas.png", "2152 of 4096", "52.5 %", "black", "50 %"},
                [&] { read_map(folder / "atlas.png"); });
   NormalMapSettings settings;
   settings.bump_format = BumpFormat::kNormal;

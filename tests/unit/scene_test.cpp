@@ -107,44 +107,41 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
     std::vector<std::string> parts;
   };
   const Case cases[] = {
-      {"fov = 60", "fow = 60", 2, {"camera.fow is no key of the scene", "did you mean camera.fov?"}},
-      {"fov = 60", "fov = 200", 2, {"camera.fov is 200", "1 to 170"}},
+      {"fov = 60", "fow = 60", 2, {"camera.fow", "no key", "camera.fov"}},
+      {"fov = 60", "fov = 200", 2, {"camera.fov", "200", "1 to 170"}},
       {"resolution = [320, 240]", "resolution = [320]", 3, {"camera.resolution", "[1920, 1080]"}},
-      {"tolerance = 0.05", "tolerance = 0", 5, {"budget.tolerance is 0"}},
-      {"tolerance = 0.05", "target_error = -1", 5, {"budget.target_error is -1", "above 0"}},
-      {"name = \"wall\"", "name = \"../wall\"", 7, {"map.name is \"../wall\"", "letters"}},
-      {"normal = \"wall.exr\"\n", "", 6, {"map has no normal"}},
-      {"normal = \"wall.exr\"",
-       "normal = \"wal.exr\"",
-       8,
-       {"map.normal is ", "wal.exr, expected a file that is there"}},
-      {"normal = \"wall.exr\"", "normal = \".\"", 8, {"a folder, expected a file"}},
-      {"green = \"up\"", "albedo = \"no.png\"", 9, {"map.albedo is ", "no.png, expected a file that is there"}},
-      {"green = \"up\"", "roughness = \"no.png:G\"", 9, {"map.roughness is ", "no.png, expected"}},
+      {"tolerance = 0.05", "tolerance = 0", 5, {"budget.tolerance", "0"}},
+      {"tolerance = 0.05", "target_error = -1", 5, {"budget.target_error", "-1", "above 0"}},
+      {"name = \"wall\"", "name = \"../wall\"", 7, {"map.name", "\"../wall\"", "letters"}},
+      {"normal = \"wall.exr\"\n", "", 6, {"map", "no normal"}},
+      {"normal = \"wall.exr\"", "normal = \"wal.exr\"", 8, {"map.normal is ", "wal.exr", "file that is there"}},
+      {"normal = \"wall.exr\"", "normal = \".\"", 8, {"map.normal", "a folder", "a file"}},
+      {"green = \"up\"", "albedo = \"no.png\"", 9, {"map.albedo is ", "no.png", "file that is there"}},
+      {"green = \"up\"", "roughness = \"no.png:G\"", 9, {"map.roughness is ", "no.png", "expected"}},
       {"direction = [0.3, 0.8, 0.5]",
        "direction = [0, 0, 1]\n[environment]\nfile = \"sky.exr\"",
        23,
        {"environment.file is "}},
-      {"distance = [1, 20]", "distance = 1e300", 19, {"object.distance is 1e+300", "1e-6 to 1e9"}},
+      {"distance = [1, 20]", "distance = 1e300", 19, {"object.distance", "1e+300", "1e-6 to 1e9"}},
       {"[[material]]",
        "[[map]]\nname = \"other\"\nnormal = \"wall.exr\"\n[[material]]",
        11,
-       {"map.name is \"other\"", "which no [[object]] shows"}},
-      {"green = \"up\"", "green = \"left\"", 9, {"map.green is \"left\"", "up, down"}},
-      {"brdf = \"blinn-phong\"", "brdf = \"phong\"", 12, {"material.brdf is \"phong\"", "lambert, blinn-phong"}},
-      {"exponent = [20, 100]", "exponent = [100, 20]", 13, {"material.exponent is [100, 20]", "lower end first"}},
-      {"exponent = [20, 100]", "exponent = 0.5", 13, {"material.exponent is 0.5", "1 to 100000"}},
-      {"exponent = [20, 100]", "sigma = 0.1", 13, {"material.sigma is for another brdf"}},
-      {"exponent = [20, 100]", "exponent = 20\nf0 = 0.1", 14, {"material.f0 is for brdf = \"cook-torrance\""}},
-      {"map = \"wall\"", "map = \"wal\"", 16, {"object.map is \"wal\"", "did you mean \"wall\"?"}},
-      {"material = \"paint\"", "material = \"gold\"", 17, {"object.material is \"gold\"", "no [[material]]"}},
+       {"map.name", "\"other\"", "no [[object]]"}},
+      {"green = \"up\"", "green = \"left\"", 9, {"map.green", "\"left\"", "up, down"}},
+      {"brdf = \"blinn-phong\"", "brdf = \"phong\"", 12, {"material.brdf", "\"phong\"", "lambert, blinn-phong"}},
+      {"exponent = [20, 100]", "exponent = [100, 20]", 13, {"material.exponent is [100, 20]", "lower", "first"}},
+      {"exponent = [20, 100]", "exponent = 0.5", 13, {"material.exponent", "0.5", "1 to 100000"}},
+      {"exponent = [20, 100]", "sigma = 0.1", 13, {"material.sigma", "another brdf"}},
+      {"exponent = [20, 100]", "exponent = 20\nf0 = 0.1", 14, {"material.f0", "\"cook-torrance\""}},
+      {"map = \"wall\"", "map = \"wal\"", 16, {"object.map", "\"wal\"", "\"wall\""}},
+      {"material = \"paint\"", "material = \"gold\"", 17, {"object.material", "\"gold\"", "no [[material]]"}},
       {"material = \"paint\"", "materials = [\"paint\", \"paint\"]", 17, {"has 2 materials", "no weights"}},
-      {"width = 2.0", "width = 2.0\ntexels_per_metre = 3", 14, {"both texels_per_metre and width"}},
+      {"width = 2.0", "width = 2.0\ntexels_per_metre = 3", 14, {"both", "texels_per_metre", "width"}},
       {"distance = [1, 20]", "distance = [20, 1]", 19, {"object.distance is [20, 1]", "nearest first"}},
-      {"distance = [1, 20]", "distance = [0, 1]", 19, {"object.distance[0] is 0", "1e-6 to 1e9"}},
-      {"direction = [0.3, 0.8, 0.5]", "direction = [0, 0, 0]", 21, {"light.direction is 0"}},
-      {"direction = [0.3, 0.8, 0.5]", "direction = [0.3, 0.8]", 21, {"light.direction has not 3 numbers"}},
-      {"direction = [0.3, 0.8, 0.5]", "position = [0, 0, 1]\nirradiance = 3", 22, {"irradiance does not go with"}},
+      {"distance = [1, 20]", "distance = [0, 1]", 19, {"object.distance[0]", "0", "1e-6 to 1e9"}},
+      {"direction = [0.3, 0.8, 0.5]", "direction = [0, 0, 0]", 21, {"light.direction", "0"}},
+      {"direction = [0.3, 0.8, 0.5]", "direction = [0.3, 0.8]", 21, {"light.direction", "3 numbers"}},
+      {"direction = [0.3, 0.8, 0.5]", "position = [0, 0, 1]\nirradiance = 3", 22, {"irradiance", "not go with"}},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.to);
@@ -152,7 +149,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
     parts.insert(parts.begin(), path() + ":" + std::to_string(c.line) + ": ");
     expect_error(ErrorCode::kInput, parts, [&] { read(with(kScene, c.from, c.to)); });
   }
-  expect_error(ErrorCode::kInput, {"the scene has no light"},
+  expect_error(ErrorCode::kInput, {path(), "the scene", "no light"},
                [&] { read(kScene.substr(0, kScene.find("[[light]]"))); });
 }
 
@@ -401,8 +398,7 @@ TEST_F(SceneTest, SumsOfVmfsTakeLobes) {
   const MapPlan map =
       plan(with(kScene, "brdf = \"blinn-phong\"\nexponent = [20, 100]\n", "brdf = \"ggx\"\nroughness = 0.4\n")).maps[0];
   for (const BakeCandidate& c : map.candidates) EXPECT_EQ(c.shape.representation, Representation::kMovmf) << c.name;
-  EXPECT_NE(effect(map.effects, "moments of slopes (LEAN)").why.find("GGX and measured BRDFs take vMF lobes"),
-            std::string::npos);
+  expect_says(effect(map.effects, "moments of slopes (LEAN)").why, {"GGX", "measured", "vMF"});
 }
 
 TEST_F(SceneTest, DiffuseLightTakesOneLobe) {
@@ -442,9 +438,9 @@ TEST_F(SceneTest, BudgetsAndTargetsAreKeptOrRefused) {
   const MapPlan map = plan(with(kScene, "tolerance = 0.05", "bytes = 50000")).maps[0];
   EXPECT_LE(map.chosen.cost.bytes, 50000.0);
   EXPECT_LT(map.job.fitting.lobe_count, 4);
-  expect_error(ErrorCode::kVerification, {"no settings keep to the budget's bake_ms of 1"},
+  expect_error(ErrorCode::kVerification, {"no settings", "bake_ms", "1"},
                [&] { plan(with(kScene, "tolerance = 0.05", "bake_ms = 1")); });
-  expect_error(ErrorCode::kVerification, {"no settings keep to the budget's bytes of 100"},
+  expect_error(ErrorCode::kVerification, {"no settings", "bytes", "100"},
                [&] { plan(with(kScene, "tolerance = 0.05", "bytes = 100")); });
   write_map(64, noise);
   expect_error(ErrorCode::kVerification, {"wall.exr", "target_error 0.0001"},
