@@ -21,17 +21,18 @@
 #include "host/image/reading_settings.h"
 #include "tests/gl/sh_test_map.h"
 #include "tests/gl/test_maps.h"
+#include "tests/unit/test_folder.h"
 
 namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
 
-class ViewTest : public testing::Test {
+class ViewTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("multum_view_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ = fs::path(::testing::TempDir()) /
+              (std::string("multum_view_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
@@ -43,10 +44,11 @@ class ViewTest : public testing::Test {
     arguments.insert(arguments.begin(), {std::string(MULTUM_BIN_DIR) + "/multum-view", path("map.ndf.exr")});
     return run_child(arguments);
   }
-  void expect_refusal(const std::vector<std::string>& arguments, int code, const std::string& words) const {
+  void expect_refusal(const std::vector<std::string>& arguments, int code,
+                      const std::vector<std::string>& parts) const {
     const ChildResult result = view(arguments);
     EXPECT_EQ(result.exit_code, code) << result.output;
-    EXPECT_NE(result.output.find(words), std::string::npos) << result.output;
+    testing::expect_says(result.output, parts);
     EXPECT_FALSE(fs::exists(path("out.png")));
   }
   fs::path folder_;
@@ -111,14 +113,14 @@ TEST_F(ViewTest, DrawsSphericalHarmonics) {
 }
 
 TEST_F(ViewTest, RefusesWhatIsForAnotherRepresentation) {
-  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "holds lobes, found --moments");
-  expect_refusal({"-o", path("out.png"), "--moments", "leen"}, 2, "--moments");
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, {"map.ndf.exr", "holds lobes", "--moments"});
+  expect_refusal({"-o", path("out.png"), "--moments", "leen"}, 2, {"--moments"});
   write_moment_mipmap(path("map.ndf.exr"), gl::make_moments(gl::make_flat_map(8).image, StorageEncoding::kHalf), {});
-  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds moments, found --formula paper");
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, {"holds moments", "--formula paper"});
   write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(gl::make_flat_map(8).image, 2, StorageEncoding::kHalf), {});
-  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds spherical harmonics, found --formula paper");
-  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "holds spherical harmonics, found --moments");
-  expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, "truth, mip, toksvig, lean, lean-jacobian");
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, {"spherical harmonics", "--formula paper"});
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, {"spherical harmonics", "--moments"});
+  expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, {"truth, mip, toksvig, lean, lean-jacobian"});
 }
 
 // The two-tilt map with a BRDF's width in its lobes, of the mean cosine c; or with weights 1/4 and 3/4, of all lobes
@@ -166,9 +168,9 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   EXPECT_LT(error_of({}), without + 0.03) << "harmonics";
   write_movmf_mipmap(path("map.ndf.exr"), with_roughness(31.0f / 32.0f).mipmap, {});
   fs::remove(path("out.png"));
-  expect_refusal({"-o", path("out.png"), "--brdf", "blinn-phong:30"}, 2, "has its BRDF's width in");
-  expect_refusal({"-o", path("out.png"), "--compare", "truth,mip"}, 2, "the baselines know nothing of");
-  expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, "--roughness goes with --source");
+  expect_refusal({"-o", path("out.png"), "--brdf", "blinn-phong:30"}, 2, {"map.ndf.exr", "BRDF's width", "--brdf"});
+  expect_refusal({"-o", path("out.png"), "--compare", "truth,mip"}, 2, {"baselines", "--compare truth"});
+  expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, {"--roughness", "--source"});
 }
 
 // Weights of 1/4 and 3/4 everywhere: what is drawn is that much of each BRDF.
@@ -205,7 +207,7 @@ TEST_F(ViewTest, BlendsBasisBrdfsByWeights) {
                                   "--brdf", "blinn-phong:20", "--brdf", "ggx:0.3", "--compare", "truth,mip"});
   EXPECT_EQ(truth.exit_code, 0) << truth.output;
   expect_refusal({"-o", path("out.png"), "--brdf", "lambert", "--brdf", "lambert", "--brdf", "lambert"}, 2,
-                 "holds 2 weights, found 3 of --brdf");
+                 {"map.ndf.exr", "2 weights", "3 of --brdf"});
 }
 
 TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {
@@ -222,9 +224,9 @@ TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {
   write_movmf_mipmap(path("map.ndf.exr"), gl::as_gaussians(map.mipmap), {});
   EXPECT_LT(error_of("blinn-phong:100"), 1.05 * lobes + 0.02);
   EXPECT_LT(error_of("cook-torrance:0.1"), 1.05 * grooves + 0.02);
-  expect_refusal({"-o", path("out.png"), "--brdf", "ggx:0.3"}, 2, "holds planar Gaussians, found --brdf ggx");
-  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, "holds planar Gaussians, found --formula paper");
-  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, "found --moments");
+  expect_refusal({"-o", path("out.png"), "--brdf", "ggx:0.3"}, 2, {"planar Gaussians", "--brdf ggx"});
+  expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, {"planar Gaussians", "--formula paper"});
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, {"found --moments"});
 }
 
 TEST_F(ViewTest, WarnsWhereTheRendererFiltersAnisotropicallyWrong) {
@@ -235,7 +237,7 @@ TEST_F(ViewTest, WarnsWhereTheRendererFiltersAnisotropicallyWrong) {
   write_movmf_mipmap(path("map.ndf.exr"), map.mipmap, {});
   const ChildResult result = view(arguments);
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  EXPECT_NE(result.output.find("map.ndf.exr: is 12 x 12 texels"), std::string::npos) << result.output;
+  testing::expect_says(result.output, {"map.ndf.exr: ", "12 x 12"});
 }
 
 TEST_F(ViewTest, WritesEachPictureByItself) {
@@ -301,54 +303,55 @@ TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
   ASSERT_EQ(still.exit_code, 0) << still.output;
   EXPECT_EQ(hash_file(path("still.png")), hash_file((folder_ / "frames" / "frame_0000.png").string()));
   const std::string frames = path("more");
-  expect_refusal({"--animate", frames}, 2, "say what changes");
-  expect_refusal({"-o", path("out.png"), "--to-brdf", "ggx:0.1"}, 2, "go with --animate");
-  expect_refusal({"-o", path("out.png"), "--animate", frames, "--to-diffuse", "1"}, 2, "leave out -o");
-  expect_refusal({"--animate", frames, "--to-brdf", "ggx:0.1"}, 2, "of the family that --brdf has");
-  expect_refusal({"--animate", frames, "--to-light", "0,0,1", "--to-light", "0,1,1"}, 2, "expected the 1 of");
+  expect_refusal({"--animate", frames}, 2, {"--animate", "--to-camera", "--to-brdf"});
+  expect_refusal({"-o", path("out.png"), "--to-brdf", "ggx:0.1"}, 2, {"--to-camera", "--animate FOLDER"});
+  expect_refusal({"-o", path("out.png"), "--animate", frames, "--to-diffuse", "1"}, 2,
+                 {"--animate", "-o", "--pictures"});
+  expect_refusal({"--animate", frames, "--to-brdf", "ggx:0.1"}, 2, {"family", "--brdf"});
+  expect_refusal({"--animate", frames, "--to-light", "0,0,1", "--to-light", "0,1,1"}, 2, {"expected the 1 of"});
 }
 
 TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   const std::string out = path("out.png");
-  expect_refusal({"-o", path("out.jpg")}, 2, "written as .png or .exr");
-  expect_refusal({}, 2, "multum-view: --output is required\nSee 'multum-view --help'.\n");
-  expect_refusal({"-o", out, "--brdf", "ggx:0.01"}, 2, "ggx:ROUGHNESS");
-  expect_refusal({"-o", out, "--brdf", "blinn-phong:nan"}, 2, "blinn-phong:S");
-  expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, "1..100000");
-  expect_refusal({"-o", out, "--brdf", "ggx:0.3,1.5"}, 2, "F0 0..1");
-  expect_refusal({"-o", out, "--brdf", "cook-torrance:0.3,0.1,0.2"}, 2, "cook-torrance:SIGMA");
-  expect_refusal({"-o", out, "--brdf", path("map.ndf.exr")}, 3, "no measured BRDF");
-  expect_refusal({"-o", out, "--brdf-terms", "5"}, 2, "--brdf-terms");
-  expect_refusal({"-o", out, "--point-light", "0,0,1"}, 2, "then its intensity");
-  expect_refusal({"-o", out, "--point-light", "0,0,1,-1"}, 2, "then its intensity");
-  expect_refusal({"-o", out, "--environment", path("map.ndf.exr")}, 3, "twice as wide as high");
-  expect_refusal({"-o", out, "--light", "0,0,0"}, 2, "towards the light");
-  expect_refusal({"-o", out, "--light", "1,2"}, 2, "towards the light");
-  expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, "eye x,y,z");
+  expect_refusal({"-o", path("out.jpg")}, 2, {"out.jpg", ".png or .exr"});
+  expect_refusal({}, 2, {"multum-view: ", "--output", "required", "multum-view --help"});
+  expect_refusal({"-o", out, "--brdf", "ggx:0.01"}, 2, {"ggx:ROUGHNESS"});
+  expect_refusal({"-o", out, "--brdf", "blinn-phong:nan"}, 2, {"blinn-phong:S"});
+  expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, {"1..100000"});
+  expect_refusal({"-o", out, "--brdf", "ggx:0.3,1.5"}, 2, {"F0 0..1"});
+  expect_refusal({"-o", out, "--brdf", "cook-torrance:0.3,0.1,0.2"}, 2, {"cook-torrance:SIGMA"});
+  expect_refusal({"-o", out, "--brdf", path("map.ndf.exr")}, 3, {"no measured BRDF"});
+  expect_refusal({"-o", out, "--brdf-terms", "5"}, 2, {"--brdf-terms"});
+  expect_refusal({"-o", out, "--point-light", "0,0,1"}, 2, {"--point-light", "intensity"});
+  expect_refusal({"-o", out, "--point-light", "0,0,1,-1"}, 2, {"--point-light", "intensity"});
+  expect_refusal({"-o", out, "--environment", path("map.ndf.exr")}, 3, {"map.ndf.exr", "twice as wide"});
+  expect_refusal({"-o", out, "--light", "0,0,0"}, 2, {"--light", "towards"});
+  expect_refusal({"-o", out, "--light", "1,2"}, 2, {"--light", "towards"});
+  expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, {"eye x,y,z"});
   for (const char* number : {"nan", "inf", "0", "-1", "1e7", "x"})
     for (const char* option : {"--exposure", "--repeat", "--anisotropy"})
-      expect_refusal({"-o", out, option, number}, 2, option);
-  expect_refusal({"-o", out, "--up", "0,0,0"}, 2, "--up");
-  expect_refusal({"-o", out, "--up", "0,1"}, 2, "--up");
-  expect_refusal({"-o", out, "--camera", "0,0,0,1,1,0", "--up", "2,2,0"}, 2, "line of sight");
-  expect_refusal({"-o", out, "--size", "640x"}, 2, "WIDTHxHEIGHT");
-  expect_refusal({"-o", out, "--compare", "truth,leaan"}, 2, "truth, mip, toksvig, lean");
-  expect_refusal({"-o", out, "--context", "glx"}, 2, "--context");
-  expect_refusal({"-o", out, "--albedo", "a.png"}, 2, "--source");
-  expect_refusal({"-o", out, "--samples", "0"}, 2, "--samples");
+      expect_refusal({"-o", out, option, number}, 2, {option});
+  expect_refusal({"-o", out, "--up", "0,0,0"}, 2, {"--up"});
+  expect_refusal({"-o", out, "--up", "0,1"}, 2, {"--up"});
+  expect_refusal({"-o", out, "--camera", "0,0,0,1,1,0", "--up", "2,2,0"}, 2, {"line of sight"});
+  expect_refusal({"-o", out, "--size", "640x"}, 2, {"WIDTHxHEIGHT"});
+  expect_refusal({"-o", out, "--compare", "truth,leaan"}, 2, {"truth, mip, toksvig, lean"});
+  expect_refusal({"-o", out, "--context", "glx"}, 2, {"--context"});
+  expect_refusal({"-o", out, "--albedo", "a.png"}, 2, {"--source"});
+  expect_refusal({"-o", out, "--samples", "0"}, 2, {"--samples"});
 }
 
 TEST_F(ViewTest, UnusableFilesAreInputErrors) {
   const std::string out = path("out.png");
-  expect_refusal({"-o", out, "--mesh", path("none.obj")}, 3, "none.obj");
-  expect_refusal({"-o", out, "--compare", "truth", "--source", path("none.png")}, 3, "none.png");
+  expect_refusal({"-o", out, "--mesh", path("none.obj")}, 3, {"none.obj"});
+  expect_refusal({"-o", out, "--compare", "truth", "--source", path("none.png")}, 3, {"none.png"});
   write_text_file(path("map.ndf.exr"), "not an image");
-  expect_refusal({"-o", out}, 3, "map.ndf.exr");
+  expect_refusal({"-o", out}, 3, {"map.ndf.exr"});
 }
 
 TEST_F(ViewTest, ImpossiblePicturesAreEnvironmentErrors) {
-  expect_refusal({"-o", path("out.png"), "--size", "1000000x4", "--context", "osmesa"}, 4, "1000000 x 4");
-  expect_refusal({"-o", path("no/folder/out.png"), "--size", "8x8", "--context", "osmesa"}, 4, "folder");
+  expect_refusal({"-o", path("out.png"), "--size", "1000000x4", "--context", "osmesa"}, 4, {"1000000 x 4"});
+  expect_refusal({"-o", path("no/folder/out.png"), "--size", "8x8", "--context", "osmesa"}, 4, {"folder"});
 }
 
 TEST_F(ViewTest, OutputsOverwriteNeitherInputsNorEachOther) {
@@ -359,7 +362,7 @@ TEST_F(ViewTest, OutputsOverwriteNeitherInputsNorEachOther) {
                                            "--compare", "truth,mip"};
   const auto refuse = [&](std::vector<std::string> outputs) {
     outputs.insert(outputs.end(), inputs.begin(), inputs.end());
-    expect_refusal(outputs, 2, "is named twice");
+    expect_refusal(outputs, 2, {"twice"});
   };
   const auto size = fs::file_size(baked);
   refuse({"-o", baked});
@@ -374,16 +377,16 @@ TEST_F(ViewTest, OutputsOverwriteNeitherInputsNorEachOther) {
   fs::rename(path("source.png"), path("one_mip_difference.png"));
   expect_refusal(
       {"-o", out, "--pictures", path("one"), "--source", path("one_mip_difference.png"), "--compare", "mip,truth"}, 2,
-      "one_mip_difference.png: is named twice");
+      {"one_mip_difference.png", "twice"});
   EXPECT_EQ(fs::file_size(baked), size);
   for (const char* name : {"one_mip_difference.png", "albedo.png", "mesh.obj"})
     EXPECT_EQ(fs::file_size(path(name)), 9u);
 }
 
 TEST_F(ViewTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
-  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", path("no/folder/r.json")}, 4, "folder");
-  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", folder_.string()}, 2, "is a folder");
-  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--pictures", path("no/folder/p")}, 4, "folder");
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", path("no/folder/r.json")}, 4, {"folder"});
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", folder_.string()}, 2, {"is a folder"});
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--pictures", path("no/folder/p")}, 4, {"folder"});
 }
 
 TEST_F(ViewTest, SourceIsReadAsTheBakeReadIt) {
@@ -504,21 +507,21 @@ TEST_F(FirstLevelViewTest, PicturesAreNearThoseOfAFileThatHoldsEveryLevel) {
 TEST_F(FirstLevelViewTest, TheNormalMapIsAskedForByName) {
   write_from(1);
   const std::string out = path("out.png");
-  expect_refusal({"-o", out}, 2, "map.ndf.exr: holds levels 1 to 5 of 0 to 5 of a map of 32 x 32; found no --source");
-  expect_refusal({"-o", out}, 2, "(n.png, SHA-256 " + map_.mipmap.provenance.source_hash + ")");
-  expect_refusal({"-o", out, "--source", path("none.png")}, 3, "none.png");
+  expect_refusal({"-o", out}, 2, {"map.ndf.exr: ", "levels 1 to 5 of 0 to 5", "32 x 32", "no --source"});
+  expect_refusal({"-o", out}, 2, {"(n.png, SHA-256 " + map_.mipmap.provenance.source_hash + ")"});
+  expect_refusal({"-o", out, "--source", path("none.png")}, 3, {"none.png"});
   std::vector<std::uint16_t> flat;
   for (int i = 0; i < 16 * 16; ++i) flat.insert(flat.end(), {32768, 32768, 65535});
   write_png16(path("small.png"), 16, 16, flat, "Linear");
-  expect_refusal({"-o", out, "--source", path("small.png")}, 3, "small.png: is 16 x 16 texels; ");
-  expect_refusal({"-o", out, "--source", path("small.png")}, 3, "was baked from 32 x 32");
+  expect_refusal({"-o", out, "--source", path("small.png")}, 3, {"small.png: ", "16 x 16"});
+  expect_refusal({"-o", out, "--source", path("small.png")}, 3, {"baked from", "32 x 32"});
   flat.clear();
   for (int i = 0; i < kSize * kSize; ++i) flat.insert(flat.end(), {32768, 32768, 65535});
   write_png16(path("other.png"), kSize, kSize, flat, "Linear");
   const ChildResult other = view({"-o", out, "--source", path("other.png"), "--size", "8x8", "--context", "osmesa"});
   EXPECT_EQ(other.exit_code, 0) << other.output;
-  EXPECT_NE(other.output.find("other.png: is not the file that"), std::string::npos) << other.output;
-  EXPECT_NE(other.output.find("the finest levels, the truth and the baselines may show"), std::string::npos);
+  testing::expect_says(other.output, {"other.png", "not the file"});
+  testing::expect_says(other.output, {"finest levels", "truth", "baselines"});
 }
 
 TEST_F(FirstLevelViewTest, ColoursWithoutTheirMapAreWarnedOf) {
@@ -527,7 +530,7 @@ TEST_F(FirstLevelViewTest, ColoursWithoutTheirMapAreWarnedOf) {
   write_from(2);
   std::vector<std::string> arguments = {"-o",     path("out.png"), "--source",  path("n.png"),
                                         "--size", "8x8",           "--context", "osmesa"};
-  const std::string warning = "has colours from level 2 on; without --albedo";
+  const std::string warning = "without --albedo";
   EXPECT_NE(view(arguments).output.find(warning), std::string::npos);
   write_png16(path("a.png"), kSize, kSize, std::vector<std::uint16_t>(3 * kSize * kSize, 30000), "sRGB");
   arguments.insert(arguments.end(), {"--albedo", path("a.png")});
@@ -596,7 +599,7 @@ TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   write_movmf_mipmap(path("map.ndf.exr"), map.mipmap, {});
   const ChildResult changed = make("flat.png");
   EXPECT_EQ(changed.exit_code, 3);
-  EXPECT_NE(changed.output.find("has changed since it was baked"), std::string::npos) << changed.output;
+  testing::expect_says(changed.output, {"changed", "since it was baked"});
   EXPECT_EQ(names(), std::set<std::string>({"render.png"}));
 }
 
