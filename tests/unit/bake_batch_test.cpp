@@ -24,14 +24,8 @@ class BakeBatchTest : public ::testing::Test {
     for (const BakeJob& job : make_bake_jobs(pattern_, inputs)) found.push_back(job.output);
     return found;
   }
-  void expect_refused(const std::vector<std::string>& inputs, ErrorCode code, const std::string& part) {
-    try {
-      outputs(inputs);
-      ADD_FAILURE() << "accepted";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), code);
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-    }
+  void expect_refused(const std::vector<std::string>& inputs, ErrorCode code, const std::vector<std::string>& parts) {
+    expect_error(code, parts, [&] { outputs(inputs); });
   }
 
   TemporaryFolder folder_;
@@ -48,11 +42,11 @@ TEST_F(BakeBatchTest, SeveralMapsGoToAFolderUnderTheirNames) {
   std::filesystem::create_directory(path("out"));
   pattern_.output = path("out");
   EXPECT_EQ(outputs({"b.png", "a.b.tif"}), (std::vector<std::string>{path("out/b.ndf.exr"), path("out/a.b.ndf.exr")}));
-  expect_refused({"b.png", "b.tif"}, ErrorCode::kUsage, "would go there");
+  expect_refused({"b.png", "b.tif"}, ErrorCode::kUsage, {"would go there"});
   pattern_.report = path("r.json");
-  expect_refused({"b.png", "a.png"}, ErrorCode::kUsage, "r.json: one name for several maps");
+  expect_refused({"b.png", "a.png"}, ErrorCode::kUsage, {"r.json: ", "several maps"});
   pattern_.output = path("one.ndf.exr");
-  expect_refused({"b.png", "a.png"}, ErrorCode::kUsage, "one.ndf.exr: one name for several maps");
+  expect_refused({"b.png", "a.png"}, ErrorCode::kUsage, {"one.ndf.exr: ", "several maps"});
 }
 
 TEST_F(BakeBatchTest, SetsAreFoundByTheirTiles) {
@@ -68,9 +62,9 @@ TEST_F(BakeBatchTest, SetsAreFoundByTheirTiles) {
   EXPECT_EQ(jobs[2].input, path("rock_1011.png"));
   EXPECT_EQ(jobs[2].albedo, "colour.1011.png");
   EXPECT_EQ(jobs[2].report, path("1011.json"));
-  expect_refused({"none_<UDIM>.png"}, ErrorCode::kInput, "none_1001.png");
-  expect_refused({"rock_<UDIM>.png", "b.png"}, ErrorCode::kUsage, "b.png is no set");
-  expect_refused({"rock_<UDIM>.png", "rock_<UDIM>.png"}, ErrorCode::kUsage, "would go there");
+  expect_refused({"none_<UDIM>.png"}, ErrorCode::kInput, {"none_1001.png"});
+  expect_refused({"rock_<UDIM>.png", "b.png"}, ErrorCode::kUsage, {"b.png", "no set"});
+  expect_refused({"rock_<UDIM>.png", "rock_<UDIM>.png"}, ErrorCode::kUsage, {"would go there"});
 }
 
 }  // namespace

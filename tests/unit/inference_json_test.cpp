@@ -81,23 +81,22 @@ TEST(ProbeRequestTest, WhatIsOutOfRangeIsRefused) {
   const TemporaryFolder folder;
   const std::string path = folder / "r.json";
   write_probe_request(unusual_request(), path);
-  const auto refuse = [&](const std::string& place, const nlohmann::json& value, const std::string& words) {
-    with_value(path, place, value, [&] {
-      expect_error(ErrorCode::kInput, {path + ": ", words}, [&] { read_probe_request(path); });
-    });
+  const auto refuse = [&](const std::string& place, const nlohmann::json& value, std::vector<std::string> parts) {
+    parts.push_back(path + ": ");
+    with_value(path, place, value, [&] { expect_error(ErrorCode::kInput, parts, [&] { read_probe_request(path); }); });
   };
   const auto accept = [&](const std::string& place, const nlohmann::json& value) {
     with_value(path, place, value, [&] { EXPECT_NO_THROW(read_probe_request(path)); });
   };
-  refuse("/multumProbeRequest", 2, "is a probe request of another version, expected 1");
+  refuse("/multumProbeRequest", 2, {"probe request", "version", "expected 1"});
   for (const char* side : {"/width", "/height"})
-    for (const int value : {0, -5, 16385}) refuse(side, value, "expected 1 to 16384 a side");
-  for (const int value : {0, -1, 9}) refuse("/supersampling", value, "with supersampling " + std::to_string(value));
+    for (const int value : {0, -5, 16385}) refuse(side, value, {"1 to 16384"});
+  for (const int value : {0, -1, 9}) refuse("/supersampling", value, {"supersampling " + std::to_string(value)});
   accept("/supersampling", 1);
-  for (const double value : {0.0, 0.999, -4.0, 16.01, 1e300}) refuse("/tasks/1/anisotropy", value, "expected 1 to 16");
+  for (const double value : {0.0, 0.999, -4.0, 16.01, 1e300}) refuse("/tasks/1/anisotropy", value, {"1 to 16"});
   accept("/tasks/1/anisotropy", 1);
-  refuse("/tasks/0/mapping/width", 0, "a texture mapping is of 0 x 16384 texels");
-  refuse("/tasks/0/mapping/wrapS", "mirror", "'mirror', expected clamp or periodic");
+  refuse("/tasks/0/mapping/width", 0, {"texture mapping", "0 x 16384"});
+  refuse("/tasks/0/mapping/wrapS", "mirror", {"'mirror'", "clamp", "periodic"});
   expect_error(ErrorCode::kInput, {folder / "none.json", "cannot be read"},
                [&] { read_probe_request(folder / "none.json"); });
 }
@@ -167,27 +166,26 @@ TEST(InferredManifestTest, WhatIsOutOfRangeIsRefused) {
   const TemporaryFolder folder;
   const std::string path = folder / "inferred.json";
   write_inferred_manifest(unusual_manifest(), path);
-  const auto refuse = [&](const std::string& place, const nlohmann::json& value, const std::string& words) {
-    with_value(path, place, value, [&] {
-      expect_error(ErrorCode::kInput, {path + ": ", words}, [&] { read_inferred_manifest(path); });
-    });
+  const auto refuse = [&](const std::string& place, const nlohmann::json& value, std::vector<std::string> parts) {
+    parts.push_back(path + ": ");
+    with_value(path, place, value,
+               [&] { expect_error(ErrorCode::kInput, parts, [&] { read_inferred_manifest(path); }); });
   };
-  refuse("/multumInferredTextures", 2, "is a manifest of another version, expected 1");
+  refuse("/multumInferredTextures", 2, {"manifest", "version", "expected 1"});
   for (const char* side : {"/width", "/height"})
-    for (const int value : {0, -5, 16385}) refuse(side, value, "expected 1 to 16384 a side");
-  for (const int value : {0, 9}) refuse("/supersampling", value, "with supersampling " + std::to_string(value));
-  refuse("/samples", nlohmann::json::array(), "has no samples");
-  refuse("/samples/1/at", {2}, "sample 'night' has 1 indices, expected 2");
-  refuse("/samples/0/at", {2, 3, 4}, "sample 'noon' has 3 indices, expected 2");
-  refuse("/parameters", {"view"}, "sample 'noon' has 2 indices, expected 1");
-  refuse("/objects/0/layers/1/textures", {"b/0.exr"}, "layer 'other' of object 'the cup' has 1 textures for 2 samples");
-  refuse("/objects/1/anisotropy", 17, "expected 1 to 16");
-  refuse("/objects/0/mappingOfSample", {0}, "object 'the cup' has mappingOfSample for 1 of 2 samples");
+    for (const int value : {0, -5, 16385}) refuse(side, value, {"1 to 16384"});
+  for (const int value : {0, 9}) refuse("/supersampling", value, {"supersampling " + std::to_string(value)});
+  refuse("/samples", nlohmann::json::array(), {"no samples"});
+  refuse("/samples/1/at", {2}, {"'night'", "1 indices", "expected 2"});
+  refuse("/samples/0/at", {2, 3, 4}, {"'noon'", "3 indices", "expected 2"});
+  refuse("/parameters", {"view"}, {"'noon'", "2 indices", "expected 1"});
+  refuse("/objects/0/layers/1/textures", {"b/0.exr"}, {"'other'", "'the cup'", "1 textures", "2 samples"});
+  refuse("/objects/1/anisotropy", 17, {"1 to 16"});
+  refuse("/objects/0/mappingOfSample", {0}, {"'the cup'", "mappingOfSample", "1 of 2 samples"});
   for (const int value : {-1, 2})
-    refuse("/objects/0/mappingOfSample/1", value,
-           "object 'the cup' has mapping " + std::to_string(value) + " at a sample, expected one of its 2");
-  refuse("/objects/1/mappings", nlohmann::json::array(), "object 'the floor' has mapping 0 at a sample");
-  refuse("/objects/1/mappings/0/height", 16385, "a texture mapping is of 1 x 16385 texels");
+    refuse("/objects/0/mappingOfSample/1", value, {"'the cup'", "mapping " + std::to_string(value), "one of its 2"});
+  refuse("/objects/1/mappings", nlohmann::json::array(), {"'the floor'", "mapping 0"});
+  refuse("/objects/1/mappings/0/height", 16385, {"texture mapping", "1 x 16385"});
   expect_error(ErrorCode::kInput, {folder / "none.json", "cannot be read"},
                [&] { read_inferred_manifest(folder / "none.json"); });
 }

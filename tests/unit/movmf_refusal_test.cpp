@@ -115,7 +115,7 @@ TEST_F(MovmfRefusalTest, TheGoodFileIsRead) { EXPECT_NO_THROW(read_movmf_mipmap(
 TEST_F(MovmfRefusalTest, NoFileNoExrNoBake) {
   expect_refusal(folder_ / "none.exr", {"none.exr"});
   write_bytes(bad_, "not an image at all");
-  expect_refusal(bad_, {"not a readable baked file"});
+  expect_refusal(bad_, {"baked file"});
   write_bytes(bad_, "");
   expect_refusal(bad_, {});
   expect_refusal(folder_.path(), {});
@@ -129,25 +129,25 @@ TEST_F(MovmfRefusalTest, TruncatedAnywhere) {
                                  bytes.size() / 2, bytes.size() - 4000, bytes.size() - 1}) {
     SCOPED_TRACE(size);
     write_bytes(bad_, bytes.substr(0, size));
-    expect_refusal(bad_, {"not a readable baked file"});
+    expect_refusal(bad_, {"baked file"});
   }
 }
 
 TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
-  expect_refusal(replaced("snorm16", "snorm17"), {"found encoding 'snorm17'", "expected snorm16, half or float"});
-  expect_refusal(replaced("movmf", "sharm"), {"found representation 'sharm'", "expected 'movmf'"});
-  expect_refusal(replaced("clamp,mirror", "clamp,mirrox"), {"found wrap mode 'mirrox'", "expected black, clamp"});
+  expect_refusal(replaced("snorm16", "snorm17"), {"encoding", "'snorm17'", "snorm16, half or float"});
+  expect_refusal(replaced("movmf", "sharm"), {"representation", "'sharm'", "'movmf'"});
+  expect_refusal(replaced("clamp,mirror", "clamp,mirrox"), {"wrap mode", "'mirrox'", "black, clamp"});
   const auto set_int = [&](const char* name, int value) {
     return rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
   };
   for (const char* version : {"1", "2", "5"})
     expect_refusal(set_int("multum:formatVersion", std::stoi(version)),
                    {std::string("found format version ") + version, "expected version 3 or 4"});
-  expect_refusal(set_int("multum:formatVersion", 4), {"found no attribute multum:weightCount"});
-  expect_refusal(set_int("multum:lobeCount", 0), {"found 0 lobes", "expected 1 to 8"});
-  expect_refusal(set_int("multum:lobeCount", 9), {"found 9 lobes", "expected 1 to 8"});
-  expect_refusal(set_int("multum:lobeCount", 5), {"found 9 parts", "expected 11"});
-  expect_refusal(set_int("multum:hasColours", 0), {"found 9 parts", "expected 5"});
+  expect_refusal(set_int("multum:formatVersion", 4), {"no attribute", "multum:weightCount"});
+  expect_refusal(set_int("multum:lobeCount", 0), {"0 lobes", "1 to 8"});
+  expect_refusal(set_int("multum:lobeCount", 9), {"9 lobes", "1 to 8"});
+  expect_refusal(set_int("multum:lobeCount", 5), {"9 parts", "expected 11"});
+  expect_refusal(set_int("multum:hasColours", 0), {"9 parts", "expected 5"});
   expect_refusal(rebuilt(all_,
                          [](Imf::Header& h) {
                            h.erase("multum:encoding");
