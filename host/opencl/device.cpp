@@ -281,6 +281,8 @@ std::map<std::string, double> Device::launch_seconds() {
 
 void Device::edit_kernels(std::vector<SourceEdit> edits) { state().edits = std::move(edits); }
 
+bool Device::kernels_are_edited() const { return !state().edits.empty(); }
+
 void Device::prepare(const std::vector<ProgramChoice>& programs) {
   for (const ProgramChoice& program : programs)
     prepare_program(state(), program.file, build_options(program.variant, state().info.rounds_when_asked));

@@ -157,6 +157,7 @@ class Device {
   /// From now on programs are built from kernels edited so; an empty list ends that. Kernels made before stay as they
   /// are. For showing what a guard is for (host/selftest), never for a bake.
   void edit_kernels(std::vector<SourceEdit> edits);
+  bool kernels_are_edited() const;
 
   /// Waits for all launches.
   void finish();

@@ -110,6 +110,7 @@ glm::dvec3 tilted(double degrees, double azimuth) {
 }
 
 std::vector<EmForm> em_forms(const Device& device) {
+  if (device.kernels_are_edited()) return {EmForm::kScalar};
   if (device.shape().vector_width == 1) return {EmForm::kScalar, EmForm::kTeam};
   return {EmForm::kFast, EmForm::kScalar, EmForm::kTeam};
 }

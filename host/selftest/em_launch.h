@@ -45,7 +45,8 @@ struct FittedTexel {
 /// work-items a texel.
 enum class EmForm { kFast, kScalar, kTeam };
 
-/// Those that differ on a device.
+/// Those that differ on a device; of edited kernels the scalar one alone: what a guard is for shows in one form, and
+/// each is a program to build.
 std::vector<EmForm> em_forms(const Device& device);
 
 /// Up to 16 texels side by side, all of as many samples, weight and lobes as the first.

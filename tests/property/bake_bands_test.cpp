@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{50, 237, true, true, CoarseNormals::kCondensed, 0}, Case{37, 190, true, false, CoarseNormals::kAll, 0},
         Case{101, 99, false, false, CoarseNormals::kCondensed, 1},
         Case{96, 2000, true, true, CoarseNormals::kCondensed, 4},
-        Case{70, 1900, false, false, CoarseNormals::kCondensed, 4}, Case{70, 1000, false, true, CoarseNormals::kAll, 5},
+        Case{70, 1900, false, false, CoarseNormals::kCondensed, 4}, Case{70, 160, false, true, CoarseNormals::kAll, 5},
         Case{61, 240, true, true, CoarseNormals::kCondensed, 0, true},
         Case{50, 237, true, true, CoarseNormals::kCondensed, 0, false, Representation::kGmm},
         Case{37, 190, true, true, CoarseNormals::kAll, 0, true, Representation::kGmm},
