@@ -287,7 +287,7 @@ TEST_F(BakeCommandTest, RunstatsPrintLevelsAndLaunches) {
     EXPECT_TRUE(contains(bake.out, part)) << part << " is not in\n" << bake.out;
 }
 
-// The other tests do without the cache of programs.
+// The other tests have one cache for all.
 TEST_F(BakeCommandTest, ProgramsAreKeptInTheCacheFolder) {
   make_map("map", 16);
   setenv("MULTUM_CACHE_DIR", path("cache").c_str(), 1);
@@ -371,7 +371,7 @@ TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
 }
 
 TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
-  make_map("map", 128);
+  make_map("map", 64);
   const auto bake = [&](const std::string& name, std::vector<std::string> options) {
     options.insert(options.begin(),
                    {"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o", path(name), "--quiet"});

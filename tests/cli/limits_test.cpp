@@ -22,7 +22,6 @@ class LimitsTest : public CliTest {
   }
   // Compilers write files too, PoCL whenever a program is not in a file.
   void build_kernels() const {
-    keep_programs();
     const ProgramResult built = run_program(bake());
     ASSERT_EQ(built.exit_code, 0) << built.err;
     std::filesystem::remove(path("out/map.ndf.exr"));

@@ -130,9 +130,7 @@ bool program_works(const std::string& program, const std::string& argument) {
   return run_program({program, argument}).exit_code == 0;
 }
 
-CliTest::CliTest() { setenv("MULTUM_CACHE_DIR", "", 1); }
-
-void CliTest::keep_programs() { setenv("MULTUM_CACHE_DIR", MULTUM_TEST_CACHE, 1); }
+CliTest::CliTest() { setenv("MULTUM_CACHE_DIR", MULTUM_TEST_CACHE, 1); }
 
 std::vector<std::string> CliTest::multum_command(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum");

@@ -58,13 +58,11 @@ inline void expect_refusal(const ProgramResult& result, int exit_code, const std
   expect_says(result.err, parts);
 }
 
-/// Tests of `multum`: a folder, and commands in it. Without multum's cache of programs: PoCL keeps what it compiles by
-/// itself, for all tests at once, and it compiles what is launched, where a program in a file has all of its kernels.
+/// Tests of `multum`: a folder, and commands in it. The programs that they build are kept in the build folder, by all
+/// tests in one place.
 class CliTest : public ::testing::Test {
  protected:
   CliTest();
-  /// From here to the test's end programs are kept, in the build folder.
-  static void keep_programs();
   static std::vector<std::string> multum_command(std::vector<std::string> arguments);
   /// A command in this process, by the function that main() calls: OpenCL and the child that decodes images are there
   /// already, as in a worker of the service. One with --threads is a program of its own, since a process keeps the

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest,
 TEST_P(HardCaseTest, AllNormalsEqual) {
   for (double degrees : {0.0, 30.0, 60.0, 89.0}) {
     const glm::dvec3 n = glm::dvec3(glm::vec3(tilted(degrees)));
-    const Baked baked = bake(make_map(64, 64, [&](int, int) { return n; }), 6, GetParam());
+    const Baked baked = bake(make_map(64, 64, [&](int, int) { return n; }), 8, GetParam());
     for (const MovmfLevel& level : baked.mipmap.levels)
       for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
         EXPECT_LT(spread_of(level, i), 1e-6) << degrees << " degrees, level of width " << level.width;
