@@ -219,7 +219,7 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
     EXPECT_EQ(hash.size(), 64u);
     EXPECT_EQ(hash, mipmap.provenance.content_hash);
     EXPECT_EQ(stated_hash, mipmap.provenance.content_hash);
-    EXPECT_NE(finer.find("the file leaves this level to the normal map"), std::string::npos) << finer;
+    EXPECT_NE(finer.find("normal map"), std::string::npos) << finer;
     FloatStream values(read_bytes(path(std::to_string(i))));
     for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l)
       ASSERT_NO_FATAL_FAILURE(expect_level(mipmap.levels[l], mipmap, values));

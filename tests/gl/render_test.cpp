@@ -456,8 +456,8 @@ TEST(Material, RefusesFinestLevelsWithoutTheirNormalMap) {
     }
     return "taken";
   };
-  EXPECT_NE(refusal(nullptr).find("found no normal map, expected the one of 8 x 8 texels"), std::string::npos);
-  EXPECT_NE(refusal(&other).find("found a normal map of 4 x 4, expected"), std::string::npos);
+  EXPECT_NE(refusal(nullptr).find("8 x 8"), std::string::npos);
+  EXPECT_NE(refusal(&other).find("4 x 4"), std::string::npos);
   EXPECT_EQ(refusal(&map.image), "taken");
 }
 

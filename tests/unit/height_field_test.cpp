@@ -132,7 +132,7 @@ TEST(HeightField, CliffsAreLiftedAndCounted) {
   settings.height_scale = 1e6f;
   settings.bump_format = BumpFormat::kHeight;
   const TestImage image = height_image(16, 16, [](int x, int) { return x < 8 ? 0.0 : 1.0; });
-  expect_error(ErrorCode::kInput, {"64 below the horizon"}, [&] { read_heights(image, settings); });
+  expect_error(ErrorCode::kInput, {"64", "horizon"}, [&] { read_heights(image, settings); });
 }
 
 TEST(HeightField, OneOrTwoGreyValuesAreRefusedUnlessAskedFor) {
@@ -146,9 +146,7 @@ TEST(HeightField, OneOrTwoGreyValuesAreRefusedUnlessAskedFor) {
             image.values.push_back(values == 2 && i / 8 % 2 == 0 ? 230.0f / 255.0f : 51.0f / 255.0f);
         write_test_image(folder / file, image);
         SCOPED_TRACE(std::string(file) + ", " + std::to_string(channels) + " channels");
-        expect_error(ErrorCode::kInput,
-                     {file, "grey image that is no height field", values == 1 ? "every texel is 0.2," : "as in a mask",
-                      "--bumpformat height"},
+        expect_error(ErrorCode::kInput, {file, "height field", values == 1 ? "0.2," : "mask", "--bumpformat height"},
                      [&] { read_map(folder / file); });
         NormalMapSettings settings;
         settings.bump_format = BumpFormat::kHeight;
@@ -156,7 +154,7 @@ TEST(HeightField, OneOrTwoGreyValuesAreRefusedUnlessAskedFor) {
       }
     }
   }
-  expect_error(ErrorCode::kInput, {"no value is finite"}, [] {
+  expect_error(ErrorCode::kInput, {"finite"}, [] {
     read_heights(height_image(4, 4, [](int, int) { return std::numeric_limits<double>::quiet_NaN(); }));
   });
 }
@@ -173,12 +171,12 @@ TEST(HeightField, DoubtsAreWarnedOf) {
   };
   EXPECT_EQ(warnings(1.0, BumpFormat::kHeight), "");
   const std::string taken = warnings(1.0, BumpFormat::kAuto);
-  EXPECT_NE(taken.find("a grey image, taken for a height field at --height-scale 1"), std::string::npos) << taken;
+  testing::expect_says(taken, {"grey", "height field", "--height-scale 1"});
   EXPECT_EQ(taken.find("slope"), std::string::npos) << taken;
   for (const BumpFormat format : {BumpFormat::kAuto, BumpFormat::kHeight}) {
     const std::string flat = warnings(0.01, format), steep = warnings(10.0, format);
-    EXPECT_NE(flat.find("is too flat, expected 0.05 to 5: --height-scale 1"), std::string::npos) << flat;
-    EXPECT_NE(steep.find("is too steep"), std::string::npos) << steep;
+    testing::expect_says(flat, {"flat", "0.05 to 5", "--height-scale 1"});
+    testing::expect_says(steep, {"steep", "0.05 to 5"});
   }
 }
 

@@ -43,12 +43,12 @@ std::string end_of(const std::string& request, const HelperLimits& limits = kLim
 
 TEST(HelperProcessTest, EndsAreToldApart) {
   EXPECT_EQ(end_of("anything"), "answered nonsense");
-  EXPECT_NE(end_of("exit").find("ended with exit code 7"), std::string::npos);
-  EXPECT_NE(end_of("announce").find("announced an answer of 18446744073709551615 bytes"), std::string::npos);
-  EXPECT_NE(end_of("chatter").find("said more than it was asked"), std::string::npos);
+  expect_says(end_of("exit"), {"exit code 7"});
+  expect_says(end_of("announce"), {"18446744073709551615 bytes"});
+  expect_says(end_of("chatter"), {"more than"});
 #ifndef MULTUM_SHADOW_MEMORY  // which has its own words for signals
-  EXPECT_EQ(end_of("abort"), "was ended by signal 6 (Aborted): a library's last words");
-  EXPECT_EQ(end_of("segfault"), "was ended by signal 11 (Segmentation fault)");
+  expect_says(end_of("abort"), {"signal 6", "Aborted", "a library's last words"});
+  expect_says(end_of("segfault"), {"signal 11", "Segmentation fault"});
 #endif
 }
 
@@ -56,15 +56,15 @@ TEST(HelperProcessTest, TimeIsLimited) {
   HelperLimits limits = kLimits;
   limits.time_max = std::chrono::milliseconds(150);
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_EQ(end_of("hang", limits), "took more than 150 ms and was ended");
-  EXPECT_EQ(end_of("spin", limits), "took more than 150 ms and was ended");
+  expect_says(end_of("hang", limits), {"150 ms"});
+  expect_says(end_of("spin", limits), {"150 ms"});
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
 TEST(HelperProcessTest, MemoryIsLimited) {
   const std::string end = end_of("eat");
 #ifdef MULTUM_SHADOW_MEMORY
-  EXPECT_NE(end.find("bytes of memory and was ended"), std::string::npos) << end;
+  expect_says(end, {"bytes of memory"});
 #else
   EXPECT_EQ(end, "answered full");  // its allocations failed
 #endif

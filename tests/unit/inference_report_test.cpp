@@ -177,7 +177,7 @@ TEST(InferenceReport, WithoutFramesAndComparisonJsonSaysSo) {
   EXPECT_TRUE(json["frames"].is_null());
   EXPECT_TRUE(json["comparison"].is_null());
   const std::string page = inference_page(report, {});
-  EXPECT_NE(page.find("No frames were drawn"), std::string::npos);
+  EXPECT_NE(page.find("No frames"), std::string::npos);
   EXPECT_EQ(page.find("<svg"), std::string::npos);
 }
 

@@ -152,25 +152,25 @@ TEST(InferredTextureRefusalTest, TiledFilesOfAnotherShape) {
   write_foreign({}, path);
   EXPECT_EQ(read_inferred_texture(path).texels, std::vector<float>(3 * (45 + 8 + 2 + 1)));
   EXPECT_EQ(read_texture_provenance(path), "") << "no provenance in it";
-  const std::string shape = "is not mip-mapped as inferred textures are (MIPMAP_LEVELS, ROUND_DOWN)";
+  const std::string shape = "MIPMAP_LEVELS, ROUND_DOWN";
   refuse({.mode = Imf::ONE_LEVEL}, shape);
   refuse({.rounding = Imf::ROUND_UP}, shape);
-  refuse({.channels = {"G", "B"}}, "has no channel R; inferred textures have R, G and B");
-  refuse({.channels = {"R", "B", "A"}}, "has no channel G");
-  refuse({.channels = {"Y"}}, "has no channel R");
-  refuse({.type = Imf::FLOAT}, "has a channel R that is not of halfs");
+  refuse({.channels = {"G", "B"}}, "channel R");
+  refuse({.channels = {"R", "B", "A"}}, "channel G");
+  refuse({.channels = {"Y"}}, "channel R");
+  refuse({.type = Imf::FLOAT}, "half");
   for (const int shift : {-3, 7}) {
-    refuse({.left = shift}, "has a data window that does not begin at (0, 0)");
-    refuse({.top = shift}, "has a data window that does not begin at (0, 0)");
+    refuse({.left = shift}, "data window");
+    refuse({.top = shift}, "data window");
   }
-  refuse({.width = 16385, .height = 1}, "is 16385 x 1 texels, expected up to 16384 a side");
+  refuse({.width = 16385, .height = 1}, "16385 x 1");
 }
 
 TEST(InferredTextureRefusalTest, FilesThatAreNotTiledOrNoImages) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.exr";
   const auto refuse = [&](const std::string& file) {
-    expect_error(ErrorCode::kInput, {file + ": cannot be read as a tiled EXR: "}, [&] { read_inferred_texture(file); });
+    expect_error(ErrorCode::kInput, {file + ": ", "tiled EXR"}, [&] { read_inferred_texture(file); });
     EXPECT_EQ(read_texture_provenance(file), "");
   };
   {
@@ -201,7 +201,7 @@ TEST(InferredTextureRefusalTest, FilesCutShort) {
   for (std::size_t size : {std::size_t{4}, std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
     SCOPED_TRACE(size);
     write_bytes(path, bytes.substr(0, size));
-    expect_error(ErrorCode::kInput, {path + ": cannot be read as a tiled EXR: "}, [&] { read_inferred_texture(path); });
+    expect_error(ErrorCode::kInput, {path + ": ", "tiled EXR"}, [&] { read_inferred_texture(path); });
   }
   write_bytes(path, bytes.substr(0, 100));  // in the header
   EXPECT_EQ(read_texture_provenance(path), "");
@@ -210,10 +210,9 @@ TEST(InferredTextureRefusalTest, FilesCutShort) {
 TEST(InferredTextureTest, NothingStaysOfWhatCannotBeWritten) {
   const TemporaryFolder folder;
   const InferredTexture texture = random_texture(8, 8);
-  expect_error(ErrorCode::kEnvironment, {folder / "none/a.exr", "does not exist"},
+  expect_error(ErrorCode::kEnvironment, {folder / "none/a.exr"},
                [&] { write_inferred_texture(texture, folder / "none/a.exr"); });
-  expect_error(ErrorCode::kUsage, {folder.path(), "is a folder"},
-               [&] { write_inferred_texture(texture, folder.path()); });
+  expect_error(ErrorCode::kUsage, {folder.path(), "folder"}, [&] { write_inferred_texture(texture, folder.path()); });
   EXPECT_EQ(folder.names(), Names{});
 }
 

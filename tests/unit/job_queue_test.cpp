@@ -199,10 +199,10 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   EXPECT_EQ(state(both), JobState::kWaiting);
   fail(*claim(), AttemptOutcome::kRefused);
   EXPECT_EQ(state(both), JobState::kDead);
-  EXPECT_EQ(queue_->find(both)->message, "needs job 2, which is dead");
-  EXPECT_EQ(queue_->find(after)->message, "needs job 3, which is dead");
-  expect_error(ErrorCode::kUsage, {"needs job 2, which is dead"}, [&] { submit(of(0, {a, b})); });
-  expect_error(ErrorCode::kUsage, {"needs job 99, which does not exist"}, [&] { submit(of(0, {99})); });
+  testing::expect_says(queue_->find(both)->message, {"job 2", "dead"});
+  testing::expect_says(queue_->find(after)->message, {"job 3", "dead"});
+  expect_error(ErrorCode::kUsage, {"job 2", "dead"}, [&] { submit(of(0, {a, b})); });
+  expect_error(ErrorCode::kUsage, {"job 99"}, [&] { submit(of(0, {99})); });
   // Those that died because of it come back with it, and wait.
   EXPECT_TRUE(queue_->retry(b, now_));
   EXPECT_EQ(state(both), JobState::kWaiting);
@@ -434,7 +434,7 @@ TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
 }
 
 TEST_F(JobQueueTest, ASecondProcessOrADamagedFileIsRefused) {
-  expect_error(ErrorCode::kEnvironment, {folder_ / "jobs.sqlite", "in use by another process"},
+  expect_error(ErrorCode::kEnvironment, {folder_ / "jobs.sqlite", "another process"},
                [&] { JobQueue(folder_ / "jobs.sqlite", {}); });
   for (int i = 0; i < 200; ++i) submit(of(0));
   queue_.reset();

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/test_folder.h"
+
 namespace multum {
 namespace {
 
@@ -28,15 +30,16 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 TEST(ManifestReport, AllInPlace) {
   ManifestOutcome outcome =
       outcome_of({result_of("a.exr", MapState::kUnchanged), result_of("b.exr", MapState::kUnchanged)});
-  EXPECT_EQ(manifest_verdict(outcome), "multum bake --check: passed, 2 maps in place: 2 unchanged");
+  const std::string passed = manifest_verdict(outcome);
+  testing::expect_says(passed, {"multum bake --check: passed", "2 maps", "2 unchanged"});
   EXPECT_EQ(manifest_failures(outcome), "");
   EXPECT_EQ(manifest_exit_code(outcome), 0);
-  EXPECT_EQ(first_line(manifest_summary(outcome)), "**multum bake --check: passed, 2 maps in place: 2 unchanged**");
+  EXPECT_EQ(first_line(manifest_summary(outcome)), "**" + passed + "**");
   EXPECT_FALSE(contains(manifest_junit(outcome), "<failure")) << manifest_junit(outcome);
   outcome.settings.check = false;
   outcome.results.resize(1);
   outcome.results[0].state = MapState::kBaked;
-  EXPECT_EQ(manifest_verdict(outcome), "multum bake: passed, 1 map in place: 1 baked");
+  testing::expect_says(manifest_verdict(outcome), {"multum bake: passed", "1 map ", "1 baked"});
 }
 
 TEST(ManifestReport, EachStateIsCountedListedAndInTheTable) {
