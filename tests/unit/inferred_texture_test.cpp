@@ -143,27 +143,28 @@ void write_foreign(const Foreign& foreign, const std::string& path) {
 TEST(InferredTextureRefusalTest, TiledFilesOfAnotherShape) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.exr";
-  const auto refuse = [&](const Foreign& foreign, const std::string& words) {
-    SCOPED_TRACE(words);
+  const auto refuse = [&](const Foreign& foreign, std::vector<std::string> parts) {
+    SCOPED_TRACE(parts.front());
+    parts.push_back(path + ": ");
     write_foreign(foreign, path);
-    expect_error(ErrorCode::kInput, {path + ": ", words}, [&] { read_inferred_texture(path); });
+    expect_error(ErrorCode::kInput, parts, [&] { read_inferred_texture(path); });
     EXPECT_EQ(read_texture_provenance(path), "");
   };
   write_foreign({}, path);
   EXPECT_EQ(read_inferred_texture(path).texels, std::vector<float>(3 * (45 + 8 + 2 + 1)));
   EXPECT_EQ(read_texture_provenance(path), "") << "no provenance in it";
-  const std::string shape = "MIPMAP_LEVELS, ROUND_DOWN";
+  const std::vector<std::string> shape = {"MIPMAP_LEVELS", "ROUND_DOWN"};
   refuse({.mode = Imf::ONE_LEVEL}, shape);
   refuse({.rounding = Imf::ROUND_UP}, shape);
-  refuse({.channels = {"G", "B"}}, "channel R");
-  refuse({.channels = {"R", "B", "A"}}, "channel G");
-  refuse({.channels = {"Y"}}, "channel R");
-  refuse({.type = Imf::FLOAT}, "half");
+  refuse({.channels = {"G", "B"}}, {"channel R", "R, G and B"});
+  refuse({.channels = {"R", "B", "A"}}, {"channel G"});
+  refuse({.channels = {"Y"}}, {"channel R"});
+  refuse({.type = Imf::FLOAT}, {"channel R", "halfs"});
   for (const int shift : {-3, 7}) {
-    refuse({.left = shift}, "data window");
-    refuse({.top = shift}, "data window");
+    refuse({.left = shift}, {"data window", "(0, 0)"});
+    refuse({.top = shift}, {"data window", "(0, 0)"});
   }
-  refuse({.width = 16385, .height = 1}, "16385 x 1");
+  refuse({.width = 16385, .height = 1}, {"16385 x 1", "16384"});
 }
 
 TEST(InferredTextureRefusalTest, FilesThatAreNotTiledOrNoImages) {
@@ -210,7 +211,7 @@ TEST(InferredTextureRefusalTest, FilesCutShort) {
 TEST(InferredTextureTest, NothingStaysOfWhatCannotBeWritten) {
   const TemporaryFolder folder;
   const InferredTexture texture = random_texture(8, 8);
-  expect_error(ErrorCode::kEnvironment, {folder / "none/a.exr"},
+  expect_error(ErrorCode::kEnvironment, {folder / "none/a.exr", "exist"},
                [&] { write_inferred_texture(texture, folder / "none/a.exr"); });
   expect_error(ErrorCode::kUsage, {folder.path(), "folder"}, [&] { write_inferred_texture(texture, folder.path()); });
   EXPECT_EQ(folder.names(), Names{});

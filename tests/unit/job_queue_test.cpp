@@ -202,7 +202,7 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   testing::expect_says(queue_->find(both)->message, {"job 2", "dead"});
   testing::expect_says(queue_->find(after)->message, {"job 3", "dead"});
   expect_error(ErrorCode::kUsage, {"job 2", "dead"}, [&] { submit(of(0, {a, b})); });
-  expect_error(ErrorCode::kUsage, {"job 99"}, [&] { submit(of(0, {99})); });
+  expect_error(ErrorCode::kUsage, {"job 99", "exist"}, [&] { submit(of(0, {99})); });
   // Those that died because of it come back with it, and wait.
   EXPECT_TRUE(queue_->retry(b, now_));
   EXPECT_EQ(state(both), JobState::kWaiting);

@@ -117,17 +117,17 @@ TEST_F(MeasuredFileTest, NetworkOfAFit) {
                 std::expm1(4.0 * std::cos(theta) - 2.0), 0.05)
         << theta;
   file["layers"][0]["bias"] = {0.0, 1.0};
-  expect_refusal(read_measured_brdf, write("wrong.json", file.dump()), {"kernel", "6"});
+  expect_refusal(read_measured_brdf, write("wrong.json", file.dump()), {"kernel", "6 rows"});
   expect_refusal(read_measured_brdf, write("empty.json", "{\"layers\": []}"), {"red", "green", "blue"});
   expect_refusal(read_measured_brdf, write("broken.json", "{\"layers\": [}         "), {"JSON"});
 }
 
 TEST_F(MeasuredFileTest, RefusesWhatIsNoMeasurement) {
-  expect_refusal(read_measured_brdf, (folder_ / "none.brdf").string(), {});
-  expect_refusal(read_measured_brdf, folder_.string(), {});
-  expect_refusal(read_measured_brdf, write("word.brdf", "3\n400 550 seven\n1 2 3 4 5 6 7"), {"line 2"});
+  expect_refusal(read_measured_brdf, (folder_ / "none.brdf").string(), {"no such"});
+  expect_refusal(read_measured_brdf, folder_.string(), {"no such"});
+  expect_refusal(read_measured_brdf, write("word.brdf", "3\n400 550 seven\n1 2 3 4 5 6 7"), {"line 2", "numbers"});
   expect_refusal(read_measured_brdf, write("count.brdf", "2.5 400 500 600 1 2 3 4"), {"wavelengths", "2.5"});
-  expect_refusal(read_measured_brdf, write("cut.brdf", "3 400 550 700 0.1 0.2 0.3 0.4 0.5 0.6"), {"7"});
+  expect_refusal(read_measured_brdf, write("cut.brdf", "3 400 550 700 0.1 0.2 0.3 0.4 0.5 0.6"), {"rows", "7"});
   expect_refusal(read_measured_brdf, write("infrared.brdf", "3 900 1000 1100 .1 .2 .3 .4 .5 .6 .7"), {"primaries"});
   expect_refusal(read_measured_brdf, write("below.brdf", "5 400 475 550 625 700 3 0 3 0 .5 .5 .5 .5 .5"), {"horizon"});
 }
@@ -154,10 +154,10 @@ TEST_F(MeasuredFileTest, RadianceRows) {
     expect_refusal(read_environment_map, write("bad.hdr", radiance(size, rows)), parts);
   };
   refusal("-Y 4 +X 8", packed + flat + packed, {"cut"});
-  refusal("-Y 4 +X 9", packed, {"9", "4"});
+  refusal("-Y 4 +X 9", packed, {"9", "4", "wide"});
   refusal("+Y 4 +X 8", packed, {"+Y", "-Y", "+X"});
-  refusal("-Y 4 +X 8", std::string("\2\2\0\x8\x89\x80", 6), {"run", "row"});
-  refusal("-Y 999999 +X 1999998", packed, {"1999998", "999999"});
+  refusal("-Y 4 +X 8", std::string("\2\2\0\x8\x89\x80", 6), {"run beyond", "row"});
+  refusal("-Y 999999 +X 1999998", packed, {"1999998", "999999", "wide"});
   expect_refusal(read_environment_map, write("xyz.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 8\n"), {"xyze"});
   expect_refusal(read_environment_map, write("none.hdr", "#?"), {"header"});
 }

@@ -303,7 +303,7 @@ TEST_F(MomentRefusalTest, FilesThatAreSomethingElse) {
   const std::string bytes = read_bytes(good_);
   for (const std::size_t size : {std::size_t{100}, bytes.size() / 3, bytes.size() - 1}) {
     write_bytes(bad_, bytes.substr(0, size));
-    expect_refusal(bad_, {});
+    expect_refusal(bad_, {"baked file"});
   }
 }
 

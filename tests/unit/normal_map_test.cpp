@@ -319,7 +319,7 @@ TEST(NormalMapReading, TwoChannelsOfAGreyImageAreRefused) {
   write_test_image(folder / "ga.png", image);
   NormalMapSettings settings;
   settings.two_channel = true;
-  expect_error(ErrorCode::kInput, {"ga.png", "2 channels", "1 colour channel", "red and green"},
+  expect_error(ErrorCode::kInput, {"ga.png", "png uint8", "2 channels", "1 colour channel", "red and green"},
                [&] { read_map(folder / "ga.png", settings); });
 }
 

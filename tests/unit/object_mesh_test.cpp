@@ -69,7 +69,7 @@ TEST(ObjectMesh, ObjectsOfObjAreNamedAndPartsJoined) {
 
 TEST(ObjectMesh, RefusalsNameFileAndObject) {
   const TemporaryFolder folder;
-  expect_refused(folder / "none.obj", 0, {});
+  expect_refused(folder / "none.obj", 0, {"read"});
   write_bytes(folder / "bare.obj", "o thing\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   expect_refused(folder / "bare.obj", 0, {"object 'thing'", "texture coordinates", "set 0"});
   write_bytes(folder / "points.obj", "o thing\nv 0 0 0\nv 1 0 0\nvt 0 0\nl 1/1 2/1\n");
