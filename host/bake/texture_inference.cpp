@@ -182,7 +182,7 @@ class Solver {
     int iteration = 0;
     for (; iteration < iteration_max; ++iteration) {
       bool is_done = true;
-      for (std::size_t c = 0; c < 3; ++c) is_done = is_done && norms[c] <= goal[c];
+      for (std::size_t c = 0; c < 3; ++c) is_done = is_done && !(norms[c] > goal[c]);  // nor is NaN gone on with
       if (is_done) break;
       system_.apply(p_, q_);
       const Sums curvatures = curvature_product();

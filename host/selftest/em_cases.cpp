@@ -23,7 +23,7 @@ glm::dvec3 random_direction(SplitMix64& random, double z_low, double z_high) {
 // More lobes than directions, all lobes alike.
 void all_normals_equal(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0, 90.0})
-    for (const int lobes : {1, 4, 8}) {
+    for (const int lobes : em_lobe_counts(device, {4, 1, 8})) {
       const std::vector<glm::dvec3> starts(static_cast<std::size_t>(lobes), tilted(degrees + 5.0));
       add_em_errors(device, {repeated({tilted(degrees)}, 256), equal_lobes(starts, 20.0)}, {},
                     fmt::format("{} degrees, {} lobes", degrees, lobes), worst);
@@ -106,7 +106,7 @@ void dying_lobes(Device& device, WorstError& worst) {
 
 void few_normals(Device& device, WorstError& worst) {
   for (const int count : {1, 2, 3})
-    for (const int lobes : {1, 2, 8}) {
+    for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
       EmTexel texel;
       for (int i = 0; i < count; ++i) texel.samples.push_back({tilted(25.0 * i, 1.0 * i), 1.0});
       std::vector<glm::dvec3> starts;

@@ -115,6 +115,10 @@ std::vector<EmForm> em_forms(const Device& device) {
   return {EmForm::kFast, EmForm::kScalar, EmForm::kTeam};
 }
 
+std::vector<int> em_lobe_counts(const Device& device, const std::vector<int>& counts) {
+  return device.kernels_are_edited() ? std::vector<int>{counts.front()} : counts;
+}
+
 std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& given, const EmSettings& settings,
                                     EmForm form) {
   MULTUM_CHECK(!given.empty() && given.size() <= kGroup);

@@ -48,6 +48,8 @@ enum class EmForm { kFast, kScalar, kTeam };
 /// Those that differ on a device; of edited kernels the scalar one alone: what a guard is for shows in one form, and
 /// each is a program to build.
 std::vector<EmForm> em_forms(const Device& device);
+/// Of the numbers of lobes of a case those that a device is tried with: of edited kernels the first alone, likewise.
+std::vector<int> em_lobe_counts(const Device& device, const std::vector<int>& counts);
 
 /// Up to 16 texels side by side, all of as many samples, weight and lobes as the first.
 std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& texels, const EmSettings& settings,

@@ -87,7 +87,7 @@ void dying_gaussians(Device& device, WorstError& worst) {
 // More lobes than points; then one point over and over, and lobes that are all alike.
 void few_points(Device& device, WorstError& worst) {
   for (const int count : {1, 2, 3})
-    for (const int lobes : {1, 2, 8}) {
+    for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
       EmTexel texel;
       for (int i = 0; i < count; ++i) texel.samples.push_back({point(25.0 * i, 1.0 * i), 1.0});
       std::vector<glm::dvec3> starts;
@@ -96,7 +96,7 @@ void few_points(Device& device, WorstError& worst) {
       add_em_errors(device, texel, planar_settings(5), fmt::format("N = {}, {} lobes", count, lobes), worst);
     }
   for (const double degrees : kTilts)
-    for (const int lobes : {1, 8}) {
+    for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
       const std::vector<glm::dvec3> starts(static_cast<std::size_t>(lobes), point(degrees - 5.0));
       add_em_errors(device, {repeated({point(degrees)}, 256), equal_lobes(starts, 20.0)}, planar_settings(5),
                     fmt::format("one point at {} degrees, {} lobes alike", degrees, lobes), worst);

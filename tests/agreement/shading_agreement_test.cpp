@@ -163,7 +163,7 @@ TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   for (double kappa : {0.5, 2.0, 10.0, 50.0, 200.0, 2000.0}) {
     Lobes set;
     add(set, {0.0, 0.0, 1.0}, kappa, 1.0);
-    constexpr int kAngles = 200;
+    constexpr int kAngles = 100;
     std::vector<glm::vec3> directions;
     std::vector<double> theta;
     for (int i = 0; i < kAngles; ++i) {

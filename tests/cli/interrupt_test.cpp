@@ -64,10 +64,10 @@ TEST_F(InterruptTest, Kill9LeavesNothingUnderTheFinalName) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   int killed = 0;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 6; ++i) {
     std::filesystem::remove(path("out/map.ndf.exr"));
     Program bake(command());
-    pause(whole * (i + std::uniform_real_distribution<double>()(random)) / 9.0);
+    pause(whole * (i + std::uniform_real_distribution<double>()(random)) / 7.0);
     bake.send(SIGKILL);
     const ProgramResult result = bake.wait();
     if (result.signal == SIGKILL && !std::filesystem::exists(path("out/map.ndf.exr"))) {
@@ -77,7 +77,7 @@ TEST_F(InterruptTest, Kill9LeavesNothingUnderTheFinalName) {
       EXPECT_TRUE(read_bytes(path("out/map.ndf.exr")) == finished) << "kill " << i;
     }
   }
-  EXPECT_GE(killed, 4);
+  EXPECT_GE(killed, 3);
   // Whatever the killed ones left, the next bake is whole, and alone in its folder.
   ASSERT_EQ(run_program(command()).exit_code, 0);
   EXPECT_TRUE(read_bytes(path("out/map.ndf.exr")) == finished);
