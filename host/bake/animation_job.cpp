@@ -22,6 +22,8 @@ namespace multum {
 namespace {
 
 constexpr int kSampleCountMax = 65536;  // each is a file or two
+// Of as many samples, each with a camera of its own: 68 keys and values, 1.2 KB.
+const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 
 const std::vector<std::string> kJobKeys = {
     "geometry",     "uv_set",       "width",   "height",    "cryptomatte", "depth",  "depth_tolerance", "supersampling",
@@ -215,13 +217,14 @@ std::string existing_file(const StrictTable& table, const std::string& key, cons
 }
 
 std::vector<std::string> animation_job_files(const std::string& path) {
-  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it");
+  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it", kTomlLimits);
   std::vector<std::string> files;
+  std::set<std::string> known;
   const auto add = [&](const toml::table& table, const char* key) {
     const std::optional<std::string> name = table[key].value<std::string>();
     if (!name) return;
     const std::string file = (std::filesystem::path(path).parent_path() / *name).lexically_normal().string();
-    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+    if (known.insert(file).second) files.push_back(file);
   };
   add(root, "geometry");
   if (const toml::array* samples = root["sample"].as_array())
@@ -232,7 +235,7 @@ std::vector<std::string> animation_job_files(const std::string& path) {
 }
 
 AnimationJob read_animation_job(const std::string& path) {
-  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it");
+  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it", kTomlLimits);
   AnimationJob job;
   job.path = path;
   const StrictTable table(job.path, root, "", kJobKeys);

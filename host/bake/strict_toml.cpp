@@ -15,7 +15,14 @@
 namespace multum {
 namespace {
 
-[[noreturn]] void refuse_at(const std::string& file, std::uint32_t line, const std::string& what) {
+// Names and texts of the file are in the message, and may be megabytes.
+[[noreturn]] void refuse_at(const std::string& file, std::uint32_t line, std::string what) {
+  constexpr std::size_t kBytesMax = 1000;
+  if (what.size() > kBytesMax) {
+    std::size_t end = kBytesMax;
+    while (end > 0 && (static_cast<unsigned char>(what[end]) & 0xc0) == 0x80) --end;  // within a character
+    what = what.substr(0, end) + "...";
+  }
   throw Error(ErrorCode::kInput, line > 0 ? fmt::format("{}:{}: {}", file, line, what) : file + ": " + what);
 }
 
@@ -45,6 +52,24 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+// Of a longer file, one byte more than `byte_max`.
+std::string read_text(const std::string& path, const std::string& expected, std::size_t byte_max) {
+  if (std::error_code ignored; std::filesystem::is_directory(path, ignored))
+    throw Error(ErrorCode::kInput, path + ": is a folder, expected " + expected);
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  constexpr std::size_t kBlockBytes = 1 << 16;
+  while (file && text.size() <= byte_max) {
+    const std::size_t begin = text.size(), wanted = std::min(kBlockBytes, byte_max + 1 - begin);
+    text.resize(begin + wanted);
+    file.read(text.data() + begin, static_cast<std::streamsize>(wanted));
+    text.resize(begin + static_cast<std::size_t>(file.gcount()));
+  }
+  // The end of the file sets both failbit and eofbit.
+  if (!file && !file.eof()) throw Error(ErrorCode::kInput, path + ": cannot be read, expected " + expected);
+  return text;
+}
+
 std::optional<double> number_of(const toml::node& node) {
   if (const auto* number = node.as_integer()) return static_cast<double>(number->get());
   if (const auto* number = node.as_floating_point()) return number->get();
@@ -53,12 +78,9 @@ std::optional<double> number_of(const toml::node& node) {
 
 }  // namespace
 
-toml::table parse_toml(const std::string& path, const std::string& expected) {
-  if (std::error_code ignored; std::filesystem::is_directory(path, ignored))
-    throw Error(ErrorCode::kInput, path + ": is a folder, expected " + expected);
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw Error(ErrorCode::kInput, path + ": cannot be read, expected " + expected);
+toml::table parse_toml(const std::string& path, const std::string& expected, const TomlLimits& limits) {
+  const std::string text = read_text(path, expected, limits.byte_max);
+  check_toml_limits(path, text, limits);
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
@@ -70,6 +92,9 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // further off is another word
   for (const std::string& candidate : known) {
+    // No less than the difference of their lengths: a name of megabytes would take minutes.
+    const auto [shorter, longer] = std::minmax({name.size(), candidate.size()});
+    if (longer - shorter > least) continue;
     const std::size_t distance = edit_distance(name, candidate);
     if (distance > least || (distance == least && !nearest.empty())) continue;
     least = distance;

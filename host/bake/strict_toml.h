@@ -12,11 +12,13 @@
 #include <toml++/toml.h>
 #include <glm/mat4x4.hpp>
 
+#include "host/bake/toml_limits.h"
+
 namespace multum {
 
-/// Parses the file. Throws Error(kInput) when it cannot be read or is no TOML; `expected`: "a job as PAGE describes
-/// it".
-toml::table parse_toml(const std::string& path, const std::string& expected);
+/// Parses the file. Throws Error(kInput) when it cannot be read, is beyond a limit or is no TOML; `expected`: "a job as
+/// PAGE describes it". No more than the limit's bytes are read of it, of a pipe or a device either.
+toml::table parse_toml(const std::string& path, const std::string& expected, const TomlLimits& limits = {});
 
 struct NumberRange {
   double low = 0.0, high = 0.0;

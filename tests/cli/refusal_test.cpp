@@ -227,6 +227,25 @@ TEST_F(RefusalTest, ABakedFileWithAnyByteFlippedNeverCrashesVerify) {
   }
 }
 
+// A key of 32,000 parts is 64 KB; the parser took a stack frame for each and ended the program by a signal.
+TEST_F(RefusalTest, TomlFilesBeyondTheLimits) {
+  std::string key = "a";
+  for (int i = 1; i < 32'000; ++i) key += ".a";
+  const std::string file = path("deep.toml");
+  write_bytes(file, "# one line\n" + key + " = 1\n");
+  const std::vector<std::vector<std::string>> commands = {
+      {"plan", file},
+      {"bake", "--manifest", file},
+      {"infer", file, "-o", path("out/inferred")},
+      {"serve", "--data", path("out/data"), "--config", file},
+  };
+  for (const std::vector<std::string>& command : commands) {
+    SCOPED_TRACE(command[0]);
+    expect_refusal(multum_program(command), kInput, {file + ":2:", "dotted key", "32", "expected"});
+    EXPECT_EQ(out_names(), std::set<std::string>());
+  }
+}
+
 TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(multum({}), kUsage,
                  {"no command",

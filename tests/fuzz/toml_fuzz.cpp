@@ -127,15 +127,26 @@ direction = [0.3, 0.8, 0.5]
 [environment]
 file = "sky.exr"
 )";
+// Structure that counts (host/bake/toml_limits.h), and what looks like it and does not.
+constexpr char kNested[] = R"([[a.b]]
+c.d = [[1, {e.f = "x.[{", g = []}], '''y]'''] # h.i = [[
+"j.k" = """m" "" \\"""
+'n]' = {o = {p.q = 1979-05-27 07:32:00}}
+)";
 constexpr char kMeasured[] = "[[material]]\nname = \"metal\"\nbrdf = \"measured\"\nfile = \"metal.brdf\"\n";
 
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
   const std::string checkpoint = "key\n0 0 4 0123456789abcdef\n0 4 4 0123456789abcdef\n1 0 2 0123456789abcdef\n";
+  std::string deep_key = "a", deep_array = "a = ";  // a key of 32,000 parts ended the program
+  for (int i = 1; i < 32'000; ++i) deep_key += ".a";
+  for (int i = 0; i < 300; ++i) deep_array += i % 2 == 0 ? "[" : "{b.c = ";
   return {std::string(1, '\0') + kManifest, std::string("\1") + kJob,
           std::string("\2") + kSettings,    "\3" + checkpoint,
-          std::string("\4") + kScene,       std::string("\4") + kScene + kMeasured};
+          std::string("\4") + kScene,       std::string("\4") + kScene + kMeasured,
+          std::string("\4") + kNested,      std::string(1, '\0') + deep_key + " = 1\n",
+          std::string("\2") + deep_array};
 }
 
 }  // namespace multum
