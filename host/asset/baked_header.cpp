@@ -11,6 +11,7 @@
 
 #include "host/asset/exr_compression.h"
 #include "host/asset/exr_rows.h"
+#include "host/asset/header_hash.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -211,6 +212,7 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
   for (const BakedPart& part : parts) headers.push_back(make_header(header, part, options));
   const auto room = static_cast<std::size_t>(options.measured_error_bytes);
   set_text(headers[0], kMeasuredErrorAttribute, std::string(room, ' '));
+  set_text(headers[0], kHeaderHashAttribute, std::string(kHeaderHashBytes, ' '));
   return headers;
 }
 

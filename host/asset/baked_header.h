@@ -35,8 +35,8 @@ struct BakedPart {
   bool has_level(int level) const { return level >= first_level && level < first_level + level_count; }
 };
 
-/// One header a part, with spaces where the measured error and the content hash will be. A representation adds
-/// attributes of its own.
+/// One header a part, with spaces where the measured error, the content hash and the header's own will be. A
+/// representation adds attributes of its own.
 std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std::vector<BakedPart>& parts,
                                             const BakedWriteOptions& options);
 

@@ -22,6 +22,7 @@
 
 #include "host/asset/exr_output.h"
 #include "host/asset/exr_rows.h"
+#include "host/asset/header_hash.h"
 #include "host/asset/zlib_compress.h"
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
@@ -140,7 +141,10 @@ class BakedWriter::Work {
     const std::string& temporary = file_.temporary_path();
     const int with_error = fill_in_attribute(temporary, file_.path(), kMeasuredErrorAttribute, measured_error);
     const int with_hash = fill_in_attribute(temporary, file_.path(), kContentHashAttribute, content_hash_);
-    MULTUM_CHECK(with_error == 1 && with_hash == static_cast<int>(parts_.size()));
+    // Last: it is of all other attributes, as they lie in the file.
+    const int with_header =
+        fill_in_attribute(temporary, file_.path(), kHeaderHashAttribute, header_hash_text(temporary));
+    MULTUM_CHECK(with_error == 1 && with_hash == static_cast<int>(parts_.size()) && with_header == 1);
     progress_advance(progress, 0);  // the last chance to cancel
     file_.commit();
   }

@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/asset/header_hash.h"
 #include "host/asset/moment_file.h"
 #include "host/asset/verify_scan.h"
 
@@ -73,6 +74,7 @@ std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, 
                    levels_text(header.first_level, header.level_count()), materials_text(header),
                    storage_encoding_name(header.encoding))},
       checksum_finding(reader.finish_hash(), header.provenance.content_hash),
+      header_finding(path),
       finite_finding(scan.nonfinite, "texels that are not finite"),
       excess_finding("variance", scan.variance, "no variance below 0, no correlation beyond 1",
                      "E[b b] contradicts E[b] beyond rounding"),

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/asset/baked_reader.h"
+#include "host/asset/header_hash.h"
 #include "host/asset/movmf_parts.h"
 #include "host/asset/movmf_reader.h"
 #include "host/asset/verify_scan.h"
@@ -122,6 +123,7 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
   LobeScan scan;
   const std::string hash = scan_file(reader, threads, seen, scan);
   findings.push_back(checksum_finding(hash, mipmap.provenance.content_hash));
+  findings.push_back(header_finding(path));
   findings.push_back(finite_finding(scan.nonfinite, "non-finite values"));
   const double sum_limit = static_cast<double>(amplitude_tolerance(mipmap.encoding));
   findings.push_back({"sum of a", scan.sum_error.value <= sum_limit,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks a baked file by itself, without its source: structure, finite values, sums, checksum.
+// Checks a baked file by itself, without its source: structure, finite values, sums, checksums.
 #pragma once
 
 #include <functional>

@@ -16,6 +16,7 @@
 #include "host/asset/baked_writer.h"
 #include "host/asset/exr_rows.h"
 #include "host/asset/half_value.h"
+#include "host/asset/header_hash.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -243,6 +244,7 @@ std::vector<VerifyFinding> verify_pyramid(const std::string& path, int threads) 
                    header.level_count(), pyramid_kind_name(header.kind), storage_encoding_name(header.map.encoding))},
       {"checksum", found == expected,
        found == expected ? found : "found " + found + ", expected " + expected + " as the header says"},
+      header_finding(path),
       {"finite", nonfinite == 0, fmt::format("{} values that are not finite, expected 0", nonfinite)},
       {"means", worst <= tolerance,
        fmt::format("every level has the mean of level 0 within {:.1e} of the largest value, expected {:.1e}{}", worst,

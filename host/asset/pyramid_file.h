@@ -76,7 +76,8 @@ Pyramid read_pyramid(const std::string& path);
 Pyramid read_pyramid(const std::string& path, PyramidKind expected);
 PyramidHeader read_pyramid_header(const std::string& path);
 
-/// Structure, checksum, finite values, and that every level has the same mean (levels are averages of the finest).
+/// Structure, checksums of pixels and headers, finite values, and that every level has the same mean (levels are
+/// averages of the finest).
 std::vector<VerifyFinding> verify_pyramid(const std::string& path, int threads);
 
 }  // namespace multum

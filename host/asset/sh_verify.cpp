@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/asset/header_hash.h"
 #include "host/asset/sh_file.h"
 #include "host/asset/verify_scan.h"
 
@@ -70,6 +71,7 @@ std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const
                    levels_text(header.first_level, header.level_count()), reader.order(), materials_text(header),
                    storage_encoding_name(header.encoding))},
       checksum_finding(reader.finish_hash(), header.provenance.content_hash),
+      header_finding(path),
       finite_finding(scan.nonfinite, "texels that are not finite"),
       excess_finding("power", scan.strong, "no band is stronger than that of one direction",
                      "a band is stronger than that of one direction"),

@@ -43,7 +43,7 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
   EXPECT_EQ(verify.exit_code, 0) << verify.err;
   EXPECT_FALSE(contains(verify.out, "FAILED")) << verify.out;
-  EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 6) << verify.out;
+  EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 7) << verify.out;
 }
 
 TEST_F(BakeCommandTest, VerifyAcceptsEveryStorage) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 
+#include "host/asset/header_hash.h"
 #include "host/asset/movmf_mipmap.h"
 #include "tests/cli/program.h"
 
@@ -188,9 +189,11 @@ TEST_F(BakeManifestCommandTest, WhatIsNoBakedFileIsDamage) {
 }
 
 // The checksum is of the pixels: a header that promises more than they hold is found by measuring alone.
+// What it states, and the header's checksum as of a program that measures wrongly.
 TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
   bake_all();
   std::string bytes = read_bytes(path("out/b.ndf.exr"));
+  const std::string hash = header_hash_text(path("out/b.ndf.exr"));
   const std::string stated = read_movmf_header(path("out/b.ndf.exr")).provenance.measured_error;
   const std::size_t row = stated.find("\"blinn-phong:500\",", stated.find("[1,\"centre\",\"blinn-phong:500\""));
   const std::size_t figure = row + std::string("\"blinn-phong:500\",").size();
@@ -198,6 +201,10 @@ TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
   for (std::size_t i = figure; forged[i] != ']'; ++i) forged[i] = forged[i] == '.' ? '.' : '0';
   ASSERT_NE(forged, stated);
   bytes.replace(bytes.find(stated), stated.size(), forged);
+  write_bytes(path("out/b.ndf.exr"), bytes);
+  const std::string forged_hash = header_hash_text(path("out/b.ndf.exr"));
+  ASSERT_EQ(forged_hash.size(), hash.size());
+  bytes.replace(bytes.find(hash), hash.size(), forged_hash);
   write_bytes(path("out/b.ndf.exr"), bytes);
   const auto before = times();
   const ProgramResult check = bake({"--check"});

@@ -69,7 +69,7 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   EXPECT_TRUE(contains(info.out, table.substr(0, table.find("moments of")))) << info.out;
   const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
   EXPECT_EQ(verify.exit_code, 0) << verify.out;
-  EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 6) << verify.out;
+  EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 7) << verify.out;
 }
 
 // The order of help: the most accurate first, and the default.

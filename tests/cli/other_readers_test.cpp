@@ -82,7 +82,7 @@ TEST_F(OtherReadersTest, OiiotoolFindsEveryPartChannelAndAttribute) {
     EXPECT_EQ(count_of(attribute, info.out), 7) << attribute << " is not in each part of\n" << info.out;
   }
   EXPECT_EQ(count_of("multum:measuredError: \"" + from.measured_error, info.out), 1);
-  EXPECT_EQ(count_of("multum:measuredError", info.out), 1);
+  EXPECT_EQ(count_of("multum:measuredError: ", info.out), 1);
 }
 
 TEST_F(OtherReadersTest, OiiotoolFindsPartsThatBeginAtTheFirstLevel) {

@@ -188,6 +188,18 @@ TEST_F(RefusalTest, DamagedBakedFiles) {
   expect_failure(verify, kVerification, {"bad.ndf.exr", "verification"});
   EXPECT_NE(verify.out.find("FAILED checksum   found "), std::string::npos) << verify.out;
 
+  // kappaMax is 20000, behind its name, type and size.
+  std::string less_sharp = whole;
+  const std::string name("multum:kappaMax\0float\0\4\0\0\0", 26);
+  const std::size_t kappa_at = whole.find(name);
+  ASSERT_NE(kappa_at, std::string::npos);
+  less_sharp.replace(kappa_at + name.size(), 4, std::string("\0\0\x48\x43", 4));  // 200
+  write_bytes(bad, less_sharp);
+  const ProgramResult header = multum({"verify", bad});
+  expect_failure(header, kVerification, {"bad.ndf.exr", "verification"});
+  EXPECT_NE(header.out.find("FAILED header"), std::string::npos) << header.out;
+  EXPECT_NE(header.out.find("multum:kappaMax;"), std::string::npos) << header.out;
+
   for (const std::size_t size : {whole.size() - 1, whole.size() / 2, std::size_t{3000}, std::size_t{100}}) {
     write_bytes(bad, whole.substr(0, size));
     expect_failure(multum({"verify", bad}), kInput, {"bad.ndf.exr", "baked file"});

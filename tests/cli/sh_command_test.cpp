@@ -57,7 +57,7 @@ TEST_F(ShCommandTest, BakesVerifiesAndSaysWhatItHolds) {
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
   const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
   EXPECT_EQ(verify.exit_code, 0) << verify.out;
-  EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 5) << verify.out;
+  EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 6) << verify.out;
 }
 
 TEST_F(ShCommandTest, OrdersAreOtherFilesWhoseFirstCoefficientsAreTheSame) {

@@ -214,7 +214,7 @@ void add_info_command(CLI::App& app, int* exit_code) {
 void add_verify_command(CLI::App& app, int* exit_code) {
   auto path = std::make_shared<std::string>();
   auto common = std::make_shared<CommonOptions>();
-  CLI::App* verify = app.add_subcommand("verify", "check a baked file: structure, finite values, sums, checksum");
+  CLI::App* verify = app.add_subcommand("verify", "check a baked file: structure, finite values, sums, checksums");
   verify->add_option("file", *path, "a baked file, *.ndf.exr")->required();
   add_common_options(*verify, *common);
   verify->callback([path, common, exit_code] { *exit_code = run_verify(*path, *common); });
