@@ -7,6 +7,8 @@
 #include <cstring>
 #include <new>
 
+#include "host/base/shown_text.h"
+
 namespace multum {
 
 int exit_code(ErrorCode code) {
@@ -23,16 +25,16 @@ int run_guarded(const char* program, int (*body)(int, char**), int argc, char** 
   try {
     return body(argc, argv);
   } catch (const Cancelled&) {
-    std::fprintf(stderr, "%s: cancelled, nothing unfinished was kept\n", program);
+    print_shown(stderr, "%s: cancelled, nothing unfinished was kept\n", program);
     return 130;
   } catch (const Error& error) {
-    std::fprintf(stderr, "%s: %s\n", program, error.what());
+    print_shown(stderr, "%s: %s\n", program, error.what());
     return exit_code(error.code());
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "%s: out of memory\n", program);
+    print_shown(stderr, "%s: out of memory\n", program);
     return exit_code(ErrorCode::kEnvironment);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: unexpected error: %s\n", program, error.what());
+    print_shown(stderr, "%s: unexpected error: %s\n", program, error.what());
     return 1;
   }
 }

@@ -3,6 +3,9 @@
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "host/base/shown_text.h"
 
 namespace multum {
 namespace {
@@ -19,19 +22,24 @@ spdlog::logger& logger() {
   return *instance;
 }
 
+// Messages name files.
+std::string for_stderr(const std::string& message) {
+  return isatty(STDERR_FILENO) != 0 ? shown_text(message) : message;
+}
+
 }  // namespace
 
 void set_log_level(LogLevel level) { g_level = level; }
 LogLevel log_level() { return g_level; }
 
 void log_warning(const std::string& message) {
-  if (g_level != LogLevel::kQuiet) logger().warn("warning: {}", message);
+  if (g_level != LogLevel::kQuiet) logger().warn("warning: {}", for_stderr(message));
 }
 void log_info(const std::string& message) {
-  if (g_level != LogLevel::kQuiet) logger().info("{}", message);
+  if (g_level != LogLevel::kQuiet) logger().info("{}", for_stderr(message));
 }
 void log_verbose(const std::string& message) {
-  if (g_level == LogLevel::kVerbose) logger().debug("{}", message);
+  if (g_level == LogLevel::kVerbose) logger().debug("{}", for_stderr(message));
 }
 
 }  // namespace multum

@@ -13,6 +13,7 @@
 
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
+#include "host/base/shown_text.h"
 
 namespace multum {
 
@@ -81,7 +82,7 @@ class TerminalBar {
     const int filled = static_cast<int>(fraction * kCells);
     const std::string bar =
         std::string(static_cast<size_t>(filled), '#') + std::string(static_cast<size_t>(kCells - filled), '.');
-    std::fprintf(stderr, "\r\033[K[%s] %3.0f%%  %s%s", bar.c_str(), fraction * 100.0, event.stage.c_str(),
+    std::fprintf(stderr, "\r\033[K[%s] %3.0f%%  %s%s", bar.c_str(), fraction * 100.0, shown_text(event.stage).c_str(),
                  time_left(fraction, now).c_str());
     if (finished) clear();
     std::fflush(stderr);

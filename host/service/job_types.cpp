@@ -23,7 +23,7 @@ using Json = nlohmann::json;
 using Kind = ParameterKind;
 
 constexpr std::int64_t kMiB = 1 << 20;
-constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f]*$";  // what is_plain_text() takes
+constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";  // what is_plain_text() takes
 
 // A BRDF of a family: no file's name, which would be looked for beyond the folders that jobs may read.
 constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|cook-torrance|ggx):[0-9.,eE+-]{1,60})$";
@@ -180,9 +180,14 @@ bool is_accepted(const JobParameter& parameter, const Json& value) {
 
 bool is_plain_text(const std::string& text) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+  // C1, U+0080 to U+009F: in UTF-8 two bytes, the first always C2. A terminal takes U+009B for ESC [.
+  const auto is_c1 = [](char first, char second) {
+    return first == '\xc2' && static_cast<unsigned char>(second) >= 0x80 && static_cast<unsigned char>(second) < 0xa0;
+  };
   const auto begins_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };  // UTF-8
   return std::count_if(text.begin(), text.end(), begins_character) <= 1000 &&
-         std::none_of(text.begin(), text.end(), is_control);
+         std::none_of(text.begin(), text.end(), is_control) &&
+         std::adjacent_find(text.begin(), text.end(), is_c1) == text.end();
 }
 
 std::string shortened(const Json& value) {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "host/base/shown_text.h"
 #include "host/service/job_json.h"
 
 namespace multum {
@@ -20,7 +21,7 @@ void service_log(LogSeverity severity, std::int64_t job, const std::string& mess
   line["level"] = kNames.at(static_cast<std::size_t>(severity));
   if (job != 0) line["job"] = job;
   line["message"] = message;
-  const std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string text = escaped_json(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) + "\n";
   // One write a line: lines of several threads stay whole.
   [[maybe_unused]] const ssize_t ignored = ::write(2, text.data(), text.size());
 }

@@ -7,6 +7,7 @@
 import contextlib
 import json
 import os
+import pty
 import shutil
 import signal
 import socket
@@ -38,6 +39,20 @@ class ServiceTest(ServiceCase):
             if name in job:
                 parameters[name] = job.pop(name)
         return self.service.submit(type="drill", parameters=parameters, **job)
+
+    def on_terminal(self, *arguments):
+        """What the terminal of a client gets, as bytes."""
+        terminal, inner = pty.openpty()
+        client = subprocess.Popen([MULTUM, *arguments], stdin=inner, stdout=inner, stderr=inner,
+                                  env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{self.service.port}"))
+        os.close(inner)
+        shown = b""
+        with contextlib.suppress(OSError):  # Linux ends it so when the client is gone
+            while part := os.read(terminal, 65536):
+                shown += part
+        os.close(terminal)
+        client.wait(60)
+        return shown
 
     def client(self, *arguments, code=0):
         done = subprocess.run([MULTUM, *arguments], capture_output=True, text=True, check=False, timeout=60,
@@ -277,6 +292,25 @@ class ServiceTest(ServiceCase):
         self.assertIn("3000 ms", service.wait_for(stall)["message"])
         self.assertEqual(service.wait_for(self.drill())["state"], "succeeded")
 
+    def test_control_characters_do_not_reach_a_terminal(self):
+        service = self.start()
+        source = self.output("q\u009b31m\u007f.png")
+        with open(source, "wb") as file:
+            file.write(b"no picture")
+        job = service.wait_for(service.submit(type="bake", parameters={"input": source},
+                                              output=self.output("a.ndf.exr")))
+        self.assertEqual(job["state"], "dead")
+        self.assertIn(source, job["message"])
+        for command in ("show", "tail", "list"):
+            arguments = [command] if command == "list" else [command, "1"]
+            with self.subTest(command=command):
+                shown = self.on_terminal(*arguments)
+                self.assertFalse(any(byte in shown for byte in (b"\x9b", b"\x7f")), shown)
+                self.assertIn(b"31m", shown)
+        # A pipe gets the log as it is.
+        self.assertIn(source, self.client("tail", "1", code=1))
+        self.assertEqual(json.loads(self.client("show", "1"))["message"], job["message"])
+
     def test_cancelled_in_any_state(self):
         service = self.start(QUICK + "workers = 1\ncancel_grace_s = 1\n")
         running = self.drill(30, output=self.output("a.txt"))
@@ -462,6 +496,8 @@ class ServiceTest(ServiceCase):
                              ({"type": "drill", "parameters": {"then": 7}}, ["then", "7", "succeed"]),
                              ({"type": "drill", "priority": 1e30}, ["priority", "-1000", "1000"]),
                              ({"type": "drill", "needs": [99]}, ["needs", "99"]),
+                             ({"type": "drill", "label": "a\u009b31m"}, ["label"]),
+                             ({"type": "drill", "parameters": {"text": "a\u0085"}}, ["text"]),
                              ({"type": "bake", "parameters": {}, "output": "/a"}, ["parameters.input"])):
             with self.subTest(body=body):
                 self.refused(400, "usage", values, "POST", "/v1/jobs", body)

@@ -59,6 +59,20 @@ TEST(JobTypes, TakeBrdfsOfFamiliesAlone) {
     EXPECT_THROW(check_parameters(bake, parameters(brdf)), Error) << brdf;
 }
 
+// Of labels, queues' names and texts: a terminal obeys C1, U+0080 to U+009F, as it does ESC.
+TEST(JobTypes, TextsHoldNoControlCharacters) {
+  for (unsigned code = 0; code < 0x120; ++code) {
+    std::string text = "a";
+    if (code >= 0x80) text += static_cast<char>(0xc0 | code >> 6);
+    text += static_cast<char>(code < 0x80 ? code : 0x80 | (code & 63));
+    EXPECT_EQ(is_plain_text(text), code >= 0x20 && (code < 0x7f || code >= 0xa0)) << code;
+  }
+  const Json schemas = Json::parse(openapi_json()).at("components").at("schemas");
+  const Json pattern = parameters_schema(find_job_type("drill")).at("properties").at("text").at("pattern");
+  for (const char* key : {"label", "queue", "device"})
+    EXPECT_EQ(schemas.at("Submission").at("properties").at(key).at("pattern"), pattern) << key;
+}
+
 TEST(Openapi, EveryReferenceLeadsSomewhere) {
   const Json document = Json::parse(openapi_json());
   int references = 0;

@@ -250,7 +250,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : exit_code(ErrorCode::kUsage);
+    return print_parse_error(app, error);
   }
   if (document_command->parsed()) return write_benchmarks_document(document);
   for (const Benchmark& benchmark : benchmarks)

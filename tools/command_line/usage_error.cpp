@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/command_line/usage_error.h"
 
+#include <sstream>
 #include <vector>
+
+#include "host/base/error.h"
+#include "host/base/shown_text.h"
 
 namespace multum {
 
@@ -18,6 +22,14 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   }
   const std::string program = app->get_name() + (chosen.empty() ? "" : " " + chosen.front()->get_name());
   return text + "\nSee '" + program + " --help'.\n";
+}
+
+int print_parse_error(const CLI::App& app, const CLI::ParseError& error) {
+  std::ostringstream out, err;
+  const int code = app.exit(error, out, err);
+  write_shown(stdout, out.str());
+  write_shown(stderr, err.str());
+  return code == 0 ? 0 : exit_code(ErrorCode::kUsage);
 }
 
 }  // namespace multum

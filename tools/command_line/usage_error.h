@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a wrong command line gets on stderr: what is wrong with it, and where to read on.
+// What a command line that is not run gets: help on stdout; on stderr what is wrong with it, and where to read on.
 #pragma once
 
 #include <string>
@@ -10,5 +10,8 @@ namespace multum {
 
 /// For CLI::App::failure_message(); the app has the program's name.
 std::string usage_error(const CLI::App* app, const CLI::Error& error);
+
+/// Prints what the app has to say of what its parse() threw, and returns the program's exit code.
+int print_parse_error(const CLI::App& app, const CLI::ParseError& error);
 
 }  // namespace multum

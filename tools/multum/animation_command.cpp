@@ -7,6 +7,7 @@
 #include "host/bake/animation_job.h"
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 
@@ -30,7 +31,8 @@ int run_animation(const AnimationOptions& o) {
   const AnimationJob job = job_for_folder(o.folder);
   check_output(job, o);
   write_text_file(o.output, animation_job_text(job, std::filesystem::path(o.output).parent_path().string()));
-  std::printf("%s: written: %zu samples (%s %d x %s %d), %zu cameras, %zu objects, %zu layers, %d x %d pixels\n",
+  print_shown(stdout,
+              "%s: written: %zu samples (%s %d x %s %d), %zu cameras, %zu objects, %zu layers, %d x %d pixels\n",
               o.output.c_str(), job.samples.size(), job.parameters[0].name.c_str(), job.parameters[0].count,
               job.parameters[1].name.c_str(), job.parameters[1].count, job.cameras.size(), job.objects.size(),
               job.layers.size(), job.width, job.height);

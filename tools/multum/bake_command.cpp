@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/machine.h"
+#include "host/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/bake_manifest_mode.h"
 #include "tools/multum/bake_print.h"
@@ -141,14 +142,14 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
       print_report(job, printing(o), report);
       unchanged += report.unchanged ? 1 : 0;
     } catch (const Error& error) {
-      std::fprintf(stderr, "multum: %s\n", error.what());
+      print_shown(stderr, "multum: %s\n", error.what());
       if (code == 0) code = exit_code(error.code());
       ++failed;
     }
   }
   if (!o.common.quiet || failed > 0)
-    std::fprintf(failed > 0 ? stderr : stdout, "%zu maps: %zu baked, %zu unchanged, %zu failed\n", jobs.size(),
-                 jobs.size() - unchanged - failed, unchanged, failed);
+    print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu baked, %zu unchanged, %zu failed\n", jobs.size(),
+                jobs.size() - unchanged - failed, unchanged, failed);
   return code;
 }
 

@@ -8,6 +8,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
 #include "host/base/progress.h"
+#include "host/base/shown_text.h"
 #include "tools/multum/map_options.h"
 
 namespace multum {
@@ -33,7 +34,7 @@ void check_result_files(const ManifestModeOptions& o, const std::vector<Manifest
 }
 
 void print_result(const ManifestMap& map, const BakePrinting& printing, const MapResult& result, bool is_check) {
-  if (result.state == MapState::kFailed) std::fprintf(stderr, "multum: %s\n", result.why.c_str());
+  if (result.state == MapState::kFailed) print_shown(stderr, "multum: %s\n", result.why.c_str());
   if (result.report) {
     print_report(map.job, printing, *result.report);
   } else if (result.state == MapState::kUnchanged && !is_check) {
@@ -41,8 +42,8 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
     unchanged.unchanged = true;
     print_report(map.job, printing, unchanged);
   } else if (result.state == MapState::kUnchanged && !printing.quiet) {
-    std::fprintf(printing.out, "%s: in place, %.4g %% off at most, as it states\n", map.job.output.c_str(),
-                 100.0 * result.error.value_or(0.0));
+    print_shown(printing.out, "%s: in place, %.4g %% off at most, as it states\n", map.job.output.c_str(),
+                100.0 * result.error.value_or(0.0));
   }
 }
 
@@ -63,8 +64,8 @@ MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& 
 
 void print_outcome(const ManifestOutcome& outcome, const BakePrinting& printing) {
   const std::string failures = manifest_failures(outcome);
-  std::fputs(failures.c_str(), stderr);
-  if (failures.empty() && !printing.quiet) std::fprintf(printing.out, "%s\n", manifest_verdict(outcome).c_str());
+  write_shown(stderr, failures);
+  if (failures.empty() && !printing.quiet) print_shown(printing.out, "%s\n", manifest_verdict(outcome).c_str());
 }
 
 }  // namespace
@@ -112,7 +113,7 @@ int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const Dev
   outcome.seconds = seconds_since(start);
   print_outcome(outcome, printing);
   if (!o.junit.empty()) write_text_file(o.junit, manifest_junit(outcome));
-  if (o.summary == kStdout) std::fputs(manifest_summary(outcome).c_str(), stdout);
+  if (o.summary == kStdout) write_shown(stdout, manifest_summary(outcome));
   else if (!o.summary.empty()) write_text_file(o.summary, manifest_summary(outcome));
   return manifest_exit_code(outcome);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum/bake_print.h"
+#include "host/base/shown_text.h"
 
 namespace multum {
 
@@ -7,32 +8,32 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
   if (printing.quiet) return;
   std::FILE* const out = printing.out;
   if (report.unchanged) {
-    std::fprintf(out, "%s: unchanged, from the same file with the same settings; --force bakes it again\n",
-                 job.output.c_str());
+    print_shown(out, "%s: unchanged, from the same file with the same settings; --force bakes it again\n",
+                job.output.c_str());
     return;
   }
-  std::fprintf(out, "%s: written\n%s%s", job.output.c_str(), report.choice.c_str(), report.to_text().c_str());
+  print_shown(out, "%s: written\n%s%s", job.output.c_str(), report.choice.c_str(), report.to_text().c_str());
   if (!printing.details) return;
   if (report.rows_resumed > 0)
-    std::fprintf(out, "%llu rows of levels were there from a bake that was killed\n",
-                 static_cast<unsigned long long>(report.rows_resumed));
-  std::fprintf(out, "%s", report.plan.c_str());
+    print_shown(out, "%llu rows of levels were there from a bake that was killed\n",
+                static_cast<unsigned long long>(report.rows_resumed));
+  print_shown(out, "%s", report.plan.c_str());
   for (const LevelReport& level : report.levels)
-    std::fprintf(out, "level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
-                 level.seconds, static_cast<unsigned long long>(level.launches));
-  std::fprintf(out, "choosing a start %.3f s, condensing normals %.3f s\n", report.start_seconds,
-               report.condense_seconds);
+    print_shown(out, "level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
+                level.seconds, static_cast<unsigned long long>(level.launches));
+  print_shown(out, "choosing a start %.3f s, condensing normals %.3f s\n", report.start_seconds,
+              report.condense_seconds);
   for (const auto& [kernel, count] : report.launches) {
     const auto found = report.launch_seconds.find(kernel);
-    std::fprintf(out, "%-26s %6llu launches", kernel.c_str(), static_cast<unsigned long long>(count));
-    if (found != report.launch_seconds.end()) std::fprintf(out, "  %8.3f s on the device", found->second);
+    print_shown(out, "%-26s %6llu launches", kernel.c_str(), static_cast<unsigned long long>(count));
+    if (found != report.launch_seconds.end()) print_shown(out, "  %8.3f s on the device", found->second);
     std::fputc('\n', out);
   }
   const TransferCounts& t = report.transfers;
   if (t.uploads + t.downloads > 0)
-    std::fprintf(out, "copies: %llu to the device, %.1f MiB; %llu back, %.1f MiB\n",
-                 static_cast<unsigned long long>(t.uploads), static_cast<double>(t.upload_bytes) / (1 << 20),
-                 static_cast<unsigned long long>(t.downloads), static_cast<double>(t.download_bytes) / (1 << 20));
+    print_shown(out, "copies: %llu to the device, %.1f MiB; %llu back, %.1f MiB\n",
+                static_cast<unsigned long long>(t.uploads), static_cast<double>(t.upload_bytes) / (1 << 20),
+                static_cast<unsigned long long>(t.downloads), static_cast<double>(t.download_bytes) / (1 << 20));
 }
 
 }  // namespace multum

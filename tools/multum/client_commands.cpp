@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "host/base/error.h"
+#include "host/base/shown_text.h"
 #include "host/service/http_client.h"
 #include "host/service/job_types.h"
 #include "tools/multum/commands.h"
@@ -57,7 +58,7 @@ void add_client_options(CLI::App& command, ClientOptions& o) {
 }
 
 void print_json(const Json& json) {
-  std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+  write_shown(stdout, escaped_json(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
 }
 
 std::string job_line(const Json& job) {
@@ -74,7 +75,7 @@ std::string job_line(const Json& job) {
 
 void print_job(const ClientOptions& o, const Json& job) {
   if (o.json) print_json(job);
-  else std::printf("%s\n", job_line(job).c_str());
+  else print_shown(stdout, "%s\n", job_line(job).c_str());
 }
 
 // ---- submit
@@ -125,7 +126,7 @@ int run_submit(const JobType& type, SubmitOptions& o) {
   const Json answer = client.ask("POST", "/v1/jobs", job);
   const auto id = answer["id"].get<std::int64_t>();
   if (o.client.json) print_json(answer);
-  else std::printf("%lld\n", static_cast<long long>(id));
+  else print_shown(stdout, "%lld\n", static_cast<long long>(id));
   return o.wait ? wait_for(client, o.client, {id}) : 0;
 }
 
@@ -186,7 +187,7 @@ void persist(const std::function<bool(const std::function<void()>& answered)>& b
       std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the line was cut
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kEnvironment || !was_answered) throw;
-      if (!gone_since) std::fprintf(stderr, "multum: %s Trying again.\n", error.what());
+      if (!gone_since) print_shown(stderr, "multum: %s Trying again.\n", error.what());
       gone_since = gone_since.value_or(Clock::now());
       if (Clock::now() - *gone_since > kPatience) throw;
       std::this_thread::sleep_for(std::chrono::milliseconds(500));
@@ -255,12 +256,14 @@ int run_tail(ClientOptions& o, std::int64_t id) {
   const auto show = [&] {
     const Json job = client.ask("GET", fmt::format("/v1/jobs/{}", id));
     const std::string log = client.text(fmt::format("/v1/jobs/{}/log", id));
-    if (log.size() > shown) std::printf("%s", log.substr(shown).c_str());
-    std::fflush(stdout);
-    shown = log.size();
     state = job["state"].get<std::string>();
     const bool is_done = state == "succeeded" || state == "dead" || state == "cancelled";
-    if (is_done) std::fprintf(stderr, "%s\n", job_line(job).c_str());
+    // Half a character would be shown as two that are none.
+    const std::size_t ready = is_done ? log.size() : whole_characters(log);
+    if (ready > shown) write_shown(stdout, std::string_view(log).substr(shown, ready - shown));
+    std::fflush(stdout);
+    shown = std::max(shown, ready);
+    if (is_done) print_shown(stderr, "%s\n", job_line(job).c_str());
     return !is_done;
   };
   persist([&](const std::function<void()>& answered) {
@@ -343,7 +346,7 @@ void add_retry(CLI::App& app, int* exit_code) {
       const Json answer =
           client.ask("POST", "/v1/retry", o->queue.empty() ? Json::object() : Json{{"queue", o->queue}});
       if (o->client.json) print_json(answer);
-      else std::printf("%zu jobs are tried again\n", answer["retried"].size());
+      else print_shown(stdout, "%zu jobs are tried again\n", answer["retried"].size());
     }
     *exit_code = 0;
   });
@@ -366,7 +369,7 @@ void add_purge(CLI::App& app, int* exit_code) {
     const Json body = o->age < 0 ? Json{{"jobs", o->ids}} : Json{{"finished_before_s", o->age}};
     const Json answer = client_of(o->client).ask("POST", "/v1/purge", body);
     if (o->client.json) print_json(answer);
-    else std::printf("%zu jobs are forgotten\n", answer["purged"].size());
+    else print_shown(stdout, "%zu jobs are forgotten\n", answer["purged"].size());
     *exit_code = 0;
   });
 }

@@ -17,6 +17,7 @@
 #include "host/bake/accuracy_table.h"
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/shown_text.h"
 #include "host/image/four_quarter_map.h"
 #include "host/opencl/device.h"
 #include "tools/command_line/choices.h"
@@ -130,7 +131,7 @@ int print_pyramid(const std::string& path) {
     text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\nwritten by      {}\n", from.content_hash, from.software);
-  std::fputs(text.c_str(), stdout);
+  write_shown(stdout, text);
   return 0;
 }
 
@@ -154,14 +155,15 @@ int run_info(const std::string& path) {
   text += fmt::format("checksum        {}\n", from.content_hash);
   text += fmt::format("written by      {}\n", from.software);
   text += measured_error(from.measured_error);
-  std::fputs(text.c_str(), stdout);
+  write_shown(stdout, text);
   return 0;
 }
 
 int run_verify(const std::string& path, const CommonOptions& common) {
   bool all_passed = true;
   for (const VerifyFinding& finding : verify_baked(path, apply(common))) {
-    std::printf("%-6s %-10s %s\n", finding.passed ? "ok" : "FAILED", finding.check.c_str(), finding.detail.c_str());
+    print_shown(stdout, "%-6s %-10s %s\n", finding.passed ? "ok" : "FAILED", finding.check.c_str(),
+                finding.detail.c_str());
     all_passed = all_passed && finding.passed;
   }
   if (!all_passed) throw Error(ErrorCode::kVerification, path + ": verification failed");
@@ -196,7 +198,7 @@ int run_devices(const std::string& json_path) {
     throw Error(ErrorCode::kEnvironment,
                 "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
   for (const DeviceInfo& d : devices)
-    std::printf("%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(),
+    print_shown(stdout, "%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(),
                 d.platform.c_str(), d.driver.c_str(), d.is_cpu ? "CPU" : "GPU",
                 static_cast<double>(d.memory_bytes) / (1u << 30), static_cast<double>(d.buffer_bytes_max) / (1u << 30));
   return 0;
@@ -248,7 +250,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
     write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter);
     const char* prefix = options->prefix.c_str();
     // Its statistics look like green down (host/image/four_quarter_map.cpp).
-    std::printf("%s_normal.png, %s_albedo.png: written; bake with --green up\n", prefix, prefix);
+    print_shown(stdout, "%s_normal.png, %s_albedo.png: written; bake with --green up\n", prefix, prefix);
     *exit_code = 0;
   });
 }

@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 
@@ -38,13 +39,13 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
   for (const TextureResult& texture : report.result.textures)
     if (!texture.file.empty()) (texture.was_there ? there : written) += 1;
   const StageSeconds& s = report.result.seconds;
-  std::printf(
-      "%s: %d textures written, %d there already; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
-      "systems %.1f s, solving %.1f s, baseline %.1f s, frames %.1f s; %llu of %llu rows rejected\n",
-      o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving, s.baseline,
-      s.rendering, static_cast<unsigned long long>(report.result.rows_rejected),
-      static_cast<unsigned long long>(report.result.rows));
-  std::printf("%s%s/report.html: pictures and tables; report.json beside it has every figure\n",
+  print_shown(stdout,
+              "%s: %d textures written, %d there already; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
+              "systems %.1f s, solving %.1f s, baseline %.1f s, frames %.1f s; %llu of %llu rows rejected\n",
+              o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving,
+              s.baseline, s.rendering, static_cast<unsigned long long>(report.result.rows_rejected),
+              static_cast<unsigned long long>(report.result.rows));
+  print_shown(stdout, "%s%s/report.html: pictures and tables; report.json beside it has every figure\n",
               inference_report_text(report).c_str(), o.settings.output.c_str());
 }
 

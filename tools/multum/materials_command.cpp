@@ -10,6 +10,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "host/image/image_reader.h"
 #include "host/mesh/gltf_material.h"
 #include "tools/command_line/decoding_option.h"
@@ -43,15 +44,15 @@ std::string image_text(const GltfMaterials& model, const std::optional<GltfTextu
 
 void print_materials(const GltfMaterials& model) {
   for (const GltfMaterial& m : model.materials) {
-    fmt::print("{}\n  normal map    {}", m.name, image_text(model, m.normal));
+    write_shown(stdout, fmt::format("{}\n  normal map    {}", m.name, image_text(model, m.normal)));
     if (m.normal)
-      fmt::print(", TEXCOORD_{}, wrap {},{}, scale {:g}", m.normal->uv_set, m.normal->wrap_s, m.normal->wrap_t,
-                 m.normal_scale);
-    fmt::print("\n  base colour   {:g},{:g},{:g} times {}\n", m.base_colour.r, m.base_colour.g, m.base_colour.b,
-               m.colour ? image_text(model, m.colour) : "1");
-    fmt::print("  metallic      {:g}{}\n  roughness     {:g}{}\n", m.metallic,
-               m.metallic_roughness ? " times its texture's mean" : "", m.roughness,
-               m.metallic_roughness ? " times its texture's mean" : "");
+      write_shown(stdout, fmt::format(", TEXCOORD_{}, wrap {},{}, scale {:g}", m.normal->uv_set, m.normal->wrap_s,
+                                      m.normal->wrap_t, m.normal_scale));
+    write_shown(stdout, fmt::format("\n  base colour   {:g},{:g},{:g} times {}\n", m.base_colour.r, m.base_colour.g,
+                                    m.base_colour.b, m.colour ? image_text(model, m.colour) : "1"));
+    write_shown(stdout, fmt::format("  metallic      {:g}{}\n  roughness     {:g}{}\n", m.metallic,
+                                    m.metallic_roughness ? " times its texture's mean" : "", m.roughness,
+                                    m.metallic_roughness ? " times its texture's mean" : ""));
   }
 }
 
@@ -111,7 +112,8 @@ void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
     ++count;
   }
   write_text_file(manifest, text);
-  fmt::print("\n{}: {} maps\n  multum bake --manifest {}\n  {}\n", manifest, count, manifest, view);
+  write_shown(stdout,
+              fmt::format("\n{}: {} maps\n  multum bake --manifest {}\n  {}\n", manifest, count, manifest, view));
 }
 
 int run_materials(const MaterialsOptions& o) {

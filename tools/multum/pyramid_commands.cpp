@@ -11,6 +11,7 @@
 #include "host/bake/reflectance_bake.h"
 #include "host/base/error.h"
 #include "host/base/machine.h"
+#include "host/base/shown_text.h"
 #include "tools/command_line/choices.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
@@ -67,19 +68,20 @@ void add_wrap_options(CLI::App& command, MipOptions& o, const char* usual) {
 int print_result(const CommonOptions& common, const std::string& output, PyramidKind kind, const MipReport& report) {
   if (common.quiet) return 0;
   if (report.unchanged) {
-    std::printf("%s: unchanged\n", output.c_str());
+    print_shown(stdout, "%s: unchanged\n", output.c_str());
     return 0;
   }
-  std::printf("%s: %d levels of %s, %d x %d, from %s\n", output.c_str(), report.level_count, pyramid_kind_name(kind),
-              report.width, report.height, report.format.empty() ? "lights" : report.format.c_str());
+  print_shown(stdout, "%s: %d levels of %s, %d x %d, from %s\n", output.c_str(), report.level_count,
+              pyramid_kind_name(kind), report.width, report.height,
+              report.format.empty() ? "lights" : report.format.c_str());
   if (report.clamped_count > 0)
-    std::printf("%lld texels hold no colour (negative, NaN or infinite) and count as black\n",
+    print_shown(stdout, "%lld texels hold no colour (negative, NaN or infinite) and count as black\n",
                 static_cast<long long>(report.clamped_count));
   if (report.limited_count > 0)
-    std::printf("%llu values are beyond what half floats hold and became 65504; -d float keeps them\n",
+    print_shown(stdout, "%llu values are beyond what half floats hold and became 65504; -d float keeps them\n",
                 static_cast<unsigned long long>(report.limited_count));
   if (common.verbose)
-    std::printf("read %.2f s, average %.2f s, write %.2f s on %s\nchecksum %s\n", report.read_seconds,
+    print_shown(stdout, "read %.2f s, average %.2f s, write %.2f s on %s\nchecksum %s\n", report.read_seconds,
                 report.average_seconds, report.write_seconds, report.device.c_str(), report.content_hash.c_str());
   return 0;
 }

@@ -74,8 +74,7 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes lists
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
+    return print_parse_error(app, error);
   }
   // Results count as given only when they reached stdout: a full disk or a closed pipe must not end in exit code 0.
   if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");

@@ -15,6 +15,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "host/scene/scene_bake.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/map_options.h"
@@ -56,7 +57,7 @@ int run_plan(const PlanOptions& o) {
   const auto json = [&] { return plan_json(scene, plan, {folder.empty() ? "." : folder.string()}).dump(2) + "\n"; };
   if (!o.output.empty()) write_text_file(o.output, json());
   const std::string text = o.json ? json() : plan_text(scene, plan, o.width > 0 ? o.width : terminal_width());
-  std::fputs(text.c_str(), stdout);
+  write_shown(stdout, text);
   return 0;
 }
 
@@ -100,22 +101,22 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
   settings.threads = pattern.threads;
   const ScenePlan plan = plan_scene(scene, settings, progress.get());
   progress_finish(progress.get());
-  if (!printing.quiet) std::fputs(plan_text(scene, plan, terminal_width()).c_str(), printing.out);
+  if (!printing.quiet) write_shown(printing.out, plan_text(scene, plan, terminal_width()));
   Device device = Device::open(device_choice);
   const auto done = [&](const MapPlan& map, const SceneMapReport& report) {
     BakeJob job = map.job;
     job.output = files.baked(map);
     print_report(job, printing, report.bake);
     if (report.has_colours && !printing.quiet)
-      std::fprintf(printing.out, "%s: %s\n", files.colours(map).c_str(),
-                   report.colours.unchanged ? "unchanged" : "written");
+      print_shown(printing.out, "%s: %s\n", files.colours(map).c_str(),
+                  report.colours.unchanged ? "unchanged" : "written");
   };
   const SceneReport report = bake_scene(scene, plan, files, device, done, progress.get());
   if (printing.quiet) return 0;
-  std::fputs(report.to_text().c_str(), printing.out);
+  write_shown(printing.out, report.to_text());
   for (const ObjectPlan& object : plan.objects)
-    std::fprintf(printing.out, "multum-view --scene %s --object %s -o %s.png\n", files.plan().c_str(),
-                 object.name.c_str(), object.name.c_str());
+    print_shown(printing.out, "multum-view --scene %s --object %s -o %s.png\n", files.plan().c_str(),
+                object.name.c_str(), object.name.c_str());
   return 0;
 }
 

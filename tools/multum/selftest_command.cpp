@@ -10,6 +10,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/shown_text.h"
 #include "host/reference/case_page.h"
 #include "host/reference/case_table.h"
 #include "host/selftest/selftest.h"
@@ -52,12 +53,11 @@ int run_selftest_command(Options options) {
   const NumericalRun run = run_selftest(device, options.selftest, progress.get());
   progress_finish(progress.get());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  std::fputs(fmt::format("device  {} ({}, {})\n\n", run.device, run.platform, run.driver).c_str(), stdout);
-  std::fputs(case_table(run).c_str(), stdout);
+  write_shown(stdout, fmt::format("device  {} ({}, {})\n\n", run.device, run.platform, run.driver));
+  write_shown(stdout, case_table(run));
   std::size_t broken = 0;
   for (const NumericalVerdict& v : run.verdicts) broken += v.holds() ? 0 : 1;
-  std::fputs(fmt::format("\n{} cases, {} broken, {:.1f} s\n", run.verdicts.size(), broken, seconds.count()).c_str(),
-             stdout);
+  write_shown(stdout, fmt::format("\n{} cases, {} broken, {:.1f} s\n", run.verdicts.size(), broken, seconds.count()));
   if (!options.json.empty()) write_text_file(options.json, case_json(run));
   if (!options.markdown.empty()) {
     runs.insert(runs.begin(), run);

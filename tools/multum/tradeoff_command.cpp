@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/base/machine.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "tools/command_line/choices.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/reading_options.h"
@@ -51,7 +52,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   if (!o.json.empty()) write_text_file(o.json, tradeoff_json(job, result));
   if (!o.markdown.empty()) write_text_file(o.markdown, tradeoff_markdown(result));
   if (!o.common.quiet)
-    std::printf("%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.rows.size(), result.seconds,
+    print_shown(stdout, "%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.rows.size(), result.seconds,
                 tradeoff_text(job, result).c_str());
   const bool is_asked = job.error || job.bake_seconds;
   return is_asked && !result.chosen ? exit_code(ErrorCode::kVerification) : 0;

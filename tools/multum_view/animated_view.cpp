@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 
 #include "host/base/error.h"
+#include "host/base/shown_text.h"
 #include "tools/multum_view/view_outputs.h"
 
 namespace multum {
@@ -64,7 +65,7 @@ nlohmann::json draw_animation(const ViewOptions& options, PictureDrawer& drawer)
     const double t = options.frame_count > 1 ? static_cast<double>(frame) / (options.frame_count - 1) : 0.0;
     ViewOptions one = options;
     one.output = frame_path(options, frame);
-    fmt::print("frame {}\n", frame);
+    write_shown(stdout, fmt::format("frame {}\n", frame));
     const std::vector<NamedPicture> pictures = drawer.draw(scene_between(options.scene, options.last_scene, t));
     frames.push_back(print_table(pictures));
     write_pictures(one, pictures);

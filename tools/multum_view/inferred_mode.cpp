@@ -150,8 +150,7 @@ int run_inferred(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : exit_code(ErrorCode::kUsage);
+    return print_parse_error(app, error);
   }
   if (options.samples.size() != options.outputs.size())
     throw Error(ErrorCode::kUsage, fmt::format("{} --sample and {} --output: expected one output for each sample",

@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "host/mesh/tangent_space.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "tools/multum_view/modes.h"
@@ -37,8 +38,8 @@ int run_lod(ViewOptions& options) {
   gl::Renderer renderer(context->functions(), options.width, options.height);
   const gl::Mesh drawn(context->functions(), to_mesh_data(mesh));
   const std::vector<NamedPicture> pictures = {{"lod", renderer.draw(drawn, flat, options.scene)}};
-  fmt::print("level {:g}: {} x {} points, {} triangles\n", options.level, surface.columns, surface.rows,
-             surface.indices.size() / 3);
+  write_shown(stdout, fmt::format("level {:g}: {} x {} points, {} triangles\n", options.level, surface.columns,
+                                  surface.rows, surface.indices.size() / 3));
   const nlohmann::json rows = print_table(pictures);
   write_pictures(options, pictures);
   if (!options.report.empty()) write_report(options, context->description(), rows);

@@ -14,6 +14,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "host/image/colour_map.h"
 #include "host/mesh/gltf_material.h"
 #include "runtime_gl/materials/normal_material.h"
@@ -132,8 +133,9 @@ class Model {
       parts_.emplace_back(gl, data);
       objects_.push_back({&parts_.back(), make(gl, material),
                           options_.has_brdf ? options_.scene.brdf : brdf_of(materials_, material)});
-      fmt::print("{}: {} triangles, {}\n", material.name.empty() ? "no material" : material.name,
-                 data.indices.size() / 3, files_.count(material.name) > 0 ? files_.at(material.name) : "no map");
+      write_shown(stdout, fmt::format("{}: {} triangles, {}\n", material.name.empty() ? "no material" : material.name,
+                                      data.indices.size() / 3,
+                                      files_.count(material.name) > 0 ? files_.at(material.name) : "no map"));
     }
   }
   const std::vector<gl::SceneObject>& objects() const { return objects_; }

@@ -13,6 +13,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "host/mesh/object_mesh.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/probe/filter_probe.h"
@@ -86,8 +87,8 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
     write_filter_matrix(matrix, task.output);
     if (options.matrix_market) write_matrix_market(matrix, task.output + ".mtx");
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    fmt::print("{}: {} pixels, {} entries, {} rejected, {:.2f} s\n", task.object, matrix.row_count(),
-               matrix.columns.size(), matrix.rows_rejected, seconds);
+    write_shown(stdout, fmt::format("{}: {} pixels, {} entries, {} rejected, {:.2f} s\n", task.object,
+                                    matrix.row_count(), matrix.columns.size(), matrix.rows_rejected, seconds));
   }
 }
 
@@ -109,8 +110,7 @@ int run_probe(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : exit_code(ErrorCode::kUsage);
+    return print_parse_error(app, error);
   }
   probe_all(read_probe_request(options.request), options);
   if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");

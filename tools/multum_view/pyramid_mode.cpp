@@ -15,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/pyramid/pyramid_renderer.h"
 #include "runtime_gl/render/picture_error.h"
@@ -154,7 +155,7 @@ std::vector<double> measure_flicker(const ViewOptions& options, PyramidPictures&
 nlohmann::json print_rows(const std::vector<NamedPicture>& pictures, const std::vector<double>& flickers) {
   const bool has_truth = pictures[0].name == "truth";
   nlohmann::json rows = nlohmann::json::array();
-  fmt::print("{:10} {:>12} {:>10} {:>10}\n", "lookup", "relative L1", "RMSE", "flicker");
+  write_shown(stdout, fmt::format("{:10} {:>12} {:>10} {:>10}\n", "lookup", "relative L1", "RMSE", "flicker"));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     nlohmann::json row = {{"name", pictures[i].name}};
     std::string l1 = "-", rmse = "-", flicker = "-";
@@ -169,7 +170,7 @@ nlohmann::json print_rows(const std::vector<NamedPicture>& pictures, const std::
       row["flicker"] = flickers[i];
       flicker = fmt::format("{:.4f}", flickers[i]);
     }
-    fmt::print("{:10} {:>12} {:>10} {:>10}\n", pictures[i].name, l1, rmse, flicker);
+    write_shown(stdout, fmt::format("{:10} {:>12} {:>10} {:>10}\n", pictures[i].name, l1, rmse, flicker));
     rows.push_back(row);
   }
   return rows;

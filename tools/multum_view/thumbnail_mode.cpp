@@ -162,8 +162,7 @@ int run_thumbnails(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : exit_code(ErrorCode::kUsage);
+    return print_parse_error(app, error);
   }
   if (fs::is_directory(options.result)) make_infer_thumbnail(options);
   else make_bake_thumbnails(options);

@@ -435,8 +435,7 @@ std::optional<ViewOptions> parse_view_options(int argc, char** argv, int* exit_c
     app.parse(argc, argv);
     if (options.output.empty() && options.frames_folder.empty()) throw CLI::RequiredError("--output");
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    *exit_code = code == 0 ? 0 : multum::exit_code(ErrorCode::kUsage);
+    *exit_code = print_parse_error(app, error);
     return std::nullopt;
   }
   finish(raw, options);

@@ -7,6 +7,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
+#include "host/base/shown_text.h"
 #include "host/brdf/measured_brdf.h"
 #include "host/image/material_maps.h"
 #include "runtime_gl/render/contact_sheet.h"
@@ -115,7 +116,7 @@ void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>&
 
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
   nlohmann::json rows = nlohmann::json::array();
-  fmt::print("{:14} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms");
+  write_shown(stdout, fmt::format("{:14} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms"));
   for (const NamedPicture& one : pictures) {
     nlohmann::json row = {{"name", one.name}, {"frame_time_ms", one.picture.frame_time_ms}};
     std::string l1 = "-";
@@ -127,7 +128,7 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
       l1 = fmt::format("{:.2f} %", 100.0 * error.relative_l1);
       rmse = fmt::format("{:.5f}", error.rmse);
     }
-    fmt::print("{:10} {:>12} {:>10} {:>10.1f}\n", one.name, l1, rmse, one.picture.frame_time_ms);
+    write_shown(stdout, fmt::format("{:10} {:>12} {:>10} {:>10.1f}\n", one.name, l1, rmse, one.picture.frame_time_ms));
     rows.push_back(row);
   }
   return rows;

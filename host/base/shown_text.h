@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Text for the person at a terminal. File names, what is in files and what a service answers may hold control
+// characters, by which a terminal moves its cursor, changes its title or types for its user. Programs write all their
+// text by these functions: on a terminal such characters are shown as \x9b; into files and pipes bytes go as they are,
+// so that names read from them are the files' own.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace multum {
+
+/// Of control characters but tab and newline - C0, DEL, and C1, which as UTF-8 is C2 80 to C2 9F - and of bytes that
+/// are no UTF-8, each byte as \x and two digits. All else as it is.
+std::string shown_text(std::string_view text);
+
+/// As it is; where `stream` is a terminal, as shown_text().
+void write_shown(std::FILE* stream, std::string_view text);
+/// The same of what printf() would write.
+[[gnu::format(printf, 2, 3)]] void print_shown(std::FILE* stream, const char* format, ...);
+
+/// Of JSON: DEL and C1, which may stand in its texts alone, as \u escapes. To a reader of JSON it is the same.
+std::string escaped_json(std::string_view json);
+
+/// Bytes of `text` but for a UTF-8 character at its end that is not whole yet.
+std::size_t whole_characters(std::string_view text);
+
+}  // namespace multum

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names and texts with control characters: shown on a terminal, as they are in a pipe.
+#include "tests/cli/program.h"
+
+namespace multum::testing {
+namespace {
+
+// ESC, a C1 character as UTF-8 and as one byte, which terminals of 8 bits take for ESC [.
+const std::string kName =
+    "q\x1b[31m\xc2\x9b"
+    "2J\x9b"
+    "5n\x7f";
+const std::string kShown = "q\\x1b[31m\\xc2\\x9b2J\\x9b5n\\x7f";
+
+class TerminalTest : public CliTest {
+ protected:
+  // On a terminal none of it arrives, and its text is there; a pipe has the name itself.
+  void expect_shown(const std::vector<std::string>& arguments, int exit_code) const {
+    const ProgramResult shown = run_on_terminal(multum_command(arguments));
+    EXPECT_EQ(shown.exit_code, exit_code) << shown.out;
+    EXPECT_EQ(shown.out.find_first_of("\x1b\x9b\x7f"), std::string::npos) << shown.out;
+    EXPECT_TRUE(contains(shown.out, kShown)) << shown.out;
+    const ProgramResult piped = multum_program(arguments);
+    EXPECT_EQ(piped.exit_code, exit_code);
+    EXPECT_TRUE(contains(piped.out + piped.err, kName)) << piped.out << piped.err;
+    EXPECT_FALSE(contains(piped.out + piped.err, kShown));
+  }
+};
+
+TEST_F(TerminalTest, NamesInErrors) {
+  expect_shown({"info", path(kName + ".exr")}, kInput);
+  expect_shown({"verify", path(kName + ".exr")}, kInput);
+  expect_shown({"plan", path(kName + ".toml")}, kInput);
+  expect_shown({kName}, kUsage);
+  expect_shown({"info", path("a.exr"), "--" + kName}, kUsage);
+}
+
+TEST_F(TerminalTest, NamesInResults) {
+  make_map("map", 16);
+  std::filesystem::rename(path("map_normal.png"), path(kName + ".png"));
+  const std::string baked = path(kName + ".ndf.exr");
+  const std::vector<std::string> bake = {"bake", path(kName + ".png"), "-o", baked, "--ndf", "moments", "--no-measure"};
+  ASSERT_EQ(multum(bake).exit_code, 0);
+  expect_shown(bake, 0);  // unchanged: the bar of a bake that works is drawn with escapes of its own
+  expect_shown({"info", baked}, 0);
+  std::filesystem::rename(baked, path("plain.ndf.exr"));
+  expect_shown({"info", path("plain.ndf.exr")}, 0);  // by the source's name, which the file has
+}
+
+TEST_F(TerminalTest, TextsOfTomlFiles) {
+  write_bytes(path("a.toml"), "[[map]]\n\"q\\u001b[31m\\u009b\" = 1\n");
+  const ProgramResult shown = run_on_terminal(multum_command({"bake", "--manifest", path("a.toml")}));
+  EXPECT_EQ(shown.exit_code, kInput);
+  EXPECT_EQ(shown.out.find_first_of("\x1b\x9b"), std::string::npos) << shown.out;
+  EXPECT_TRUE(contains(shown.out, "q\\x1b[31m\\xc2\\x9b")) << shown.out;
+}
+
+}  // namespace
+}  // namespace multum::testing
