@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/base/confinement.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <glob.h>
+#include <linux/landlock.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+
+#include "host/base/error.h"
+#include "host/base/open_file.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+// As linux/landlock.h numbers them; that of Debian 12 lacks the last two.
+constexpr std::uint64_t kTruncate = 1 << 14, kDeviceControl = 1 << 15;
+constexpr std::uint64_t kReadFile = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_READ_FILE;
+constexpr std::uint64_t kRead = kReadFile | LANDLOCK_ACCESS_FS_READ_DIR;
+constexpr std::uint64_t kWriteFile = kReadFile | LANDLOCK_ACCESS_FS_WRITE_FILE | kTruncate | kDeviceControl;
+
+int abi() {
+  return static_cast<int>(::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION));
+}
+
+// All that this kernel knows to refuse.
+std::uint64_t all_rights(int version) {
+  std::uint64_t rights = (std::uint64_t{1} << 13) - 1;
+  if (version >= 2) rights |= LANDLOCK_ACCESS_FS_REFER;
+  if (version >= 3) rights |= kTruncate;
+  if (version >= 5) rights |= kDeviceControl;
+  return rights;
+}
+
+void allow(int rules, const std::string& path, std::uint64_t rights) {
+  const OpenFile file(::open(path.c_str(), O_PATH | O_CLOEXEC));
+  struct stat found {};
+  if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0) return;
+  landlock_path_beneath_attr rule{};
+  rule.allowed_access = S_ISDIR(found.st_mode) ? rights : rights & kWriteFile;
+  rule.parent_fd = file.descriptor();
+  if (::syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0)
+    fail_by_errno(path, "this process cannot be confined to it");
+}
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
+void add_each(std::vector<std::string>& list, const std::string& paths) {
+  for (std::size_t begin = 0; begin < paths.size();) {
+    const std::size_t end = std::min(paths.find(':', begin), paths.size());
+    if (end > begin) list.push_back(paths.substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+void add_matching(std::vector<std::string>& list, const char* pattern) {
+  glob_t found{};
+  if (::glob(pattern, 0, nullptr, &found) == 0)
+    for (std::size_t i = 0; i < found.gl_pathc; ++i) list.emplace_back(found.gl_pathv[i]);
+  ::globfree(&found);
+}
+
+// Where drivers keep what they have compiled.
+void add_caches(std::vector<std::string>& writable) {
+  const std::string home = variable("HOME"), named = variable("XDG_CACHE_HOME");
+  const std::string cache = !named.empty() ? named : home.empty() ? "" : home + "/.cache";
+  for (const char* own : {"MULTUM_CACHE_DIR", "POCL_CACHE_DIR", "MESA_SHADER_CACHE_DIR", "CUDA_CACHE_PATH"})
+    if (const std::string path = variable(own); !path.empty()) writable.push_back(path);
+  if (!cache.empty())
+    for (const char* name :
+         {"multum", "pocl", "mesa_shader_cache", "mesa_shader_cache_db", "neo_compiler_cache", "AMD"})
+      writable.push_back(cache + "/" + name);
+  for (const std::string& path : writable) {
+    std::error_code ignored;
+    fs::create_directories(path, ignored);
+  }
+  if (!home.empty()) writable.push_back(home + "/.nv");
+}
+
+}  // namespace
+
+Confinement system_confinement() {
+  Confinement allowed;
+  add_caches(allowed.writable);
+  for (const char* device : {"/dev/null", "/dev/zero", "/dev/full", "/dev/shm", "/dev/dri", "/dev/kfd"})
+    allowed.writable.emplace_back(device);
+  add_matching(allowed.writable, "/dev/nvidia*");
+  allowed.readable = {"/usr",
+                      "/lib",
+                      "/lib32",
+                      "/lib64",
+                      "/bin",
+                      "/opt",
+                      "/proc",
+                      "/sys",
+                      "/dev/random",
+                      "/dev/urandom",
+                      "/etc/OpenCL",
+                      "/etc/ld.so.cache",
+                      "/etc/alternatives",
+                      "/etc/glvnd",
+                      "/etc/drirc",
+                      "/etc/localtime",
+                      "/etc/ssl/openssl.cnf"};
+  std::error_code error;
+  // An unpacked archive: PREFIX/bin and PREFIX/lib.
+  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  allowed.readable.push_back(folder.string());
+  allowed.readable.push_back((folder.parent_path() / "lib").string());
+  allowed.readable.push_back((folder.parent_path() / "share").string());
+  for (const char* paths : {"LD_LIBRARY_PATH", "OCL_ICD_VENDORS", "LIBGL_DRIVERS_PATH", "LD_PRELOAD"})
+    add_each(allowed.readable, variable(paths));
+  return allowed;
+}
+
+bool can_confine() { return abi() > 0; }
+
+bool confine_this_thread(const Confinement& allowed) {
+  const int version = abi();
+  if (version <= 0) return false;
+  landlock_ruleset_attr attributes{};
+  attributes.handled_access_fs = all_rights(version);
+  const OpenFile rules(
+      static_cast<int>(::syscall(SYS_landlock_create_ruleset, &attributes, sizeof(attributes.handled_access_fs), 0)));
+  if (!rules.is_open()) fail_by_errno("Landlock", "this process cannot be confined");
+  for (const std::string& path : allowed.readable) allow(rules.descriptor(), path, kRead & all_rights(version));
+  for (const std::string& path : allowed.writable) allow(rules.descriptor(), path, all_rights(version));
+  if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+      ::syscall(SYS_landlock_restrict_self, rules.descriptor(), 0) != 0)
+    fail_by_errno("Landlock", "this process cannot be confined");
+  return true;
+}
+
+}  // namespace multum

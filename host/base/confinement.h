@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shuts a process off from files that it has no use for, by Linux's Landlock: whatever path, link or library it follows
+// later, the system opens nothing else for it or its children. It needs no privilege, and there is no way back.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace multum {
+
+struct Confinement {
+  /// Files, or folders with all in them; those that are not there are passed over.
+  std::vector<std::string> readable, writable;
+};
+
+/// What every program of this project needs of a machine: libraries, drivers of OpenCL and GL and their caches, which
+/// are made if need be; little of /etc, nothing of others' homes, no temporary folder.
+Confinement system_confinement();
+
+/// Whether the kernel can (Linux 5.13 and later, if it is switched on).
+bool can_confine();
+
+/// From here on this thread, and what it starts, has these alone. False: the kernel cannot. Throws Error(kEnvironment)
+/// when it refuses.
+bool confine_this_thread(const Confinement& allowed);
+
+}  // namespace multum
