@@ -1,0 +1,27 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The systemd unit: how much of the machine it leaves to the service, as `systemd-analyze security` counts it.
+
+Usage: unit_test.py UNIT
+Exit code 77, a skipped test, without systemd-analyze.
+"""
+import re
+import shutil
+import subprocess
+import sys
+
+EXPOSURE_MAX = 2.0  # of 10
+
+if shutil.which("systemd-analyze") is None:
+    print("unit_test: passed over: systemd-analyze is not here (Debian package systemd)")
+    sys.exit(77)
+scored = subprocess.run(["systemd-analyze", "security", "--no-pager", "--offline=true", sys.argv[1]],
+                        capture_output=True, text=True, check=False)
+found = re.search(r"Overall exposure level for \S+: ([0-9.]+)", scored.stdout)
+if found is None:
+    sys.exit(f"FAILED: no score: {scored.stdout[-500:]}{scored.stderr[-500:]}")
+print(f"exposure {found.group(1)} of 10, at most {EXPOSURE_MAX}")
+verified = subprocess.run(["systemd-analyze", "verify", sys.argv[1]], capture_output=True, text=True, check=False)
+wrong = [line for line in verified.stderr.splitlines() if "multum.service" in line and "not executable" not in line]
+if float(found.group(1)) > EXPOSURE_MAX or wrong:
+    sys.exit("FAILED: " + "; ".join(wrong or ["it is exposed more"]))
