@@ -80,19 +80,41 @@ void DataFolder::check_room(std::int64_t more) {
                     there, bytes_max_, more)};
 }
 
-DataFolder::Upload DataFolder::store(const std::string& name, const std::string& bytes) {
+std::shared_ptr<UploadFile> DataFolder::begin_upload(std::int64_t bytes_max) {
+  std::int64_t coming = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    coming = bytes_coming_ += bytes_max;
+  }
+  const auto give_back = [this, bytes_max] {
+    const std::lock_guard lock(mutex_);
+    bytes_coming_ -= bytes_max;
+  };
+  try {
+    check_room(coming);
+    return {new UploadFile(uploads()), [give_back](const UploadFile* file) {
+              delete file;
+              give_back();
+            }};
+  } catch (...) {
+    give_back();
+    throw;
+  }
+}
+
+DataFolder::Upload DataFolder::store(const std::string& name, UploadFile& file) {
   Upload upload;
-  upload.sha256 = hash_text(bytes);
+  upload.sha256 = file.sha256();
   const std::string folder = uploads() + "/" + upload.sha256.substr(0, 32);
   const std::string path = folder + "/" + name;
   std::error_code error;
-  if (!fs::exists(path, error)) {
-    check_room(static_cast<std::int64_t>(bytes.size()));
-    const std::lock_guard lock(mutex_);
-    bytes_ += static_cast<std::int64_t>(bytes.size());
-  }
   make_folder(folder);
-  write_text_file(path, bytes);
+  if (!fs::exists(path, error)) {
+    const std::lock_guard lock(mutex_);
+    bytes_ += file.bytes();
+  }
+  file.name(path);
+  fs::last_write_time(path, fs::file_time_type::clock::now(), error);
   upload.path = fs::canonical(path).string();
   return upload;
 }

@@ -6,10 +6,12 @@
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <string>
 
 #include "host/service/queue_thread.h"
+#include "host/service/upload_file.h"
 
 namespace multum {
 
@@ -24,12 +26,15 @@ class DataFolder {
   std::string uploads() const { return path_ + "/uploads"; }
   std::string results() const { return path_ + "/results"; }
 
+  /// Blocks. Room for an upload of at most so many bytes; what is not stored of it is free again when it is gone.
+  /// Throws as check_room() does, and Error(kEnvironment) as files do. The folder outlives it.
+  std::shared_ptr<UploadFile> begin_upload(std::int64_t bytes_max);
   struct Upload {
     std::string path, sha256;
   };
-  /// Blocks. The same content under the same name is one file, and as young as its last upload. Throws as check_room()
-  /// does, and Error(kEnvironment) as files do.
-  Upload store(const std::string& name, const std::string& bytes);
+  /// Blocks. The same content under the same name is one file, and as young as its last upload. Throws
+  /// Error(kEnvironment) as files do.
+  Upload store(const std::string& name, UploadFile& file);
   /// Blocks. Throws Refusal 507 "quota" when so many bytes more are too many.
   void check_room(std::int64_t bytes);
 
@@ -42,7 +47,7 @@ class DataFolder {
   const std::string path_;
   const std::int64_t bytes_max_;
   std::mutex mutex_;
-  std::int64_t bytes_ = 0;
+  std::int64_t bytes_ = 0, bytes_coming_ = 0;
   std::chrono::steady_clock::time_point counted_;  // no moment: never
   boost::asio::thread_pool pool_{1};
 };

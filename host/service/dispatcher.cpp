@@ -68,11 +68,12 @@ bool is_result_intact(JobQueue& queue, const Job& job) {
 }
 
 Dispatcher::Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, ServiceSettings settings,
-                       std::string instance, std::vector<std::string> worker_command)
+                       const PathRoots& outputs, std::string instance, std::vector<std::string> worker_command)
     : io_(io),
       ledger_(ledger),
       events_(events),
       settings_(std::move(settings)),
+      outputs_(outputs),
       instance_(std::move(instance)),
       limits_(limits_of(settings_)),
       pool_(io,
@@ -104,7 +105,7 @@ void Dispatcher::recover() {
     const JobQueue::Recovered recovered = queue.recover(wall_clock_ms());
     for (const auto& [job, identity] : recovered.publishing) {
       try {
-        publish(job.output, instance_, job.id, identity);
+        publish(job, identity);
         queue.published(job.id, wall_clock_ms());
         service_log(LogSeverity::kInfo, job.id, "published after a restart: " + job.output);
       } catch (const Error& error) {
@@ -116,7 +117,7 @@ void Dispatcher::recover() {
     folders = queue.output_folders();
     unfinished = queue.unfinished();
   });
-  for (const std::string& path : sweep_staging(folders, instance_, unfinished))
+  for (const std::string& path : sweep_staging(outputs_, folders, instance_, unfinished))
     service_log(LogSeverity::kInfo, 0, "removed what an earlier daemon left: " + path);
 }
 
@@ -207,6 +208,8 @@ void Dispatcher::start_job(const Claimed& claimed) {
   try {
     std::string made;
     if (!job.output.empty()) {
+      // What its result could not be published over is said before the work.
+      StagedResult(outputs_, job.output, instance_, job.id).check_place(find_job_type(job.type).output_is_folder);
       order.folder = staging_folder(job.output, instance_, job.id);
       made = staged_path(job.output, instance_, job.id);
     }
@@ -216,6 +219,9 @@ void Dispatcher::start_job(const Claimed& claimed) {
       order.copy_to = made;
       ++counters_.reused;
     }
+  } catch (const Error& error) {
+    const int code = exit_code(error.code());
+    return note_end(job.id, job.owner, job.attempt, {outcome_of(code), code, error.what()});
   } catch (const std::exception& error) {
     return note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kRefused, 2, error.what()});
   }
@@ -248,7 +254,14 @@ void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt
 // the ledger says that it has. A daemon that dies in between finds out which it was.
 void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed) {
   const Job job = running_.at(id).job;
-  const std::string identity = file_identity(staged_path(job.output, instance_, id));
+  std::string identity;
+  try {
+    const StagedResult staged(outputs_, job.output, instance_, id);
+    identity = staged.identity();
+    if (!identity.empty()) staged.check_place(find_job_type(job.type).output_is_folder);
+  } catch (const Error& moved) {
+    return note_end(id, owner, attempt, {outcome_of(exit_code(moved.code())), exit_code(moved.code()), moved.what()});
+  }
   if (identity.empty())
     return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "it ended well, but left no result"});
   const auto is_mine = std::make_shared<bool>(false);
@@ -277,7 +290,7 @@ void Dispatcher::finish_publishing(const Job& job, const std::string& identity) 
         queue.take_changed();
         trouble->clear();
         try {
-          publish(job.output, instance_, job.id, identity);
+          publish(job, identity);
         } catch (const Error& failed) {
           *trouble = failed.what();
         }
@@ -309,6 +322,20 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
       note(id, work, done);
     });
   });
+}
+
+void Dispatcher::publish(const Job& job, const std::string& identity) const {
+  const std::string kept = StagedResult(outputs_, job.output, instance_, job.id).publish(identity);
+  if (!kept.empty())
+    service_log(LogSeverity::kWarning, job.id,
+                fmt::format("{} held what this service had not put there; it is in {}", job.output, kept));
+}
+
+void Dispatcher::remove_staging(const Job& job) const {
+  try {
+    StagedResult(outputs_, job.output, instance_, job.id).remove();
+  } catch (const Error&) {  // its folder is gone, or elsewhere: the next start looks again
+  }
 }
 
 void Dispatcher::forget_running(std::int64_t id, AttemptOutcome outcome) {
@@ -344,7 +371,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
         const auto found = running_.find(id);
         // What was half made is kept for the next attempt to go on from.
         if (*is_final_state && found != running_.end() && !found->second.job.output.empty())
-          remove_staging(found->second.job.output, instance_, id);
+          remove_staging(found->second.job);
         forget_running(id, result.outcome);
         take(owners, *outcome);
         pump();

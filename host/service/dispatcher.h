@@ -12,6 +12,7 @@
 
 #include "host/service/event_hub.h"
 #include "host/service/job_queue.h"
+#include "host/service/path_roots.h"
 #include "host/service/queue_thread.h"
 #include "host/service/service_settings.h"
 #include "host/service/worker_pool.h"
@@ -30,9 +31,9 @@ class Dispatcher {
     double busy_seconds = 0.0;  // of workers, all together
   };
 
-  /// `worker_command`: of a worker, without its socket.
+  /// `worker_command`: of a worker, without its socket. Results are published below `outputs`.
   Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, ServiceSettings settings,
-             std::string instance, std::vector<std::string> worker_command);
+             const PathRoots& outputs, std::string instance, std::vector<std::string> worker_command);
 
   /// Looks after what an earlier daemon left, before anything starts. Blocks.
   void recover();
@@ -58,6 +59,8 @@ class Dispatcher {
   std::string log_path(std::int64_t id) const;
   void remove_logs(const std::vector<std::int64_t>& ids) const;
   const std::string& instance() const { return instance_; }
+  /// Of a job that will not be run. Blocks.
+  void remove_staging(const Job& job) const;
 
  private:
   struct Claimed {
@@ -84,6 +87,8 @@ class Dispatcher {
   void start_job(const Claimed& claimed);
   void on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result);
   void publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed);
+  /// On the ledger's thread. Throws as StagedResult::publish() does.
+  void publish(const Job& job, const std::string& identity) const;
   void forget_running(std::int64_t id, AttemptOutcome outcome);
   void note_end(std::int64_t id, const std::string& owner, int attempt, AttemptResult result);
   void on_progress(std::int64_t id, const JobProgress& progress);
@@ -95,6 +100,7 @@ class Dispatcher {
   QueueThread& ledger_;
   EventHub& events_;
   ServiceSettings settings_;
+  const PathRoots& outputs_;
   std::string instance_;
   ClaimLimits limits_;
   WorkerPool pool_;

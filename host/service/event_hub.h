@@ -27,7 +27,8 @@ class EventHub {
  public:
   using Listener = std::function<void(const ServiceEvent&)>;
 
-  EventHub();
+  /// Numbers go on after `first`: those of a later daemon must be larger than those of an earlier one.
+  explicit EventHub(std::uint64_t first);
   /// Ends its thread, whatever runs there.
   ~EventHub();
   EventHub(const EventHub&) = delete;
@@ -40,17 +41,21 @@ class EventHub {
 
   /// Its thread runs this: what listeners do belongs there, and the calls below too.
   boost::asio::io_context& io() { return io_; }
-  /// Those after `number` that are still kept, then those to come, until remove().
+  /// Those after `number` that are still kept, then those to come, until remove(). When some in between are not kept
+  /// any more, or `number` is of another daemon's counting, first one of the kind "missed", of no job.
   std::uint64_t add(std::uint64_t after, Listener listener);
   void remove(std::uint64_t key) { listeners_.erase(key); }
 
  private:
+  void run();
+
   static constexpr std::size_t kKept = 1024;
   boost::asio::io_context io_{1};
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
   std::deque<ServiceEvent> kept_;
+  std::uint64_t kept_last_;  // the number of the last event that listeners were told
   std::map<std::uint64_t, Listener> listeners_;
-  std::atomic<std::uint64_t> last_ = 0;
+  std::atomic<std::uint64_t> last_;
   std::uint64_t key_ = 0;
   std::thread thread_;
 };

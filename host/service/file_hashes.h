@@ -10,6 +10,8 @@
 #include <mutex>
 #include <string>
 
+#include "host/base/open_file.h"
+
 namespace multum {
 
 class FileHashes {
@@ -17,8 +19,8 @@ class FileHashes {
   explicit FileHashes(int threads) : pool_(static_cast<std::size_t>(threads)) {}
   ~FileHashes() { pool_.join(); }
 
-  /// Blocks. Throws Error(kInput) when the file cannot be read.
-  std::string hash(const std::string& path);
+  /// Blocks. `path` is the name by which it is remembered. Throws Error(kInput) when the file cannot be read.
+  std::string hash(const std::string& path, const OpenFile& file);
   boost::asio::thread_pool& pool() { return pool_; }
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/service/http_api.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <openssl/crypto.h>
@@ -20,6 +21,7 @@
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
 #include "host/service/http_reply.h"
+#include "host/service/input_list.h"
 #include "host/service/job_json.h"
 #include "host/service/job_request.h"
 #include "host/service/job_types.h"
@@ -40,24 +42,16 @@ using Json = nlohmann::json;
 
 struct HttpApi::State {
   State(asio::io_context& context, QueueThread& queue, Dispatcher& the_dispatcher, EventHub& hub, DataFolder& the_data,
-        const ServiceSettings& the_settings, std::string the_token)
+        const ServiceSettings& the_settings, const JobRoots& the_roots, std::string the_token)
       : io(context),
         ledger(queue),
         dispatcher(the_dispatcher),
         events(hub),
         data(the_data),
         token(std::move(the_token)),
-        roots(roots_of(the_settings, the_data)),
-        results(PathRoots({the_data.results()})),
+        roots(the_roots),
         hashes(2),
         pictures(context, the_settings.data, roots) {}
-
-  static std::vector<std::string> roots_of(const ServiceSettings& settings, const DataFolder& data) {
-    std::vector<std::string> roots = settings.roots;
-    roots.push_back(data.uploads());
-    roots.push_back(data.results());
-    return roots;
-  }
 
   // Runs `work` on the ledger; rethrows what it throws.
   asio::awaitable<void> in_ledger(QueueThread::Work work) {
@@ -104,16 +98,8 @@ struct HttpApi::State {
     SubmitRequest asked = parse_submit(parse_body(request), roots, dispatcher.limits(), wall_clock_ms());
     JobSubmission& submission = asked.job;
     const JobType& type = find_job_type(submission.type);
-    if (results.is_inside(submission.output)) co_await beside([&] { data.check_room(0); });
-    if (!type.input.empty()) {
-      co_await beside([&] {
-        submission.inputs = input_identity(type, asked.parameters());
-        std::vector<std::string> file_hashes;
-        for (const std::string& file : input_files(type, asked.parameters()))
-          file_hashes.push_back(hashes.hash(roots.input(file)));
-        if (!asked.again) submission.key = idempotency_key(type, asked.parameters(), file_hashes);
-      });
-    }
+    if (roots.results.is_inside(submission.output)) co_await beside([&] { data.check_room(0); });
+    co_await beside([&] { look_at_files(type, asked); });
     SubmitResult result;
     Job job;
     co_await in_ledger([&](JobQueue& queue) {
@@ -127,6 +113,25 @@ struct HttpApi::State {
     HttpResponse response = json_response(job_json(job), result.is_new ? 201 : 200);
     response.headers.emplace_back("Location", fmt::format("/v1/jobs/{}", job.id));
     co_return response;
+  }
+
+  // Blocks: what a job reads, and where it writes.
+  void look_at_files(const JobType& type, SubmitRequest& asked) {
+    JobSubmission& submission = asked.job;
+    if (!submission.output.empty())
+      StagedResult(roots.outputs, submission.output, dispatcher.instance(), 0).check_place(type.output_is_folder);
+    if (type.input.empty()) return;
+    const InputList inputs = list_inputs_in_child(type, asked.parameters(), roots.inputs);
+    std::vector<std::string> file_hashes;
+    for (const std::string& named : inputs.files) {
+      const std::string file = roots.inputs.input(named);
+      std::error_code not_there;
+      if (!submission.output.empty() && fs::equivalent(file, submission.output, not_there))
+        throw Refusal{400, "usage", fmt::format("output is {}, which is an input too", submission.output)};
+      file_hashes.push_back(hashes.hash(file, roots.inputs.open_input(file)));
+    }
+    submission.inputs = inputs.identity;
+    if (!asked.again) submission.key = idempotency_key(type, asked.parameters(), file_hashes);
   }
 
   asio::awaitable<HttpResponse> list(HttpRequest request) {
@@ -172,12 +177,11 @@ struct HttpApi::State {
       throw Refusal{409, "too_late", fmt::format("job {} is {}", job.id, job_state_name(job.state))};
     if (result == CancelResult::kStopWorker)
       dispatcher.stop_job(job.id, "cancelled by request", AttemptOutcome::kCancelled);
-    if (!job.output.empty() && result == CancelResult::kCancelled) co_await beside([&] { remove_staging_of(job); });
+    if (!job.output.empty() && result == CancelResult::kCancelled)
+      co_await beside([&] { dispatcher.remove_staging(job); });
     dispatcher.changed(touched);
     co_return json_response(job_json(co_await job_of(std::to_string(job.id))), 202);
   }
-
-  void remove_staging_of(const Job& job) const;
 
   asio::awaitable<HttpResponse> retry(std::string text) {
     const Job job = co_await job_of(std::move(text));
@@ -227,11 +231,9 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> log(std::string text) {
     const Job job = co_await job_of(std::move(text));
-    const std::string path = dispatcher.log_path(job.id);
-    std::error_code error;
-    if (!fs::exists(path, error)) co_return HttpResponse{200, "text/plain; charset=utf-8", ""};
     HttpResponse response{200, "text/plain; charset=utf-8", ""};
-    response.file = path;
+    OpenFile file(::open(dispatcher.log_path(job.id).c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+    if (file.is_open()) response.file = std::make_shared<OpenFile>(std::move(file));
     co_return response;
   }
 
@@ -240,12 +242,13 @@ struct HttpApi::State {
     if (job.state != JobState::kSucceeded || job.output.empty())
       throw Refusal{409, "no_result",
                     fmt::format("job {} has no result to download: it is {}", job.id, job_state_name(job.state))};
-    std::error_code error;
-    if (!fs::is_regular_file(job.output, error))
-      throw Refusal{409, "no_result",
-                    fmt::format("the result of job {} is a folder, or is not there any more", job.id)};
     HttpResponse response{200, "application/octet-stream", ""};
-    response.file = roots.input(job.output);
+    try {
+      response.file = std::make_shared<OpenFile>(roots.inputs.open_input(job.output));
+    } catch (const Error& gone) {
+      throw Refusal{409, "no_result",
+                    fmt::format("the result of job {} is a folder, or is not there any more: {}", job.id, gone.what())};
+    }
     response.headers.emplace_back("Content-Disposition", "attachment");
     co_return response;
   }
@@ -260,8 +263,9 @@ struct HttpApi::State {
   asio::awaitable<HttpResponse> upload(std::string name, HttpRequest request) {
     check_upload_name(name);
     DataFolder::Upload stored;
-    co_await beside([&] { stored = data.store(name, request.body); });
-    co_return json_response({{"path", stored.path}, {"bytes", request.body.size()}, {"sha256", stored.sha256}}, 201);
+    co_await beside([&] { stored = data.store(name, *request.upload); });
+    co_return json_response({{"path", stored.path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}},
+                            201);
   }
 
   asio::awaitable<HttpResponse> queues() {
@@ -333,7 +337,7 @@ struct HttpApi::State {
   EventHub& events;
   DataFolder& data;
   std::string token;
-  PathRoots roots, results;
+  const JobRoots& roots;
   FileHashes hashes;
   JobPictures pictures;
   const HttpServer* server = nullptr;
@@ -458,25 +462,32 @@ bool is_same_secret(const std::string& a, const std::string& b) {
 
 // A page elsewhere must not make a browser on this machine command the service: neither by a form or script of another
 // origin, nor by a name that its owner lets point here (DNS rebinding).
-bool is_own_origin(const HttpRequest& request, bool has_token) {
+bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto host = request.headers.find("host");
   const std::string name = host == request.headers.end() ? "" : host->second;
   const auto origin = request.headers.find("origin");
   if (origin != request.headers.end() && origin->second != "http://" + name && origin->second != "https://" + name)
     return false;
+  // Browsers say of requests without an origin, of pictures as a rule, that another page makes them. Links to the page
+  // are followed.
+  const auto site = request.headers.find("sec-fetch-site"), mode = request.headers.find("sec-fetch-mode");
+  const bool is_foreign =
+      site != request.headers.end() && (site->second == "cross-site" || site->second == "same-site");
+  if (is_foreign && !(is_page && mode != request.headers.end() && mode->second == "navigate")) return false;
   if (has_token || name.empty()) return true;
   const std::string bare = name.starts_with('[') ? name.substr(0, name.find(']') + 1) : name.substr(0, name.find(':'));
-  return bare == "127.0.0.1" || bare == "localhost" || bare == "[::1]" || bare == "multum";
+  return bare == "127.0.0.1" || bare == "localhost" || bare == "[::1]";
 }
 
 }  // namespace
 
 HttpApi::HttpApi(asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
-                 const ServiceSettings& settings, std::string token)
-    : state_(std::make_unique<State>(io, ledger, dispatcher, events, data, settings, std::move(token))) {}
+                 const ServiceSettings& settings, const JobRoots& roots, std::string token)
+    : state_(std::make_unique<State>(io, ledger, dispatcher, events, data, settings, roots, std::move(token))) {}
 
 HttpApi::~HttpApi() = default;
 
+asio::awaitable<void> HttpApi::beside(std::function<void()> work) { return state_->beside(std::move(work)); }
 void HttpApi::set_server(const HttpServer* server) { state_->server = server; }
 void HttpApi::set_token(std::string token) { state_->token = std::move(token); }
 JobPictures& HttpApi::pictures() { return state_->pictures; }
@@ -505,7 +516,8 @@ std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
                    {{"Allow", fmt::format("{}", fmt::join(others, ", "))}}});
   if (route == nullptr) return refuse({404, "not_found", "there is nothing of this name"});
   const bool has_token = !state_->token.empty();
-  if (!is_own_origin(request, has_token)) return refuse({403, "origin", "asked for by a page of another origin"});
+  if (!is_own_origin(request, has_token, route->answer == web_file))
+    return refuse({403, "origin", "asked for by a page of another origin"});
   if (has_token && !route->is_public) {
     const auto given = request.headers.find("authorization");
     const auto query = request.query.find("access_token");  // event streams of browsers have no headers
@@ -533,10 +545,6 @@ asio::awaitable<HttpResponse> HttpApi::answer(HttpRequest request) {
   } catch (const std::exception& error) {
     co_return refusal_response({500, "internal", error.what()});
   }
-}
-
-void HttpApi::State::remove_staging_of(const Job& job) const {
-  remove_staging(job.output, dispatcher.instance(), job.id);
 }
 
 }  // namespace multum

@@ -5,6 +5,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,7 +23,7 @@ namespace multum {
 class HttpApi {
  public:
   HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
-          const ServiceSettings& settings, std::string token);
+          const ServiceSettings& settings, const JobRoots& roots, std::string token);
   ~HttpApi();
   HttpApi(const HttpApi&) = delete;
   HttpApi& operator=(const HttpApi&) = delete;
@@ -33,6 +34,8 @@ class HttpApi {
   /// "GET /v1/jobs/{}", of all that programs ask; the page is for people.
   static std::vector<std::string> routes();
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
+  /// Runs `work` on a thread that may wait for disks; rethrows what it throws.
+  boost::asio::awaitable<void> beside(std::function<void()> work);
   /// For /metrics.
   void set_server(const HttpServer* server);
   void set_token(std::string token);

@@ -125,6 +125,12 @@ http::request<http::string_body> request_of(const std::string& method, const std
 
 }  // namespace
 
+// As requests name it.
+std::string HttpClient::host_name() const {
+  if (!unix_path_.empty()) return "localhost";
+  return host_.find(':') != std::string::npos ? "[" + host_ + "]" : host_;
+}
+
 Json HttpClient::ask(const std::string& method, const std::string& target, const Json& body) {
   const std::string answer = exchange_text(method, target, body);
   Json json = Json::parse(answer, nullptr, false);
@@ -135,7 +141,7 @@ std::string HttpClient::text(const std::string& target) { return exchange_text("
 
 std::string HttpClient::exchange_text(const std::string& method, const std::string& target, const Json& body) {
   http::response<http::string_body> response;
-  const auto request = request_of(method, target, unix_path_.empty() ? host_ : "multum", token_, body);
+  const auto request = request_of(method, target, host_name(), token_, body);
   with_socket(host_, port_, unix_path_, [&](auto& socket) { response = exchange(socket, request); });
   const unsigned status = response.result_int();
   if (status >= 400) {
@@ -149,7 +155,7 @@ std::string HttpClient::exchange_text(const std::string& method, const std::stri
 
 void HttpClient::listen(const std::string& target, const std::function<bool()>& opened,
                         const std::function<bool(const std::string& kind, const Json& data)>& take) {
-  const auto request = request_of("GET", target, unix_path_.empty() ? host_ : "multum", token_, nullptr);
+  const auto request = request_of("GET", target, host_name(), token_, nullptr);
   with_socket(host_, port_, unix_path_, [&](auto& socket) { read_events(socket, request, opened, take); });
 }
 

@@ -24,6 +24,7 @@ class HttpClient {
               const std::function<bool(const std::string& kind, const nlohmann::json& data)>& take);
 
  private:
+  std::string host_name() const;
   std::string exchange_text(const std::string& method, const std::string& target, const nlohmann::json& body);
 
   std::string host_, port_, unix_path_, token_;

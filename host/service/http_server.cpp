@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -25,6 +25,10 @@
 #include <optional>
 
 #include "host/base/error.h"
+#include "host/service/http_line.h"
+#include "host/service/http_reply.h"
+#include "host/service/memory_budget.h"
+#include "host/service/service_log.h"
 
 namespace multum {
 namespace {
@@ -34,16 +38,19 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using asio::use_awaitable;
 using std::chrono::seconds;
+using Clock = HttpLine::Clock;
 
 constexpr auto kHeaderTime = seconds(10);  // from the first byte that is waited for: also how long a line may idle
-constexpr auto kBodyTime = seconds(60);
-constexpr auto kAnswerTime = seconds(60);  // to take in an answer
+constexpr auto kSpareTime = seconds(2);    // the same of a line that there is no room for
+constexpr auto kSilence = seconds(30);     // of a client that sends a body, or takes in an answer
+constexpr auto kBodyTime = seconds(60);    // for a body; uploads may take as long as they move
+constexpr auto kUploadTime = std::chrono::hours(24);
 constexpr auto kLingerTime = seconds(5);
 constexpr std::size_t kLingerMax = 64 << 20;  // bytes
 constexpr auto kStreamPulse = seconds(10);
-constexpr std::uint32_t kHeaderMax = 16384;                   // bytes
 constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two words to one listener
 constexpr std::size_t kStreamBacklog = 8192;  // events that a slow listener may be behind, before its line is cut
+constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell others that it is full
 
 std::optional<std::string> decoded(std::string_view text) {
   std::string result;
@@ -91,8 +98,23 @@ bool split_target(std::string_view target, HttpRequest& request) {
 }
 
 HttpResponse plain_error(int status, const std::string& code, const std::string& message) {
-  return {status, "application/json", fmt::format(R"({{"error":{{"code":"{}","message":"{}"}}}})", code, message)};
+  return refusal_response({status, code, message});
 }
+HttpResponse busy(const std::string& message) {
+  return refusal_response({503, "busy", message, {{"Retry-After", "1"}}});
+}
+
+// Counts for as long as it lives, however that ends.
+class Counted {
+ public:
+  explicit Counted(int& count) : count_(count) { ++count_; }
+  ~Counted() { --count_; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+ private:
+  int& count_;
+};
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -105,7 +127,12 @@ std::string lower(std::string_view text) {
 
 struct HttpServer::State : std::enable_shared_from_this<State> {
   State(asio::io_context& context, Settings the_settings, EventHub& hub, Turns& the_turns)
-      : io(context), settings(std::move(the_settings)), events(hub), turns(the_turns) {}
+      : io(context),
+        settings(std::move(the_settings)),
+        events(hub),
+        turns(the_turns),
+        budget(settings.memory_max),
+        streams_max(std::max(1, settings.connections_max / 4 * 3)) {}
 
   template <typename Protocol>
   asio::awaitable<void> accept(std::shared_ptr<asio::basic_socket_acceptor<Protocol>> acceptor) {
@@ -120,114 +147,148 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         continue;
       }
       ++counters.connections;
-      if (counters.open + streams >= settings.connections_max) {
-        ++counters.refused_connections;
-        continue;  // closes it
+      try {
+        start(HttpLine::Socket(std::move(socket)));
+      } catch (const std::exception&) {  // no memory for a line
+        ++counters.failures;
       }
-      asio::co_spawn(io, serve(beast::basic_stream<Protocol>(std::move(socket)), this->shared_from_this()),
-                     asio::detached);
     }
   }
 
-  template <typename Protocol>
-  static asio::awaitable<void> serve(beast::basic_stream<Protocol> stream, std::shared_ptr<State> self) {
-    ++self->counters.open;
-    beast::flat_buffer buffer;
-    buffer.reserve(4096);
+  void start(HttpLine::Socket socket) {
+    MemoryShare share(budget);
+    const bool has_room = open + streams < settings.connections_max && share.resize(HttpLine::kBytes);
+    const auto line = std::make_shared<HttpLine>(std::move(socket));
+    if (has_room) {
+      asio::co_spawn(io, serve(line, std::move(share), this->shared_from_this()), asio::detached);
+      return;
+    }
+    // The last that came have these: who says nothing must not keep monitors out.
+    ++counters.refused_connections;
+    spare_lines.push_back(line);
+    if (spare_lines.size() > kSpareLines) {
+      if (const std::shared_ptr<HttpLine> oldest = spare_lines.front().lock()) oldest->close();
+      spare_lines.pop_front();
+    }
+    asio::co_spawn(io, serve_spare(line, this->shared_from_this()), asio::detached);
+  }
+
+  static asio::awaitable<void> serve(std::shared_ptr<HttpLine> line, [[maybe_unused]] MemoryShare its_own,
+                                     std::shared_ptr<State> self) {
+    const Counted counted(self->open);
     try {
-      while (!self->is_closed && co_await self->serve_one(stream, buffer)) {
+      while (!self->is_closed && co_await self->serve_one(*line, false)) {
       }
     } catch (const boost::system::system_error& error) {
-      if (error.code() == beast::error::timeout) ++self->counters.timeouts;
-    } catch (const std::exception&) {  // no memory for a request: the next may have more luck
+      if (error.code() == asio::error::timed_out) ++self->counters.timeouts;
+    } catch (const std::exception& error) {  // no memory for a request: it costs its connection
+      ++self->counters.failures;
+      service_log(LogSeverity::kWarning, 0, std::string("a connection was given up: ") + error.what());
     }
-    --self->counters.open;
+  }
+
+  // One request, of which a header is read: monitors are answered, others are told to come again.
+  static asio::awaitable<void> serve_spare(std::shared_ptr<HttpLine> line, std::shared_ptr<State> self) {
+    const Counted counted(self->spare);
+    try {
+      co_await self->serve_one(*line, true);
+    } catch (const std::exception&) {  // it is closed anyway
+    }
   }
 
   // False: the line is to be closed.
-  template <typename Stream>
-  asio::awaitable<bool> serve_one(Stream& stream, beast::flat_buffer& buffer) {
-    http::request_parser<http::string_body> parser;
-    parser.header_limit(kHeaderMax);
-    parser.body_limit(settings.upload_max);
-    stream.expires_after(kHeaderTime);
-    boost::system::error_code error;
-    co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(use_awaitable, error));
-    if (error == http::error::end_of_stream || error == asio::error::eof || error == asio::error::connection_reset)
-      co_return false;
-    if (error == beast::error::timeout && buffer.size() == 0) co_return false;  // nobody asked anything
-    if (error) co_return co_await refuse(stream, error);
-
+  asio::awaitable<bool> serve_one(HttpLine& line, bool is_spare) {
+    HttpLine::Parser parser;
     HttpRequest request;
-    const auto& head = parser.get();
-    const unsigned version = head.version();
-    bool is_head = head.method() == http::verb::head;
-    request.method = is_head ? "GET" : std::string(head.method_string());
-    for (const auto& field : head) request.headers[lower(field.name_string())] = std::string(field.value());
-    const bool is_target = split_target(std::string_view(head.target().data(), head.target().size()), request);
-    std::unique_ptr<HttpResponse> early;
-    if (!is_target) early = std::make_unique<HttpResponse>(plain_error(400, "usage", "the target is no path"));
-    else early = settings.check(request);
-    if (!early) {
-      const std::size_t limit =
-          settings.is_upload(request.method, request.path) ? settings.upload_max : settings.body_max;
-      if (parser.content_length() && *parser.content_length() > limit)
-        early = std::make_unique<HttpResponse>(
-            plain_error(413, "too_large", fmt::format("a body of up to {} bytes is taken", limit)));
-      parser.body_limit(limit);
+    MemoryShare share(budget);
+    std::optional<HttpResponse> early;
+    bool is_head = false, has_header = false, is_urgent = false;
+    unsigned version = 11;
+    try {
+      co_await line.read_header(parser, Clock::now() + (is_spare ? kSpareTime : kHeaderTime));
+      has_header = true;
+      version = parser.get().version();
+      is_head = parser.get().method() == http::verb::head;
+      early = take_header(parser, request);
+      is_urgent = settings.is_urgent(request.path);
+      if (!early && is_spare && !(is_urgent && parser.is_done())) early = busy("all connections are taken");
+      if (!early) co_await read_body(line, parser, request, share);
+    } catch (const UnreadableRequest& unreadable) {
+      if (unreadable.status == 408) ++counters.timeouts;
+      if (unreadable.status == 0) co_return false;
+      early = plain_error(unreadable.status, unreadable.code, unreadable.message);
+    } catch (const Refusal& refusal) {
+      early = refusal_response(refusal);
+    } catch (const Error& error) {
+      early = refusal_response(refusal_of(error));
     }
     if (early) {
-      co_await send(stream, version, false, is_head, *early);
-      co_return co_await linger(stream);
+      co_await send(line, version, false, has_header && is_head, *early);
+      co_await line.linger(is_spare ? kSpareTime : kLingerTime, kLingerMax);
+      co_return false;
     }
-    if (lower(request.headers["expect"]) == "100-continue") {
-      http::response<http::empty_body> go_on(http::status::continue_, version);
-      co_await http::async_write(stream, go_on, use_awaitable);
-    }
-    stream.expires_after(kBodyTime);
-    co_await http::async_read(stream, buffer, parser, asio::redirect_error(use_awaitable, error));
-    if (error) co_return co_await refuse(stream, error);
-    const bool keep = parser.keep_alive();
-    request.body = std::move(parser.get().body());
-    stream.expires_never();
+    const bool keep = parser.keep_alive() && !is_spare;
     ++counters.requests;
-    if (!settings.is_urgent(request.path)) co_await turn();
+    if (!is_urgent) co_await turn();
     const HttpResponse response = co_await settings.answer(std::move(request));
+    share.resize(0);
     if (response.is_stream && !is_head) {
-      co_await hand_to_hub(stream, version, response);
-      co_return false;
+      if (streams < streams_max) {
+        co_await hand_to_hub(line, version, response);
+        co_return false;
+      }
+      const HttpResponse full = busy("too many listen to events already");
+      co_return co_await send(line, version, false, is_head, full);
     }
-    co_return co_await send(stream, version, keep && !is_closed, is_head, response);
+    if (!is_urgent && !share.resize(response.body.size())) {
+      const HttpResponse full = busy("there is no memory for the answer");
+      co_return co_await send(line, version, false, is_head, full);
+    }
+    co_return co_await send(line, version, keep && !is_closed, is_head, response);
   }
 
-  // What could not be read is answered if there is somebody to answer.
-  template <typename Stream>
-  asio::awaitable<bool> refuse(Stream& stream, boost::system::error_code error) {
-    HttpResponse response = plain_error(400, "usage", "the request is no HTTP: " + error.message());
-    if (error == http::error::header_limit) response = plain_error(431, "too_large", "the header is too large");
-    else if (error == http::error::body_limit) response = plain_error(413, "too_large", "the body is too large");
-    else if (error == beast::error::timeout) {
-      ++counters.timeouts;  // and the stream has closed itself
-      co_return false;
-    } else if (error == http::error::partial_message ||
-               error.category() != http::make_error_code(http::error::bad_method).category()) {
-      co_return false;
-    }
-    co_await send(stream, 11, false, false, response);
-    co_return co_await linger(stream);
+  // What is answered at once, if anything.
+  std::optional<HttpResponse> take_header(const HttpLine::Parser& parser, HttpRequest& request) {
+    const auto& head = parser.get();
+    request.method = head.method() == http::verb::head ? "GET" : std::string(head.method_string());
+    for (const auto& field : head) request.headers[lower(field.name_string())] = std::string(field.value());
+    if (!split_target(std::string_view(head.target().data(), head.target().size()), request))
+      return plain_error(400, "usage", "the target is no path");
+    if (const std::unique_ptr<HttpResponse> refused = settings.check(request)) return *refused;
+    const std::size_t limit = body_limit(request);
+    if (parser.content_length() && *parser.content_length() > limit)
+      return plain_error(413, "too_large", fmt::format("a body of up to {} bytes is taken", limit));
+    return std::nullopt;
   }
 
-  // Somebody who is still talking when the line is closed may never see the answer: the system throws it away. So he is
-  // heard for a while, not listened to.
-  template <typename Stream>
-  asio::awaitable<bool> linger(Stream& stream) {
-    boost::system::error_code error;
-    stream.socket().shutdown(asio::socket_base::shutdown_send, error);
-    stream.expires_after(kLingerTime);
-    std::array<char, 16384> waste;
-    for (std::size_t heard = 0; heard < kLingerMax && !error;)
-      heard += co_await stream.async_read_some(asio::buffer(waste), asio::redirect_error(use_awaitable, error));
-    co_return false;
+  std::size_t body_limit(const HttpRequest& request) const {
+    return settings.is_upload(request.method, request.path) ? settings.upload_max : settings.body_max;
+  }
+
+  asio::awaitable<void> read_body(HttpLine& line, HttpLine::Parser& parser, HttpRequest& request, MemoryShare& share) {
+    const bool is_upload = settings.is_upload(request.method, request.path);
+    if (is_upload) {
+      const std::size_t bytes = parser.content_length() ? *parser.content_length() : settings.upload_max;
+      co_await settings.beside([&] { request.upload = settings.open_upload(bytes); });
+    }
+    if (parser.is_done()) co_return;
+    if (lower(request.headers["expect"]) == "100-continue") {
+      http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
+      http::response_serializer<http::empty_body> serializer(go_on);
+      while (!serializer.is_done()) co_await line.write_some(serializer, kSilence);
+    }
+    const auto until = Clock::now() + (is_upload ? Clock::duration(kUploadTime) : Clock::duration(kBodyTime));
+    const auto keep = [&](std::string_view piece) -> asio::awaitable<void> {
+      if (is_upload) {
+        co_await settings.beside([&] { request.upload->write(piece); });
+        co_return;
+      }
+      // Twice: a text that grows is there twice while it moves.
+      if (!share.resize(2 * (request.body.size() + piece.size())))
+        throw Refusal{503, "busy", "there is no memory for the request", {{"Retry-After", "1"}}};
+      request.body += piece;
+    };
+    co_await line.read_body(parser, body_limit(request), kSilence, until, keep);
   }
 
   template <typename Message>
@@ -240,39 +301,33 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     ++counters.by_status[static_cast<int>(message.result_int())];
   }
 
-  template <typename Stream>
-  asio::awaitable<bool> send(Stream& stream, unsigned version, bool keep, bool is_head, const HttpResponse& response) {
-    const auto status = static_cast<unsigned>(response.status);
-    if (!response.file.empty()) {
-      http::response<http::file_body> message;
+  asio::awaitable<bool> send(HttpLine& line, unsigned version, bool keep, bool is_head, const HttpResponse& response) {
+    const auto status = static_cast<http::status>(response.status);
+    if (response.file) {
+      http::response<http::file_body> message(status, version);
       boost::system::error_code error;
-      message.body().open(response.file.c_str(), beast::file_mode::scan, error);
-      if (error) {
-        const HttpResponse gone = plain_error(404, "not_found", "the file is not there any more");
-        co_return co_await send(stream, version, keep, is_head, gone);
-      }
-      message.result(status);
-      message.version(version);
+      beast::file_posix file;
+      file.native_handle(::dup(response.file->descriptor()));
+      message.body().reset(std::move(file), error);
+      if (error) throw boost::system::system_error(error);
       fill_header(message, keep, response);
       message.prepare_payload();
-      co_return co_await finish(stream, message, keep, is_head);
+      co_return co_await finish(line, message, keep, is_head);
     }
-    http::response<http::string_body> message(static_cast<http::status>(status), version);
+    http::response<http::string_body> message(status, version);
     message.body() = response.body;
     fill_header(message, keep, response);
     message.prepare_payload();
-    co_return co_await finish(stream, message, keep, is_head);
+    co_return co_await finish(line, message, keep, is_head);
   }
 
   // However much it is, as long as it moves.
-  template <typename Stream, typename Message>
-  asio::awaitable<bool> finish(Stream& stream, Message& message, bool keep, bool is_head) {
+  template <typename Message>
+  static asio::awaitable<bool> finish(HttpLine& line, Message& message, bool keep, bool is_head) {
     http::response_serializer<typename Message::body_type> serializer(message);
     serializer.split(is_head);
-    while (is_head ? !serializer.is_header_done() : !serializer.is_done()) {
-      stream.expires_after(kAnswerTime);
-      co_await http::async_write_some(stream, serializer, use_awaitable);
-    }
+    while (is_head ? !serializer.is_header_done() : !serializer.is_done())
+      co_await line.write_some(serializer, kSilence);
     co_return keep;
   }
 
@@ -285,30 +340,28 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   }
 
   // The line changes hands: from here on it is the hub's thread's.
-  template <typename Protocol>
-  asio::awaitable<void> hand_to_hub(beast::basic_stream<Protocol>& stream, unsigned version, HttpResponse response) {
+  asio::awaitable<void> hand_to_hub(HttpLine& line, unsigned version, HttpResponse response) {
     http::response<http::empty_body> message(http::status::ok, version);
     response.content_type = "text/event-stream";
     response.headers.emplace_back("Cache-Control", "no-store");
     fill_header(message, false, response);
     message.chunked(true);
     http::response_serializer<http::empty_body> serializer(message);
-    stream.expires_after(kAnswerTime);
-    co_await http::async_write_header(stream, serializer, use_awaitable);
-    typename Protocol::socket socket = stream.release_socket();
-    const Protocol protocol = socket.local_endpoint().protocol();
-    typename Protocol::socket moved(events.io(), protocol, socket.release());
+    serializer.split(true);
+    while (!serializer.is_header_done()) co_await line.write_some(serializer, kSilence);
+    HttpLine::Socket socket = line.release();
+    const auto protocol = socket.local_endpoint().protocol();
+    HttpLine::Socket moved(events.io(), protocol, socket.release());
     ++streams;
     asio::co_spawn(events.io(),
-                   send_events(beast::basic_stream<Protocol>(std::move(moved)), response.after, response.job,
-                               this->shared_from_this()),
+                   send_events(beast::basic_stream<asio::generic::stream_protocol>(std::move(moved)), response.after,
+                               response.job, this->shared_from_this()),
                    asio::detached);
   }
 
   // On the hub's thread.
-  template <typename Protocol>
-  static asio::awaitable<void> send_events(beast::basic_stream<Protocol> stream, std::uint64_t after, std::int64_t job,
-                                           std::shared_ptr<State> self) {
+  static asio::awaitable<void> send_events(beast::basic_stream<asio::generic::stream_protocol> stream,
+                                           std::uint64_t after, std::int64_t job, std::shared_ptr<State> self) {
     struct Line {
       std::deque<std::shared_ptr<const std::string>> waiting;
       bool is_behind = false, is_asleep = false, is_gone = false;
@@ -322,7 +375,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       line->wake.cancel();
     });
     const std::uint64_t key = self->events.add(after, [line, job](const ServiceEvent& event) {
-      if (job != 0 && event.job != job) return;
+      if (job != 0 && event.job != 0 && event.job != job) return;
       if (line->waiting.size() >= kStreamBacklog) line->is_behind = true;
       else line->waiting.push_back(event.text);
       if (std::exchange(line->is_asleep, false)) line->wake.cancel();
@@ -336,7 +389,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         }
         boost::system::error_code error;
         if (!text.empty()) {
-          stream.expires_after(kAnswerTime);
+          stream.expires_after(kSilence);
           co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
           text.clear();
           // What comes soon after goes together: many listeners to many events cost little more than few.
@@ -350,7 +403,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         line->is_asleep = false;
         if (!error) text = ": pulse\n\n";  // tells both sides that the line is up
       }
-    } catch (const boost::system::system_error&) {
+    } catch (const std::exception&) {  // gone, or no memory: it comes again
     }
     self->events.remove(key);
     --self->streams;
@@ -361,6 +414,10 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   EventHub& events;
   Counters counters;
   Turns& turns;
+  MemoryBudget budget;
+  const int streams_max;
+  int open = 0, spare = 0;  // lines
+  std::deque<std::weak_ptr<HttpLine>> spare_lines;
   std::atomic<bool> is_closed = false;
   std::atomic<int> streams = 0;
   std::vector<std::function<void()>> closers;
@@ -433,7 +490,8 @@ void HttpServer::close() {
 HttpServer::Counters HttpServer::counters() const {
   Counters counters = state_->counters;
   counters.streams = state_->streams;
-  counters.open += counters.streams;
+  counters.open = state_->open + state_->spare + counters.streams;
+  counters.memory = state_->budget.used();
   return counters;
 }
 

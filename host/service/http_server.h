@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// HTTP/1.1 over TCP or a unix socket, for few friends or many strangers: one thread, bounded connections, headers and
-// bodies, and a time limit on whoever is slow. What is answered is not its business (http_api.h).
+// HTTP/1.1 over TCP or a unix socket, for few friends or many strangers: one thread, bounded connections, one budget
+// for all that is kept of requests and answers, and a time limit on whoever is slow. What is answered is not its
+// business (http_api.h).
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -12,8 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "host/base/open_file.h"
 #include "host/service/event_hub.h"
 #include "host/service/turns.h"
+#include "host/service/upload_file.h"
 
 namespace multum {
 
@@ -23,6 +26,7 @@ struct HttpRequest {
   std::map<std::string, std::string> query;
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;
+  std::shared_ptr<UploadFile> upload = nullptr;  // where the body is, if not there
 };
 
 struct HttpResponse {
@@ -30,29 +34,35 @@ struct HttpResponse {
   std::string content_type = "application/json";
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers = {};
-  std::string file = {};    // sent instead of a body, if not empty
-  bool is_stream = false;   // server-sent events until the client goes
-  std::uint64_t after = 0;  // of a stream: events with higher numbers
-  std::int64_t job = 0;     // of a stream: of this job alone; 0: all
+  std::shared_ptr<OpenFile> file = nullptr;  // sent instead of a body
+  bool is_stream = false;                    // server-sent events until the client goes
+  std::uint64_t after = 0;                   // of a stream: events with higher numbers
+  std::int64_t job = 0;                      // of a stream: of this job alone; 0: all
 };
 
 class HttpServer {
  public:
   struct Settings {
-    int connections_max = 4096;
-    std::size_t body_max = 1 << 20;     // bytes
-    std::size_t upload_max = 64 << 20;  // of the requests that is_upload
+    int connections_max = 4096;          // three quarters of them may be listeners to events
+    std::size_t memory_max = 256 << 20;  // bytes of lines, bodies and answers, all together
+    std::size_t body_max = 1 << 20;      // bytes
+    std::size_t upload_max = 64 << 20;   // of the requests that is_upload
     std::function<bool(const std::string& method, const std::string& path)> is_upload;
+    /// Where an upload of at most so many bytes is kept as it comes. May block, and throw Refusal.
+    std::function<std::shared_ptr<UploadFile>(std::size_t bytes_max)> open_upload;
+    /// Runs a function on a thread that may wait for disks.
+    std::function<boost::asio::awaitable<void>(std::function<void()>)> beside;
     /// Before a body is read: null to go on, or what is answered at once.
     std::function<std::unique_ptr<HttpResponse>(const HttpRequest& without_body)> check;
     std::function<boost::asio::awaitable<HttpResponse>(HttpRequest request)> answer;
-    /// Answered before others that wait: what monitors ask.
+    /// What monitors ask: answered before others that wait, and when all connections are taken.
     std::function<bool(const std::string& path)> is_urgent;
   };
   struct Counters {
-    std::uint64_t connections = 0, requests = 0, refused_connections = 0, timeouts = 0;
+    std::uint64_t connections = 0, requests = 0, refused_connections = 0, timeouts = 0, failures = 0;
     std::map<int, std::uint64_t> by_status;
     int open = 0, streams = 0;
+    std::size_t memory = 0;  // bytes of the budget in use
   };
 
   /// Requests that are not urgent are answered in `turns`.

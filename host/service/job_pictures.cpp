@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/service/job_pictures.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -78,7 +79,7 @@ std::string end_of(const ChildResult& result) {
 
 }  // namespace
 
-JobPictures::JobPictures(asio::io_context& io, const std::string& data, const PathRoots& roots)
+JobPictures::JobPictures(asio::io_context& io, const std::string& data, const JobRoots& roots)
     : io_(io), folder_(data + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
   make_folder(folder_);
   // What an earlier daemon could not make is tried once more: by now there may be what it lacked.
@@ -105,10 +106,12 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string identity,
   Request request{std::move(job), std::move(identity), folder};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
-  response.file = folder + "/" + name;
   response.headers = {{"Cache-Control", "private, max-age=3600"}};
-  std::error_code error;
-  if (fs::exists(response.file, error)) co_return response;
+  OpenFile picture(::open((folder + "/" + name).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (picture.is_open()) {
+    response.file = std::make_shared<OpenFile>(std::move(picture));
+    co_return response;
+  }
   const std::string why = last_line(folder + "/" + kSaid);
   refuse(why.empty() ? "there is nothing to compare with" : why);
 }
@@ -154,13 +157,18 @@ asio::awaitable<void> JobPictures::made(Request request) {
 std::vector<std::string> JobPictures::command(const Job& job, const std::string& folder) const {
   const std::string viewer = find_viewer();
   if (viewer.empty()) refuse("multum-view is not installed: found neither beside multum nor in PATH");
+  // It sees what jobs may read, and writes pictures.
+  std::error_code ignored;
+  std::vector<std::string> words = {fs::read_symlink("/proc/self/exe", ignored).string(), "confined"};
+  for (const std::string& root : roots_.inputs.roots()) words.push_back("--read=" + root);
+  words.insert(words.end(), {"--read=" + fs::path(viewer).parent_path().string(), "--write=" + folder, "--", viewer});
   // Not the GPU, which bakes may be using.
-  std::vector<std::string> words = {viewer, "--context=osmesa", "--thumbnails=" + folder};
+  words.insert(words.end(), {"--context=osmesa", "--thumbnails=" + folder});
   const nlohmann::json parameters = nlohmann::json::parse(job.parameters);
   for (const auto& [parameter, option] : {std::pair("input", "--source="), std::pair("albedo", "--albedo=")}) {
     if (job.type != "bake" || !parameters.contains(parameter)) continue;
     try {
-      words.push_back(option + roots_.input(parameters.at(parameter).get<std::string>()));
+      words.push_back(option + roots_.inputs.input(parameters.at(parameter).get<std::string>()));
     } catch (const Error&) {
       if (std::string(parameter) == "input") break;  // gone: the render is left
     }
@@ -171,7 +179,7 @@ std::vector<std::string> JobPictures::command(const Job& job, const std::string&
 
 void JobPictures::check_result(const Request& request) const {
   try {
-    if (roots_.output(request.job.output) == request.job.output &&
+    if (roots_.outputs.output(request.job.output) == request.job.output &&
         file_identity(request.job.output) == request.identity)
       return;
   } catch (const Error&) {  // its folder is gone, or it is a link by now

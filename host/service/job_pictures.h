@@ -29,7 +29,7 @@ namespace multum {
 class JobPictures {
  public:
   /// `data`: the daemon's. Answers on the thread of `io`; files and children are for threads of its own.
-  JobPictures(boost::asio::io_context& io, const std::string& data, const PathRoots& roots);
+  JobPictures(boost::asio::io_context& io, const std::string& data, const JobRoots& roots);
   /// Ends the child that is at work.
   ~JobPictures();
   JobPictures(const JobPictures&) = delete;
@@ -57,7 +57,7 @@ class JobPictures {
 
   boost::asio::io_context& io_;
   const std::string folder_;
-  const PathRoots& roots_;
+  const JobRoots& roots_;
   std::atomic<bool> is_ending_ = false;
   /// By folder: who waits for it. On the thread of io_.
   using Waiter = std::function<void(std::exception_ptr)>;

@@ -96,7 +96,7 @@ Json parse_body(const HttpRequest& request) {
 
 Json SubmitRequest::parameters() const { return Json::parse(job.parameters); }
 
-SubmitRequest parse_submit(const Json& json, const PathRoots& roots, const ClaimLimits& limits, TimeMs now) {
+SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimLimits& limits, TimeMs now) {
   only_keys(json,
             {"type", "parameters", "output", "queue", "label", "priority", "needs", "attempt_max", "deadline_s",
              "memory_bytes", "device", "again"},
@@ -111,11 +111,12 @@ SubmitRequest parse_submit(const Json& json, const PathRoots& roots, const Claim
   check_parameters(type, parameters);
   for (const JobParameter& parameter : type.parameters)
     if (parameter.kind == ParameterKind::kInputFile && parameters.contains(parameter.name))
-      parameters[parameter.name] = roots.input(parameters[parameter.name].get<std::string>());
+      parameters[parameter.name] = roots.inputs.input(parameters[parameter.name].get<std::string>());
+  check_is_one_map(type, parameters);
   s.parameters = parameters.dump();
   s.output = value_of<std::string>(json, "output", "", is_text, "a path");
   if (s.output.empty() && type.needs_output) throw Refusal{400, "usage", "output is missing, expected a path"};
-  if (!s.output.empty()) s.output = roots.output(s.output);
+  if (!s.output.empty()) s.output = roots.outputs.output(s.output);
   if (!s.output.ends_with(type.output_extension))
     throw Refusal{400, "usage",
                   fmt::format("output is {}, expected a name ending in {}", s.output, type.output_extension)};

@@ -22,13 +22,14 @@ std::vector<std::string> split_path(const std::string& path);
 /// The body; {} when there is none.
 nlohmann::json parse_body(const HttpRequest& request);
 
-/// What POST /v1/jobs asks for. Files are held to `roots`, and given by their canonical names.
+/// What POST /v1/jobs asks for. Files are held to `roots`, and given by their canonical names; those that a scene names
+/// in it are for check_input_files().
 struct SubmitRequest {
   JobSubmission job;  // without its key
   nlohmann::json parameters() const;
   bool again = false;  // though it has been made
 };
-SubmitRequest parse_submit(const nlohmann::json& body, const PathRoots& roots, const ClaimLimits& limits, TimeMs now);
+SubmitRequest parse_submit(const nlohmann::json& body, const JobRoots& roots, const ClaimLimits& limits, TimeMs now);
 
 /// The query of GET /v1/jobs.
 JobFilter parse_filter(const HttpRequest& request);

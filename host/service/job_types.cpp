@@ -224,6 +224,17 @@ void check_parameters(const JobType& type, const Json& parameters) {
     throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
 }
 
+void check_is_one_map(const JobType& type, const Json& parameters) {
+  if (type.name != "bake") return;
+  const std::string file = parameters.at(type.input).get<std::string>();
+  if (file.ends_with(".toml"))
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("parameters.{} is {}, expected a map; a scene is baked by a job of type scene", type.input, file));
+  if (file.find("<UDIM>") != std::string::npos)
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, no set", type.input, file));
+}
+
 Json parameters_schema(const JobType& type) {
   Json properties = Json::object();
   for (const JobParameter& parameter : type.parameters) {

@@ -46,6 +46,9 @@ std::string shortened(const nlohmann::json& value);
 
 /// Checks names, types and ranges. Throws Error(kUsage): "parameters.lobes is 9, expected a whole number from 1 to 8".
 void check_parameters(const JobType& type, const nlohmann::json& parameters);
+/// `multum bake` takes a scene too, and a pattern of names, whose files nobody would have looked at: throws
+/// Error(kUsage) when the input of a bake is no single map.
+void check_is_one_map(const JobType& type, const nlohmann::json& parameters);
 /// Draft 2020-12, of the `parameters` object: what check_parameters() accepts.
 nlohmann::json parameters_schema(const JobType& type);
 

@@ -77,6 +77,8 @@ std::string metrics_text(const std::map<std::string, std::map<JobState, std::int
            http.refused_connections);
   text.one("multum_http_timeouts_total", "counter", "Connections closed because they were too slow.", http.timeouts);
   text.one("multum_http_connections", "gauge", "Open connections.", http.open);
+  text.one("multum_http_failures_total", "counter", "Connections given up for want of memory.", http.failures);
+  text.one("multum_http_memory_bytes", "gauge", "Memory of requests and answers on their way.", http.memory);
   text.one("multum_http_event_streams", "gauge", "Open streams of events.", http.streams);
   text.begin("multum_http_responses_total", "counter", "Answers by status.");
   for (const auto& [status, count] : http.by_status) text.add(fmt::format("status=\"{}\"", status), count);

@@ -13,6 +13,7 @@
 #include <random>
 
 #include "host/base/atomic_file.h"
+#include "host/base/confinement.h"
 #include "host/base/error.h"
 #include "host/base/folder_lock.h"
 #include "host/base/output_paths.h"
@@ -25,11 +26,17 @@ namespace {
 namespace asio = boost::asio;
 
 // Every connection and worker is a file.
-void raise_file_limit() {
+void raise_file_limit(const ServiceSettings& settings) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
   limit.rlim_cur = limit.rlim_max;
   ::setrlimit(RLIMIT_NOFILE, &limit);
+  const rlim_t wanted = static_cast<rlim_t>(settings.connections_max) + 256;
+  if (limit.rlim_max < wanted)
+    service_log(LogSeverity::kWarning, 0,
+                fmt::format("this process may open {} files, and connections_max is {}: expected a limit of {} "
+                            "(LimitNOFILE, ulimit -n)",
+                            limit.rlim_max, settings.connections_max, wanted));
 }
 
 std::string read_token(const std::string& path) {
@@ -62,13 +69,17 @@ class Service {
         settings_(options.settings),
         lock_(lock()),
         data_(settings_.data, settings_.data_max),
+        roots_(roots_of(settings_, data_)),
         work_(asio::make_work_guard(io_)),
+        // Numbers of events go on, from one daemon to the next.
+        events_(static_cast<std::uint64_t>(wall_clock_ms()) * 1000),
         ledger_(std::make_unique<QueueThread>(settings_.data + "/jobs.sqlite", settings_.retry,
                                               [this](std::function<void()> task) {
                                                 asio::post(io_, [this, task = std::move(task)] { turns_.add(task); });
                                               })),
-        dispatcher_(io_, *ledger_, events_, settings_, instance_of(settings_.data), options.worker_command),
-        api_(io_, *ledger_, dispatcher_, events_, data_, settings_, read_token(settings_.token_file)),
+        dispatcher_(io_, *ledger_, events_, settings_, roots_.outputs, instance_of(settings_.data),
+                    options.worker_command),
+        api_(io_, *ledger_, dispatcher_, events_, data_, settings_, roots_, read_token(settings_.token_file)),
         server_(io_, server_settings(), events_, turns_),
         signals_(io_, SIGTERM, SIGINT),
         reload_signal_(io_, SIGHUP),
@@ -88,7 +99,7 @@ class Service {
     notify_watchdog();
     sweep();
     sd_notify(0, "READY=1");
-    io_.run();
+    run_handlers();
     service_log(LogSeverity::kInfo, 0, "ended");
   }
 
@@ -99,12 +110,36 @@ class Service {
     return lock;
   }
 
+  // One that throws, for want of memory as a rule, costs what it was at.
+  void run_handlers() {
+    for (;;) {
+      try {
+        io_.run();
+        return;
+      } catch (const std::exception& error) {
+        service_log(LogSeverity::kError, 0, std::string("unexpected: ") + error.what());
+      }
+    }
+  }
+
+  static JobRoots roots_of(const ServiceSettings& settings, const DataFolder& data) {
+    std::vector<std::string> inputs = settings.roots, outputs = settings.roots;
+    inputs.insert(inputs.end(), {data.uploads(), data.results()});
+    outputs.push_back(data.results());
+    return {PathRoots(inputs), PathRoots(outputs), PathRoots({data.results()})};
+  }
+
   HttpServer::Settings server_settings() {
     HttpServer::Settings settings;
     settings.connections_max = settings_.connections_max;
+    settings.memory_max = static_cast<std::size_t>(settings_.request_memory_max);
     settings.upload_max = static_cast<std::size_t>(settings_.upload_bytes_max);
     settings.is_upload = HttpApi::is_upload;
-    settings.is_urgent = [](const std::string& path) { return path == "/healthz"; };
+    settings.open_upload = [this](std::size_t bytes) { return data_.begin_upload(static_cast<std::int64_t>(bytes)); };
+    settings.beside = [this](std::function<void()> work) { return api_.beside(std::move(work)); };
+    settings.is_urgent = [](const std::string& path) {
+      return path == "/healthz" || path == "/readyz" || path == "/metrics";
+    };
     settings.check = [this](const HttpRequest& request) { return api_.check(request); };
     settings.answer = [this](HttpRequest request) { return api_.answer(std::move(request)); };
     return settings;
@@ -151,9 +186,17 @@ class Service {
       if (error) return;
       sd_notify(0, "RELOADING=1");
       try {
-        ServiceSettings settings = settings_;
-        if (!options_.settings_file.empty()) read_service_settings(options_.settings_file, settings);
-        api_.set_token(read_token(settings.token_file));
+        ServiceSettings settings = options_.read_settings();
+        // What is in use until a restart is what the rest is checked with.
+        settings.listen = settings_.listen;
+        settings.roots = settings_.roots;
+        settings.data = settings_.data;
+        check_service_settings(settings, options_.settings_file);
+        const std::string token = read_token(settings.token_file);
+        if (token.empty() && has_token_)
+          throw Error(ErrorCode::kUsage, "no token_file is named any more: without a token it must be started again");
+        api_.set_token(token);
+        has_token_ = !token.empty();
         dispatcher_.reload(settings);
         service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
         sweep();
@@ -202,8 +245,10 @@ class Service {
 
   const ServiceOptions& options_;
   ServiceSettings settings_;
+  bool has_token_ = !settings_.token_file.empty();
   std::unique_ptr<FolderLock> lock_;
   DataFolder data_;
+  const JobRoots roots_;
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   EventHub events_;
@@ -220,8 +265,12 @@ class Service {
 }  // namespace
 
 void run_service(const ServiceOptions& options) {
-  raise_file_limit();
-  check_service_settings(options.settings);
+  raise_file_limit(options.settings);
+  check_service_settings(options.settings, options.settings_file);
+  if (!can_confine())
+    service_log(LogSeverity::kWarning, 0,
+                "this kernel has no Landlock: workers are not shut off from files outside of the roots "
+                "(docs/SERVICE.md, \"Who is trusted with what\")");
   Service(options).run();
 }
 

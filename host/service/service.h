@@ -4,6 +4,7 @@
 //   SIGHUP            reads the settings file again
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,9 @@ namespace multum {
 
 struct ServiceOptions {
   ServiceSettings settings;
-  std::string settings_file;                // read again at SIGHUP; empty: none
-  std::vector<std::string> worker_command;  // of a worker, without its socket
+  std::string settings_file;                       // empty: none
+  std::function<ServiceSettings()> read_settings;  // the same again, as the file is by then: at SIGHUP
+  std::vector<std::string> worker_command;         // of a worker, without its socket
 };
 
 /// Until it is asked to end. Throws Error for what keeps it from starting.

@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 #include "host/bake/strict_toml.h"
@@ -14,10 +15,10 @@ namespace multum {
 namespace {
 
 const std::vector<std::string> kKeys = {
-    "listen",           "token_file",      "roots",         "workers",        "threads_a_worker",
-    "memory_max",       "lease_s",         "no_progress_s", "cancel_grace_s", "shutdown_grace_s",
-    "back_off_first_s", "back_off_max_s",  "upload_max",    "retention_days", "data_max",
-    "upload_days",      "connections_max", "queue",         "device"};
+    "listen",     "token_file",     "roots",          "workers",          "threads_a_worker", "memory_max",
+    "lease_s",    "no_progress_s",  "cancel_grace_s", "shutdown_grace_s", "back_off_first_s", "back_off_max_s",
+    "upload_max", "retention_days", "data_max",       "upload_days",      "connections_max",  "request_memory_max",
+    "queue",      "device"};
 
 // "800M", "2G": as --memory takes it.
 std::optional<std::int64_t> parse_bytes(const std::string& text) {
@@ -98,6 +99,8 @@ void read_service_settings(const std::string& path, ServiceSettings& s) {
   s.data_max = bytes(root, "data_max", s.data_max);
   s.upload_days = root.whole("upload_days", 0, 100000, s.upload_days);
   s.connections_max = root.whole("connections_max", 8, 65536, s.connections_max);
+  s.request_memory_max = bytes(root, "request_memory_max", s.request_memory_max);
+  if (s.request_memory_max < 8 << 20) root.refuse("request_memory_max", "is less than 8M");
   read_queues(root, path, s);
   read_devices(root, path, s);
 }
@@ -126,7 +129,42 @@ ListenAddress parse_listen_address(const std::string& text) {
   return address;
 }
 
-void check_service_settings(const ServiceSettings& settings) {
+namespace {
+
+// Without links, as far as it is there.
+std::string canonical_name(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path name = std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
+  return error ? path : name.string();
+}
+
+bool is_in(const std::string& path, const std::string& folder) {
+  return folder == "/" || path == folder || path.starts_with(folder + "/");
+}
+
+void check_roots(const ServiceSettings& settings, const std::string& settings_file) {
+  if (settings.roots.empty())
+    throw Error(ErrorCode::kUsage,
+                "no root is named: jobs read and write below folders that --root, or roots in the settings, names");
+  const std::string socket = parse_listen_address(settings.listen).unix_path;
+  const std::pair<const char*, std::string> own[] = {{"the data folder", settings.data},
+                                                     {"the token", settings.token_file},
+                                                     {"the settings file", settings_file},
+                                                     {"the socket", socket}};
+  for (const std::string& named : settings.roots) {
+    const std::string root = canonical_name(named);
+    for (const auto& [what, path] : own)
+      if (!path.empty() && is_in(canonical_name(path), root))
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("{} {} lies in the root {}, where jobs could write it", what, path, named));
+    if (is_in(root, canonical_name(settings.data)))
+      throw Error(ErrorCode::kUsage, fmt::format("the root {} lies in the data folder {}", named, settings.data));
+  }
+}
+
+}  // namespace
+
+void check_service_settings(const ServiceSettings& settings, const std::string& settings_file) {
   const ListenAddress address = parse_listen_address(settings.listen);
   if (!address.is_loopback() && settings.token_file.empty())
     throw Error(
@@ -134,6 +172,7 @@ void check_service_settings(const ServiceSettings& settings) {
         fmt::format("'{}' can be reached from other machines: that needs a token (--token-file), and TLS from a "
                     "reverse proxy before it (docs/SERVICE.md)",
                     settings.listen));
+  check_roots(settings, settings_file);
 }
 
 }  // namespace multum

@@ -15,7 +15,7 @@ struct ServiceSettings {
   std::string data;                       // folder of the ledger, logs and uploads
   std::string listen = "127.0.0.1:8470";  // HOST:PORT, [::1]:PORT or unix:PATH; port 0: any that is free
   std::string token_file;                 // its first line is the bearer token; needed when not on loopback
-  std::vector<std::string> roots;         // folders that jobs may read and write; none: the current folder
+  std::vector<std::string> roots;         // folders that jobs may read and write, at least one
   int workers = 2;                        // 1..256
   int threads_a_worker = 0;               // 0: the cores shared out
   std::map<std::string, QueueLimits> queues = {{"default", {}}};
@@ -31,13 +31,16 @@ struct ServiceSettings {
   std::int64_t data_max = std::int64_t{20} << 30;  // bytes of uploads, results and logs in `data`; 0: any
   int upload_days = 7;                             // of uploads that no job waits for; 0: for ever
   int connections_max = 4096;
+  std::int64_t request_memory_max = 256 << 20;  // bytes of requests and answers on their way
 };
 
 /// Throws Error(kInput) naming file, line, what was found and what was expected.
 void read_service_settings(const std::string& path, ServiceSettings& settings);
 
-/// Throws Error(kUsage): an address that is none, or one that others reach without a token.
-void check_service_settings(const ServiceSettings& settings);
+/// Throws Error(kUsage): an address that is none, or one that others reach without a token; no root, or one with
+/// anything of the daemon's own in it - its data, token, settings or socket, which jobs could write - or that lies in
+/// its data. `settings_file`: empty for none.
+void check_service_settings(const ServiceSettings& settings, const std::string& settings_file);
 
 /// Where to listen.
 struct ListenAddress {

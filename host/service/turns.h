@@ -26,9 +26,10 @@ class Turns {
   // The io_context looks for what has come over lines between two handlers: hence one handler a task.
   void post_next() {
     boost::asio::post(io_, [this] {
-      tasks_.front()();
+      const std::function<void()> task = std::move(tasks_.front());
       tasks_.pop_front();
-      if (!tasks_.empty()) post_next();
+      if (!tasks_.empty()) post_next();  // first: a task may throw
+      task();
     });
   }
 

@@ -22,6 +22,7 @@
 #include "host/base/output_paths.h"
 #include "host/service/drill.h"
 #include "host/service/job_types.h"
+#include "host/service/path_roots.h"
 #include "host/service/result_copy.h"
 
 namespace multum {
@@ -63,7 +64,8 @@ class LogRedirection {
 
 class Worker {
  public:
-  Worker(int socket, const RunCommand& run) : socket_(socket), run_(run) {}
+  Worker(int socket, const std::vector<std::string>& inputs, const RunCommand& run)
+      : socket_(socket), inputs_(inputs), run_(run) {}
 
   int work() {
     std::thread reader([this] { read_commands(); });
@@ -150,6 +152,7 @@ class Worker {
       const LogRedirection log(command.at("log").get<std::string>());
       const auto arguments = command.at("arguments").get<std::vector<std::string>>();
       if (const auto folder = command.at("folder").get<std::string>(); !folder.empty()) make_folder(folder);
+      check_inputs(command);
       have_inputs_changed = !has_inputs(command);
       const auto copy_from = command.at("copy_from").get<std::string>();
       if (copy_from.empty() || have_inputs_changed) {
@@ -174,6 +177,15 @@ class Worker {
           {"inputs_changed", have_inputs_changed}});
   }
 
+  // A file that names others may name more than when it was submitted. What the system would refuse to open
+  // (confinement.h) is refused here by its name, whether it is there or not.
+  void check_inputs(const Json& command) const {
+    const JobType& type = find_job_type(command.at("type").get<std::string>());
+    if (type.input.empty()) return;
+    for (const std::string& file : input_files(type, Json::parse(command.at("parameters").get<std::string>())))
+      inputs_.input(file);
+  }
+
   // As they were when the job was submitted.
   static bool has_inputs(const Json& command) {
     const JobType& type = find_job_type(command.at("type").get<std::string>());
@@ -189,6 +201,7 @@ class Worker {
   }
 
   int socket_;
+  const PathRoots inputs_;
   const RunCommand& run_;
   std::mutex mutex_, send_mutex_;
   std::condition_variable wake_;
@@ -199,10 +212,10 @@ class Worker {
 
 }  // namespace
 
-int run_worker(int socket, const RunCommand& run) {
+int run_worker(int socket, const std::vector<std::string>& inputs, const RunCommand& run) {
   std::signal(SIGINT, SIG_IGN);  // Ctrl-C is for the daemon, which says what is to be done
   std::signal(SIGTERM, SIG_IGN);
-  return Worker(socket, run).work();
+  return Worker(socket, inputs, run).work();
 }
 
 }  // namespace multum

@@ -20,7 +20,8 @@ namespace multum {
 /// far it is to the callback, which may cancel it.
 using RunCommand = std::function<int(const std::vector<std::string>& arguments, const Progress::Callback& callback)>;
 
-/// Until the daemon says so, or is gone. Returns the exit code of the process.
-int run_worker(int socket, const RunCommand& run);
+/// Until the daemon says so, or is gone. What a job reads must lie below `inputs`, where the daemon has looked before.
+/// Returns the exit code of the process.
+int run_worker(int socket, const std::vector<std::string>& inputs, const RunCommand& run);
 
 }  // namespace multum

@@ -23,6 +23,12 @@ void make_old(const std::string& path) {
   fs::last_write_time(fs::path(path).parent_path(), fs::file_time_type::clock::now() - hours(100));
 }
 
+DataFolder::Upload store(DataFolder& data, const std::string& name, const std::string& bytes) {
+  const std::shared_ptr<UploadFile> file = data.begin_upload(static_cast<std::int64_t>(bytes.size()));
+  file->write(bytes);
+  return data.store(name, *file);
+}
+
 class DataFolderTest : public ::testing::Test {
  protected:
   // Both threads are done when it returns.
@@ -51,8 +57,8 @@ class DataFolderTest : public ::testing::Test {
 
 TEST_F(DataFolderTest, UploadsAreKeptByTheirContent) {
   DataFolder data(folder_ / "d", 0);
-  const DataFolder::Upload one = data.store("a.png", "content"), same = data.store("a.png", "content"),
-                           other = data.store("b.png", "content"), changed = data.store("a.png", "changed");
+  const DataFolder::Upload one = store(data, "a.png", "content"), same = store(data, "a.png", "content"),
+                           other = store(data, "b.png", "content"), changed = store(data, "a.png", "changed");
   EXPECT_EQ(one.path, same.path);
   EXPECT_NE(one.path, other.path);
   EXPECT_NE(one.path, changed.path);
@@ -62,17 +68,22 @@ TEST_F(DataFolderTest, UploadsAreKeptByTheirContent) {
 
 TEST_F(DataFolderTest, IsHeldToItsLimit) {
   DataFolder data(folder_ / "d", 1000);
-  data.store("a.png", std::string(600, 'a'));
+  store(data, "a.png", std::string(600, 'a'));
   try {
-    data.store("b.png", std::string(401, 'b'));
+    store(data, "b.png", std::string(401, 'b'));
     FAIL() << "more than the limit is taken";
   } catch (const Refusal& refusal) {
     EXPECT_EQ(refusal.status, 507);
     testing::expect_says(refusal.message, {"600", "1000", "401"});
   }
   EXPECT_FALSE(fs::exists(data.uploads() + "/b.png"));
-  data.store("a.png", std::string(600, 'a'));  // it is there already
-  data.store("c.png", std::string(400, 'c'));
+  // What does not come is not counted.
+  data.begin_upload(400);
+  const std::shared_ptr<UploadFile> coming = data.begin_upload(200);
+  EXPECT_THROW(data.begin_upload(201), Refusal) << "both together are too many";
+  store(data, "c.png", std::string(200, 'c'));
+  coming->write(std::string(200, 'd'));
+  data.store("d.png", *coming);
   EXPECT_THROW(data.check_room(1), Refusal);
   data.check_room(0);
 }
@@ -82,9 +93,9 @@ TEST_F(DataFolderTest, WhatNobodyHasAUseForGoes) {
   std::int64_t kept = 0, purged = 0;
   {
     DataFolder data(folder_ / "d", 1 << 20);
-    used = data.store("used.png", "1").path;
-    unused = data.store("unused.png", "2").path;
-    young = data.store("young.png", "3").path;
+    used = store(data, "used.png", "1").path;
+    unused = store(data, "unused.png", "2").path;
+    young = store(data, "young.png", "3").path;
     ledger_.run_now([&](JobQueue& queue) {
       JobSubmission submission;
       submission.type = "bake";

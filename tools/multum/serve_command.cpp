@@ -2,6 +2,7 @@
 // multum serve: the daemon. multum worker: what it starts, for it alone.
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -9,8 +10,11 @@
 #include <fstream>
 #include <thread>
 
+#include "host/base/confinement.h"
 #include "host/base/error.h"
 #include "host/base/machine.h"
+#include "host/base/output_paths.h"
+#include "host/service/input_list.h"
 #include "host/service/service.h"
 #include "host/service/worker_loop.h"
 #include "tools/multum/commands.h"
@@ -19,8 +23,7 @@ namespace multum {
 namespace {
 
 struct ServeOptions {
-  ServiceSettings settings;
-  std::string config;
+  std::string data, config;
   std::string listen, token_file;
   std::vector<std::string> roots;
   int workers = 0;
@@ -31,31 +34,84 @@ std::string own_program() {
   return std::filesystem::read_symlink("/proc/self/exe", error).string();
 }
 
-int run_serve(ServeOptions& o) {
-  if (!o.config.empty()) read_service_settings(o.config, o.settings);
-  if (!o.listen.empty()) o.settings.listen = o.listen;
-  if (!o.token_file.empty()) o.settings.token_file = o.token_file;
-  if (!o.roots.empty()) o.settings.roots = o.roots;
-  if (o.settings.roots.empty()) o.settings.roots = {std::filesystem::current_path().string()};
-  if (o.workers > 0) o.settings.workers = o.workers;
+// The file's settings, and before them what the command line says.
+ServiceSettings settings_of(const ServeOptions& o) {
+  ServiceSettings settings;
+  settings.data = std::filesystem::absolute(o.data).string();
+  if (!o.config.empty()) read_service_settings(o.config, settings);
+  if (!o.listen.empty()) settings.listen = o.listen;
+  if (!o.token_file.empty()) settings.token_file = o.token_file;
+  if (!o.roots.empty()) settings.roots = o.roots;
+  if (o.workers > 0) settings.workers = o.workers;
+  return settings;
+}
+
+int run_serve(const ServeOptions& o) {
+  const ServiceSettings settings = settings_of(o);
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const int threads =
-      o.settings.threads_a_worker > 0 ? o.settings.threads_a_worker : std::max(1, cores / o.settings.workers);
-  o.settings.data = std::filesystem::absolute(o.settings.data).string();
-  run_service({o.settings, o.config, {own_program(), "worker", "--threads=" + std::to_string(threads)}});
+  const int threads = settings.threads_a_worker > 0 ? settings.threads_a_worker : std::max(1, cores / settings.workers);
+  std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(threads),
+                                     "--data=" + settings.data};
+  for (const std::string& root : settings.roots) worker.push_back("--root=" + std::filesystem::absolute(root).string());
+  run_service({settings, o.config, [o] { return settings_of(o); }, worker});
   return 0;
 }
 
-int run_worker_process(int socket, int threads) {
+struct WorkerOptions {
+  int socket = -1, threads = 1;
+  std::string data;
+  std::vector<std::string> roots;
+};
+
+// Of a job there is nothing to open but below the roots, and in the daemon's data what jobs have to do with: whatever a
+// picture, a scene or a link leads to.
+void confine_worker(const WorkerOptions& o, const std::string& scratch) {
+  Confinement allowed = system_confinement();
+  allowed.writable.insert(allowed.writable.end(), o.roots.begin(), o.roots.end());
+  allowed.writable.insert(allowed.writable.end(), {o.data + "/results", o.data + "/logs", scratch});
+  allowed.readable.push_back(o.data + "/uploads");
+  confine_this_thread(allowed);
+}
+
+int run_worker_process(const WorkerOptions& o) {
   // The daemon's end is this process's, also when it comes by kill -9 while a driver hangs here.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   // When memory runs out, a worker goes before the daemon does.
   std::ofstream("/proc/self/oom_score_adj") << 500;
   keep_freed_memory();
-  return run_worker(socket, [threads](std::vector<std::string> arguments, const Progress::Callback& callback) {
-    arguments.insert(arguments.begin() + 1, "--threads=" + std::to_string(threads));
-    return run_command(arguments, callback);
-  });
+  const std::string scratch = o.data + "/scratch";
+  make_folder(scratch);
+  ::setenv("TMPDIR", scratch.c_str(), 1);
+  confine_worker(o, scratch);
+  std::vector<std::string> inputs = o.roots;
+  inputs.insert(inputs.end(), {o.data + "/uploads", o.data + "/results"});
+  return run_worker(o.socket, inputs,
+                    [threads = o.threads](std::vector<std::string> arguments, const Progress::Callback& callback) {
+                      arguments.insert(arguments.begin() + 1, "--threads=" + std::to_string(threads));
+                      return run_command(arguments, callback);
+                    });
+}
+
+struct InputsOptions {
+  std::string type, parameters;
+  std::vector<std::string> roots;
+};
+
+struct ConfinedOptions {
+  std::vector<std::string> readable, writable, command;
+};
+
+// Becomes another program, which sees little of the machine.
+int run_confined(const ConfinedOptions& o) {
+  Confinement allowed = system_confinement();
+  allowed.readable.insert(allowed.readable.end(), o.readable.begin(), o.readable.end());
+  allowed.writable.insert(allowed.writable.end(), o.writable.begin(), o.writable.end());
+  confine_this_thread(allowed);
+  std::vector<char*> words;
+  for (const std::string& word : o.command) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  ::execv(words.front(), words.data());
+  fail_by_errno(o.command.front(), "cannot be started");
 }
 
 }  // namespace
@@ -63,25 +119,45 @@ int run_worker_process(int socket, int threads) {
 void add_serve_commands(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ServeOptions>();
   CLI::App* serve = app.add_subcommand("serve", "a service that bakes what clients submit (docs/SERVICE.md)");
-  serve->add_option("--data", options->settings.data, "folder of its ledger, logs and uploads; made if need be")
-      ->required();
+  serve->add_option("--data", options->data, "folder of its ledger, logs and uploads; made if need be")->required();
   serve->add_option("--listen", options->listen, "HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
   serve
       ->add_option("--root", options->roots,
-                   "folder that jobs may read and write below; may be repeated (default: the current folder)")
+                   "folder that jobs may read and write below; may be repeated; nothing of the service's own in it")
       ->allow_extra_args(false);
   serve->add_option("--workers", options->workers, "bakes at once (default: 2)")->check(CLI::Range(1, 256));
   serve->add_option("--token-file", options->token_file, "file whose first line clients must know");
   serve->add_option("--config", options->config, "settings file, TOML; options here go before it");
   serve->callback([options, exit_code] { *exit_code = run_serve(*options); });
 
-  auto socket = std::make_shared<int>(-1);
-  auto threads = std::make_shared<int>(1);
+  // Not in the help: the service starts them itself.
+  auto own = std::make_shared<WorkerOptions>();
   CLI::App* worker = app.add_subcommand("worker", "");
-  worker->group("");  // not in the help: it is started by serve
-  worker->add_option("--socket", *socket)->required();
-  worker->add_option("--threads", *threads);
-  worker->callback([socket, threads, exit_code] { *exit_code = run_worker_process(*socket, *threads); });
+  worker->group("");
+  worker->add_option("--socket", own->socket)->required();
+  worker->add_option("--threads", own->threads);
+  worker->add_option("--data", own->data)->required();
+  worker->add_option("--root", own->roots)->allow_extra_args(false);
+  worker->callback([own, exit_code] { *exit_code = run_worker_process(*own); });
+
+  auto list = std::make_shared<InputsOptions>();
+  CLI::App* inputs = app.add_subcommand("inputs", "");
+  inputs->group("");
+  inputs->add_option("--type", list->type)->required();
+  inputs->add_option("--parameters", list->parameters)->required();
+  inputs->add_option("--root", list->roots)->allow_extra_args(false);
+  inputs->callback([list, exit_code] {
+    print_input_list(list->type, list->parameters, list->roots);
+    *exit_code = 0;
+  });
+
+  auto other = std::make_shared<ConfinedOptions>();
+  CLI::App* confined = app.add_subcommand("confined", "");
+  confined->group("");
+  confined->add_option("--read", other->readable)->allow_extra_args(false);
+  confined->add_option("--write", other->writable)->allow_extra_args(false);
+  confined->add_option("command", other->command)->required();
+  confined->callback([other, exit_code] { *exit_code = run_confined(*other); });
 }
 
 }  // namespace multum

@@ -103,6 +103,10 @@ export class EventLine {
     };
     source.addEventListener("job", (event) => this.take(event, this.on.job));
     source.addEventListener("progress", (event) => this.take(event, this.on.progress));
+    source.addEventListener("missed", (event) => { // some are not kept any more, or another daemon counts
+      this.last = Number(event.lastEventId);
+      this.on.gap();
+    });
   }
 
   take(event, deliver) {

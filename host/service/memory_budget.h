@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bytes that many may use together. Who asks for more than is left is told so, and gives back what it took when it is
+// gone.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+namespace multum {
+
+/// For one thread.
+class MemoryBudget {
+ public:
+  explicit MemoryBudget(std::size_t bytes_max) : bytes_max_(bytes_max) {}
+  MemoryBudget(const MemoryBudget&) = delete;
+  MemoryBudget& operator=(const MemoryBudget&) = delete;
+
+  std::size_t used() const { return used_; }
+  std::size_t bytes_max() const { return bytes_max_; }
+
+ private:
+  friend class MemoryShare;
+  const std::size_t bytes_max_;
+  std::size_t used_ = 0;
+};
+
+/// A part of a budget, given back by its end.
+class MemoryShare {
+ public:
+  explicit MemoryShare(MemoryBudget& budget) : budget_(&budget) {}
+  MemoryShare(MemoryShare&& other) noexcept : budget_(other.budget_), bytes_(std::exchange(other.bytes_, 0)) {}
+  MemoryShare& operator=(MemoryShare&&) = delete;
+  ~MemoryShare() { budget_->used_ -= bytes_; }
+
+  /// Now so many bytes, more or fewer than before. False: that is more than is left, and nothing has changed.
+  bool resize(std::size_t bytes) {
+    if (bytes > bytes_ && bytes - bytes_ > budget_->bytes_max_ - budget_->used_) return false;
+    budget_->used_ += bytes - bytes_;
+    bytes_ = bytes;
+    return true;
+  }
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  MemoryBudget* budget_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace multum
