@@ -52,7 +52,7 @@ void remove(const fs::path& path, const char* why) {
 }  // namespace
 
 DataFolder::DataFolder(std::string path, std::int64_t bytes_max) : path_(std::move(path)), bytes_max_(bytes_max) {
-  for (const char* folder : {"/logs", "/uploads", "/results"}) make_folder(path_ + folder);
+  for (const char* folder : {"/logs", "/uploads", "/results", "/scratch"}) make_folder(path_ + folder);
 }
 
 DataFolder::~DataFolder() { pool_.join(); }

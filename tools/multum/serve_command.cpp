@@ -13,7 +13,6 @@
 #include "host/base/confinement.h"
 #include "host/base/error.h"
 #include "host/base/machine.h"
-#include "host/base/output_paths.h"
 #include "host/service/input_list.h"
 #include "host/service/service.h"
 #include "host/service/worker_loop.h"
@@ -80,7 +79,6 @@ int run_worker_process(const WorkerOptions& o) {
   std::ofstream("/proc/self/oom_score_adj") << 500;
   keep_freed_memory();
   const std::string scratch = o.data + "/scratch";
-  make_folder(scratch);
   ::setenv("TMPDIR", scratch.c_str(), 1);
   confine_worker(o, scratch);
   std::vector<std::string> inputs = o.roots;
