@@ -15,6 +15,7 @@ struct ServiceOptions {
   ServiceSettings settings;
   std::string settings_file;                // read again at SIGHUP; empty: none
   std::vector<std::string> worker_command;  // of a worker, without its socket
+  bool begins_anew = false;                 // a new ledger, where the folder's is lost
 };
 
 /// Until it is asked to end. Throws Error for what keeps it from starting.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,9 @@ void publish(const std::string& output, const std::string& instance, std::int64_
 /// Removes the folder and all in it, if it is there.
 void remove_staging(const std::string& output, const std::string& instance, std::int64_t id);
 
-/// Staging folders of `instance` in these folders whose jobs are not among `kept`: removes them, returns their paths.
+/// Staging folders of `instance` in these folders whose jobs the ledger is finished with: removes them, returns their
+/// paths.
 std::vector<std::string> sweep_staging(const std::vector<std::string>& folders, const std::string& instance,
-                                       const std::vector<std::int64_t>& kept);
+                                       const std::function<bool(std::int64_t)>& is_finished_with);
 
 }  // namespace multum

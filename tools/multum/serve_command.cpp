@@ -24,6 +24,7 @@ struct ServeOptions {
   std::string listen, token_file;
   std::vector<std::string> roots;
   int workers = 0;
+  bool begins_anew = false;
 };
 
 std::string own_program() {
@@ -42,7 +43,7 @@ int run_serve(ServeOptions& o) {
   const int threads =
       o.settings.threads_a_worker > 0 ? o.settings.threads_a_worker : std::max(1, cores / o.settings.workers);
   o.settings.data = std::filesystem::absolute(o.settings.data).string();
-  run_service({o.settings, o.config, {own_program(), "worker", "--threads=" + std::to_string(threads)}});
+  run_service({o.settings, o.config, {own_program(), "worker", "--threads=" + std::to_string(threads)}, o.begins_anew});
   return 0;
 }
 
@@ -73,6 +74,8 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
   serve->add_option("--workers", options->workers, "bakes at once (default: 2)")->check(CLI::Range(1, 256));
   serve->add_option("--token-file", options->token_file, "file whose first line clients must know");
   serve->add_option("--config", options->config, "settings file, TOML; options here go before it");
+  serve->add_flag("--new-ledger", options->begins_anew,
+                  "begin a new ledger in a folder whose own is lost; nothing that lies there is removed");
   serve->callback([options, exit_code] { *exit_code = run_serve(*options); });
 
   auto socket = std::make_shared<int>(-1);
