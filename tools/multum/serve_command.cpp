@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum serve: the daemon. multum worker: what it starts, for it alone.
+// multum serve: the daemon. multum worker: what it starts, for it alone. multum rescue: its damaged ledger.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 
 #include "host/base/error.h"
 #include "host/base/machine.h"
+#include "host/service/ledger_rescue.h"
 #include "host/service/service.h"
 #include "host/service/worker_loop.h"
 #include "tools/multum/commands.h"
@@ -47,6 +49,15 @@ int run_serve(ServeOptions& o) {
   return 0;
 }
 
+int run_rescue(const std::string& data) {
+  const RescueReport report = rescue_ledger(std::filesystem::absolute(data).lexically_normal().string());
+  for (const RescueReport::Table& table : report.tables)
+    std::printf("%-10s %lld rows saved, %lld were damaged\n", table.name.c_str(), static_cast<long long>(table.saved),
+                static_cast<long long>(table.damaged));
+  std::printf("the ledger before is %s\n", report.kept.c_str());
+  return 0;
+}
+
 int run_worker_process(int socket, int threads) {
   // The daemon's end is this process's, also when it comes by kill -9 while a driver hangs here.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -77,6 +88,12 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
   serve->add_flag("--new-ledger", options->begins_anew,
                   "begin a new ledger in a folder whose own is lost; nothing that lies there is removed");
   serve->callback([options, exit_code] { *exit_code = run_serve(*options); });
+
+  auto data = std::make_shared<std::string>();
+  CLI::App* rescue = app.add_subcommand(
+      "rescue", "save what can be read of a service's damaged ledger into a new one (docs/SERVICE.md)");
+  rescue->add_option("data", *data, "folder of the service, which must not run")->required();
+  rescue->callback([data, exit_code] { *exit_code = run_rescue(*data); });
 
   auto socket = std::make_shared<int>(-1);
   auto threads = std::make_shared<int>(1);
