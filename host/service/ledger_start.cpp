@@ -36,7 +36,8 @@ LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begi
   settings.results = fs::weakly_canonical(data + "/results").string();
   settings.instance = read_instance(data);
   settings.retry = retry;
-  const bool was_used = !settings.instance.empty();
+  std::error_code error;
+  const bool was_used = fs::exists(data + "/instance", error);
   if (begins_anew) {
     for (const char* part : {"", "-wal", "-journal"})
       if (has_bytes(settings.path + part))
@@ -45,13 +46,12 @@ LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begi
                                 "start without --new-ledger",
                                 settings.path, part));
   } else if (was_used && !has_bytes(settings.path)) {
-    std::error_code error;
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: is {}, and {} was used before: {}", settings.path,
                             fs::exists(settings.path, error) ? "empty" : "missing", data, lost_ledger_advice()));
   }
-  settings.may_begin = begins_anew || !was_used;
-  if (!was_used) {
+  settings.may_begin = begins_anew || settings.instance.empty();  // a name that cannot be read is asked of the ledger
+  if (settings.instance.empty()) {
     std::random_device random;
     settings.instance = fmt::format("{:08x}", random());
   }

@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// DATA/instance; "": the folder was not used before.
+/// DATA/instance; "": it is not there, or holds no name.
 std::string read_instance(const std::string& data);
 
 /// Before the ledger is opened. `begins_anew`: by `--new-ledger`, for a folder whose ledger is lost. Throws

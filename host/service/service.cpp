@@ -179,7 +179,9 @@ class Service {
             *purged = queue.purge_finished_before(wall_clock_ms() - 86400000LL * settings_.retention_days, 10000);
             queue.take_changed();
           },
-          [this, purged](const std::exception_ptr&) { dispatcher_.remove_logs(*purged); });
+          [this, purged](const std::exception_ptr& error) {
+            if (!error) dispatcher_.remove_logs(*purged);  // else they are still there
+          });
     }
     api_.pictures().sweep(*ledger_);
     constexpr int kForEver = 1000000;  // days

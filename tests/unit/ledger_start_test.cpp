@@ -47,6 +47,12 @@ TEST_F(LedgerStartTest, GoesOnWithItsOwn) {
   fs::remove(folder_ / "instance");
   EXPECT_EQ(start(), 3);
   EXPECT_EQ(instance_, first);
+  testing::write_bytes(folder_ / "instance", "");
+  EXPECT_EQ(start(), 4);
+  EXPECT_EQ(instance_, first);
+  testing::write_bytes(folder_ / "instance", "");
+  fs::remove(path());
+  expect_error(ErrorCode::kEnvironment, {path(), "missing"}, [&] { start(); });
 }
 
 TEST_F(LedgerStartTest, AMissingEmptyOrForeignLedgerIsRefused) {
