@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <boost/asio/post.hpp>
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <memory>
@@ -14,6 +14,7 @@
 #include "host/base/output_paths.h"
 #include "host/service/http_reply.h"
 #include "host/service/service_log.h"
+#include "host/service/staging.h"
 
 namespace multum {
 namespace {
@@ -45,8 +46,26 @@ std::chrono::hours age_of(const fs::directory_entry& entry) {
 
 void remove(const fs::path& path, const char* why) {
   std::error_code error;
-  fs::remove_all(path, error);
-  if (!error) service_log(LogSeverity::kInfo, 0, fmt::format("removed {}: {}", path.string(), why));
+  if (fs::remove_all(path, error) != 0 && !error)
+    service_log(LogSeverity::kInfo, 0, fmt::format("removed {}: {}", path.string(), why));
+}
+
+// Below `folder`, and not led out of it by a link.
+bool is_own(const std::string& path, const std::string& folder) {
+  if (path.empty()) return false;
+  const fs::path place = fs::weakly_canonical(fs::path(path).parent_path()) / fs::path(path).filename();
+  return place == path && path.starts_with(fs::weakly_canonical(folder).string() + "/");
+}
+
+// The number between `before` and `after`, which anything may follow; 0: it has none, or one that no ledger gives.
+std::int64_t number_in(const std::string& name, const std::string& before, const std::string& after) {
+  constexpr std::int64_t kHighest = std::int64_t{1} << 52;  // whole numbers of JSON's readers
+  if (!name.starts_with(before)) return 0;
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(name.data() + before.size(), name.data() + name.size(), number);
+  const bool is_one =
+      error == std::errc() && name.substr(static_cast<std::size_t>(end - name.data())).starts_with(after);
+  return is_one && number > 0 && number < kHighest ? number : 0;
 }
 
 }  // namespace
@@ -54,8 +73,6 @@ void remove(const fs::path& path, const char* why) {
 DataFolder::DataFolder(std::string path, std::int64_t bytes_max) : path_(std::move(path)), bytes_max_(bytes_max) {
   for (const char* folder : {"/logs", "/uploads", "/results", "/scratch"}) make_folder(path_ + folder);
 }
-
-DataFolder::~DataFolder() { pool_.join(); }
 
 std::int64_t DataFolder::bytes() {
   const std::lock_guard lock(mutex_);
@@ -108,6 +125,7 @@ DataFolder::Upload DataFolder::store(const std::string& name, UploadFile& file) 
   const std::string folder = uploads() + "/" + upload.sha256.substr(0, 32);
   const std::string path = folder + "/" + name;
   std::error_code error;
+  const std::lock_guard storing(storing_);
   make_folder(folder);
   if (!fs::exists(path, error)) {
     const std::lock_guard lock(mutex_);
@@ -119,41 +137,95 @@ DataFolder::Upload DataFolder::store(const std::string& name, UploadFile& file) 
   return upload;
 }
 
-void DataFolder::sweep(QueueThread& ledger, std::chrono::hours upload_age) {
-  const auto uses = std::make_shared<JobQueue::Uses>();
-  const std::string uploads_folder = fs::weakly_canonical(uploads()).string(),
-                    results_folder = fs::weakly_canonical(results()).string();
-  ledger.run([=](JobQueue& queue) { *uses = queue.uses(uploads_folder + "/", results_folder + "/"); },
-             [=, this](const std::exception_ptr& error) {
-               if (error) return;  // the next sweep
-               boost::asio::post(pool_, [=, this] {
-                 std::error_code ignored;
-                 for (const fs::directory_entry& folder : fs::directory_iterator(uploads_folder, ignored)) {
-                   bool is_used = false, is_young = age_of(folder) < upload_age;
-                   for (const fs::directory_entry& file : fs::directory_iterator(folder, ignored)) {
-                     is_used = is_used || uses->inputs.contains(file.path().string());
-                     is_young = is_young || age_of(file) < upload_age;
-                   }
-                   if (!is_used && !is_young) remove(folder.path(), "an upload that no job waits for any more");
-                 }
-                 for (const fs::directory_entry& result : fs::directory_iterator(results_folder, ignored)) {
-                   const std::string name = result.path().filename().string();
-                   if (name.starts_with(".multum-")) continue;  // of running jobs; swept at a start
-                   // A job's result may have been renamed into place a moment ago.
-                   if (!uses->outputs.contains(result.path().string()) && age_of(result) >= std::chrono::hours(1))
-                     remove(result.path(), "the result of a job that was purged");
-                 }
-                 for (const fs::directory_entry& log : fs::directory_iterator(path_ + "/logs", ignored)) {
-                   std::int64_t id = 0;
-                   const std::string name = log.path().stem().string();
-                   std::from_chars(name.data(), name.data() + name.size(), id);
-                   if (id <= uses->last_id && !uses->ids.contains(id) && age_of(log) >= std::chrono::hours(1))
-                     remove(log.path(), "the log of a job that was purged");
-                 }
-                 const std::lock_guard lock(mutex_);
-                 counted_ = {};
-               });
+// Some at a time: the ledger has other things to do.
+struct DataFolder::Sweep {
+  static constexpr int kAtOnce = 200;
+  std::chrono::hours upload_age;
+  std::function<void()> done;
+  std::int64_t last_job = 0;
+  std::string last_upload;
+  bool are_there_more = true;
+  // As the last commit has it.
+  std::vector<JobQueue::LeftOver> left_overs;
+  std::vector<std::string> uploads;
+  JobQueue::Uses uses;
+};
+
+void DataFolder::sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done) {
+  const auto sweep = std::make_shared<Sweep>();
+  sweep->upload_age = upload_age;
+  sweep->done = std::move(done);
+  sweep_some(ledger, sweep);
+}
+
+// What was purged must be on disk as purged before anything of it is removed, so that it is looked for in one commit
+// and removed in a later one.
+void DataFolder::sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& sweep) {
+  const auto end = [sweep] {
+    if (sweep->done) sweep->done();
+  };
+  ledger.run([=, this](JobQueue& queue) { look(queue, *sweep); },
+             [=, this, &ledger](const std::exception_ptr& error) {
+               if (error) return end();  // the next sweep
+               ledger.run([=, this](JobQueue& queue) { remove_found(queue, *sweep); },
+                          [=, this, &ledger](const std::exception_ptr& failed) {
+                            if (failed || !sweep->are_there_more) return end();
+                            if (!sweep->left_overs.empty()) sweep->last_job = sweep->left_overs.back().job;
+                            if (!sweep->uploads.empty()) sweep->last_upload = sweep->uploads.back();
+                            sweep_some(ledger, sweep);
+                          });
              });
+}
+
+void DataFolder::look(JobQueue& queue, Sweep& sweep) {
+  sweep.left_overs = queue.left_overs(sweep.last_job, Sweep::kAtOnce);
+  sweep.uploads = queue.uploads(sweep.last_upload, Sweep::kAtOnce);
+  sweep.are_there_more = sweep.left_overs.size() == Sweep::kAtOnce || sweep.uploads.size() == Sweep::kAtOnce;
+  if (!sweep.left_overs.empty() || !sweep.uploads.empty()) sweep.uses = queue.uses();
+}
+
+void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
+  if (sweep.left_overs.empty() && sweep.uploads.empty()) return;
+  queue.check_kept();
+  const JobQueue::Uses uses = queue.uses();
+  const auto is_used = [&](const std::string& path) { return sweep.uses.have(path) || uses.have(path); };
+  for (const auto& [job, output, identity] : sweep.left_overs) {
+    remove(fmt::format("{}/logs/{}.log", path_, job), "the log of a job that was purged");
+    if (!output.empty() && is_used(output)) continue;
+    // What has taken its place since is nobody's that is known.
+    const bool is_as_made = identity.empty() || file_identity(output) == identity;
+    if (is_as_made && is_own(output, results())) remove(output, "the result of a job that was purged");
+    queue.forget_left_over(job);
+  }
+  for (const std::string& path : sweep.uploads) {
+    std::error_code error;
+    const std::lock_guard lock(storing_);
+    const fs::directory_entry file(path, error);
+    const bool is_there = file.exists(error);
+    if (is_there && (is_used(path) || age_of(file) < sweep.upload_age)) continue;
+    if (is_own(path, uploads())) {
+      if (is_there) remove(path, "an upload that no job waits for any more");
+      fs::remove(fs::path(path).parent_path(), error);  // unless another lies in it
+    }
+    queue.forget_upload(path);
+  }
+  const std::lock_guard lock(mutex_);
+  counted_ = {};
+}
+
+std::int64_t DataFolder::highest_number() const {
+  std::int64_t highest = 0;
+  std::error_code error;
+  for (const fs::directory_entry& log : fs::directory_iterator(path_ + "/logs", error))
+    highest = std::max(highest, number_in(log.path().filename().string(), "", ".log"));
+  for (const fs::directory_entry& pictures : fs::directory_iterator(path_ + "/pictures", error))
+    highest = std::max(highest, number_in(pictures.path().filename().string(), "", "-"));
+  fs::recursive_directory_iterator entry(results(), error), end;
+  for (; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();  // .multum-INSTANCE-ID
+    if (name.starts_with(".multum-")) highest = std::max(highest, number_in(name, name.substr(0, 17), ""));
+  }
+  return highest;
 }
 
 }  // namespace multum

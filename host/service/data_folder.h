@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the daemon keeps for others in DATA: uploads by content, results for those who have no other place, logs. Held
-// to a limit, and swept: what no job has any use for goes.
+// to a limit, and swept: what the ledger names as finished with goes, and nothing else.
 #pragma once
 
-#include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -19,7 +19,6 @@ class DataFolder {
  public:
   /// `bytes_max`: of all of it together, but for the ledger; 0: any.
   DataFolder(std::string path, std::int64_t bytes_max);
-  ~DataFolder();
   DataFolder(const DataFolder&) = delete;
   DataFolder& operator=(const DataFolder&) = delete;
 
@@ -38,18 +37,25 @@ class DataFolder {
   /// Blocks. Throws Refusal 507 "quota" when so many bytes more are too many.
   void check_room(std::int64_t bytes);
 
-  /// On a thread of its own: removes uploads that are older than `upload_age` and that no unfinished job names, and
-  /// results and logs older than an hour whose jobs are in no ledger any more.
-  void sweep(QueueThread& ledger, std::chrono::hours upload_age);
+  /// On the ledger's thread, where results are published too: removes the results and logs of purged jobs that no other
+  /// job has a use for, and uploads that are older than `upload_age` and that no unfinished job names. What no ledger
+  /// has noted stays.
+  void sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done = nullptr);
+  /// The highest number of a job that anything here is named by: a log, pictures, a staging folder; 0: of none.
+  std::int64_t highest_number() const;
 
  private:
   std::int64_t bytes();
+  struct Sweep;
+  void sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& sweep);
+  static void look(JobQueue& queue, Sweep& sweep);
+  void remove_found(JobQueue& queue, const Sweep& sweep);
   const std::string path_;
   const std::int64_t bytes_max_;
   std::mutex mutex_;
   std::int64_t bytes_ = 0, bytes_coming_ = 0;
   std::chrono::steady_clock::time_point counted_;  // no moment: never
-  boost::asio::thread_pool pool_{1};
+  std::mutex storing_;                             // a folder may not go between its making and its file's
 };
 
 }  // namespace multum

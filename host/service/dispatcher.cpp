@@ -100,7 +100,7 @@ void Dispatcher::remove_logs(const std::vector<std::int64_t>& ids) const {
 
 void Dispatcher::recover() {
   std::vector<std::string> folders;
-  std::vector<std::int64_t> unfinished;
+  JobQueue::Numbers numbers;
   ledger_.run_now([&](JobQueue& queue) {
     const JobQueue::Recovered recovered = queue.recover(wall_clock_ms());
     for (const auto& [job, identity] : recovered.publishing) {
@@ -115,9 +115,16 @@ void Dispatcher::recover() {
     for (const std::int64_t id : recovered.lost)
       service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it is tried again");
     folders = queue.output_folders();
-    unfinished = queue.unfinished();
+    numbers = queue.numbers();
+    for (const auto& [name, states] : queue.counts())
+      for (const auto& [state, count] : states)
+        if (!is_final(state) && !limits_.queues.contains(name))
+          service_log(LogSeverity::kWarning, 0,
+                      fmt::format("{} jobs are {} in queue {}, which is not configured: they are not started", count,
+                                  job_state_name(state), name));
   });
-  for (const std::string& path : sweep_staging(outputs_, folders, instance_, unfinished))
+  const auto is_finished_with = [&](std::int64_t id) { return numbers.is_finished_with(id); };
+  for (const std::string& path : sweep_staging(outputs_, folders, instance_, is_finished_with))
     service_log(LogSeverity::kInfo, 0, "removed what an earlier daemon left: " + path);
 }
 
@@ -141,7 +148,8 @@ void Dispatcher::pump() {
               [this, outcome, owners](const std::exception_ptr& error) {
                 is_claiming_ = false;
                 if (error) {
-                  service_log(LogSeverity::kError, 0, "jobs cannot be claimed: " + words_of(error));
+                  if (!ledger_.is_lost())
+                    service_log(LogSeverity::kError, 0, "jobs cannot be claimed: " + words_of(error));
                   for (const std::string& owner : owners) reserved_.erase(owner);
                   return wake_at(wall_clock_ms() + 5000);
                 }
@@ -312,6 +320,11 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
   ledger_.run(work, [=, this](const std::exception_ptr& error) {
     --unsettled_;
     if (!error) return done();
+    if (ledger_.is_lost()) {  // it has said so; the ledger that is put back finds the job cut off
+      running_.erase(id);
+      progress_.erase(id);
+      return end_drain_if_idle();
+    }
     // The disk is full, as a rule. What has happened is in no ledger yet: tried until it is noted.
     service_log(LogSeverity::kError, id, "what became of it cannot be noted: " + words_of(error));
     ++unsettled_;

@@ -185,17 +185,16 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> retry(std::string text) {
     const Job job = co_await job_of(std::move(text));
-    bool is_done = false;
+    RetryResult result;
     std::set<std::int64_t> touched;
     co_await in_ledger([&](JobQueue& queue) {
       queue.take_changed();
-      is_done = queue.retry(job.id, wall_clock_ms());
+      result = queue.retry(job.id, wall_clock_ms());
       touched = queue.take_changed();
     });
-    if (!is_done)
-      throw Refusal{
-          409, "not_dead",
-          fmt::format("job {} is {}; dead and cancelled ones can be tried again", job.id, job_state_name(job.state))};
+    if (result.queued.empty())
+      throw Refusal{409, is_final(job.state) && job.state != JobState::kSucceeded ? "need_purged" : "not_dead",
+                    result.refusal};
     dispatcher.changed(touched);
     co_return json_response(job_json(co_await job_of(std::to_string(job.id))), 202);
   }
@@ -264,6 +263,7 @@ struct HttpApi::State {
     check_upload_name(name);
     DataFolder::Upload stored;
     co_await beside([&] { stored = data.store(name, *request.upload); });
+    co_await in_ledger([&](JobQueue& queue) { queue.note_upload(stored.path); });
     co_return json_response({{"path", stored.path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}},
                             201);
   }
@@ -316,7 +316,7 @@ struct HttpApi::State {
   }
 
   asio::awaitable<HttpResponse> ready() {
-    co_await in_ledger([](JobQueue& queue) { queue.next_due(); });
+    co_await in_ledger([](JobQueue& queue) { queue.check_kept(); });
     const bool is_ready = !dispatcher.is_draining() && dispatcher.workers().live_count() > 0;
     co_return json_response({{"ready", is_ready}, {"workers", dispatcher.workers().live_count()}},
                             is_ready ? 200 : 503);

@@ -227,7 +227,7 @@ void JobPictures::sweep(QueueThread& ledger) {
     // By way of io_, whose thread the ledger outlives.
     asio::post(io_, [this, &ledger, ids] {
       ledger.run(
-          [ids](JobQueue& queue) { std::erase_if(*ids, [&](std::int64_t id) { return queue.find(id).has_value(); }); },
+          [ids](JobQueue& queue) { std::erase_if(*ids, [&](std::int64_t id) { return !queue.was_purged(id); }); },
           [this, ids](const std::exception_ptr& error) {
             if (!error) asio::post(pool_, [this, ids] { remove(*ids); });
           });

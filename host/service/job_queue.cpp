@@ -15,12 +15,37 @@ constexpr int number_of(JobState state) { return static_cast<int>(state); }
 
 }  // namespace
 
-JobQueue::JobQueue(const std::string& path, RetryPolicy policy) : database_(path), policy_(policy) {
-  prepare_ledger(database_);
+JobQueue::JobQueue(const LedgerSettings& settings)
+    : database_(settings.path), policy_(settings.retry), results_(settings.results) {
+  prepare_ledger(database_, settings.may_begin);
   if (const std::string damage = database_.damage(); !damage.empty())
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: is damaged: {}; docs/SERVICE.md says what can be done", path, damage));
+                fmt::format("{}: is damaged: {}; docs/SERVICE.md says what can be done", settings.path, damage));
+  take_instance(settings);
   resync();
+}
+
+void JobQueue::take_instance(const LedgerSettings& settings) {
+  SqliteStatement& known = statement("SELECT value FROM meta WHERE name = 'instance'");
+  if (known.step()) instance_ = known.text(0);
+  known.reset();
+  if (instance_.empty() && !settings.instance.empty()) {
+    statement("INSERT INTO meta (name, value) VALUES ('instance', ?)").bind(1, settings.instance).run();
+    instance_ = settings.instance;
+  } else if (!settings.may_begin && instance_ != settings.instance) {
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}: is the ledger of instance {}, expected that of {}: {}", settings.path, instance_,
+                            settings.instance, lost_ledger_advice()));
+  }
+}
+
+void JobQueue::number_above(std::int64_t number) {
+  const Numbers known = numbers();
+  if (number <= known.last) return;
+  statement("INSERT INTO sqlite_sequence (name, seq) SELECT 'jobs', 0 WHERE NOT EXISTS (SELECT 1 FROM sqlite_sequence)")
+      .run();
+  statement("UPDATE sqlite_sequence SET seq = ? WHERE name = 'jobs'").bind(1, number).run();
+  statement("INSERT OR REPLACE INTO meta (name, value) VALUES ('first_number', ?)").bind(1, number + 1).run();
 }
 
 SqliteStatement& JobQueue::statement(const char* sql) {
@@ -55,9 +80,12 @@ void JobQueue::resync() {
 // ---- In
 
 SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact, TimeMs now) {
+  check_kept();
   if (!s.key.empty()) {
-    static const std::string sql =
-        select_jobs("WHERE key = ? AND output = ? AND state < 5 AND key <> '' ORDER BY id DESC LIMIT 1");
+    // One that is about to be cancelled is nobody's work any more.
+    static const std::string sql = select_jobs(
+        "WHERE key = ? AND output = ? AND state < 5 AND key <> '' AND (stop_asked = '' OR state = 4) ORDER BY id DESC "
+        "LIMIT 1");
     SqliteStatement& same = statement(sql.c_str());
     same.bind(1, s.key).bind(2, s.output);
     if (same.step()) {
@@ -92,15 +120,15 @@ SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact,
 
 // ---- Leases
 
-std::optional<Job> JobQueue::first_candidate(const std::string& queue, const QueueLimits& limits,
-                                             const ClaimLimits& all, TimeMs now) {
+std::optional<JobQueue::Candidate> JobQueue::first_candidate(const std::string& queue, const QueueLimits& limits,
+                                                             const ClaimLimits& all, TimeMs now) {
   const Use& used = queue_use_[queue];
   if (limits.is_paused || used.jobs >= limits.jobs_max) return std::nullopt;
   static const std::string sql = select_jobs(
       "WHERE queue = ? AND state = 1 AND (not_before IS NULL OR not_before <= ?) ORDER BY priority DESC, id");
   SqliteStatement& query = statement(sql.c_str());
   query.bind(1, queue).bind(2, now);
-  std::optional<Job> found;
+  std::optional<Candidate> found;
   while (!found && query.step()) {
     Job job = job_from_row(query);
     // A device that is busy is passed by; memory is waited for, or the large jobs would starve. What exceeds a limit by
@@ -110,25 +138,28 @@ std::optional<Job> JobQueue::first_candidate(const std::string& queue, const Que
     const auto fits = [&](const Use& use, std::int64_t memory_max) {
       return memory_max <= 0 || use.jobs == 0 || use.memory + job.memory_bytes <= memory_max;
     };
-    if (!fits(used, limits.memory_max) || !fits(use_, all.memory_max)) break;
-    found = std::move(job);
+    if (!fits(used, limits.memory_max)) break;
+    const bool is_held_up = !fits(use_, all.memory_max);
+    found = Candidate{std::move(job), is_held_up};
   }
   query.reset();
   return found;
 }
 
 std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string& owner, TimeMs now) {
-  std::optional<Job> best;
-  int best_priority = 0;
+  std::optional<Candidate> first;
+  int first_priority = 0;
   for (const auto& [name, of_queue] : limits.queues) {
-    std::optional<Job> job = first_candidate(name, of_queue, limits, now);
-    if (!job) continue;
+    std::optional<Candidate> candidate = first_candidate(name, of_queue, limits, now);
+    if (!candidate) continue;
     const auto rank = [](int queue, const Job& of) { return std::tuple(-queue, -of.priority, of.id); };
-    if (best && rank(best_priority, *best) < rank(of_queue.priority, *job)) continue;
-    best = std::move(job);
-    best_priority = of_queue.priority;
+    if (first && rank(first_priority, first->job) < rank(of_queue.priority, candidate->job)) continue;
+    first = std::move(candidate);
+    first_priority = of_queue.priority;
   }
-  if (!best) return std::nullopt;
+  // Nor do small jobs of other queues overtake a large one: it would wait for as long as they come.
+  if (!first || first->is_held_up) return std::nullopt;
+  std::optional<Job> best = std::move(first->job);
   best->state = JobState::kRunning;
   best->owner = owner;
   ++best->attempt;
@@ -156,7 +187,7 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
 std::optional<TimeMs> JobQueue::next_due() {
   SqliteStatement& query = statement(
       "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs WHERE not_before IS NOT NULL AND state = 1 "
-      "UNION ALL SELECT MIN(deadline) FROM jobs WHERE deadline IS NOT NULL AND state < 4)");
+      "UNION ALL SELECT MIN(deadline) FROM jobs WHERE deadline IS NOT NULL AND state < 4 AND state <> 3)");
   query.step();
   const std::optional<TimeMs> due = query.optional_integer(0);
   query.reset();
@@ -256,8 +287,9 @@ void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeM
   }
   std::optional<TimeMs> not_before;
   if (is_counted) {
-    const int doublings = std::min(counted - 1, 30);
-    not_before = now + std::min(policy_.back_off_max, policy_.back_off_first << doublings);
+    TimeMs back_off = policy_.back_off_first;
+    for (int i = 1; i < counted && back_off < policy_.back_off_max; ++i) back_off *= 2;
+    not_before = now + std::min(policy_.back_off_max, back_off);
   }
   statement("UPDATE jobs SET state = 1, owner = '', not_before = ?, message = ? WHERE id = ?")
       .bind(1, not_before)
@@ -326,22 +358,67 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
   return CancelResult::kCancelled;
 }
 
-bool JobQueue::retry(std::int64_t id, TimeMs now) {
+// Those of its needs that are dead or cancelled, theirs, and so on, itself too, into `roots`. Returns which of what
+// they need was purged; empty: none.
+std::string JobQueue::gone_need(std::int64_t id, std::vector<std::int64_t>& roots) {
+  std::set<std::int64_t> seen = {id};
+  roots = {id};
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    const std::int64_t job = roots[i];
+    SqliteStatement& needs = statement(
+        "SELECT needs.needs, jobs.state FROM needs LEFT JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND "
+        "(jobs.id IS NULL OR jobs.state >= 5)");
+    needs.bind(1, job);
+    std::optional<std::int64_t> gone;
+    while (needs.step()) {
+      const std::int64_t need = needs.integer(0);
+      if (!needs.optional_integer(1)) gone = need;
+      else if (seen.insert(need).second) roots.push_back(need);
+    }
+    if (gone) {
+      const std::string what = fmt::format("needs job {}, which was purged", *gone);
+      return job == id ? what : fmt::format("needs job {}, which {}", job, what);
+    }
+  }
+  return "";
+}
+
+RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
+  RetryResult result;
   const std::optional<Job> job = find(id);
-  if (!job || (job->state != JobState::kDead && job->state != JobState::kCancelled)) return false;
-  // With those that never ran, for want of this one: they wait for it again.
-  std::vector<std::int64_t> retried = {id};
-  while (!retried.empty()) {
-    const std::int64_t next = retried.back();
-    retried.pop_back();
-    queue_again(next, now);
+  if (!job || (job->state != JobState::kDead && job->state != JobState::kCancelled)) {
+    result.refusal = fmt::format("job {} is {}; dead and cancelled ones can be tried again", id,
+                                 job ? job_state_name(job->state) : "not known");
+    return result;
+  }
+  if (const std::string gone = gone_need(id, result.queued); !gone.empty())
+    return {{}, fmt::format("job {} {}: it cannot be tried again, submit it anew", id, gone)};
+  for (const std::int64_t root : result.queued) queue_again(root, now);
+  // With those that never ran, for want of these: they wait for them again, unless they lack something else too. Looked
+  // at once more with each job that they need.
+  for (std::size_t i = 0; i < result.queued.size(); ++i) {
     SqliteStatement& dependents = statement(
         "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
         "jobs.attempts_counted = 0");
-    dependents.bind(1, next);
-    for (const std::int64_t dependent : ids(dependents)) retried.push_back(dependent);
+    dependents.bind(1, result.queued[i]);
+    for (const std::int64_t dependent : ids(dependents)) {
+      if (!may_wait(dependent)) continue;
+      queue_again(dependent, now);
+      result.queued.push_back(dependent);
+    }
   }
-  return true;
+  return result;
+}
+
+// All that it needs has succeeded, or may yet.
+bool JobQueue::may_wait(std::int64_t id) {
+  SqliteStatement& lacks = statement(
+      "SELECT 1 FROM needs LEFT JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND (jobs.id IS NULL OR "
+      "jobs.state >= 5) LIMIT 1");
+  lacks.bind(1, id);
+  const bool is_lacking = lacks.step();
+  lacks.reset();
+  return !is_lacking;
 }
 
 void JobQueue::queue_again(std::int64_t id, TimeMs now) {
@@ -367,9 +444,12 @@ std::vector<std::int64_t> JobQueue::retry_dead(const std::string& queue, TimeMs 
   dead.bind(1, queue);
   std::vector<std::int64_t> retried;
   for (const std::int64_t id : ids(dead)) {
-    retry(id, now);  // false: it was queued with one that it needs
-    retried.push_back(id);
+    if (find(id)->state != JobState::kDead) continue;  // queued with one before
+    RetryResult result = retry(id, now);
+    if (result.queued.empty()) set_state(id, JobState::kDead, result.refusal);
+    retried.insert(retried.end(), result.queued.begin(), result.queued.end());
   }
+  std::sort(retried.begin(), retried.end());
   return retried;
 }
 
@@ -395,20 +475,30 @@ JobQueue::Overdue JobQueue::expire_deadlines(TimeMs now) {
 std::vector<std::int64_t> JobQueue::purge(const std::vector<std::int64_t>& wanted) {
   std::vector<std::int64_t> purged;
   for (const std::int64_t id : wanted) {
+    const std::optional<Job> job = find(id);
+    if (!job || !is_final(job->state)) continue;
+    const std::string identity = result_identity(id);
     SqliteStatement& query = statement(
-        "DELETE FROM jobs WHERE id = ?1 AND state >= 4 AND NOT EXISTS (SELECT 1 FROM needs JOIN jobs AS other ON "
-        "other.id = needs.job WHERE needs.needs = ?1 AND other.state < 4)");
-    query.bind(1, id);
-    if (query.run() > 0) {
-      purged.push_back(id);
-      changed_.insert(id);
-    }
+        "DELETE FROM jobs WHERE id = ?1 AND NOT EXISTS (SELECT 1 FROM needs JOIN jobs AS other ON other.id = needs.job "
+        "WHERE needs.needs = ?1 AND other.state < 4)");
+    if (query.bind(1, id).run() == 0) continue;
+    const bool is_ours = !results_.empty() && job->output.starts_with(results_ + "/");
+    statement("INSERT OR REPLACE INTO left_overs (job, output, identity) VALUES (?, ?, ?)")
+        .bind(1, id)
+        .bind(2, is_ours ? job->output : "")
+        .bind(3, identity)
+        .run();
+    purged.push_back(id);
+    changed_.insert(id);
   }
   return purged;
 }
 
 std::vector<std::int64_t> JobQueue::purge_finished_before(TimeMs time, int limit) {
-  SqliteStatement& query = statement("SELECT id FROM jobs WHERE state >= 4 AND finished < ? ORDER BY finished LIMIT ?");
+  // Those that may not go yet do not count, or they would keep the others.
+  SqliteStatement& query = statement(
+      "SELECT id FROM jobs WHERE state >= 4 AND finished < ? AND NOT EXISTS (SELECT 1 FROM needs JOIN jobs AS other ON "
+      "other.id = needs.job WHERE needs.needs = jobs.id AND other.state < 4) ORDER BY finished LIMIT ?");
   query.bind(1, time).bind(2, limit);
   return purge(ids(query));
 }
@@ -485,24 +575,82 @@ std::vector<std::string> JobQueue::output_folders() {
   return folders;
 }
 
-std::vector<std::int64_t> JobQueue::unfinished() { return ids(statement("SELECT id FROM jobs WHERE state < 4")); }
+bool JobQueue::Numbers::is_finished_with(std::int64_t id) const {
+  if (std::binary_search(ended.begin(), ended.end(), id)) return true;
+  return first <= id && id <= last && !std::binary_search(unfinished.begin(), unfinished.end(), id);
+}
 
-JobQueue::Uses JobQueue::uses(const std::string& uploads, const std::string& results) {
-  Uses uses;
-  SqliteStatement& all = statement("SELECT id, output FROM jobs");
-  while (all.step()) {
-    uses.ids.insert(all.integer(0));
-    if (std::string output = all.text(1); output.starts_with(results)) uses.outputs.insert(std::move(output));
+JobQueue::Numbers JobQueue::numbers() {
+  Numbers found;
+  found.ended = ids(statement("SELECT id FROM jobs WHERE state >= 4 ORDER BY id"));
+  found.unfinished = ids(statement("SELECT id FROM jobs WHERE state < 4 ORDER BY id"));
+  SqliteStatement& range = statement(
+      "SELECT IFNULL((SELECT value FROM meta WHERE name = 'first_number'), 1), IFNULL((SELECT seq FROM sqlite_sequence "
+      "WHERE name = 'jobs'), 0)");
+  range.step();
+  found.first = range.integer(0);
+  found.last = range.integer(1);
+  range.reset();
+  return found;
+}
+
+bool JobQueue::was_purged(std::int64_t id) {
+  SqliteStatement& query = statement(
+      "SELECT ?1 >= IFNULL((SELECT value FROM meta WHERE name = 'first_number'), 1) AND ?1 <= IFNULL((SELECT seq FROM "
+      "sqlite_sequence WHERE name = 'jobs'), 0) AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = ?1)");
+  query.bind(1, id).step();
+  const bool was_purged = query.integer(0) != 0;
+  query.reset();
+  return was_purged;
+}
+
+std::vector<JobQueue::LeftOver> JobQueue::left_overs(std::int64_t after, int limit) {
+  SqliteStatement& query = statement("SELECT job, output, identity FROM left_overs WHERE job > ? ORDER BY job LIMIT ?");
+  query.bind(1, after).bind(2, limit);
+  std::vector<LeftOver> found;
+  while (query.step()) found.push_back({query.integer(0), query.text(1), query.text(2)});
+  return found;
+}
+
+void JobQueue::forget_left_over(std::int64_t job) {
+  statement("DELETE FROM left_overs WHERE job = ?").bind(1, job).run();
+}
+
+void JobQueue::note_upload(const std::string& path) {
+  check_kept();
+  statement("INSERT OR IGNORE INTO uploads (path) VALUES (?)").bind(1, path).run();
+}
+
+std::vector<std::string> JobQueue::uploads(const std::string& after, int limit) {
+  SqliteStatement& query = statement("SELECT path FROM uploads WHERE path > ? ORDER BY path LIMIT ?");
+  query.bind(1, after).bind(2, limit);
+  std::vector<std::string> paths;
+  while (query.step()) paths.push_back(query.text(0));
+  return paths;
+}
+
+void JobQueue::forget_upload(const std::string& path) {
+  statement("DELETE FROM uploads WHERE path = ?").bind(1, path).run();
+}
+
+bool JobQueue::Uses::have(const std::string& path) const {
+  for (const std::set<std::string>* names : {&outputs, &inputs}) {
+    const auto below = names->lower_bound(path + "/");
+    if (below != names->end() && below->starts_with(path + "/")) return true;
+    for (std::size_t end = path.size(); end != 0 && end != std::string::npos; end = path.rfind('/', end - 1))
+      if (names->contains(path.substr(0, end))) return true;
   }
+  return false;
+}
+
+JobQueue::Uses JobQueue::uses() {
+  Uses uses;
+  SqliteStatement& outputs = statement("SELECT DISTINCT output FROM jobs WHERE output <> ''");
+  while (outputs.step()) uses.outputs.insert(outputs.text(0));
   SqliteStatement& values = statement(
       "SELECT json_each.value FROM jobs, json_each(jobs.parameters) WHERE jobs.state < 4 AND json_each.type = 'text' "
-      "AND "
-      "substr(json_each.value, 1, length(?1)) = ?1");
-  values.bind(1, uploads);
+      "AND substr(json_each.value, 1, 1) = '/'");
   while (values.step()) uses.inputs.insert(values.text(0));
-  SqliteStatement& last = statement("SELECT seq FROM sqlite_sequence WHERE name = 'jobs'");
-  if (last.step()) uses.last_id = last.integer(0);
-  last.reset();
   return uses;
 }
 
@@ -513,7 +661,32 @@ void JobQueue::forgive_back_offs(TimeMs now) {
       .run();
 }
 
+// No job may wait for one that has failed or is gone: in a ledger of before version 4, or one that was rescued, some
+// do.
+void JobQueue::settle_waiting(TimeMs now) {
+  SqliteStatement& query = statement(
+      "SELECT needs.job, needs.needs FROM needs JOIN jobs ON jobs.id = needs.job LEFT JOIN jobs AS other ON other.id = "
+      "needs.needs WHERE jobs.state = 0 AND (other.id IS NULL OR other.state >= 5)");
+  std::vector<std::pair<std::int64_t, std::int64_t>> stuck;
+  while (query.step()) stuck.emplace_back(query.integer(0), query.integer(1));
+  for (const auto& [id, need] : stuck) {
+    if (find(id)->state != JobState::kWaiting) continue;  // with another
+    const std::optional<Job> other = find(need);
+    finish(id, JobState::kDead,
+           fmt::format("needs job {}, which {}", need,
+                       other ? std::string("is ") + job_state_name(other->state) : "was purged"),
+           now);
+    fail_dependents(id, now);
+  }
+  statement(
+      "UPDATE jobs SET needs_left = (SELECT COUNT(*) FROM needs JOIN jobs AS other ON other.id = needs.needs WHERE "
+      "needs.job = jobs.id AND other.state <> 4) WHERE state = 0")
+      .run();
+  statement("UPDATE jobs SET state = 1 WHERE state = 0 AND needs_left = 0").run();
+}
+
 JobQueue::Recovered JobQueue::recover(TimeMs now) {
+  settle_waiting(now);
   Recovered recovered;
   SqliteStatement& query = statement("SELECT id FROM jobs WHERE state IN (2, 3) ORDER BY id");
   for (const std::int64_t id : ids(query)) {

@@ -35,6 +35,14 @@ struct RetryPolicy {
   TimeMs back_off_max = 300000;
 };
 
+struct LedgerSettings {
+  std::string path;       // of the database
+  std::string results;    // folder whose files go with the jobs that made them, without links; "": none do
+  std::string instance;   // name of the folder that it belongs to; "": any
+  bool may_begin = true;  // false: it must be there, and be this instance's
+  RetryPolicy retry;
+};
+
 struct SubmitResult {
   std::int64_t id = 0;
   bool is_new = true;  // false: a job of this key and output was there
@@ -56,10 +64,22 @@ struct JobFilter {
   int limit = 100;                     // 1..1000
 };
 
+struct RetryResult {
+  std::vector<std::int64_t> queued;  // it, what it needs and what died because of these; none: see `refusal`
+  std::string refusal;
+};
+
 class JobQueue {
  public:
-  /// Opens or creates the database. Throws as SqliteDatabase does; Error(kInput) for one of a newer version.
-  JobQueue(const std::string& path, RetryPolicy policy);
+  /// Opens or creates the database. Throws as SqliteDatabase and prepare_ledger() do, and Error(kEnvironment) for
+  /// another instance's ledger.
+  explicit JobQueue(const LedgerSettings& settings);
+  /// Of the folder that it belongs to; "": of none yet.
+  const std::string& instance() const { return instance_; }
+  /// The next job's number is above `number`, whoever has used the ones up to it.
+  void number_above(std::int64_t number);
+  /// Throws Error(kEnvironment) when what is submitted now would be lost.
+  void check_kept() const { database_.check_may_change(); }
 
   /// A job of the same key and output that waits, runs, or whose result `is_intact`, is taken for the new one. Throws
   /// Error(kUsage) for needs that do not exist, or have failed for good.
@@ -83,16 +103,18 @@ class JobQueue {
   bool ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now);
 
   CancelResult cancel(std::int64_t id, const std::string& why, TimeMs now);
-  /// Of dead and cancelled jobs; those that died because of them are queued again too. False: the job is neither.
-  bool retry(std::int64_t id, TimeMs now);
-  /// All dead ones, of one queue or of all; returns their ids.
+  /// A dead or cancelled job again; with it those of its needs that are dead or cancelled, down to the roots, and those
+  /// that died because of any of these. Refused: it is neither, or one of its needs was purged.
+  RetryResult retry(std::int64_t id, TimeMs now);
+  /// All dead ones, of one queue or of all, but for those that would be refused: their message says why. Returns all
+  /// that are queued again.
   std::vector<std::int64_t> retry_dead(const std::string& queue, TimeMs now);
   /// Jobs that may not start any more die; returns their ids, and those of running ones that are to be stopped.
   struct Overdue {
     std::vector<std::int64_t> dead, running;
   };
   Overdue expire_deadlines(TimeMs now);
-  /// Forgets finished jobs that nothing unfinished needs. Returns their ids.
+  /// Forgets finished jobs that nothing unfinished needs, and notes what they leave. Returns their ids.
   std::vector<std::int64_t> purge(const std::vector<std::int64_t>& ids);
   std::vector<std::int64_t> purge_finished_before(TimeMs time, int limit);
 
@@ -120,15 +142,36 @@ class JobQueue {
 
   /// Folders that results of jobs lie in or will, each once.
   std::vector<std::string> output_folders();
-  std::vector<std::int64_t> unfinished();
-  /// What of the daemon's own folders jobs have a use for.
-  struct Uses {
-    std::set<std::int64_t> ids;     // all jobs
-    std::int64_t last_id = 0;       // that was ever given
-    std::set<std::string> outputs;  // of all jobs, below `results`
-    std::set<std::string> inputs;   // texts in the parameters of unfinished jobs that begin with `uploads`
+  /// Whether the ledger gave a number to a job that has ended. Of numbers that it knows nothing of: no.
+  struct Numbers {
+    std::vector<std::int64_t> ended, unfinished;  // jobs that it has, in order
+    std::int64_t first = 0, last = 0;             // all of these were given by it
+    bool is_finished_with(std::int64_t id) const;
   };
-  Uses uses(const std::string& uploads, const std::string& results);
+  Numbers numbers();
+  bool was_purged(std::int64_t id);
+
+  // What lies in the daemon's own folders because of this ledger: nothing else there may be removed.
+  struct LeftOver {
+    std::int64_t job = 0;  // that was purged
+    std::string output;    // below LedgerSettings::results; "": it had none there
+    std::string identity;  // of what it put there; "": nothing, as far as is known
+  };
+  /// Those after this job, in order.
+  std::vector<LeftOver> left_overs(std::int64_t after, int limit);
+  void forget_left_over(std::int64_t job);
+  void note_upload(const std::string& path);
+  /// Those after this path, in order.
+  std::vector<std::string> uploads(const std::string& after, int limit);
+  void forget_upload(const std::string& path);
+  /// What of them jobs have a use for.
+  struct Uses {
+    std::set<std::string> outputs;  // of all jobs
+    std::set<std::string> inputs;   // texts in the parameters of unfinished jobs that begin with "/"
+    /// Is it, or anything below it or that it lies in, a job's?
+    bool have(const std::string& path) const;
+  };
+  Uses uses();
   /// Back-offs that are longer than any can be, since the clock was set back, end now.
   void forgive_back_offs(TimeMs now);
 
@@ -143,10 +186,18 @@ class JobQueue {
   void fail_dependents(std::int64_t id, TimeMs now);
   void release_dependents(std::int64_t id);
   void queue_again(std::int64_t id, TimeMs now);
+  std::string gone_need(std::int64_t id, std::vector<std::int64_t>& roots);
+  bool may_wait(std::int64_t id);
+  void settle_waiting(TimeMs now);
+  void take_instance(const LedgerSettings& settings);
   void close_attempt(const Job& job, const AttemptResult& result, TimeMs now);
   bool has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const;
-  std::optional<Job> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
-                                     TimeMs now);
+  struct Candidate {
+    Job job;
+    bool is_held_up = false;  // by the memory of all running jobs
+  };
+  std::optional<Candidate> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
+                                           TimeMs now);
   SqliteStatement& statement(const char* sql);
   std::vector<std::int64_t> needs_of(std::int64_t id);
   std::vector<std::int64_t> ids(SqliteStatement& query);
@@ -160,6 +211,7 @@ class JobQueue {
 
   SqliteDatabase database_;
   RetryPolicy policy_;
+  std::string results_, instance_;
   std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
   std::map<std::string, Use> queue_use_, device_use_;
   Use use_;

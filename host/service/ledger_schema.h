@@ -10,8 +10,10 @@
 namespace multum {
 
 /// Makes the tables of an empty database, and brings those of an earlier version up to this one. Throws Error(kInput)
-/// for a newer version.
-void prepare_ledger(SqliteDatabase& database);
+/// for a newer version, and for a database of something else; Error(kEnvironment) for an empty one that may not begin.
+void prepare_ledger(SqliteDatabase& database, bool may_begin);
+/// The end of a message: what can be done about a ledger that is lost.
+const char* lost_ledger_advice();
 
 /// SELECT of all columns that job_from_row() wants; `rest`: from WHERE on.
 std::string select_jobs(const char* rest);

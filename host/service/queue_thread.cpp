@@ -3,6 +3,8 @@
 
 #include <future>
 
+#include "host/service/service_log.h"
+
 namespace multum {
 namespace {
 
@@ -11,8 +13,8 @@ constexpr std::size_t kBatchMax = 256;
 
 }  // namespace
 
-QueueThread::QueueThread(const std::string& path, RetryPolicy policy, Post post)
-    : queue_(path, policy), post_(std::move(post)), thread_([this] { loop(); }) {}
+QueueThread::QueueThread(const LedgerSettings& settings, Post post)
+    : queue_(settings), post_(std::move(post)), thread_([this] { loop(); }) {}
 
 QueueThread::~QueueThread() {
   {
@@ -23,31 +25,21 @@ QueueThread::~QueueThread() {
   thread_.join();
 }
 
-void QueueThread::run(Work work, Done done) {
+void QueueThread::add(Task task) {
   {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back({std::move(work), std::move(done), nullptr});
+    tasks_.push_back(std::move(task));
   }
   wake_.notify_one();
 }
 
+void QueueThread::run(Work work, Done done) { add({std::move(work), std::move(done), nullptr, false}); }
+
 void QueueThread::run_now(const Work& work) {
-  std::promise<void> promise;
-  // Not by `post`: the caller's thread is this one, which waits.
-  std::exception_ptr error;
-  run(
-      [&](JobQueue& queue) {
-        try {
-          work(queue);
-        } catch (...) {
-          error = std::current_exception();
-          throw;
-        }
-      },
-      nullptr);
-  run([&](JobQueue&) { promise.set_value(); }, nullptr);
-  promise.get_future().wait();
-  if (error) std::rethrow_exception(error);
+  std::promise<std::exception_ptr> ended;
+  // Not by `post`: the caller's thread is this one, which waits. And not before the commit, which may fail.
+  add({work, [&](const std::exception_ptr& error) { ended.set_value(error); }, nullptr, true});
+  if (const std::exception_ptr error = ended.get_future().get()) std::rethrow_exception(error);
 }
 
 std::size_t QueueThread::pending() const {
@@ -81,13 +73,29 @@ void QueueThread::loop() {
       }
     }
     // Each by itself: what else that thread has to do comes in between.
-    for (Task& task : batch)
-      if (task.done) post_([done = std::move(task.done), error = task.error] { done(error); });
+    for (Task& task : batch) {
+      if (!task.done) continue;
+      if (task.is_waited_for) task.done(task.error);
+      else post_([done = std::move(task.done), error = task.error] { done(error); });
+    }
   }
+}
+
+// At a batch's begin and before its commit: what is written to a file that nobody will find again must not be promised.
+void QueueThread::look_for_loss() {
+  if (is_lost_) return;
+  const std::string what = queue_.database().displaced();
+  if (what.empty()) return;
+  const std::string why = "the ledger is lost: " + what +
+                          "; nothing is accepted or noted until it is put back and the service started again";
+  queue_.database().look_only(why);
+  is_lost_ = true;
+  service_log(LogSeverity::kError, 0, "ALARM: " + why);
 }
 
 bool QueueThread::run_batch(std::vector<Task>& batch) {
   try {
+    look_for_loss();
     SqliteTransaction transaction(queue_.database());
     for (Task& task : batch) {
       try {
@@ -99,6 +107,9 @@ bool QueueThread::run_batch(std::vector<Task>& batch) {
         queue_.resync();
       }
     }
+    if (is_lost_) return true;  // what only looked was done
+    look_for_loss();
+    queue_.check_kept();
     transaction.commit();
     return true;
   } catch (...) {  // a full disk, as a rule: nothing of the batch is done

@@ -10,7 +10,6 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fstream>
-#include <random>
 
 #include "host/base/atomic_file.h"
 #include "host/base/confinement.h"
@@ -18,6 +17,7 @@
 #include "host/base/folder_lock.h"
 #include "host/base/output_paths.h"
 #include "host/service/http_api.h"
+#include "host/service/ledger_start.h"
 #include "host/service/service_log.h"
 
 namespace multum {
@@ -51,17 +51,6 @@ std::string read_token(const std::string& path) {
   return token;
 }
 
-// The same for as long as the data folder lives: staging folders are told apart by it.
-std::string instance_of(const std::string& data) {
-  const std::string path = data + "/instance";
-  std::string name;
-  if (std::ifstream file(path); std::getline(file, name) && name.size() == 8) return name;
-  std::random_device random;
-  name = fmt::format("{:08x}", random());
-  write_text_file(path, name + "\n");
-  return name;
-}
-
 class Service {
  public:
   explicit Service(const ServiceOptions& options)
@@ -73,11 +62,11 @@ class Service {
         work_(asio::make_work_guard(io_)),
         // Numbers of events go on, from one daemon to the next.
         events_(static_cast<std::uint64_t>(wall_clock_ms()) * 1000),
-        ledger_(std::make_unique<QueueThread>(settings_.data + "/jobs.sqlite", settings_.retry,
+        ledger_(std::make_unique<QueueThread>(find_ledger(settings_.data, settings_.retry, options.begins_anew),
                                               [this](std::function<void()> task) {
                                                 asio::post(io_, [this, task = std::move(task)] { turns_.add(task); });
                                               })),
-        dispatcher_(io_, *ledger_, events_, settings_, roots_.outputs, instance_of(settings_.data),
+        dispatcher_(io_, *ledger_, events_, settings_, roots_.outputs, take_up_ledger(*ledger_, data_, settings_.data),
                     options.worker_command),
         api_(io_, *ledger_, dispatcher_, events_, data_, settings_, roots_, read_token(settings_.token_file)),
         server_(io_, server_settings(), events_, turns_),
@@ -232,7 +221,9 @@ class Service {
             *purged = queue.purge_finished_before(wall_clock_ms() - 86400000LL * settings_.retention_days, 10000);
             queue.take_changed();
           },
-          [this, purged](const std::exception_ptr&) { dispatcher_.remove_logs(*purged); });
+          [this, purged](const std::exception_ptr& error) {
+            if (!error) dispatcher_.remove_logs(*purged);  // else they are still there
+          });
     }
     api_.pictures().sweep(*ledger_);
     constexpr int kForEver = 1000000;  // days

@@ -17,6 +17,7 @@ struct ServiceOptions {
   std::string settings_file;                       // empty: none
   std::function<ServiceSettings()> read_settings;  // the same again, as the file is by then: at SIGHUP
   std::vector<std::string> worker_command;         // of a worker, without its socket
+  bool begins_anew = false;                        // a new ledger, where the folder's is lost
 };
 
 /// Until it is asked to end. Throws Error for what keeps it from starting.

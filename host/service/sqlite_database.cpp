@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
+
+#include <cerrno>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -33,6 +36,11 @@ SqliteStatement& SqliteStatement::bind(int number, std::string_view text) {
 SqliteStatement& SqliteStatement::bind(int number, std::optional<std::int64_t> value) {
   if (value) return bind(number, *value);
   check(sqlite3_bind_null(statement_, number));
+  return *this;
+}
+
+SqliteStatement& SqliteStatement::bind(int number, const SqliteStatement& row, int column) {
+  check(sqlite3_bind_value(statement_, number, sqlite3_column_value(row.statement_, column)));
   return *this;
 }
 
@@ -69,6 +77,8 @@ std::string SqliteStatement::text(int column) const {
                          : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)));
 }
 
+bool SqliteStatement::is_text(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_TEXT; }
+
 SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
   const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
   const int result = sqlite3_open_v2(path_.c_str(), &handle_, flags, nullptr);
@@ -78,7 +88,12 @@ SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
     execute(
         "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;"
         "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF");
-    execute("BEGIN IMMEDIATE; COMMIT");  // takes the lock now
+    execute("BEGIN IMMEDIATE; COMMIT");  // takes the lock and makes the log now
+    file_ = file_number(path_);
+    log_file_ = file_number(path_ + "-wal");
+    int has_moved = 0;  // before its number was taken?
+    sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
+    if (has_moved != 0) throw Error(ErrorCode::kEnvironment, path_ + ": was replaced while it was opened");
   } catch (...) {
     sqlite3_close(handle_);
     throw;
@@ -104,16 +119,53 @@ std::string SqliteDatabase::damage() {
   return found;
 }
 
+SqliteDatabase::FileNumber SqliteDatabase::file_number(const std::string& path) {
+  struct stat found {};
+  if (::stat(path.c_str(), &found) == 0) return {found.st_dev, found.st_ino};
+  if (errno != ENOENT && errno != ENOTDIR) fail_by_errno(path, "cannot be looked at");
+  return {};
+}
+
+std::string SqliteDatabase::displaced() const {
+  const auto what = [](const std::string& path, const FileNumber& opened) {
+    const FileNumber found = file_number(path);
+    if (found == opened) return std::string();
+    return fmt::format("{}: was {} while the service ran", path, found == FileNumber{} ? "removed" : "replaced");
+  };
+  const std::string of_file = what(path_, file_);
+  return of_file.empty() ? what(path_ + "-wal", log_file_) : of_file;
+}
+
+void SqliteDatabase::look_only(const std::string& why) {
+  look_only_ = why;
+  if (file_number(path_) == file_) {  // its log alone is gone: what that had is saved
+    try {
+      execute("PRAGMA wal_checkpoint(FULL)");
+    } catch (const Error& error) {  // amid a transaction: closing does it
+      log_verbose(error.what());
+    }
+  } else {  // closing would remove another file's log
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  }
+  execute("PRAGMA query_only = ON");
+}
+
+void SqliteDatabase::check_may_change() const {
+  if (is_look_only()) throw Error(ErrorCode::kEnvironment, look_only_);
+}
+
 void SqliteDatabase::fail(int result) const {
   const std::string what = handle_ != nullptr ? sqlite3_errmsg(handle_) : sqlite3_errstr(result);
   switch (result & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED: throw Error(ErrorCode::kEnvironment, path_ + ": is in use by another process");
     case SQLITE_NOTADB:
+    case SQLITE_TOOBIG:  // a length that was damaged
     case SQLITE_CORRUPT:
       throw Error(
           ErrorCode::kInput,
           fmt::format("{}: is damaged or no database of jobs: {}; docs/SERVICE.md says what can be done", path_, what));
+    case SQLITE_READONLY: check_may_change(); [[fallthrough]];
     default: throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what));
   }
 }

@@ -31,6 +31,9 @@ class SqliteStatement {
   SqliteStatement& bind(int number, const char* text) { return bind(number, std::string_view(text)); }
   SqliteStatement& bind(int number, std::optional<std::int64_t> value);
 
+  /// A column of another database's row.
+  SqliteStatement& bind(int number, const SqliteStatement& row, int column);
+
   /// The next row, false after the last: then it may be bound anew.
   bool step();
   /// Of a statement without rows. Returns how many rows it changed.
@@ -42,6 +45,7 @@ class SqliteStatement {
   std::optional<std::int64_t> optional_integer(int column) const;
   std::optional<int> optional_int(int column) const;
   std::string text(int column) const;
+  bool is_text(int column) const;
 
  private:
   void check(int result) const;
@@ -66,17 +70,35 @@ class SqliteDatabase {
   std::string damage();
   const std::string& path() const { return path_; }
 
+  /// Why what is committed would be lost: another file or none is at its path, or at its log's; empty: all is in place.
+  /// Two calls of stat(). Throws Error(kEnvironment) when that cannot be known.
+  std::string displaced() const;
+  /// From now on it is only read: what would change it throws Error(kEnvironment, why).
+  void look_only(const std::string& why);
+  bool is_look_only() const { return !look_only_.empty(); }
+  /// Throws as a change would.
+  void check_may_change() const;
+
  private:
   friend class SqliteStatement;
+  struct FileNumber {
+    std::uint64_t device = 0, inode = 0;  // of no file: 0
+    bool operator==(const FileNumber&) const = default;
+  };
+  static FileNumber file_number(const std::string& path);
   [[noreturn]] void fail(int result) const;
   std::string path_;
   sqlite3* handle_ = nullptr;
+  FileNumber file_, log_file_;  // as they were opened
+  std::string look_only_;       // why; empty: it may be changed
 };
 
 /// Everything until commit() is done wholly or not at all: undone when it goes out of scope before.
 class SqliteTransaction {
  public:
-  explicit SqliteTransaction(SqliteDatabase& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }
+  explicit SqliteTransaction(SqliteDatabase& database) : database_(database) {
+    database_.execute(database_.is_look_only() ? "BEGIN" : "BEGIN IMMEDIATE");
+  }
   ~SqliteTransaction();
   SqliteTransaction(const SqliteTransaction&) = delete;
   SqliteTransaction& operator=(const SqliteTransaction&) = delete;

@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -133,7 +132,8 @@ void StagedResult::remove() const {
 }
 
 std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector<std::string>& folders,
-                                       const std::string& instance, const std::vector<std::int64_t>& kept) {
+                                       const std::string& instance,
+                                       const std::function<bool(std::int64_t)>& is_finished_with) {
   std::vector<std::string> removed;
   const std::string prefix = prefix_of(instance);
   for (const std::string& path : folders) {
@@ -146,7 +146,7 @@ std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector
         std::int64_t id = 0;
         const char* end = name.data() + name.size();
         const auto [stop, failed] = std::from_chars(name.data() + prefix.size(), end, id);
-        if (failed != std::errc() || stop != end || std::find(kept.begin(), kept.end(), id) != kept.end()) continue;
+        if (failed != std::errc() || stop != end || !is_finished_with(id)) continue;
         fs::remove_all(entry.path(), error);
         if (!error) removed.push_back(path + "/" + name);
       }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -48,9 +49,10 @@ class StagedResult {
   OpenFile folder_;
 };
 
-/// Staging folders of `instance` in these folders whose jobs are not among `kept`: removes them, returns their paths.
-/// Folders that are not below the roots any more are left alone.
+/// Staging folders of `instance` in these folders whose jobs the ledger is finished with: removes them, returns their
+/// paths. Folders that are not below the roots any more are left alone.
 std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector<std::string>& folders,
-                                       const std::string& instance, const std::vector<std::int64_t>& kept);
+                                       const std::string& instance,
+                                       const std::function<bool(std::int64_t)>& is_finished_with);
 
 }  // namespace multum

@@ -262,7 +262,7 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(multum({}), kUsage,
                  {"no command",
                   "bake plan tradeoff info verify devices selftest testmap mip reflectance lod materials animation "
-                  "infer serve submit",
+                  "infer serve rescue submit",
                   "--help"});
   expect_failure(multum({"cook"}), kUsage, {"'cook'", "no command", ": bake"});
   expect_failure(multum({"bake"}), kUsage, {"input", "required", "multum bake --help"});

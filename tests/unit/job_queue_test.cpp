@@ -39,11 +39,19 @@ class JobQueueTest : public ::testing::Test {
   JobState state(std::int64_t id) { return queue_->find(id)->state; }
   void reopen() {
     queue_.reset();
-    queue_ = std::make_unique<JobQueue>(folder_ / "jobs.sqlite", RetryPolicy{});
+    queue_ = std::make_unique<JobQueue>(settings());
   }
+  LedgerSettings settings(const std::string& name = "jobs.sqlite") const {
+    LedgerSettings settings;
+    settings.path = folder_ / name;
+    settings.results = "/data/results";
+    return settings;
+  }
+  bool retry(std::int64_t id) { return !queue_->retry(id, now_).queued.empty(); }
+  Ids retry_all() { return queue_->retry_dead("", now_); }
 
   TemporaryFolder folder_;
-  std::unique_ptr<JobQueue> queue_ = std::make_unique<JobQueue>(folder_ / "jobs.sqlite", RetryPolicy{});
+  std::unique_ptr<JobQueue> queue_ = std::make_unique<JobQueue>(settings());
   ClaimLimits limits_ = {{{"default", {}}, {"night", {}}}, {}, 0};
   TimeMs now_ = 1000000;
 };
@@ -175,7 +183,7 @@ TEST_F(JobQueueTest, FailuresBackOffAndThenDie) {
   fail(*claim());
   EXPECT_EQ(state(id), JobState::kDead);
   EXPECT_EQ(queue_->next_due(), std::nullopt);
-  EXPECT_TRUE(queue_->retry(id, now_));
+  EXPECT_TRUE(retry(id));
   EXPECT_EQ(claim()->attempt, 4) << "attempts are numbered on, or an old worker could be taken for a new one";
 }
 
@@ -204,12 +212,54 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   expect_error(ErrorCode::kUsage, {"job 2", "dead"}, [&] { submit(of(0, {a, b})); });
   expect_error(ErrorCode::kUsage, {"job 99", "exist"}, [&] { submit(of(0, {99})); });
   // Those that died because of it come back with it, and wait.
-  EXPECT_TRUE(queue_->retry(b, now_));
+  EXPECT_TRUE(retry(b));
   EXPECT_EQ(state(both), JobState::kWaiting);
   EXPECT_EQ(state(after), JobState::kWaiting);
   succeed(*claim());
   EXPECT_EQ(claim()->id, both);
   EXPECT_EQ(state(after), JobState::kWaiting);
+}
+
+// None may wait for a job that nobody tries again.
+TEST_F(JobQueueTest, ARetryReachesTheRoots) {
+  const std::int64_t root = submit(of(0)), other = submit(of(0)), middle = submit(of(0, {root})),
+                     leaf = submit(of(0, {middle})), both = submit(of(0, {root, other}));
+  fail(*claim(), AttemptOutcome::kRefused);
+  queue_->cancel(other, "by a test", now_);
+  EXPECT_EQ(queue_->retry(leaf, now_).queued, (Ids{leaf, middle, root}));
+  EXPECT_EQ(state(root), JobState::kQueued);
+  EXPECT_EQ(state(middle), JobState::kWaiting);
+  EXPECT_EQ(state(leaf), JobState::kWaiting);
+  EXPECT_EQ(state(both), JobState::kDead) << "it lacks the cancelled one too";
+  EXPECT_EQ(queue_->retry(other, now_).queued, (Ids{other, both}));
+  for (int i = 0; i < 5; ++i) succeed(*claim());
+  EXPECT_EQ(queue_->counts()["default"][JobState::kSucceeded], 5);
+}
+
+TEST_F(JobQueueTest, RetryingAllLeavesNoneStuck) {
+  SqliteTransaction transaction(queue_->database());
+  const std::int64_t root = submit(of(0));
+  for (int i = 0; i < 2000; ++i) submit(of(0, {root}));
+  queue_->cancel(root, "by a test", now_);
+  EXPECT_EQ(retry_all().size(), 2001u);
+  EXPECT_EQ(claim()->id, root);
+}
+
+TEST_F(JobQueueTest, ANeedThatWasPurgedIsNotMet) {
+  const std::int64_t root = submit(of(0)), middle = submit(of(0, {root})), leaf = submit(of(0, {middle})),
+                     alone = submit(of(-1));
+  fail(*claim(), AttemptOutcome::kRefused);
+  fail(*claim(), AttemptOutcome::kRefused);
+  EXPECT_EQ(queue_->purge({root}), Ids{root});
+  const RetryResult refused = queue_->retry(leaf, now_);
+  EXPECT_TRUE(refused.queued.empty());
+  testing::expect_says(refused.refusal, {"job 3", "job 2", "job 1", "purged"});
+  EXPECT_FALSE(retry(middle));
+  EXPECT_EQ(state(leaf), JobState::kDead);
+  EXPECT_EQ(retry_all(), Ids{alone});
+  EXPECT_EQ(state(middle), JobState::kDead);
+  testing::expect_says(queue_->find(middle)->message, {"job 1", "purged"});
+  expect_error(ErrorCode::kUsage, {"job 1", "exist"}, [&] { submit(of(0, {root})); });
 }
 
 TEST_F(JobQueueTest, CancelledInAnyState) {
@@ -223,7 +273,7 @@ TEST_F(JobQueueTest, CancelledInAnyState) {
   EXPECT_TRUE(fail(job, AttemptOutcome::kCancelled));
   EXPECT_EQ(state(running), JobState::kCancelled);
   EXPECT_EQ(claim(), std::nullopt);
-  EXPECT_TRUE(queue_->retry(running, now_));
+  EXPECT_TRUE(retry(running));
   const Job again = *claim();
   queue_->begin_publishing(again.id, "a", again.attempt, "");
   EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kTooLate);
@@ -237,7 +287,7 @@ TEST_F(JobQueueTest, ACancelOutlivesTheAttemptThatItWasMeantFor) {
   EXPECT_TRUE(fail(failing, AttemptOutcome::kFailed));
   EXPECT_EQ(state(id), JobState::kCancelled);
   EXPECT_EQ(state(dependent), JobState::kDead);
-  EXPECT_TRUE(queue_->retry(id, now_));
+  EXPECT_TRUE(retry(id));
   EXPECT_TRUE(fail(*claim(), AttemptOutcome::kFailed));
   EXPECT_EQ(state(id), JobState::kQueued) << "nobody has cancelled this attempt";
   now_ += 1000000;
@@ -262,7 +312,7 @@ TEST_F(JobQueueTest, DeadlinesPass) {
   EXPECT_EQ(overdue.dead, Ids{waiting});
   EXPECT_EQ(overdue.running, Ids{running});
   fail(job, AttemptOutcome::kCancelled);
-  EXPECT_TRUE(queue_->retry(running, now_));
+  EXPECT_TRUE(retry(running));
   EXPECT_EQ(queue_->find(running)->deadline, std::nullopt) << "who asks for it again no longer means the deadline";
 }
 
@@ -321,21 +371,50 @@ TEST_F(JobQueueTest, AChainOfThousandsDiesAndIsTriedAgainAtOnce) {
   for (int i = 0; i < 20000; ++i) chain.push_back(submit(of(0, {chain.back()})));
   fail(*claim(), AttemptOutcome::kRefused);
   EXPECT_EQ(queue_->counts()["default"][JobState::kDead], 20001);
-  EXPECT_TRUE(queue_->retry(chain.front(), now_));
+  EXPECT_TRUE(retry(chain.front()));
   EXPECT_EQ(queue_->counts()["default"][JobState::kWaiting], 20000);
   EXPECT_EQ(claim()->id, chain.front());
 }
 
+// As version 3 left it.
+const char* const kBackToVersion3 =
+    "DROP TABLE meta; DROP TABLE left_overs; DROP TABLE uploads; ALTER TABLE needs RENAME TO n; DROP INDEX needs_of; "
+    "CREATE TABLE needs (job INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE, needs INTEGER NOT NULL "
+    "REFERENCES "
+    "jobs (id) ON DELETE CASCADE, PRIMARY KEY (job, needs)) WITHOUT ROWID; CREATE INDEX needs_of ON needs (needs); "
+    "INSERT INTO needs SELECT * FROM n; DROP TABLE n; PRAGMA application_id = 0; PRAGMA user_version = 3;";
+
 TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
   JobSubmission submission = of(3);
   submission.key = "k";
-  const std::int64_t id = submit(submission);
+  const std::int64_t id = submit(submission), after = submit(of(9, {id}));
+  queue_->database().execute(kBackToVersion3);
   queue_->database().execute(
       "ALTER TABLE jobs DROP COLUMN inputs; ALTER TABLE jobs DROP COLUMN stop_asked; PRAGMA user_version = 1;");
   reopen();
   EXPECT_EQ(queue_->find(id)->priority, 3);
   EXPECT_EQ(queue_->find(id)->key, "") << "nobody knows whether its inputs are what they were";
-  EXPECT_EQ(claim()->id, id);
+  EXPECT_EQ(queue_->find(after)->needs, Ids{id});
+  const Job job = *claim();
+  EXPECT_EQ(job.id, id);
+  succeed(job);
+  EXPECT_EQ(state(after), JobState::kQueued);
+}
+
+// Version 3 could leave a job waiting for a dead one.
+TEST_F(JobQueueTest, WhoWaitsForeverInAnEarlierLedgerDies) {
+  const std::int64_t dead = submit(of(0)), waiting = submit(of(0, {dead})), last = submit(of(0, {waiting})),
+                     met = submit(of(0)), ready = submit(of(0, {met}));
+  fail(*claim(), AttemptOutcome::kRefused);
+  succeed(*claim());
+  queue_->database().execute(kBackToVersion3);
+  queue_->database().execute("UPDATE jobs SET state = 0, needs_left = 1, finished = NULL WHERE id IN (2, 3, 5)");
+  reopen();
+  queue_->recover(now_);
+  EXPECT_EQ(state(waiting), JobState::kDead);
+  EXPECT_EQ(state(last), JobState::kDead);
+  EXPECT_EQ(state(ready), JobState::kQueued);
+  testing::expect_says(queue_->find(waiting)->message, {"job 1", "dead"});
 }
 
 TEST_F(JobQueueTest, ADeadProcessLeavesNothingRunning) {
@@ -361,8 +440,113 @@ TEST_F(JobQueueTest, PurgesOnlyWhatNothingNeeds) {
   succeed(*claim());
   EXPECT_EQ(queue_->purge_finished_before(now_, 10), Ids{}) << "not before";
   EXPECT_EQ(queue_->purge_finished_before(now_ + 1, 1), Ids{a});
-  EXPECT_EQ(queue_->find(b)->needs, Ids{});
+  EXPECT_EQ(queue_->find(b)->needs, Ids{a}) << "it is known what it needed";
   EXPECT_GT(submit(of(0)), c) << "numbers are not used again";
+}
+
+TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
+  JobSubmission submission = of(0);
+  submission.output = "/data/results/sub/a.exr";
+  const std::int64_t inside = submit(submission);
+  queue_->begin_publishing(inside, "a", claim()->attempt, "7:8");
+  queue_->published(inside, now_);
+  submission.output = "/data/results.exr";
+  const std::int64_t outside = submit(submission);
+  succeed(*claim());
+  EXPECT_TRUE(queue_->left_overs(0, 10).empty());
+  {
+    SqliteTransaction undone(queue_->database());
+    queue_->purge({inside});
+  }
+  EXPECT_TRUE(queue_->left_overs(0, 10).empty()) << "the purge was not committed";
+  queue_->purge({inside, outside});
+  reopen();
+  const std::vector<JobQueue::LeftOver> noted = queue_->left_overs(0, 10);
+  ASSERT_EQ(noted.size(), 2u);
+  EXPECT_EQ(noted[0].output, "/data/results/sub/a.exr");
+  EXPECT_EQ(noted[0].identity, "7:8");
+  EXPECT_EQ(noted[1].output, "") << "results elsewhere are never removed";
+  EXPECT_EQ(queue_->left_overs(inside, 10).size(), 1u);
+  queue_->forget_left_over(inside);
+  EXPECT_EQ(queue_->left_overs(0, 10).size(), 1u);
+  EXPECT_TRUE(queue_->was_purged(inside));
+  EXPECT_FALSE(queue_->was_purged(77)) << "it never was there";
+}
+
+// The oldest of those that may not go yet must not keep the others.
+TEST_F(JobQueueTest, WhatIsNeededStillKeepsNothingElseFromBeingPurged) {
+  const std::int64_t needed = submit(of(0)), needing = submit(of(-1, {needed}));
+  succeed(*claim());
+  now_ += 10;
+  const std::int64_t free = submit(of(0));
+  succeed(*claim());
+  EXPECT_EQ(queue_->purge_finished_before(now_ + 1, 1), Ids{free});
+  EXPECT_EQ(state(needing), JobState::kQueued);
+}
+
+TEST_F(JobQueueTest, NumbersGoOnAboveWhatOthersHaveUsed) {
+  const std::int64_t first = submit(of(0));
+  queue_->number_above(500);
+  EXPECT_EQ(submit(of(0)), 501);
+  queue_->number_above(17);
+  EXPECT_EQ(submit(of(0)), 502);
+  succeed(*claim());
+  const JobQueue::Numbers numbers = queue_->numbers();
+  EXPECT_TRUE(numbers.is_finished_with(first));
+  EXPECT_FALSE(numbers.is_finished_with(300)) << "of another ledger";
+  EXPECT_FALSE(numbers.is_finished_with(501)) << "it waits";
+  EXPECT_FALSE(numbers.is_finished_with(503));
+  EXPECT_FALSE(queue_->was_purged(300));
+}
+
+// Asked for again while its worker is being stopped: that job is about to be cancelled.
+TEST_F(JobQueueTest, AJobThatIsBeingCancelledIsNotTakenForANewOne) {
+  JobSubmission submission = of(0);
+  submission.key = "k";
+  const std::int64_t id = submit(submission);
+  claim();
+  EXPECT_EQ(submit(submission), id);
+  queue_->cancel(id, "by a test", now_);
+  EXPECT_NE(submit(submission), id);
+}
+
+TEST_F(JobQueueTest, SmallJobsOfOtherQueuesDoNotStarveALargeOne) {
+  const auto sized = [&](std::int64_t memory, const std::string& queue) {
+    JobSubmission submission = of(0);
+    submission.memory_bytes = memory;
+    submission.queue = queue;
+    return submit(submission);
+  };
+  limits_.memory_max = 10;
+  const std::int64_t running = sized(4, "default"), large = sized(8, "night"), small = sized(4, "default");
+  EXPECT_EQ(claim()->id, running);
+  EXPECT_EQ(claim(), std::nullopt) << "the large one comes first, and is waited for";
+  succeed(*queue_->find(running));
+  EXPECT_EQ(claim()->id, large);
+  succeed(*queue_->find(large));
+  EXPECT_EQ(claim()->id, small);
+}
+
+TEST_F(JobQueueTest, KnowsTheFolderThatItBelongsTo) {
+  EXPECT_EQ(queue_->instance(), "");
+  LedgerSettings owned = settings();
+  owned.instance = "0000aaaa";
+  queue_.reset();
+  EXPECT_EQ(JobQueue(owned).instance(), "0000aaaa");
+  owned.may_begin = false;
+  EXPECT_EQ(JobQueue(owned).instance(), "0000aaaa");
+  owned.instance = "0000bbbb";
+  expect_error(ErrorCode::kEnvironment, {owned.path, "0000aaaa", "0000bbbb", "--new-ledger"}, [&] { JobQueue{owned}; });
+  owned.may_begin = true;
+  EXPECT_EQ(JobQueue(owned).instance(), "0000aaaa") << "of a folder that has no name yet";
+  LedgerSettings empty = settings("empty.sqlite");
+  empty.may_begin = false;
+  expect_error(ErrorCode::kEnvironment, {empty.path, "empty"}, [&] { JobQueue{empty}; });
+  {
+    SqliteDatabase other(folder_ / "other.sqlite");
+    other.execute("CREATE TABLE jobs (id)");
+  }
+  expect_error(ErrorCode::kInput, {folder_ / "other.sqlite", "no ledger"}, [&] { JobQueue{settings("other.sqlite")}; });
 }
 
 // Random commands; after each, what must hold holds, and what is kept beside the database is what is in it.
@@ -434,18 +618,17 @@ TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
 }
 
 TEST_F(JobQueueTest, ASecondProcessOrADamagedFileIsRefused) {
-  expect_error(ErrorCode::kEnvironment, {folder_ / "jobs.sqlite", "another process"},
-               [&] { JobQueue(folder_ / "jobs.sqlite", {}); });
+  expect_error(ErrorCode::kEnvironment, {folder_ / "jobs.sqlite", "another process"}, [&] { JobQueue{settings()}; });
   for (int i = 0; i < 200; ++i) submit(of(0));
   queue_.reset();
   testing::write_bytes(folder_ / "text.sqlite", std::string(5000, 'x'));
-  expect_error(ErrorCode::kInput, {folder_ / "text.sqlite", "damaged"}, [&] { JobQueue(folder_ / "text.sqlite", {}); });
+  expect_error(ErrorCode::kInput, {folder_ / "text.sqlite", "damaged"}, [&] { JobQueue{settings("text.sqlite")}; });
   std::string bytes = testing::read_bytes(folder_ / "jobs.sqlite");
   for (std::size_t page = 2; page < bytes.size() / 4096; ++page) bytes.replace(page * 4096 + 100, 400, 400, '\xee');
   testing::write_bytes(folder_ / "jobs.sqlite", bytes);
-  expect_error(ErrorCode::kInput, {folder_ / "jobs.sqlite", "damaged"}, [&] { JobQueue(folder_ / "jobs.sqlite", {}); });
+  expect_error(ErrorCode::kInput, {folder_ / "jobs.sqlite", "damaged"}, [&] { JobQueue{settings()}; });
   expect_error(ErrorCode::kEnvironment, {folder_ / "none/jobs.sqlite"},
-               [&] { JobQueue(folder_ / "none/jobs.sqlite", {}); });
+               [&] { JobQueue{settings("none/jobs.sqlite")}; });
 }
 
 }  // namespace

@@ -136,7 +136,10 @@ TEST_F(StagingTest, SweepsItsOwnAlone) {
   make_folder_of(2, {"a"});
   fs::create_directory(root_ + "/.multum-another-1");
   fs::create_directory(root_ + "/.multum-0123abcd-x");
-  EXPECT_EQ(sweep_staging(roots_, {root_ + "/", root_ + "/gone/", "/etc/"}, "0123abcd", {2}).size(), 1u);
+  EXPECT_EQ(sweep_staging(roots_, {root_ + "/", root_ + "/gone/", "/etc/"}, "0123abcd",
+                          [](std::int64_t id) { return id != 2; })
+                .size(),
+            1u);
   EXPECT_FALSE(fs::exists(staging_folder(output_, "0123abcd", 1)));
   EXPECT_TRUE(fs::exists(staging_folder(output_, "0123abcd", 2)));
   EXPECT_TRUE(fs::exists(root_ + "/.multum-another-1"));

@@ -48,7 +48,7 @@ void add_plan_command(CLI::App& app, int* exit_code);
 /// mip, reflectance, lod.
 void add_pyramid_commands(CLI::App& app, int* exit_code);
 void add_materials_command(CLI::App& app, int* exit_code);
-/// serve, and the worker that it starts.
+/// serve, the worker that it starts, and rescue.
 void add_serve_commands(CLI::App& app, int* exit_code);
 /// submit, list, show, tail, wait, cancel, retry, purge: a service's clients.
 void add_client_commands(CLI::App& app, int* exit_code);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum serve: the daemon. multum worker: what it starts, for it alone.
+// multum serve: the daemon. multum worker: what it starts, for it alone. multum rescue: its damaged ledger.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/machine.h"
 #include "host/service/input_list.h"
+#include "host/service/ledger_rescue.h"
 #include "host/service/service.h"
 #include "host/service/worker_loop.h"
 #include "tools/multum/commands.h"
@@ -26,6 +28,7 @@ struct ServeOptions {
   std::string listen, token_file;
   std::vector<std::string> roots;
   int workers = 0;
+  bool begins_anew = false;
 };
 
 std::string own_program() {
@@ -52,7 +55,16 @@ int run_serve(const ServeOptions& o) {
   std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(threads),
                                      "--data=" + settings.data};
   for (const std::string& root : settings.roots) worker.push_back("--root=" + std::filesystem::absolute(root).string());
-  run_service({settings, o.config, [o] { return settings_of(o); }, worker});
+  run_service({settings, o.config, [o] { return settings_of(o); }, worker, o.begins_anew});
+  return 0;
+}
+
+int run_rescue(const std::string& data) {
+  const RescueReport report = rescue_ledger(std::filesystem::absolute(data).lexically_normal().string());
+  for (const RescueReport::Table& table : report.tables)
+    std::printf("%-10s %lld rows saved, %lld were damaged\n", table.name.c_str(), static_cast<long long>(table.saved),
+                static_cast<long long>(table.damaged));
+  std::printf("the ledger before is %s\n", report.kept.c_str());
   return 0;
 }
 
@@ -126,7 +138,15 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
   serve->add_option("--workers", options->workers, "bakes at once (default: 2)")->check(CLI::Range(1, 256));
   serve->add_option("--token-file", options->token_file, "file whose first line clients must know");
   serve->add_option("--config", options->config, "settings file, TOML; options here go before it");
+  serve->add_flag("--new-ledger", options->begins_anew,
+                  "begin a new ledger in a folder whose own is lost; nothing that lies there is removed");
   serve->callback([options, exit_code] { *exit_code = run_serve(*options); });
+
+  auto data = std::make_shared<std::string>();
+  CLI::App* rescue = app.add_subcommand(
+      "rescue", "save what can be read of a service's damaged ledger into a new one (docs/SERVICE.md)");
+  rescue->add_option("data", *data, "folder of the service, which must not run")->required();
+  rescue->callback([data, exit_code] { *exit_code = run_rescue(*data); });
 
   // Not in the help: the service starts them itself.
   auto own = std::make_shared<WorkerOptions>();
