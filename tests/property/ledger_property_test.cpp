@@ -106,7 +106,8 @@ class Pair {
       model_.expire(now_);
       queue_->expire_deadlines(now_);
       const std::optional<Job> job = claim(limits);
-      if (!job) break;
+      if (!job && !queue_->next_due()) break;
+      if (!job) continue;
       end(job->id, job->owner, job->attempt, static_cast<AttemptOutcome>(1 + turn % 3));
       check();
     }
