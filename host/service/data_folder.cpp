@@ -13,6 +13,7 @@
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
 #include "host/service/http_reply.h"
+#include "host/service/result_listing.h"
 #include "host/service/service_log.h"
 #include "host/service/staging.h"
 
@@ -193,7 +194,9 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     remove(fmt::format("{}/logs/{}.log", path_, job), "the log of a job that was purged");
     if (!output.empty() && is_used(output)) continue;
     // What has taken its place since is nobody's that is known.
-    const bool is_as_made = identity.empty() || file_identity(output) == identity;
+    std::error_code ignored;
+    const bool is_same = identity.empty() || file_identity(output) == identity;
+    const bool is_as_made = is_same && (!fs::is_directory(output, ignored) || unlisted_in(output).empty());
     if (is_as_made && is_own(output, results())) remove(output, "the result of a job that was purged");
     queue.forget_left_over(job);
   }

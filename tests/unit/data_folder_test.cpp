@@ -10,6 +10,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/service/http_reply.h"
+#include "host/service/result_listing.h"
 #include "host/service/staging.h"
 #include "tests/unit/test_folder.h"
 
@@ -116,12 +117,17 @@ TEST_F(DataFolderTest, WhatItsLedgerIsFinishedWithGoesAndNothingElse) {
   DataFolder data(folder_ / "d", 1 << 20);
   const std::string kept = made("results/kept.exr"), purged = made("results/purged.exr"),
                     below = made("results/sub/purged.exr"), shared = made("results/shared.exr"),
-                    input = made("results/input.exr"), foreign = made("results/foreign.exr"),
-                    foreign_below = made("results/sub/foreign.exr"), folder = made("results/scene/a.exr"),
-                    other_log = made("logs/77.log"), elsewhere = made("elsewhere.exr");
+                    input = made("results/input.exr"), added = made("results/scene2/b.exr"),
+                    foreign = made("results/foreign.exr"), foreign_below = made("results/sub/foreign.exr"),
+                    folder = made("results/scene/a.exr"), other_log = made("logs/77.log"),
+                    elsewhere = made("elsewhere.exr");
+  write_result_listing(fs::path(folder).parent_path().string());
+  write_result_listing(fs::path(added).parent_path().string());
+  made("results/scene2/by_hand.txt");
   std::vector<std::int64_t> gone;
   job(kept);
-  for (const std::string& output : {purged, below, shared, input, fs::path(folder).parent_path().string(), elsewhere})
+  for (const std::string& output : {purged, below, shared, input, fs::path(folder).parent_path().string(),
+                                    fs::path(added).parent_path().string(), elsewhere})
     gone.push_back(job(output));
   job(shared);
   job("", input);
@@ -130,7 +136,7 @@ TEST_F(DataFolderTest, WhatItsLedgerIsFinishedWithGoesAndNothingElse) {
     purge(id);
   }
   sweep(data);
-  for (const std::string& path : {kept, shared, input, foreign, foreign_below, other_log, elsewhere})
+  for (const std::string& path : {kept, shared, input, added, foreign, foreign_below, other_log, elsewhere})
     EXPECT_TRUE(fs::exists(path)) << path;
   for (const std::string& path : {purged, below, fs::path(folder).parent_path().string()})
     EXPECT_FALSE(fs::exists(path)) << path;
