@@ -157,9 +157,13 @@ class PicturesTest(ServiceCase):
         service = self.start()
         job = self.bake()
         self.assertEqual(self.ask(job, "render")[0], 200)
+        gone = service.submit(type="drill", parameters={})
+        service.wait_for(gone)
+        self.assertEqual(service.ask("POST", "/v1/purge", {"jobs": [gone]})[0], 200)
         service.stop()
         pictures = os.path.join(service.data, "pictures")
-        shutil.copytree(os.path.join(pictures, self.folders()[0]), os.path.join(pictures, "77-1-2-3"))
+        # A daemon may have died between the purge and this.
+        shutil.copytree(os.path.join(pictures, self.folders()[0]), os.path.join(pictures, f"{gone}-1-2-3"))
         service.start()
         deadline = time.monotonic() + 10
         while len(self.folders()) > 1 and time.monotonic() < deadline:
