@@ -40,7 +40,8 @@ cd "$here"
 "$bin/multum-view" map.ndf.exr --context osmesa --size 96x64 -o frame.png
 [ -s frame.png ]
 # A daemon of this folder, and a client that asks it.
-"$bin/multum" serve --data served --listen "unix:$here/socket" --root "$here" > serve.txt 2>&1 &
+mkdir maps
+"$bin/multum" serve --data served --listen "unix:$here/socket" --root "$here/maps" > serve.txt 2>&1 &
 daemon=$!
 trap 'kill $daemon 2> /dev/null || true; wait $daemon 2> /dev/null || true' EXIT
 for _ in $(seq 100); do
