@@ -169,6 +169,13 @@ def resident_bytes(pid):
         return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE")
 
 
+def is_sanitized(pid):
+    """Built with a sanitizer, whose memory is not the program's."""
+    with open(f"/proc/{pid}/maps", encoding="utf-8") as file:
+        text = file.read()
+    return "libasan" in text or "libtsan" in text
+
+
 def percentile(values, share):
     ordered = sorted(values)
     return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
