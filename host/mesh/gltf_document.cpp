@@ -110,7 +110,11 @@ std::string uri_path(const GltfDocument& document, const std::string& uri) {
     name += is_code ? static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
     if (is_code) i += 2;
   }
-  return (std::filesystem::path(document.path).parent_path() / name).string();
+  // A model that came from somebody else must not bring in files of this machine.
+  const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
+  if (relative.is_absolute() || *relative.begin() == "..")
+    refuse_file(document.path, "names " + name + ", which is not in its folder; expected a file beside it or below");
+  return (std::filesystem::path(document.path).parent_path() / relative).string();
 }
 
 std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
