@@ -79,7 +79,8 @@ void AtomicFile::commit() {
 
 void write_text_file(const std::string& path, std::string_view text) {
   AtomicFile file(path);
-  std::FILE* out = std::fopen(file.temporary_path().c_str(), "wb");
+  // Exclusively: a link that somebody put there is not followed.
+  std::FILE* out = std::fopen(file.temporary_path().c_str(), "wbx");
   if (out == nullptr) fail_by_errno(path, "cannot be written");
   const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
   const bool closed = std::fclose(out) == 0;

@@ -195,7 +195,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     if (!output.empty() && is_used(output)) continue;
     // What has taken its place since is nobody's that is known.
     std::error_code ignored;
-    const bool is_same = identity.empty() || file_identity(output) == identity;
+    const bool is_same = !identity.empty() && file_identity(output) == identity;
     const bool is_as_made = is_same && (!fs::is_directory(output, ignored) || unlisted_in(output).empty());
     if (is_as_made && is_own(output, results())) remove(output, "the result of a job that was purged");
     queue.forget_left_over(job);

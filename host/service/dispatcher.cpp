@@ -180,9 +180,9 @@ void Dispatcher::settle(JobQueue& queue, const ClaimLimits& limits, const std::v
 
 void Dispatcher::take(const std::vector<std::string>& owners, const Outcome& outcome) {
   for (const std::string& owner : owners) reserved_.erase(owner);
-  for (const Job& job : outcome.touched) events_.publish("job", job.id, job_json(job).dump());
   wake_at(outcome.due);
-  give_out(outcome.claimed);
+  give_out(outcome.claimed);  // first: a claimed job is nobody else's to start
+  for (const Job& job : outcome.touched) events_.publish("job", job.id, job_text(job));
   end_drain_if_idle();
 }
 
@@ -205,7 +205,7 @@ Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) {
 void Dispatcher::give_out(const std::vector<Claimed>& claimed) {
   for (const Claimed& one : claimed) {
     running_[one.job.id] = {one.job, Clock::now(), std::nullopt};
-    events_.publish("job", one.job.id, job_json(one.job).dump());
+    events_.publish("job", one.job.id, job_text(one.job));
     start_job(one);
   }
 }
@@ -395,7 +395,7 @@ void Dispatcher::changed(const std::set<std::int64_t>& ids) {
   const auto jobs = std::make_shared<std::vector<Job>>();
   ledger_.run([=](JobQueue& queue) { *jobs = jobs_of(queue, ids); },
               [=, this](const std::exception_ptr&) {
-                for (const Job& job : *jobs) events_.publish("job", job.id, job_json(job).dump());
+                for (const Job& job : *jobs) events_.publish("job", job.id, job_text(job));
               });
   end_drain_if_idle();
   pump();

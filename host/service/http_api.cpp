@@ -108,7 +108,7 @@ struct HttpApi::State {
       job = *queue.find(result.id);
       queue.take_changed();
     });
-    if (result.is_new) events.publish("job", job.id, job_json(job).dump());
+    if (result.is_new) events.publish("job", job.id, job_text(job));
     dispatcher.pump();
     HttpResponse response = json_response(job_json(job), result.is_new ? 201 : 200);
     response.headers.emplace_back("Location", fmt::format("/v1/jobs/{}", job.id));

@@ -51,6 +51,10 @@ nlohmann::json job_json(const Job& job) {
           {"reused_from", or_null(job.reused_from)}};
 }
 
+std::string job_text(const Job& job) {
+  return job_json(job).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 nlohmann::json attempt_json(const JobAttempt& attempt) {
   return {{"number", attempt.number},
           {"outcome", attempt_outcome_name(attempt.outcome)},

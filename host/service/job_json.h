@@ -9,6 +9,8 @@
 namespace multum {
 
 nlohmann::json job_json(const Job& job);
+/// Of events, in one line; bytes of names that are no UTF-8 are replaced.
+std::string job_text(const Job& job);
 nlohmann::json attempt_json(const JobAttempt& attempt);
 
 /// "2026-11-22T07:30:00.123Z".

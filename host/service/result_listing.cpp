@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/service/result_listing.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -12,6 +13,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/open_file.h"
 
 namespace multum {
 namespace {
@@ -19,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kListing[] = ".multum-result";
+constexpr off_t kListingMax = 64 << 20;  // bytes
 
 // "BYTES NANOSECONDS" by name, of all that is no folder; a name with a line's end is none of ours.
 std::map<std::string, std::string> files_in(const fs::path& folder) {
@@ -38,7 +41,13 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
 
 std::map<std::string, std::string> listed_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
-  std::ifstream in(folder / kListing);
+  // A pipe, a link or a file without end is no listing.
+  const OpenFile file(::open((folder / kListing).c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  struct stat found {};
+  if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0 || !S_ISREG(found.st_mode) ||
+      found.st_size > kListingMax)
+    return files;
+  std::ifstream in("/proc/self/fd/" + std::to_string(file.descriptor()));
   for (std::string line; std::getline(in, line);) {
     const std::size_t first = line.find(' '), second = line.find(' ', first + 1);
     if (second != std::string::npos) files[line.substr(second + 1)] = line.substr(0, second);

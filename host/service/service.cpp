@@ -189,7 +189,7 @@ class Service {
         dispatcher_.reload(settings);
         service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
         sweep();
-      } catch (const Error& wrong) {
+      } catch (const std::exception& wrong) {
         service_log(LogSeverity::kError, 0, std::string("settings are kept as they were: ") + wrong.what());
       }
       sd_notify(0, "READY=1");

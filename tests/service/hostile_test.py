@@ -245,17 +245,23 @@ class HostileTest(ServiceCase):
         self.assertIn("plan.json", self.refused(400, "usage", "POST", "/v1/jobs", dict(job, output=made)))
         with open(os.path.join(mine, "notes.txt"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "weeks of work")
+        # A listing that is a pipe is none; a name that is no UTF-8 is told all the same.
+        os.mkfifo(os.path.join(mine, ".multum-result"))
+        with open(os.path.join(mine, "notes.txt").encode() + b"\xff", "wb"):
+            pass
+        self.refused(400, "usage", "POST", "/v1/jobs", dict(job, output=mine))
         # What comes into the folder while it waits is seen before the work.
         late = self.output("late")
         blocker = service.submit(type="drill", parameters={"seconds": 0.5})
         number = service.submit(**job, output=late, needs=[blocker], attempt_max=1)
         os.mkdir(late)
-        with open(os.path.join(late, "late.txt"), "w", encoding="utf-8") as file:
+        with open(os.path.join(late, "late.txt").encode() + b"\xff", "w", encoding="utf-8") as file:
             file.write("x")
         done = service.wait_for(number)
         self.assertEqual(done["state"], "dead")
         self.assertIn("late.txt", done["message"])
-        self.assertEqual(os.listdir(late), ["late.txt"])
+        self.assertEqual(os.listdir(late.encode()), [b"late.txt\xff"])
+        self.assertEqual(service.wait_for(service.submit(type="drill", parameters={}))["state"], "succeeded")
 
     def test_an_input_is_no_output(self):
         service = self.start()

@@ -3,8 +3,11 @@
 #include "host/base/atomic_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 #include "tests/unit/test_folder.h"
 
@@ -117,18 +120,35 @@ TEST(AtomicFileTest, ARelativeNameGoesToTheWorkingFolder) {
   EXPECT_EQ(read_bytes(folder / "a.txt"), "text");
 }
 
-TEST(AtomicFileTest, AFullDiskIsAnErrorAndLeavesNothing) {
-  // /dev/full accepts no byte; a name that leads to it stands for a full disk.
+TEST(AtomicFileTest, AWriteThatFailsIsAnErrorAndLeavesNothing) {
   const TemporaryFolder folder;
+  // No file may grow: as on a full disk, writing fails.
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &none), 0);
+  expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "writing failed", "File too large"},
+               [&] { write_text_file(folder / "a.txt", std::string(1 << 20, 'x')); });
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(folder.names(), Names{});
+}
+
+// Somebody who may write to the folder knows the names that are next.
+TEST(AtomicFileTest, ALinkUnderTheTemporaryNameIsNotFollowed) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "precious", "kept");
   AtomicFile probe(folder / "a.txt");
   const std::string next = probe.temporary_path();
   const std::size_t counter_at = next.rfind("-a.txt");
   const std::size_t counter_begin = next.rfind('-', counter_at - 1) + 1;
   const int counter = std::stoi(next.substr(counter_begin, counter_at - counter_begin));
-  std::filesystem::create_symlink("/dev/full", next.substr(0, counter_begin) + std::to_string(counter + 1) + "-a.txt");
-  expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "No space left"},
-               [&] { write_text_file(folder / "a.txt", std::string(1 << 20, 'x')); });
-  EXPECT_EQ(folder.names(), Names{});
+  std::filesystem::create_symlink(folder / "precious",
+                                  next.substr(0, counter_begin) + std::to_string(counter + 1) + "-a.txt");
+  expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "File exists"},
+               [&] { write_text_file(folder / "a.txt", "text"); });
+  EXPECT_EQ(read_bytes(folder / "precious"), "kept");
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ class DataFolderTest : public ::testing::Test {
     make_old(path);
     return fs::canonical(path).string();
   }
+  // One with an output has published what lies there.
   std::int64_t job(const std::string& output, const std::string& input = "") {
     std::int64_t id = 0;
     ledger_->run_now([&](JobQueue& queue) {
@@ -66,6 +67,10 @@ class DataFolderTest : public ::testing::Test {
       submission.parameters = "{\"input\":\"" + input + "\"}";
       submission.output = output;
       id = queue.submit(submission, nullptr, 1).id;
+      if (output.empty()) return;
+      const ClaimLimits limits = {{{"default", {}}}, {}, 0};
+      queue.begin_publishing(id, "a", queue.claim(limits, "a", 1)->attempt, file_identity(output));
+      queue.published(id, 2);
     });
     return id;
   }
@@ -154,19 +159,23 @@ TEST_F(DataFolderTest, WhatItsLedgerIsFinishedWithGoesAndNothingElse) {
 TEST_F(DataFolderTest, AResultThatWasChangedSinceStays) {
   DataFolder data(folder_ / "d", 1 << 20);
   const std::string same = made("results/same.exr"), changed = made("results/changed.exr");
-  for (const std::string& output : {same, changed}) {
-    const std::int64_t id = job(output);
-    ledger_->run_now([&](JobQueue& queue) {
-      const ClaimLimits limits = {{{"default", {}}}, {}, 0};
-      queue.begin_publishing(id, "a", queue.claim(limits, "a", 1)->attempt, file_identity(output));
-      queue.published(id, 2);
-    });
-  }
+  for (const std::string& output : {same, changed}) job(output);
   write_text_file(changed, "by somebody else");
   ledger_->run_now([](JobQueue& queue) { EXPECT_EQ(queue.purge({1, 2}).size(), 2u); });
+  // Nor is it a job's that never published anything.
+  const std::string nobodys = made("results/nobodys.exr");
+  ledger_->run_now([&](JobQueue& queue) {
+    JobSubmission submission;
+    submission.type = "bake";
+    submission.output = nobodys;
+    const std::int64_t id = queue.submit(submission, nullptr, 1).id;
+    queue.cancel(id, "", 2);
+    EXPECT_EQ(queue.purge({id}).size(), 1u);
+  });
   sweep(data);
   EXPECT_FALSE(fs::exists(same));
   EXPECT_TRUE(fs::exists(changed));
+  EXPECT_TRUE(fs::exists(nobodys));
 }
 
 TEST_F(DataFolderTest, UnderANewLedgerNothingIsRemoved) {
