@@ -4,11 +4,13 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <map>
+#include <sstream>
 #include <vector>
 
 #include "host/base/atomic_file.h"
@@ -43,11 +45,18 @@ std::map<std::string, std::string> listed_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
   // A pipe, a link or a file without end is no listing.
   const OpenFile file(::open((folder / kListing).c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  // Nor is one that cannot be read for now the same as none.
+  if (!file.is_open() && errno != ENOENT && errno != ENOTDIR && errno != ELOOP)
+    fail_by_errno((folder / kListing).string(), "cannot be read");
   struct stat found {};
   if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0 || !S_ISREG(found.st_mode) ||
       found.st_size > kListingMax)
     return files;
-  std::ifstream in("/proc/self/fd/" + std::to_string(file.descriptor()));
+  std::string text(static_cast<std::size_t>(found.st_size), '\0');
+  const ssize_t count = ::pread(file.descriptor(), text.data(), text.size(), 0);
+  if (count < 0) fail_by_errno((folder / kListing).string(), "cannot be read");
+  text.resize(static_cast<std::size_t>(count));
+  std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {
     const std::size_t first = line.find(' '), second = line.find(' ', first + 1);
     if (second != std::string::npos) files[line.substr(second + 1)] = line.substr(0, second);

@@ -11,7 +11,7 @@ namespace multum {
 void write_result_listing(const std::string& folder);
 
 /// What of the folder is not as it was published: its name; "": nothing, or the folder is empty. A folder without a
-/// listing was not published at all.
+/// listing was not published at all. Throws Error(kEnvironment) when that cannot be known.
 std::string unlisted_in(const std::string& folder);
 
 /// Removes what is listed and as it was, then what folders are empty. False: something is left.

@@ -69,9 +69,12 @@ StagedResult::StagedResult(const PathRoots& roots, const std::string& output, co
       id_(id),
       folder_(roots.open_folder_of(output)) {}
 
+OpenFile StagedResult::open_staging() const {
+  return OpenFile(::openat(folder_.descriptor(), staging_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+}
+
 std::string StagedResult::identity() const {
-  const OpenFile staging(
-      ::openat(folder_.descriptor(), staging_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  const OpenFile staging = open_staging();
   return staging.is_open() ? identity_at(staging.descriptor(), name_) : "";
 }
 
@@ -92,8 +95,7 @@ void StagedResult::check_place(bool is_folder) const {
 
 std::string StagedResult::publish(const std::string& identity) const {
   const int folder = folder_.descriptor();
-  const OpenFile staging(::openat(folder, staging_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-  std::string kept;
+  const OpenFile staging = open_staging();
   if (staging.is_open() && identity_at(staging.descriptor(), name_) == identity) {
     const bool is_folder = S_ISDIR(state_of(staging.descriptor(), name_)->st_mode);
     check_place(is_folder);
@@ -107,7 +109,7 @@ std::string StagedResult::publish(const std::string& identity) const {
                 fmt::format("{}: the finished result is neither there nor in {}", output_, staging_));
   }
   sync_folder(folder, output_);
-  kept = put_aside();
+  const std::string kept = put_aside();
   remove();
   return kept;
 }
@@ -115,11 +117,14 @@ std::string StagedResult::publish(const std::string& identity) const {
 // After an exchange the folder before lies in the staging folder: what was published of it goes, anything else that
 // came in the meantime is given a name again.
 std::string StagedResult::put_aside() const {
-  const OpenFile staging(
-      ::openat(folder_.descriptor(), staging_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  const OpenFile staging = open_staging();
   if (!staging.is_open()) return "";
   const std::optional<struct stat> old = state_of(staging.descriptor(), name_);
-  if (!old || !S_ISDIR(old->st_mode) || remove_listed(name_of(staging) + "/" + name_)) return "";
+  if (!old || !S_ISDIR(old->st_mode)) return "";
+  try {
+    if (remove_listed(name_of(staging) + "/" + name_)) return "";
+  } catch (const Error&) {  // what is not known to be ours is kept
+  }
   const std::string kept = fmt::format("{}.kept-{}", name_, id_);
   if (::renameat2(staging.descriptor(), name_.c_str(), folder_.descriptor(), kept.c_str(), RENAME_NOREPLACE) != 0)
     fail_by_errno(output_, "what was added to the folder before cannot be put aside");
