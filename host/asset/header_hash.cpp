@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The attributes are taken from the file's bytes, not from what OpenEXR makes of them: of a type that it does not know,
-// and of bits that it ignores, every one counts. Of "OpenEXR file layout":
-//
-//     magic 4   version and flags 4   header (, header ...)        of one part: no empty header ends the headers
-//     header: attribute ... 0         attribute: name 0   type 0   size 4   value
+// and of bits that it ignores, every one counts.
 #include "host/asset/header_hash.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <map>
 #include <set>
 #include <sstream>
@@ -19,12 +15,11 @@
 
 #include "host/base/byte_file.h"
 #include "host/base/content_hash.h"
-#include "host/base/error.h"
+#include "host/base/exr_survey.h"
 
 namespace multum {
 namespace {
 
-constexpr char kWhat[] = "an EXR header";
 constexpr std::size_t kDigitsOfOne = 8;  // of an attribute's own digest: they tell which, the whole one tells that
 
 struct HeaderAttribute {
@@ -32,34 +27,13 @@ struct HeaderAttribute {
   std::string name, type, value;
 };
 
-std::string zero_ended(const std::string& path, ByteFile& file, std::int64_t& position) {
-  constexpr std::int64_t kBytesMax = 256;  // OpenEXR's longest name, with the zero
-  const std::int64_t left = std::max<std::int64_t>(0, file.size() - position);
-  std::string text = file.bytes(position, std::min(left, kBytesMax), kWhat);
-  const std::size_t size = text.find('\0');
-  if (size == std::string::npos) refuse_file(path, "damaged EXR: a header name without an end");
-  text.resize(size);
-  position += static_cast<std::int64_t>(size) + 1;
-  return text;
-}
-
 // By part, then by name. Of the same name, which no writer makes, in the order of the file.
 std::vector<HeaderAttribute> header_attributes(const std::string& path) {
-  constexpr std::int64_t kManyPartsFlag = 0x1000;
   ByteFile file(path);
-  const bool is_multi_part = (file.little_endian(4, 4, kWhat) & kManyPartsFlag) != 0;
   std::vector<HeaderAttribute> attributes;
-  std::int64_t position = 8;
-  for (int part = 0; part == 0 || is_multi_part; ++part) {
-    std::string name = zero_ended(path, file, position);
-    if (name.empty()) break;
-    for (; !name.empty(); name = zero_ended(path, file, position)) {
-      std::string type = zero_ended(path, file, position);
-      const std::int64_t size = file.little_endian(position, 4, kWhat);
-      attributes.push_back({part, name, std::move(type), file.bytes(position + 4, size, kWhat)});
-      position += 4 + size;
-    }
-  }
+  walk_exr_headers(path, file, [&](const ExrAttribute& found) {
+    attributes.push_back({found.part, found.name, found.type, file.bytes(found.position, found.size, "an EXR header")});
+  });
   std::stable_sort(attributes.begin(), attributes.end(), [](const HeaderAttribute& a, const HeaderAttribute& b) {
     return a.part != b.part ? a.part < b.part : a.name < b.name;
   });

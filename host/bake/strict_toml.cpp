@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/shown_text.h"
 
 namespace multum {
 namespace {
@@ -18,11 +19,8 @@ namespace {
 // Names and texts of the file are in the message, and may be megabytes.
 [[noreturn]] void refuse_at(const std::string& file, std::uint32_t line, std::string what) {
   constexpr std::size_t kBytesMax = 1000;
-  if (what.size() > kBytesMax) {
-    std::size_t end = kBytesMax;
-    while (end > 0 && (static_cast<unsigned char>(what[end]) & 0xc0) == 0x80) --end;  // within a character
-    what = what.substr(0, end) + "...";
-  }
+  if (what.size() > kBytesMax)
+    what = what.substr(0, whole_characters(std::string_view(what).substr(0, kBytesMax))) + "...";
   throw Error(ErrorCode::kInput, line > 0 ? fmt::format("{}:{}: {}", file, line, what) : file + ": " + what);
 }
 

@@ -16,6 +16,7 @@
 #include <filesystem>
 
 #include "host/base/error.h"
+#include "host/base/machine.h"
 #include "host/base/open_file.h"
 
 namespace multum {
@@ -115,9 +116,8 @@ Confinement system_confinement() {
                       "/etc/drirc",
                       "/etc/localtime",
                       "/etc/ssl/openssl.cnf"};
-  std::error_code error;
   // An unpacked archive: PREFIX/bin and PREFIX/lib.
-  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const fs::path folder = own_folder();
   allowed.readable.push_back(folder.string());
   allowed.readable.push_back((folder.parent_path() / "lib").string());
   allowed.readable.push_back((folder.parent_path() / "share").string());

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/machine.h"
 
 namespace multum {
 namespace {
@@ -37,10 +38,7 @@ IdleChildren& idle_children() {
 
 }  // namespace
 
-std::string decoder_beside_this_program() {
-  std::error_code error;
-  return (std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "multum-decode").string();
-}
+std::string decoder_beside_this_program() { return own_folder() + "/multum-decode"; }
 
 DecodedFile::DecodedFile(DecodingChild child, std::string path, std::string library)
     : child_(std::move(child)),

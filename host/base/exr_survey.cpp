@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -26,8 +27,13 @@ std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& po
   }
   text.resize(size);
   position += static_cast<std::int64_t>(size) + 1;
+  return text;
+}
+
+// As a message may have it.
+std::string plain(std::string text) {
   for (char& byte : text)
-    if (byte < ' ' || byte > '~') byte = '?';  // it may be shown in a message
+    if (byte < ' ' || byte > '~') byte = '?';
   return text;
 }
 
@@ -78,8 +84,8 @@ std::int64_t preview_size(ByteFile& file, std::int64_t begin) {
 
 // What the library reads for a value goes by its type, not by the length that stands before it: where the two differ it
 // takes a value's bytes for the next one's length.
-void check_exr_value(const std::string& path, ByteFile& file, const std::string& name, const std::string& type,
-                     std::int64_t position, std::int64_t size) {
+void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute& attribute) {
+  const auto& [part, name, type, position, size] = attribute;
   static const std::map<std::string, std::int64_t> kSizes = {{"box2i", 16},      {"box2f", 16}, {"chromaticities", 32},
                                                              {"compression", 1}, {"double", 8}, {"envmap", 1},
                                                              {"float", 4},       {"int", 4},    {"keycode", 28},
@@ -94,57 +100,66 @@ void check_exr_value(const std::string& path, ByteFile& file, const std::string&
   else if (type == "preview") expected = preview_size(file, position);
   else if (type == "stringvector") expected = text_list_size(file, position, size);
   if (size != expected)
-    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} of a {}", name, size,
-                                  expected, type));
+    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} of a {}", plain(name), size,
+                                  expected, plain(type)));
 }
 
-// One part's header: attributes of name, type, size 4, value; an empty name ends it.
-bool inspect_exr_part(const std::string& path, ByteFile& file, ExrPartSize& part, std::int64_t& position) {
-  std::int64_t tile_width = 0;
-  std::int64_t tile_height = 0;
+// One part's header: attributes of name, type, size 4, value; an empty name ends it. False: it has none.
+bool walk_part(const std::string& path, ByteFile& file, int part, std::int64_t& position,
+               const std::function<void(const ExrAttribute&)>& visit) {
   for (int attribute_count = 0;; ++attribute_count) {
-    const std::string name = exr_string(path, file, position);
-    if (name.empty()) {
-      if (attribute_count == 0) return false;
-      break;
-    }
+    ExrAttribute attribute = {part, exr_string(path, file, position), "", 0, 0};
+    if (attribute.name.empty()) return attribute_count > 0;
     if (attribute_count > 4096) refuse_file(path, "damaged EXR: more than 4096 header attributes");
-    const std::string type = exr_string(path, file, position);
-    const std::int64_t size = exr_int(file, position);
-    position += 4;
-    if (size < 0 || size > file.size() - position)
-      refuse_file(path, "damaged EXR: attribute \"" + name + "\" runs past the end");
-    check_exr_value(path, file, name, type, position, size);
-    if (name == "dataWindow" && size == 16) {
-      part.width = exr_int(file, position + 8) - exr_int(file, position) + 1;
-      part.height = exr_int(file, position + 12) - exr_int(file, position + 4) + 1;
-    } else if (name == "tiles" && size == 9) {
-      tile_width = exr_int(file, position);
-      tile_height = exr_int(file, position + 4);
-    }
-    position += size;
+    attribute.type = exr_string(path, file, position);
+    attribute.size = exr_int(file, position);
+    attribute.position = position + 4;
+    if (attribute.size < 0 || attribute.size > file.size() - attribute.position)
+      refuse_file(path, "damaged EXR: attribute \"" + plain(attribute.name) + "\" runs past the end");
+    visit(attribute);
+    position = attribute.position + attribute.size;
   }
-  if (part.width < 1 || part.height < 1)
-    refuse_file(path, fmt::format("found a data window of {} x {}, expected at least 1 x 1", part.width, part.height));
-  check_exr_table(path, file.size(), part, tile_width, tile_height);
-  return true;
 }
 
 }  // namespace
 
-std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
-  const std::int64_t version = file.little_endian(4, 4, "the EXR version");
-  if ((version & 0x800) != 0) refuse_file(path, "found a deep EXR image, expected one value a texel");
-  const bool is_multi_part = (version & 0x1000) != 0;
-  constexpr std::size_t kPartCountMax = 256;
+void walk_exr_headers(const std::string& path, ByteFile& file, const std::function<void(const ExrAttribute&)>& visit,
+                      const std::function<void()>& end_part) {
+  constexpr int kPartCountMax = 256;
+  const bool is_multi_part = (file.little_endian(4, 4, "the EXR version") & 0x1000) != 0;
   std::int64_t position = 8;
-  std::vector<ExrPartSize> parts;
-  while (parts.size() < kPartCountMax) {
-    ExrPartSize part;
-    if (!inspect_exr_part(path, file, part, position)) break;
-    parts.push_back(part);
+  for (int part = 0; part < kPartCountMax && walk_part(path, file, part, position, visit); ++part) {
+    if (end_part) end_part();
     if (!is_multi_part) break;
   }
+}
+
+std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
+  if ((file.little_endian(4, 4, "the EXR version") & 0x800) != 0)
+    refuse_file(path, "found a deep EXR image, expected one value a texel");
+  std::vector<ExrPartSize> parts;
+  ExrPartSize part;
+  std::int64_t tile_width = 0, tile_height = 0;
+  const auto visit = [&](const ExrAttribute& attribute) {
+    check_exr_value(path, file, attribute);
+    const std::int64_t at = attribute.position;
+    if (attribute.name == "dataWindow" && attribute.size == 16) {
+      part.width = exr_int(file, at + 8) - exr_int(file, at) + 1;
+      part.height = exr_int(file, at + 12) - exr_int(file, at + 4) + 1;
+    } else if (attribute.name == "tiles" && attribute.size == 9) {
+      tile_width = exr_int(file, at);
+      tile_height = exr_int(file, at + 4);
+    }
+  };
+  const auto end_part = [&] {
+    if (part.width < 1 || part.height < 1)
+      refuse_file(path,
+                  fmt::format("found a data window of {} x {}, expected at least 1 x 1", part.width, part.height));
+    check_exr_table(path, file.size(), part, tile_width, tile_height);
+    parts.push_back(std::exchange(part, {}));
+    tile_width = tile_height = 0;
+  };
+  walk_exr_headers(path, file, visit, end_part);
   if (parts.empty()) refuse_file(path, "damaged EXR: no header");
   return parts;
 }

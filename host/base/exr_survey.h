@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,17 @@ namespace multum {
 struct ExrPartSize {
   std::int64_t width = 0, height = 0;  // of the data window, at least 1
 };
+
+struct ExrAttribute {
+  int part;
+  std::string name, type;       // as the file has them
+  std::int64_t position, size;  // of the value, all of it within the file
+};
+
+/// Every attribute of every header, in the file's order. `end_part` is called behind each part's. Throws Error(kInput)
+/// where headers are cut or damaged, and whatever the functions throw.
+void walk_exr_headers(const std::string& path, ByteFile& file, const std::function<void(const ExrAttribute&)>& visit,
+                      const std::function<void()>& end_part = {});
 
 /// At least one part. Throws Error(kInput): deep, cut, attributes beyond the end of the file, sizes whose table of
 /// chunks does not fit into it.

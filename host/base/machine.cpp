@@ -5,7 +5,16 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <filesystem>
+
 namespace multum {
+
+std::string own_program() {
+  std::error_code error;
+  return std::filesystem::read_symlink("/proc/self/exe", error).string();
+}
+
+std::string own_folder() { return std::filesystem::path(own_program()).parent_path().string(); }
 
 std::uint64_t machine_memory_bytes() {
   return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));

@@ -4,8 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace multum {
+
+/// The file of the running program, without links; "" where the system does not say.
+std::string own_program();
+/// The folder that it lies in: programs of the same build are beside it.
+std::string own_folder();
 
 /// Bytes of physical memory.
 std::uint64_t machine_memory_bytes();

@@ -33,6 +33,11 @@ AttemptOutcome outcome_of(int code) {
   }
 }
 
+AttemptResult result_of(const Error& error) {
+  const int code = exit_code(error.code());
+  return {outcome_of(code), code, error.what()};
+}
+
 std::string words_of(const std::exception_ptr& error) {
   try {
     std::rethrow_exception(error);
@@ -109,7 +114,7 @@ void Dispatcher::recover() {
         queue.published(job.id, wall_clock_ms());
         service_log(LogSeverity::kInfo, job.id, "published after a restart: " + job.output);
       } catch (const Error& error) {
-        queue.publishing_failed(job.id, error.what(), wall_clock_ms());
+        queue.publishing_failed(job.id, result_of(error), wall_clock_ms());
       }
     }
     for (const std::int64_t id : recovered.lost)
@@ -228,8 +233,7 @@ void Dispatcher::start_job(const Claimed& claimed) {
       ++counters_.reused;
     }
   } catch (const Error& error) {
-    const int code = exit_code(error.code());
-    return note_end(job.id, job.owner, job.attempt, {outcome_of(code), code, error.what()});
+    return note_end(job.id, job.owner, job.attempt, result_of(error));
   } catch (const std::exception& error) {
     return note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kRefused, 2, error.what()});
   }
@@ -264,11 +268,9 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
   const Job job = running_.at(id).job;
   std::string identity;
   try {
-    const StagedResult staged(outputs_, job.output, instance_, id);
-    identity = staged.identity();
-    if (!identity.empty()) staged.check_place(find_job_type(job.type).output_is_folder);
+    identity = StagedResult(outputs_, job.output, instance_, id).identity();
   } catch (const Error& moved) {
-    return note_end(id, owner, attempt, {outcome_of(exit_code(moved.code())), exit_code(moved.code()), moved.what()});
+    return note_end(id, owner, attempt, result_of(moved));
   }
   if (identity.empty())
     return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "it ended well, but left no result"});
@@ -289,27 +291,27 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
 }
 
 void Dispatcher::finish_publishing(const Job& job, const std::string& identity) {
-  const auto trouble = std::make_shared<std::string>();
+  const auto trouble = std::make_shared<std::optional<AttemptResult>>();
   const auto outcome = std::make_shared<Outcome>();
   const std::vector<std::string> owners = reserve({job.owner});
   note(
       job.id,
       [=, this, limits = limits_](JobQueue& queue) {
         queue.take_changed();
-        trouble->clear();
+        trouble->reset();
         try {
           publish(job, identity);
         } catch (const Error& failed) {
-          *trouble = failed.what();
+          *trouble = result_of(failed);
         }
-        if (trouble->empty()) queue.published(job.id, wall_clock_ms());
-        else queue.publishing_failed(job.id, *trouble, wall_clock_ms());
+        if (*trouble) queue.publishing_failed(job.id, **trouble, wall_clock_ms());
+        else queue.published(job.id, wall_clock_ms());
         settle(queue, limits, owners, *outcome);
       },
       [=, this] {
-        if (!trouble->empty()) service_log(LogSeverity::kError, job.id, *trouble);
-        counters_.published += trouble->empty() ? 1 : 0;
-        forget_running(job.id, trouble->empty() ? AttemptOutcome::kSucceeded : AttemptOutcome::kFailed);
+        if (*trouble) service_log(LogSeverity::kError, job.id, (*trouble)->message);
+        counters_.published += *trouble ? 0 : 1;
+        forget_running(job.id, *trouble ? (*trouble)->outcome : AttemptOutcome::kSucceeded);
         take(owners, *outcome);
         pump();
       });

@@ -2,9 +2,8 @@
 #include "host/service/event_hub.h"
 
 #include <boost/asio/post.hpp>
-#include <exception>
 
-#include "host/service/service_log.h"
+#include "host/service/run_handlers.h"
 
 namespace multum {
 
@@ -19,19 +18,10 @@ ServiceEvent event_of(std::uint64_t number, std::int64_t job, const std::string&
 }  // namespace
 
 EventHub::EventHub(std::uint64_t first)
-    : work_(boost::asio::make_work_guard(io_)), kept_last_(first), last_(first), thread_([this] { run(); }) {}
-
-// What one listener throws, for want of memory as a rule, costs that listener.
-void EventHub::run() {
-  for (;;) {
-    try {
-      io_.run();
-      return;
-    } catch (const std::exception& error) {
-      service_log(LogSeverity::kWarning, 0, std::string("a listener to events was given up: ") + error.what());
-    }
-  }
-}
+    : work_(boost::asio::make_work_guard(io_)),
+      first_(first),
+      last_(first),
+      thread_([this] { run_handlers(io_, LogSeverity::kWarning, "a listener to events was given up"); }) {}
 
 EventHub::~EventHub() {
   io_.stop();
@@ -41,7 +31,6 @@ EventHub::~EventHub() {
 void EventHub::publish(const std::string& kind, std::int64_t job, const std::string& data) {
   const std::uint64_t number = ++last_;
   boost::asio::post(io_, [this, number, kind, job, data] {
-    kept_last_ = number;
     const ServiceEvent event = event_of(number, job, kind, data);
     kept_.push_back(event);
     if (kept_.size() > kKept) kept_.pop_front();
@@ -50,7 +39,7 @@ void EventHub::publish(const std::string& kind, std::int64_t job, const std::str
 }
 
 std::uint64_t EventHub::add(std::uint64_t after, Listener listener) {
-  const std::uint64_t before_kept = kept_.empty() ? kept_last_ : kept_.front().number - 1;
+  const std::uint64_t before_kept = kept_.empty() ? first_ : kept_.front().number - 1;
   const bool has_missed = after < before_kept || after > last_;
   if (has_missed) listener(event_of(before_kept, 0, "missed", "{}"));
   for (const ServiceEvent& event : kept_)

@@ -47,13 +47,11 @@ class EventHub {
   void remove(std::uint64_t key) { listeners_.erase(key); }
 
  private:
-  void run();
-
   static constexpr std::size_t kKept = 1024;
   boost::asio::io_context io_{1};
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
   std::deque<ServiceEvent> kept_;
-  std::uint64_t kept_last_;  // the number of the last event that listeners were told
+  const std::uint64_t first_;
   std::map<std::uint64_t, Listener> listeners_;
   std::atomic<std::uint64_t> last_;
   std::uint64_t key_ = 0;

@@ -489,6 +489,7 @@ HttpApi::~HttpApi() = default;
 
 asio::awaitable<void> HttpApi::beside(std::function<void()> work) { return state_->beside(std::move(work)); }
 void HttpApi::set_server(const HttpServer* server) { state_->server = server; }
+bool HttpApi::has_token() const { return !state_->token.empty(); }
 void HttpApi::set_token(std::string token) { state_->token = std::move(token); }
 JobPictures& HttpApi::pictures() { return state_->pictures; }
 
@@ -515,10 +516,9 @@ std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
                    fmt::format("expected {}", fmt::join(others, " or ")),
                    {{"Allow", fmt::format("{}", fmt::join(others, ", "))}}});
   if (route == nullptr) return refuse({404, "not_found", "there is nothing of this name"});
-  const bool has_token = !state_->token.empty();
-  if (!is_own_origin(request, has_token, route->answer == web_file))
+  if (!is_own_origin(request, has_token(), route->answer == web_file))
     return refuse({403, "origin", "asked for by a page of another origin"});
-  if (has_token && !route->is_public) {
+  if (has_token() && !route->is_public) {
     const auto given = request.headers.find("authorization");
     const auto query = request.query.find("access_token");  // event streams of browsers have no headers
     const bool is_known =

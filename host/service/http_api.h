@@ -38,6 +38,7 @@ class HttpApi {
   boost::asio::awaitable<void> beside(std::function<void()> work);
   /// For /metrics.
   void set_server(const HttpServer* server);
+  bool has_token() const;
   void set_token(std::string token);
   JobPictures& pictures();
 

@@ -97,9 +97,6 @@ bool split_target(std::string_view target, HttpRequest& request) {
   return true;
 }
 
-HttpResponse plain_error(int status, const std::string& code, const std::string& message) {
-  return refusal_response({status, code, message});
-}
 HttpResponse busy(const std::string& message) {
   return refusal_response({503, "busy", message, {{"Retry-After", "1"}}});
 }
@@ -216,7 +213,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     } catch (const UnreadableRequest& unreadable) {
       if (unreadable.status == 408) ++counters.timeouts;
       if (unreadable.status == 0) co_return false;
-      early = plain_error(unreadable.status, unreadable.code, unreadable.message);
+      early = refusal_response({unreadable.status, unreadable.code, unreadable.message});
     } catch (const Refusal& refusal) {
       early = refusal_response(refusal);
     } catch (const Error& error) {
@@ -253,11 +250,11 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     request.method = head.method() == http::verb::head ? "GET" : std::string(head.method_string());
     for (const auto& field : head) request.headers[lower(field.name_string())] = std::string(field.value());
     if (!split_target(std::string_view(head.target().data(), head.target().size()), request))
-      return plain_error(400, "usage", "the target is no path");
+      return refusal_response({400, "usage", "the target is no path"});
     if (const std::unique_ptr<HttpResponse> refused = settings.check(request)) return *refused;
     const std::size_t limit = body_limit(request);
     if (parser.content_length() && *parser.content_length() > limit)
-      return plain_error(413, "too_large", fmt::format("a body of up to {} bytes is taken", limit));
+      return refusal_response({413, "too_large", fmt::format("a body of up to {} bytes is taken", limit)});
     return std::nullopt;
   }
 

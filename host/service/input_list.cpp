@@ -11,6 +11,7 @@
 #include "host/base/child_process.h"
 #include "host/base/confinement.h"
 #include "host/base/error.h"
+#include "host/base/machine.h"
 
 namespace multum {
 namespace {
@@ -42,9 +43,8 @@ ErrorCode error_code_of(int exit_code_found) {
 InputList list_inputs_in_child(const JobType& type, const Json& parameters, const PathRoots& roots) {
   if (!type.output_is_folder) return {input_files(type, parameters), input_identity(type, parameters)};
   const std::string file = parameters.at(type.input).get<std::string>();
-  std::error_code ignored;
-  std::vector<std::string> command = {std::filesystem::read_symlink("/proc/self/exe", ignored).string(), "inputs",
-                                      "--type=" + type.name, "--parameters=" + parameters.dump()};
+  std::vector<std::string> command = {own_program(), "inputs", "--type=" + type.name,
+                                      "--parameters=" + parameters.dump()};
   for (const std::string& root : roots.roots()) command.push_back("--root=" + root);
   ChildLimits limits;
   limits.time_max = kTimeMax;

@@ -19,6 +19,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/child_process.h"
 #include "host/base/error.h"
+#include "host/base/machine.h"
 #include "host/base/output_paths.h"
 #include "host/service/http_reply.h"
 #include "host/service/job_types.h"
@@ -43,8 +44,7 @@ constexpr std::size_t kWaitingMax = 64;  // jobs: a minute or so, as a rule
 
 // Beside this program, else in PATH; empty: nowhere.
 std::string find_viewer() {
-  std::error_code error;
-  std::vector<fs::path> folders = {fs::read_symlink("/proc/self/exe", error).parent_path()};
+  std::vector<fs::path> folders = {own_folder()};
   const char* path = std::getenv("PATH");
   for (std::string_view rest = path != nullptr ? path : ""; !rest.empty();) {
     const std::string_view one = rest.substr(0, rest.find(':'));
@@ -158,8 +158,7 @@ std::vector<std::string> JobPictures::command(const Job& job, const std::string&
   const std::string viewer = find_viewer();
   if (viewer.empty()) refuse("multum-view is not installed: found neither beside multum nor in PATH");
   // It sees what jobs may read, and writes pictures.
-  std::error_code ignored;
-  std::vector<std::string> words = {fs::read_symlink("/proc/self/exe", ignored).string(), "confined"};
+  std::vector<std::string> words = {own_program(), "confined"};
   for (const std::string& root : roots_.inputs.roots()) words.push_back("--read=" + root);
   words.insert(words.end(), {"--read=" + fs::path(viewer).parent_path().string(), "--write=" + folder, "--", viewer});
   // Not the GPU, which bakes may be using.

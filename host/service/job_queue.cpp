@@ -40,8 +40,7 @@ void JobQueue::take_instance(const LedgerSettings& settings) {
 }
 
 void JobQueue::number_above(std::int64_t number) {
-  const Numbers known = numbers();
-  if (number <= known.last) return;
+  if (number <= given().last) return;
   statement("INSERT INTO sqlite_sequence (name, seq) SELECT 'jobs', 0 WHERE NOT EXISTS (SELECT 1 FROM sqlite_sequence)")
       .run();
   statement("UPDATE sqlite_sequence SET seq = ? WHERE name = 'jobs'").bind(1, number).run();
@@ -225,11 +224,11 @@ void JobQueue::published(std::int64_t id, TimeMs now) {
   release_dependents(id);
 }
 
-void JobQueue::publishing_failed(std::int64_t id, const std::string& message, TimeMs now) {
+void JobQueue::publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now) {
   const std::optional<Job> job = find(id);
   MULTUM_CHECK(job && job->state == JobState::kPublishing);
-  close_attempt(*job, {AttemptOutcome::kFailed, 4, message}, now);
-  requeue_or_die(*job, {AttemptOutcome::kFailed, 4, message}, now);
+  close_attempt(*job, result, now);
+  requeue_or_die(*job, result, now);
 }
 
 bool JobQueue::ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now) {
@@ -577,32 +576,28 @@ std::vector<std::string> JobQueue::output_folders() {
 
 bool JobQueue::Numbers::is_finished_with(std::int64_t id) const {
   if (std::binary_search(ended.begin(), ended.end(), id)) return true;
-  return first <= id && id <= last && !std::binary_search(unfinished.begin(), unfinished.end(), id);
+  return given.has(id) && !std::binary_search(unfinished.begin(), unfinished.end(), id);
 }
 
 JobQueue::Numbers JobQueue::numbers() {
   Numbers found;
   found.ended = ids(statement("SELECT id FROM jobs WHERE state >= 4 ORDER BY id"));
   found.unfinished = ids(statement("SELECT id FROM jobs WHERE state < 4 ORDER BY id"));
+  found.given = given();
+  return found;
+}
+
+JobQueue::Given JobQueue::given() {
   SqliteStatement& range = statement(
       "SELECT IFNULL((SELECT value FROM meta WHERE name = 'first_number'), 1), IFNULL((SELECT seq FROM sqlite_sequence "
       "WHERE name = 'jobs'), 0)");
   range.step();
-  found.first = range.integer(0);
-  found.last = range.integer(1);
+  const Given found = {range.integer(0), range.integer(1)};
   range.reset();
   return found;
 }
 
-bool JobQueue::was_purged(std::int64_t id) {
-  SqliteStatement& query = statement(
-      "SELECT ?1 >= IFNULL((SELECT value FROM meta WHERE name = 'first_number'), 1) AND ?1 <= IFNULL((SELECT seq FROM "
-      "sqlite_sequence WHERE name = 'jobs'), 0) AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = ?1)");
-  query.bind(1, id).step();
-  const bool was_purged = query.integer(0) != 0;
-  query.reset();
-  return was_purged;
-}
+bool JobQueue::was_purged(std::int64_t id) { return given().has(id) && !find(id); }
 
 std::vector<JobQueue::LeftOver> JobQueue::left_overs(std::int64_t after, int limit) {
   SqliteStatement& query = statement("SELECT job, output, identity FROM left_overs WHERE job > ? ORDER BY job LIMIT ?");

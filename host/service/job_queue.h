@@ -137,15 +137,19 @@ class JobQueue {
     std::vector<std::pair<Job, std::string>> publishing;
   };
   Recovered recover(TimeMs now);
-  /// A job whose result was not found where it was to be published from is tried again.
-  void publishing_failed(std::int64_t id, const std::string& message, TimeMs now);
+  /// Of a job whose result could not be published.
+  void publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now);
 
   /// Folders that results of jobs lie in or will, each once.
   std::vector<std::string> output_folders();
   /// Whether the ledger gave a number to a job that has ended. Of numbers that it knows nothing of: no.
+  struct Given {
+    std::int64_t first = 0, last = 0;  // all of these numbers were given by it
+    bool has(std::int64_t id) const { return first <= id && id <= last; }
+  };
   struct Numbers {
     std::vector<std::int64_t> ended, unfinished;  // jobs that it has, in order
-    std::int64_t first = 0, last = 0;             // all of these were given by it
+    Given given;
     bool is_finished_with(std::int64_t id) const;
   };
   Numbers numbers();
@@ -188,6 +192,7 @@ class JobQueue {
   void queue_again(std::int64_t id, TimeMs now);
   std::string gone_need(std::int64_t id, std::vector<std::int64_t>& roots);
   bool may_wait(std::int64_t id);
+  Given given();
   void settle_waiting(TimeMs now);
   void take_instance(const LedgerSettings& settings);
   void close_attempt(const Job& job, const AttemptResult& result, TimeMs now);

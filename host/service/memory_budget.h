@@ -16,7 +16,6 @@ class MemoryBudget {
   MemoryBudget& operator=(const MemoryBudget&) = delete;
 
   std::size_t used() const { return used_; }
-  std::size_t bytes_max() const { return bytes_max_; }
 
  private:
   friend class MemoryShare;
@@ -39,7 +38,6 @@ class MemoryShare {
     bytes_ = bytes;
     return true;
   }
-  std::size_t bytes() const { return bytes_; }
 
  private:
   MemoryBudget* budget_;

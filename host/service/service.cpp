@@ -18,6 +18,7 @@
 #include "host/base/output_paths.h"
 #include "host/service/http_api.h"
 #include "host/service/ledger_start.h"
+#include "host/service/run_handlers.h"
 #include "host/service/service_log.h"
 
 namespace multum {
@@ -88,7 +89,7 @@ class Service {
     notify_watchdog();
     sweep();
     sd_notify(0, "READY=1");
-    run_handlers();
+    run_handlers(io_, LogSeverity::kError, "unexpected");
     service_log(LogSeverity::kInfo, 0, "ended");
   }
 
@@ -97,18 +98,6 @@ class Service {
     std::unique_ptr<FolderLock> lock = FolderLock::take(settings_.data);
     if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is at work there");
     return lock;
-  }
-
-  // One that throws, for want of memory as a rule, costs what it was at.
-  void run_handlers() {
-    for (;;) {
-      try {
-        io_.run();
-        return;
-      } catch (const std::exception& error) {
-        service_log(LogSeverity::kError, 0, std::string("unexpected: ") + error.what());
-      }
-    }
   }
 
   static JobRoots roots_of(const ServiceSettings& settings, const DataFolder& data) {
@@ -182,10 +171,9 @@ class Service {
         settings.data = settings_.data;
         check_service_settings(settings, options_.settings_file);
         const std::string token = read_token(settings.token_file);
-        if (token.empty() && has_token_)
+        if (token.empty() && api_.has_token())
           throw Error(ErrorCode::kUsage, "no token_file is named any more: without a token it must be started again");
         api_.set_token(token);
-        has_token_ = !token.empty();
         dispatcher_.reload(settings);
         service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
         sweep();
@@ -236,7 +224,6 @@ class Service {
 
   const ServiceOptions& options_;
   ServiceSettings settings_;
-  bool has_token_ = !settings_.token_file.empty();
   std::unique_ptr<FolderLock> lock_;
   DataFolder data_;
   const JobRoots roots_;

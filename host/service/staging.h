@@ -42,6 +42,7 @@ class StagedResult {
   void remove() const;
 
  private:
+  OpenFile open_staging() const;
   std::string put_aside() const;
 
   std::string output_, name_, staging_;

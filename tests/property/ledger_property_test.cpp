@@ -211,7 +211,7 @@ class Pair {
       queue_->published(id, now_);
       model_.published(id, now_);
     } else {
-      queue_->publishing_failed(id, "no room", now_);
+      queue_->publishing_failed(id, {AttemptOutcome::kFailed, 4, "no room"}, now_);
       model_.publishing_failed(id, now_);
     }
   }

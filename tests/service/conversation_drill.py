@@ -23,7 +23,7 @@ import time
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from fuzz_drill import Fuzzer  # noqa: E402
 from openapi_check import OpenapiCheck  # noqa: E402
-from service_harness import Service, fail, resident_bytes  # noqa: E402
+from service_harness import Service, fail, process_state  # noqa: E402
 
 STATUSES = {100, 200, 201, 202, 304, 400, 401, 403, 404, 405, 408, 409, 413, 431, 501, 503, 507}
 HEADERS = (b"Host: localhost", b"Host: evil", b"Host:", b"Origin: http://localhost", b"Origin: null",
@@ -174,12 +174,6 @@ def check_answers(line, statuses):
         rest = after[int(length.group(1)) if length else 0:]
 
 
-def state(service):
-    with open(f"/proc/{service.process.pid}/stat", encoding="utf-8") as file:
-        threads = int(file.read().rsplit(")", 1)[1].split()[17])
-    return resident_bytes(service.process.pid), len(os.listdir(f"/proc/{service.process.pid}/fd")), threads
-
-
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("multum")
@@ -218,14 +212,14 @@ def main():
                 if service.ask("GET", "/healthz", timeout=60)[0] != 200:
                     fail("it is not healthy")
                 if before is None and share_done() > 0.3:
-                    before = state(service)
+                    before = process_state(service.process.pid)
         for line in lines:
             line.close()
         if service.process.poll() is not None:
             fail(f"it ended with {service.process.returncode}: {service.log_text()[-3000:]}")
-        before = before or state(service)
+        before = before or process_state(service.process.pid)
         deadline = time.monotonic() + 30  # lines that linger
-        while (after := state(service))[1] > 40 and time.monotonic() < deadline:
+        while (after := process_state(service.process.pid))[1] > 40 and time.monotonic() < deadline:
             time.sleep(0.1)
         print(f"{count} conversations in {time.monotonic() - begun:.0f} s, answers by status: "
               f"{dict(sorted(statuses.items()))}")

@@ -52,6 +52,12 @@ bool fails() {
   return true;
 }
 
+// The mode is there for files that may be made.
+int open_with(int folder, const char* path, int flags, std::va_list list) {
+  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
+  return fails() ? -1 : static_cast<int>(::syscall(SYS_openat, folder, path, flags, mode));
+}
+
 template <typename Function>
 Function* next(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
@@ -62,25 +68,25 @@ Function* next(const char* name) {
 extern "C" {
 
 int open64(const char* path, int flags, ...) {
-  va_list list;
+  std::va_list list;
   va_start(list, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
+  const int file = open_with(AT_FDCWD, path, flags, list);
   va_end(list);
-  return fails() ? -1 : static_cast<int>(::syscall(SYS_openat, AT_FDCWD, path, flags, mode));
+  return file;
 }
 int open(const char* path, int flags, ...) {
-  va_list list;
+  std::va_list list;
   va_start(list, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
+  const int file = open_with(AT_FDCWD, path, flags, list);
   va_end(list);
-  return fails() ? -1 : static_cast<int>(::syscall(SYS_openat, AT_FDCWD, path, flags, mode));
+  return file;
 }
 int openat(int folder, const char* path, int flags, ...) {
-  va_list list;
+  std::va_list list;
   va_start(list, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
+  const int file = open_with(folder, path, flags, list);
   va_end(list);
-  return fails() ? -1 : static_cast<int>(::syscall(SYS_openat, folder, path, flags, mode));
+  return file;
 }
 // openat2 has no function of its own; Landlock's calls and the like pass.
 long syscall(long number, ...) {

@@ -18,7 +18,7 @@ import urllib.parse
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from openapi_check import OpenapiCheck  # noqa: E402
-from service_harness import Service, fail, resident_bytes  # noqa: E402
+from service_harness import Service, fail, process_state  # noqa: E402
 
 # Of what the file cannot say: which queues, jobs and files there are.
 REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder", "expected an absolute",
@@ -164,12 +164,9 @@ def main():
         check = OpenapiCheck(service.ask("GET", "/openapi.json")[1])
         fuzzer = Fuzzer(check.document, check, options.seed)
         statuses, jobs = collections.Counter(), 0
-        proc = f"/proc/{service.process.pid}"
 
         def state():
-            with open(proc + "/stat", encoding="utf-8") as file:
-                threads = int(file.read().rsplit(")", 1)[1].split()[17])
-            return resident_bytes(service.process.pid), len(os.listdir(proc + "/fd")), threads
+            return process_state(service.process.pid)
 
         before = None
         connection = service.connection()

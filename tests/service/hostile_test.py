@@ -18,21 +18,12 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from service_harness import Service, ServiceCase, is_sanitized, resident_bytes  # noqa: E402
+from service_harness import MULTUM, QUICK, ClientCase, is_sanitized, resident_bytes  # noqa: E402
 
-MULTUM = os.environ.get("MULTUM", "multum")
-QUICK = "back_off_first_s = 0.05\nback_off_max_s = 0.2\n"
 HOST = b"Host: localhost\r\n"
 
 
-class HostileTest(ServiceCase):
-    def start(self, config=QUICK, **more):
-        self.service = Service(MULTUM, self.folder, config=config, **more).start()
-        return self.service
-
-    def output(self, name):
-        return os.path.join(self.service.root, name)
-
+class HostileTest(ClientCase):
     def line(self, timeout=20):
         one = socket.create_connection(("127.0.0.1", self.service.port))
         one.settimeout(timeout)
@@ -55,11 +46,6 @@ class HostileTest(ServiceCase):
             except OSError:
                 pass
         return (int(text.split()[1]) if text.startswith(b"HTTP/1.1 ") else 0), text
-
-    def refused(self, status, code, *question, **more):
-        found, answer = self.service.ask(*question, **more)
-        self.assertEqual((found, answer["error"]["code"]), (status, code), answer)
-        return answer["error"]["message"]
 
     def alive(self):
         self.assertEqual(self.service.ask("GET", "/healthz")[0], 200)
@@ -171,11 +157,12 @@ class HostileTest(ServiceCase):
         for headers in ({"Host": "multum"}, {"Host": "intranet"}, {"Host": "localhost.evil"}, {"Origin": "http://evil"},
                         {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "same-site"},
                         {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}):
-            self.refused(403, "origin", "GET", "/v1/jobs", headers=headers)
+            self.refused(403, "origin", [], "GET", "/v1/jobs", headers=headers)
         # A link to the page may be followed.
         self.assertEqual(self.service.ask("GET", "/", headers={"Sec-Fetch-Site": "cross-site",
                                                                "Sec-Fetch-Mode": "navigate"})[0], 200)
-        self.refused(403, "origin", "GET", "/", headers={"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors"})
+        self.refused(403, "origin", [], "GET", "/",
+                     headers={"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors"})
 
     def test_listeners_leave_room_for_others(self):
         service = self.start(QUICK + "connections_max = 40\n")
@@ -229,7 +216,7 @@ class HostileTest(ServiceCase):
         with open(os.path.join(mine, "notes.txt"), "w", encoding="utf-8") as file:
             file.write("weeks of work")
         job = {"type": "scene", "parameters": {"scene": self.output("scene.toml")}, "again": True}
-        self.assertIn("notes.txt", self.refused(400, "usage", "POST", "/v1/jobs", dict(job, output=mine)))
+        self.assertIn("notes.txt", self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=mine)))
         # The root itself holds the scene.
         made = self.output("made")
         for _ in range(2):  # into nothing, then over a result of its own
@@ -238,18 +225,18 @@ class HostileTest(ServiceCase):
         self.assertTrue(os.path.exists(os.path.join(made, "plan.json")))
         with open(os.path.join(made, "added.txt"), "w", encoding="utf-8") as file:
             file.write("by hand")
-        self.assertIn("added.txt", self.refused(400, "usage", "POST", "/v1/jobs", dict(job, output=made)))
+        self.assertIn("added.txt", self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=made)))
         os.remove(os.path.join(made, "added.txt"))
         with open(os.path.join(made, "plan.json"), "a", encoding="utf-8") as file:
             file.write(" ")
-        self.assertIn("plan.json", self.refused(400, "usage", "POST", "/v1/jobs", dict(job, output=made)))
+        self.assertIn("plan.json", self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=made)))
         with open(os.path.join(mine, "notes.txt"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "weeks of work")
         # A listing that is a pipe is none; a name that is no UTF-8 is told all the same.
         os.mkfifo(os.path.join(mine, ".multum-result"))
         with open(os.path.join(mine, "notes.txt").encode() + b"\xff", "wb"):
             pass
-        self.refused(400, "usage", "POST", "/v1/jobs", dict(job, output=mine))
+        self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=mine))
         # What comes into the folder while it waits is seen before the work.
         late = self.output("late")
         blocker = service.submit(type="drill", parameters={"seconds": 0.5})
@@ -270,7 +257,7 @@ class HostileTest(ServiceCase):
         os.rename(source, renamed)
         with open(renamed, "rb") as file:
             before = file.read()
-        message = self.refused(400, "usage", "POST", "/v1/jobs",
+        message = self.refused(400, "usage", [], "POST", "/v1/jobs",
                                {"type": "bake", "parameters": {"input": renamed}, "output": renamed})
         self.assertIn(renamed, message)
         with open(renamed, "rb") as file:
@@ -281,10 +268,10 @@ class HostileTest(ServiceCase):
         self.start()
         source = self.make_map()
         for name in ("x" * 250 + ".ndf.exr", "x" * 200 + ".ndf.exr", "map_normal.png/a.ndf.exr", ".multum-a.ndf.exr"):
-            self.refused(400, "usage", "POST", "/v1/jobs",
+            self.refused(400, "usage", [], "POST", "/v1/jobs",
                          {"type": "bake", "parameters": {"input": source}, "output": self.output(name)})
         os.mkdir(self.output("folder.ndf.exr"))
-        self.refused(400, "usage", "POST", "/v1/jobs",
+        self.refused(400, "usage", [], "POST", "/v1/jobs",
                      {"type": "bake", "parameters": {"input": source}, "output": self.output("folder.ndf.exr")})
 
     def test_a_scene_is_no_map(self):
@@ -298,20 +285,20 @@ class HostileTest(ServiceCase):
         path = self.upload("scene.toml", scene)
         os.symlink(path, self.output("link.png"))
         for given in (path, self.output("link.png")):
-            self.refused(400, "usage", "POST", "/v1/jobs",
+            self.refused(400, "usage", [], "POST", "/v1/jobs",
                          {"type": "bake", "parameters": {"input": given}, "output": self.output("a.ndf.exr")})
-        message = self.refused(400, "usage", "POST", "/v1/jobs",
+        message = self.refused(400, "usage", [], "POST", "/v1/jobs",
                                {"type": "scene", "parameters": {"scene": path}, "output": self.output("a")})
         self.assertIn("secret.png", message)
         # Nor is an upload an output.
-        self.refused(400, "usage", "POST", "/v1/jobs", {"type": "drill", "parameters": {}, "output": path})
+        self.refused(400, "usage", [], "POST", "/v1/jobs", {"type": "drill", "parameters": {}, "output": path})
 
     def test_hostile_scenes_cost_a_child(self):
         service = self.start()
         for text in (".".join(["a"] * 32000) + " = 1\n", "a = [" + "1," * 8000000 + "]\n", "a = " + "[" * 100000):
             path = self.upload("scene.toml", text)
             for kind, name in (("scene", "scene"), ("infer", "job")):
-                self.refused(400, "input", "POST", "/v1/jobs",
+                self.refused(400, "input", [], "POST", "/v1/jobs",
                              {"type": kind, "parameters": {name: path}, "output": self.output("a")})
         self.alive()
 
@@ -457,7 +444,7 @@ class HostileTest(ServiceCase):
             reloads(text)
             self.assertTrue(is_open_to("the first token of all"), text)
             self.assertFalse(is_open_to("the second token of all"), text)
-            self.refused(401, "token", "GET", "/v1/jobs")
+            self.refused(401, "token", [], "GET", "/v1/jobs")
         # The command line's file may hold another one by now; an empty one is none.
         with open(first, "w", encoding="utf-8") as file:
             file.write("the third token of all\n")
@@ -475,12 +462,12 @@ class HostileTest(ServiceCase):
             file.write("a token of many letters\n")
         os.chmod(token, 0o600)
         self.start(QUICK + f'token_file = "{token}"\n')
-        self.refused(401, "token", "GET", "/v1/jobs")
+        self.refused(401, "token", [], "GET", "/v1/jobs")
         with open(os.path.join(self.folder, "serve.toml"), "w", encoding="utf-8") as file:
             file.write(QUICK)
         self.service.process.send_signal(signal.SIGHUP)
         self.service.wait_for_log("kept as they were")
-        self.refused(401, "token", "GET", "/v1/jobs")
+        self.refused(401, "token", [], "GET", "/v1/jobs")
 
 
 if __name__ == "__main__":

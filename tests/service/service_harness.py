@@ -6,12 +6,14 @@ import json
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+
+MULTUM = os.environ.get("MULTUM", "multum")
+QUICK = "back_off_first_s = 0.05\nback_off_max_s = 0.2\n"
 
 
 class Service:
@@ -164,9 +166,53 @@ class ServiceCase(unittest.TestCase):
         shutil.rmtree(self.folder)
 
 
+class ClientCase(ServiceCase):
+    """What tests of a client's view do with their daemon."""
+
+    checks_answers = False  # each against docs/openapi.json
+
+    def start(self, config=QUICK, **more):
+        self.service = Service(MULTUM, self.folder, config=config, **more).start()
+        if self.checks_answers:
+            from openapi_check import OpenapiCheck  # which wants a package that not all tests do
+            self.service.checker = OpenapiCheck(self.service.ask("GET", "/openapi.json")[1])
+        return self.service
+
+    def output(self, name):
+        return os.path.join(self.service.root, name)
+
+    def drill(self, seconds=0, **job):
+        parameters = {"seconds": seconds}
+        for name in ("then", "text"):
+            if name in job:
+                parameters[name] = job.pop(name)
+        return self.service.submit(type="drill", parameters=parameters, **job)
+
+    def client(self, *arguments, code=0):
+        done = subprocess.run([MULTUM, *arguments], capture_output=True, text=True, check=False, timeout=60,
+                              env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{self.service.port}"))
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout + done.stderr
+
+    def refused(self, status, code, values, *question, **more):
+        """The message, which has every one of `values`: keys, names and numbers, whatever the sentence around them."""
+        found, answer = self.service.ask(*question, **more)
+        self.assertEqual((found, answer["error"]["code"]), (status, code), answer)
+        for value in values:
+            self.assertIn(value, answer["error"]["message"])
+        return answer["error"]["message"]
+
+
 def resident_bytes(pid):
     with open(f"/proc/{pid}/statm", encoding="utf-8") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE")
+
+
+def process_state(pid):
+    """Resident bytes, open files, threads."""
+    with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
+        threads = int(file.read().rsplit(")", 1)[1].split()[17])
+    return resident_bytes(pid), len(os.listdir(f"/proc/{pid}/fd")), threads
 
 
 def is_sanitized(pid):

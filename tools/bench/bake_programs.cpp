@@ -9,13 +9,14 @@
 
 #include "host/base/child_process.h"
 #include "host/base/error.h"
+#include "host/base/machine.h"
 #include "tools/bench/measured_program.h"
 
 namespace multum::bench {
 namespace fs = std::filesystem;
 
 std::string neighbouring_program(const std::string& name) {
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  const fs::path folder = own_folder();
   for (const fs::path& program : {folder / name, folder / "test" / name})
     if (fs::exists(program)) return program.string();
   throw Error(ErrorCode::kEnvironment, fmt::format("{}: not found, expected {} in the folder of multum-bench (build "

@@ -11,6 +11,7 @@
 #include "host/bake/inference_page.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/machine.h"
 #include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
@@ -81,9 +82,8 @@ int run_infer(InferOptions& o) {
 
 std::string find_viewer() {
   std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path beside = self.parent_path() / "multum-view";
-  return !error && std::filesystem::exists(beside, error) ? beside.string() : "multum-view";
+  const std::string beside = own_folder() + "/multum-view";
+  return std::filesystem::exists(beside, error) ? beside : "multum-view";
 }
 
 void add_infer_command(CLI::App& app, int* exit_code) {

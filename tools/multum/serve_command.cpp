@@ -31,11 +31,6 @@ struct ServeOptions {
   bool begins_anew = false;
 };
 
-std::string own_program() {
-  std::error_code error;
-  return std::filesystem::read_symlink("/proc/self/exe", error).string();
-}
-
 // The file's settings, and before them what the command line says.
 ServiceSettings settings_of(const ServeOptions& o) {
   ServiceSettings settings;
