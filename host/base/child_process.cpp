@@ -67,7 +67,7 @@ bool read_output(int pipe_end, pid_t pid, const ChildLimits* limits, std::string
     if (limits != nullptr && !is_killed) {
       pollfd waited = {pipe_end, POLLIN, 0};
       const bool has_more = poll(&waited, 1, 100) > 0;
-      is_killed = std::chrono::steady_clock::now() - start > limits->time_max ||
+      is_killed = std::chrono::steady_clock::now() - start > limits->time_max || output.size() > limits->output_max ||
                   (limits->is_cancelled && limits->is_cancelled());
       if (is_killed) ::kill(-pid, SIGKILL);
       if (!has_more) continue;

@@ -29,7 +29,7 @@ struct ChildResult {
   int signal;          // 0 when it exited
   std::string output;  // stdout and stderr, interleaved
   ChildUsage usage;
-  bool is_over_time = false;
+  bool is_over_time = false;  // or not wanted any more, or said too much: it was killed
 };
 
 /// What a child is held to that works on what strangers sent. One with limits has a process group of its own: Ctrl-C
@@ -38,6 +38,7 @@ struct ChildLimits {
   std::chrono::milliseconds time_max{};     // then it is killed
   int niceness = 0;                         // 0..19
   std::uint64_t memory_max = 0;             // bytes that it may write to; 0: any. Not with -fsanitize=address or thread
+  std::size_t output_max = 64 << 20;        // bytes of what it says; one that says more is killed
   std::function<bool()> is_cancelled = {};  // asked ten times a second; true: it is killed
 };
 

@@ -2,6 +2,7 @@
 #include "host/service/data_folder.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kCountedFor = std::chrono::seconds(10);  // jobs write results without telling
+constexpr auto kCountedFor = std::chrono::seconds(5);  // jobs write results without telling
 
 std::int64_t bytes_below(const std::string& folder) {
   std::int64_t bytes = 0;
@@ -38,24 +39,18 @@ std::int64_t bytes_below(const std::string& folder) {
   return bytes;
 }
 
+std::int64_t bytes_of(const std::string& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return bytes_below(path);
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  return error ? 0 : static_cast<std::int64_t>(bytes);
+}
+
 std::chrono::hours age_of(const fs::directory_entry& entry) {
   std::error_code gone;
   const fs::file_time_type time = entry.last_write_time(gone);
   if (gone) return std::chrono::hours(0);
   return std::chrono::duration_cast<std::chrono::hours>(fs::file_time_type::clock::now() - time);
-}
-
-void remove(const fs::path& path, const char* why) {
-  std::error_code error;
-  if (fs::remove_all(path, error) != 0 && !error)
-    service_log(LogSeverity::kInfo, 0, fmt::format("removed {}: {}", path.string(), why));
-}
-
-// Below `folder`, and not led out of it by a link.
-bool is_own(const std::string& path, const std::string& folder) {
-  if (path.empty()) return false;
-  const fs::path place = fs::weakly_canonical(fs::path(path).parent_path()) / fs::path(path).filename();
-  return place == path && path.starts_with(fs::weakly_canonical(folder).string() + "/");
 }
 
 // The number between `before` and `after`, which anything may follow; 0: it has none, or one that no ledger gives.
@@ -71,20 +66,53 @@ std::int64_t number_in(const std::string& name, const std::string& before, const
 
 }  // namespace
 
-DataFolder::DataFolder(std::string path, std::int64_t bytes_max) : path_(std::move(path)), bytes_max_(bytes_max) {
-  for (const char* folder : {"/logs", "/uploads", "/results", "/scratch"}) make_folder(path_ + folder);
-}
+DataFolder::DataFolder(std::string path, std::int64_t bytes_max)
+    : path_(std::move(path)), bytes_max_(bytes_max), own_([this] {
+        for (const char* folder : {"/logs", "/uploads", "/results", "/scratch"}) make_folder(path_ + folder);
+        return PathRoots({uploads(), results()});
+      }()) {}
 
 std::int64_t DataFolder::bytes() {
-  const std::lock_guard lock(mutex_);
-  if (counted_ == Clock::time_point() || Clock::now() - counted_ > kCountedFor) {
-    bytes_ = 0;
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
-      if (entry.is_directory(error)) bytes_ += bytes_below(entry.path().string());
-    counted_ = Clock::now();
+  {
+    const std::lock_guard lock(mutex_);
+    if (counted_ != Clock::time_point() && Clock::now() - counted_ <= kCountedFor) return bytes_;
   }
+  // Others that ask for less than a walk do not wait for it.
+  std::int64_t counted = 0;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
+    if (entry.is_directory(error)) counted += bytes_below(entry.path().string());
+  const std::lock_guard lock(mutex_);
+  bytes_ = counted;
+  counted_ = Clock::now();
   return bytes_;
+}
+
+bool DataFolder::is_full() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_max_ > 0 && bytes_ >= bytes_max_;
+}
+
+void DataFolder::count_result(const std::string& output) {
+  if (!own_.is_inside(output)) return;
+  const std::int64_t bytes = bytes_of(output);
+  const std::lock_guard lock(mutex_);
+  bytes_ += bytes;
+}
+
+// Beneath the descriptor of the folder that it lies in: a link above leads nowhere.
+void DataFolder::remove_own(const std::string& path, const char* why) {
+  const std::int64_t bytes = bytes_of(path);
+  try {
+    const OpenFile folder = own_.open_folder_of(path);
+    const std::string name = fs::path(path).filename().string();
+    std::error_code error;
+    if (fs::remove_all(fmt::format("/proc/self/fd/{}/{}", folder.descriptor(), name), error) == 0 || error) return;
+    service_log(LogSeverity::kInfo, 0, fmt::format("removed {}: {}", path, why));
+    const std::lock_guard lock(mutex_);
+    bytes_ -= bytes;
+  } catch (const Error&) {  // not there any more, or behind a link
+  }
 }
 
 void DataFolder::check_room(std::int64_t more) {
@@ -190,26 +218,29 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
   queue.check_kept();
   const JobQueue::Uses uses = queue.uses();
   const auto is_used = [&](const std::string& path) { return sweep.uses.have(path) || uses.have(path); };
+  std::error_code error;
   for (const auto& [job, output, identity] : sweep.left_overs) {
-    remove(fmt::format("{}/logs/{}.log", path_, job), "the log of a job that was purged");
+    if (fs::remove(fmt::format("{}/logs/{}.log", path_, job), error))
+      service_log(LogSeverity::kInfo, job, "removed its log: it was purged");
     if (!output.empty() && is_used(output)) continue;
-    // What has taken its place since is nobody's that is known.
-    std::error_code ignored;
-    const bool is_same = !identity.empty() && file_identity(output) == identity;
-    const bool is_as_made = is_same && (!fs::is_directory(output, ignored) || unlisted_in(output).empty());
-    if (is_as_made && is_own(output, results())) remove(output, "the result of a job that was purged");
+    // What has taken its place since is nobody's that is known; what was changed in it is not removed either.
+    try {
+      const bool is_folder = fs::is_directory(output, error);
+      if (!identity.empty() && file_identity(output) == identity && (!is_folder || unlisted_in(output).empty()))
+        remove_own(output, "the result of a job that was purged");
+    } catch (const Error&) {
+      continue;  // it cannot be looked at for now
+    }
     queue.forget_left_over(job);
   }
   for (const std::string& path : sweep.uploads) {
-    std::error_code error;
     const std::lock_guard lock(storing_);
     const fs::directory_entry file(path, error);
     const bool is_there = file.exists(error);
     if (is_there && (is_used(path) || age_of(file) < sweep.upload_age)) continue;
-    if (is_own(path, uploads())) {
-      if (is_there) remove(path, "an upload that no job waits for any more");
-      fs::remove(fs::path(path).parent_path(), error);  // unless another lies in it
-    }
+    if (is_there) remove_own(path, "an upload that no job waits for any more");
+    const std::string folder = fs::path(path).parent_path().string();
+    if (own_.is_inside(folder)) ::rmdir(folder.c_str());  // unless another lies in it
     queue.forget_upload(path);
   }
   const std::lock_guard lock(mutex_);

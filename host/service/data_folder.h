@@ -10,6 +10,7 @@
 #include <mutex>
 #include <string>
 
+#include "host/service/path_roots.h"
 #include "host/service/queue_thread.h"
 #include "host/service/upload_file.h"
 
@@ -37,6 +38,11 @@ class DataFolder {
   /// Blocks. Throws Refusal 507 "quota" when so many bytes more are too many.
   void check_room(std::int64_t bytes);
 
+  /// Whether what is there is as much as may be, as far as was counted lately; looks at no disk.
+  bool is_full() const;
+  /// A result has come: counts it, when it lies here.
+  void count_result(const std::string& output);
+
   /// On the ledger's thread, where results are published too: removes the results and logs of purged jobs that no other
   /// job has a use for, and uploads that are older than `upload_age` and that no unfinished job names. What no ledger
   /// has noted stays.
@@ -46,13 +52,15 @@ class DataFolder {
 
  private:
   std::int64_t bytes();
+  void remove_own(const std::string& path, const char* why);
   struct Sweep;
   void sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& sweep);
   static void look(JobQueue& queue, Sweep& sweep);
   void remove_found(JobQueue& queue, const Sweep& sweep);
   const std::string path_;
   const std::int64_t bytes_max_;
-  std::mutex mutex_;
+  const PathRoots own_;  // uploads and results
+  mutable std::mutex mutex_;
   std::int64_t bytes_ = 0, bytes_coming_ = 0;
   std::chrono::steady_clock::time_point counted_;  // no moment: never
   std::mutex storing_;                             // a folder may not go between its making and its file's

@@ -69,16 +69,22 @@ TimeMs wall_clock_ms() {
 }
 
 bool is_result_intact(JobQueue& queue, const Job& job) {
-  return job.output.empty() || file_identity(job.output) == queue.result_identity(job.id);
+  try {
+    return job.output.empty() || is_as_made(job.output, queue.result_identity(job.id));
+  } catch (const Error&) {  // it cannot be looked at for now
+    return false;
+  }
 }
 
-Dispatcher::Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, ServiceSettings settings,
-                       const PathRoots& outputs, std::string instance, std::vector<std::string> worker_command)
+Dispatcher::Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, DataFolder& data,
+                       ServiceSettings settings, const JobRoots& roots, std::string instance,
+                       std::vector<std::string> worker_command)
     : io_(io),
       ledger_(ledger),
       events_(events),
+      data_(data),
       settings_(std::move(settings)),
-      outputs_(outputs),
+      roots_(roots),
       instance_(std::move(instance)),
       limits_(limits_of(settings_)),
       pool_(io,
@@ -129,7 +135,7 @@ void Dispatcher::recover() {
                                   job_state_name(state), name));
   });
   const auto is_finished_with = [&](std::int64_t id) { return numbers.is_finished_with(id); };
-  for (const std::string& path : sweep_staging(outputs_, folders, instance_, is_finished_with))
+  for (const std::string& path : sweep_staging(roots_.outputs, folders, instance_, is_finished_with))
     service_log(LogSeverity::kInfo, 0, "removed what an earlier daemon left: " + path);
 }
 
@@ -217,12 +223,14 @@ void Dispatcher::give_out(const std::vector<Claimed>& claimed) {
 
 void Dispatcher::start_job(const Claimed& claimed) {
   const Job& job = claimed.job;
-  WorkOrder order{job.id, job.attempt, {}, "", log_path(job.id), job.type, job.parameters, job.inputs, "", ""};
+  WorkOrder order{job.id, job.attempt, {}, "", "", log_path(job.id), job.type, job.parameters, job.inputs, "", ""};
+  if (data_.is_full() && roots_.results.is_inside(job.output))
+    return note_end(job.id, job.owner, job.attempt,
+                    {AttemptOutcome::kFailed, 4, "data_max is reached: there is no room for its result"});
   try {
     std::string made;
     if (!job.output.empty()) {
-      // What its result could not be published over is said before the work.
-      StagedResult(outputs_, job.output, instance_, job.id).check_place(find_job_type(job.type).output_is_folder);
+      order.output = job.output;
       order.folder = staging_folder(job.output, instance_, job.id);
       made = staged_path(job.output, instance_, job.id);
     }
@@ -268,7 +276,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
   const Job job = running_.at(id).job;
   std::string identity;
   try {
-    identity = StagedResult(outputs_, job.output, instance_, id).identity();
+    identity = StagedResult(roots_.outputs, job.output, instance_, id).identity();
   } catch (const Error& moved) {
     return note_end(id, owner, attempt, result_of(moved));
   }
@@ -340,7 +348,8 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
 }
 
 void Dispatcher::publish(const Job& job, const std::string& identity) const {
-  const std::string kept = StagedResult(outputs_, job.output, instance_, job.id).publish(identity);
+  const std::string kept = StagedResult(roots_.outputs, job.output, instance_, job.id).publish(identity);
+  data_.count_result(job.output);
   if (!kept.empty())
     service_log(LogSeverity::kWarning, job.id,
                 fmt::format("{} held what this service had not put there; it is in {}", job.output, kept));
@@ -348,7 +357,7 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
 
 void Dispatcher::remove_staging(const Job& job) const {
   try {
-    StagedResult(outputs_, job.output, instance_, job.id).remove();
+    StagedResult(roots_.outputs, job.output, instance_, job.id).remove();
   } catch (const Error&) {  // its folder is gone, or elsewhere: the next start looks again
   }
 }
@@ -416,10 +425,17 @@ void Dispatcher::set_paused(const std::string& queue, bool is_paused) {
 }
 
 void Dispatcher::reload(const ServiceSettings& settings) {
+  ClaimLimits limits = limits_of(settings);
+  // What was paused or resumed by request stays so, unless the settings say something else than before.
+  for (auto& [name, of_queue] : limits.queues) {
+    const auto before = settings_.queues.find(name);
+    if (before != settings_.queues.end() && before->second.is_paused == of_queue.is_paused)
+      of_queue.is_paused = limits_.queues.at(name).is_paused;
+  }
   settings_.queues = settings.queues;
   settings_.devices = settings.devices;
   settings_.memory_max = settings.memory_max;
-  limits_ = limits_of(settings_);
+  limits_ = std::move(limits);
   pump();
 }
 

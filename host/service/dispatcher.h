@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "host/service/data_folder.h"
 #include "host/service/event_hub.h"
 #include "host/service/job_queue.h"
 #include "host/service/path_roots.h"
@@ -31,9 +32,11 @@ class Dispatcher {
     double busy_seconds = 0.0;  // of workers, all together
   };
 
-  /// `worker_command`: of a worker, without its socket. Results are published below `outputs`.
-  Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, ServiceSettings settings,
-             const PathRoots& outputs, std::string instance, std::vector<std::string> worker_command);
+  /// `worker_command`: of a worker, without its socket. Results are published below the roots of outputs;
+  /// `data` counts those that lie in it, and begins none when it is full.
+  Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, DataFolder& data,
+             ServiceSettings settings, const JobRoots& roots, std::string instance,
+             std::vector<std::string> worker_command);
 
   /// Looks after what an earlier daemon left, before anything starts. Blocks.
   void recover();
@@ -99,8 +102,9 @@ class Dispatcher {
   boost::asio::io_context& io_;
   QueueThread& ledger_;
   EventHub& events_;
+  DataFolder& data_;
   ServiceSettings settings_;
-  const PathRoots& outputs_;
+  const JobRoots& roots_;
   std::string instance_;
   ClaimLimits limits_;
   WorkerPool pool_;

@@ -7,15 +7,16 @@
 
 namespace multum {
 
-namespace {
-
-ServiceEvent event_of(std::uint64_t number, std::int64_t job, const std::string& kind, const std::string& data) {
-  return {number, job,
-          std::make_shared<const std::string>("id: " + std::to_string(number) + "\nevent: " + kind + "\ndata: " + data +
-                                              "\n\n")};
+ServiceEvent EventHub::event_of(std::uint64_t number, std::int64_t job, const std::string& kind,
+                                const std::string& data) const {
+  auto text = std::make_unique<const std::string>("id: " + std::to_string(number) + "\nevent: " + kind +
+                                                  "\ndata: " + data + "\n\n");
+  *bytes_ += text->size();
+  return {number, job, std::shared_ptr<const std::string>(text.release(), [all = bytes_](const std::string* gone) {
+            *all -= gone->size();
+            delete gone;
+          })};
 }
-
-}  // namespace
 
 EventHub::EventHub(std::uint64_t first)
     : work_(boost::asio::make_work_guard(io_)),
@@ -33,7 +34,11 @@ void EventHub::publish(const std::string& kind, std::int64_t job, const std::str
   boost::asio::post(io_, [this, number, kind, job, data] {
     const ServiceEvent event = event_of(number, job, kind, data);
     kept_.push_back(event);
-    if (kept_.size() > kKept) kept_.pop_front();
+    kept_bytes_ += event.text->size();
+    while (kept_.size() > kKept || (kept_.size() > 1 && kept_bytes_ > kKeptBytes)) {
+      kept_bytes_ -= kept_.front().text->size();
+      kept_.pop_front();
+    }
     for (const auto& [key, listener] : listeners_) listener(event);
   });
 }

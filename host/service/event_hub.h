@@ -39,6 +39,9 @@ class EventHub {
   /// The number of the last event published.
   std::uint64_t last() const { return last_; }
 
+  /// Of all events whose texts are kept, here or by listeners.
+  std::size_t bytes() const { return *bytes_; }
+
   /// Its thread runs this: what listeners do belongs there, and the calls below too.
   boost::asio::io_context& io() { return io_; }
   /// Those after `number` that are still kept, then those to come, until remove(). When some in between are not kept
@@ -48,9 +51,13 @@ class EventHub {
 
  private:
   static constexpr std::size_t kKept = 1024;
+  static constexpr std::size_t kKeptBytes = 16 << 20;
+  ServiceEvent event_of(std::uint64_t number, std::int64_t job, const std::string& kind, const std::string& data) const;
+  std::shared_ptr<std::atomic<std::size_t>> bytes_ = std::make_shared<std::atomic<std::size_t>>(0);
   boost::asio::io_context io_{1};
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
   std::deque<ServiceEvent> kept_;
+  std::size_t kept_bytes_ = 0;
   const std::uint64_t first_;
   std::map<std::uint64_t, Listener> listeners_;
   std::atomic<std::uint64_t> last_;

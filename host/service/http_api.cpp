@@ -136,6 +136,11 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> list(HttpRequest request) {
     const JobFilter filter = parse_filter(request);
+    constexpr std::int64_t kCopies = 4;  // of a text while an answer is made: row, job, JSON and that as a text
+    std::int64_t bytes = 0;
+    co_await in_ledger([&](JobQueue& queue) { bytes = kCopies * queue.list_bytes(filter); });
+    if (!request.memory->resize(request.memory->bytes() + static_cast<std::size_t>(bytes)))
+      throw Refusal{503, "busy", "there is no memory for so many jobs; ask for fewer", {{"Retry-After", "1"}}};
     Json jobs = Json::array();
     co_await in_ledger([&](JobQueue& queue) {
       jobs = Json::array();

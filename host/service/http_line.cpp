@@ -7,6 +7,7 @@
 #include <boost/beast/core/string.hpp>
 #include <boost/beast/http/error.hpp>
 #include <initializer_list>
+#include <iterator>
 
 namespace multum {
 namespace {
@@ -16,6 +17,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using asio::use_awaitable;
 
+constexpr long kFieldsMax = 100;
 constexpr std::size_t kOverheadBytes = 65536;  // of chunked bodies, beside as much again as their content
 
 UnreadableRequest no_http(const std::string& what) { return {400, "usage", "the request is no HTTP: " + what}; }
@@ -41,6 +43,8 @@ bool is_text(std::string_view header) {
 // Fields that two readers must not understand in two ways.
 void check_fields(const HttpLine::Parser& parser) {
   const auto& head = parser.get();
+  if (std::distance(head.begin(), head.end()) > kFieldsMax)
+    throw UnreadableRequest{431, "too_large", "the header has more than " + std::to_string(kFieldsMax) + " fields"};
   for (const http::field once :
        {http::field::host, http::field::content_length, http::field::transfer_encoding, http::field::authorization,
         http::field::origin, http::field::expect, http::field::content_type})

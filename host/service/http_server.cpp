@@ -27,7 +27,6 @@
 #include "host/base/error.h"
 #include "host/service/http_line.h"
 #include "host/service/http_reply.h"
-#include "host/service/memory_budget.h"
 #include "host/service/service_log.h"
 
 namespace multum {
@@ -49,7 +48,10 @@ constexpr auto kLingerTime = seconds(5);
 constexpr std::size_t kLingerMax = 64 << 20;  // bytes
 constexpr auto kStreamPulse = seconds(10);
 constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two words to one listener
-constexpr std::size_t kStreamBacklog = 8192;  // events that a slow listener may be behind, before its line is cut
+constexpr std::size_t kStreamBacklog = 8192;     // events that a slow listener may be behind, before its line is cut
+constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; when they are more, who is behind is cut
+constexpr std::size_t kStreamPieces = 256;       // events in one write
+constexpr std::size_t kQueryMax = 32;            // parameters
 constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell others that it is full
 
 std::optional<std::string> decoded(std::string_view text) {
@@ -91,7 +93,7 @@ bool split_target(std::string_view target, HttpRequest& request) {
     const std::optional<std::string> name = decoded(one.substr(0, equals));
     const std::optional<std::string> value =
         equals == std::string_view::npos ? std::string() : decoded(one.substr(equals + 1));
-    if (!name || !value) return false;
+    if (!name || !value || request.query.size() >= kQueryMax) return false;
     request.query[*name] = *value;
   }
   return true;
@@ -131,23 +133,47 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         budget(settings.memory_max),
         streams_max(std::max(1, settings.connections_max / 4 * 3)) {}
 
+  // One of those who listen, for as long as it lives.
+  class Listener {
+   public:
+    static std::optional<Listener> one_more(std::shared_ptr<State> state) {
+      if (state->streams >= state->streams_max) return std::nullopt;
+      return Listener(std::move(state));
+    }
+    Listener(Listener&&) noexcept = default;
+    Listener& operator=(Listener&&) = delete;
+    ~Listener() {
+      if (state_) --state_->streams;
+    }
+    State& state() const { return *state_; }
+
+   private:
+    explicit Listener(std::shared_ptr<State> state) : state_(std::move(state)) { ++state_->streams; }
+    std::shared_ptr<State> state_;
+  };
+
   template <typename Protocol>
   asio::awaitable<void> accept(std::shared_ptr<asio::basic_socket_acceptor<Protocol>> acceptor) {
     for (;;) {
-      boost::system::error_code error;
-      typename Protocol::socket socket(io);
-      co_await acceptor->async_accept(socket, asio::redirect_error(use_awaitable, error));
-      if (is_closed || error == asio::error::operation_aborted) co_return;
-      if (error) {  // too many files, as a rule: those that are open must end first
-        asio::steady_timer pause(io, std::chrono::milliseconds(100));
-        co_await pause.async_wait(asio::redirect_error(use_awaitable, error));
-        continue;
-      }
-      ++counters.connections;
+      bool is_short = false;  // of files or memory, as a rule: those that are open must end first
       try {
-        start(HttpLine::Socket(std::move(socket)));
-      } catch (const std::exception&) {  // no memory for a line
+        boost::system::error_code error;
+        typename Protocol::socket socket(io);
+        co_await acceptor->async_accept(socket, asio::redirect_error(use_awaitable, error));
+        if (is_closed || error == asio::error::operation_aborted) co_return;
+        is_short = error.failed();
+        if (!is_short) {
+          ++counters.connections;
+          start(HttpLine::Socket(std::move(socket)));
+        }
+      } catch (const std::exception&) {
         ++counters.failures;
+        is_short = true;
+      }
+      try {
+        asio::steady_timer pause(io, std::chrono::milliseconds(100));
+        if (is_short) co_await pause.async_wait(use_awaitable);
+      } catch (const std::exception&) {  // not even for a pause
       }
     }
   }
@@ -157,7 +183,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     const bool has_room = open + streams < settings.connections_max && share.resize(HttpLine::kBytes);
     const auto line = std::make_shared<HttpLine>(std::move(socket));
     if (has_room) {
-      asio::co_spawn(io, serve(line, std::move(share), this->shared_from_this()), asio::detached);
+      asio::co_spawn(io, serve(this->shared_from_this(), line, std::move(share)), asio::detached);
       return;
     }
     // The last that came have these: who says nothing must not keep monitors out.
@@ -170,8 +196,9 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     asio::co_spawn(io, serve_spare(line, this->shared_from_this()), asio::detached);
   }
 
-  static asio::awaitable<void> serve(std::shared_ptr<HttpLine> line, [[maybe_unused]] MemoryShare its_own,
-                                     std::shared_ptr<State> self) {
+  // Arguments go in reverse: what is given back goes to a budget that is still there.
+  static asio::awaitable<void> serve(std::shared_ptr<State> self, std::shared_ptr<HttpLine> line,
+                                     [[maybe_unused]] MemoryShare its_own) {
     const Counted counted(self->open);
     try {
       while (!self->is_closed && co_await self->serve_one(*line, false)) {
@@ -220,28 +247,29 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       early = refusal_response(refusal_of(error));
     }
     if (early) {
-      co_await send(line, version, false, has_header && is_head, *early);
+      co_await send(line, version, false, has_header && is_head, std::move(*early));
       co_await line.linger(is_spare ? kSpareTime : kLingerTime, kLingerMax);
       co_return false;
     }
-    const bool keep = parser.keep_alive() && !is_spare;
+    bool keep = parser.keep_alive() && !is_spare;
     ++counters.requests;
     if (!is_urgent) co_await turn();
-    const HttpResponse response = co_await settings.answer(std::move(request));
+    request.memory = &share;
+    HttpResponse response = co_await settings.answer(std::move(request));
     share.resize(0);
     if (response.is_stream && !is_head) {
-      if (streams < streams_max) {
-        co_await hand_to_hub(line, version, response);
+      std::optional<Listener> listener = Listener::one_more(this->shared_from_this());
+      if (listener) {
+        co_await hand_to_hub(line, version, std::move(response), std::move(*listener));
         co_return false;
       }
-      const HttpResponse full = busy("too many listen to events already");
-      co_return co_await send(line, version, false, is_head, full);
+      keep = false;
+      response = busy("too many listen to events already");
+    } else if (!is_urgent && !share.resize(response.body.size())) {
+      keep = false;
+      response = busy("there is no memory for the answer");
     }
-    if (!is_urgent && !share.resize(response.body.size())) {
-      const HttpResponse full = busy("there is no memory for the answer");
-      co_return co_await send(line, version, false, is_head, full);
-    }
-    co_return co_await send(line, version, keep && !is_closed, is_head, response);
+    co_return co_await send(line, version, keep && !is_closed, is_head, std::move(response));
   }
 
   // What is answered at once, if anything.
@@ -253,13 +281,16 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       return refusal_response({400, "usage", "the target is no path"});
     if (const std::unique_ptr<HttpResponse> refused = settings.check(request)) return *refused;
     const std::size_t limit = body_limit(request);
+    if (limit == 0 && !parser.is_done())
+      return refusal_response({413, "too_large", fmt::format("a {} has no body here", request.method)});
     if (parser.content_length() && *parser.content_length() > limit)
       return refusal_response({413, "too_large", fmt::format("a body of up to {} bytes is taken", limit)});
     return std::nullopt;
   }
 
   std::size_t body_limit(const HttpRequest& request) const {
-    return settings.is_upload(request.method, request.path) ? settings.upload_max : settings.body_max;
+    if (settings.is_upload(request.method, request.path)) return settings.upload_max;
+    return request.method == "POST" ? settings.body_max : 0;
   }
 
   asio::awaitable<void> read_body(HttpLine& line, HttpLine::Parser& parser, HttpRequest& request, MemoryShare& share) {
@@ -298,7 +329,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     ++counters.by_status[static_cast<int>(message.result_int())];
   }
 
-  asio::awaitable<bool> send(HttpLine& line, unsigned version, bool keep, bool is_head, const HttpResponse& response) {
+  asio::awaitable<bool> send(HttpLine& line, unsigned version, bool keep, bool is_head, HttpResponse response) {
     const auto status = static_cast<http::status>(response.status);
     if (response.file) {
       http::response<http::file_body> message(status, version);
@@ -312,7 +343,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       co_return co_await finish(line, message, keep, is_head);
     }
     http::response<http::string_body> message(status, version);
-    message.body() = response.body;
+    message.body() = std::move(response.body);
     fill_header(message, keep, response);
     message.prepare_payload();
     co_return co_await finish(line, message, keep, is_head);
@@ -337,7 +368,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   }
 
   // The line changes hands: from here on it is the hub's thread's.
-  asio::awaitable<void> hand_to_hub(HttpLine& line, unsigned version, HttpResponse response) {
+  asio::awaitable<void> hand_to_hub(HttpLine& line, unsigned version, HttpResponse response, Listener listener) {
     http::response<http::empty_body> message(http::status::ok, version);
     response.content_type = "text/event-stream";
     response.headers.emplace_back("Cache-Control", "no-store");
@@ -349,48 +380,55 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     HttpLine::Socket socket = line.release();
     const auto protocol = socket.local_endpoint().protocol();
     HttpLine::Socket moved(events.io(), protocol, socket.release());
-    ++streams;
-    asio::co_spawn(events.io(),
-                   send_events(beast::basic_stream<asio::generic::stream_protocol>(std::move(moved)), response.after,
-                               response.job, this->shared_from_this()),
-                   asio::detached);
+    asio::co_spawn(
+        events.io(),
+        send_events(std::move(listener), beast::basic_stream<asio::generic::stream_protocol>(std::move(moved)),
+                    response.after, response.job),
+        asio::detached);
   }
 
-  // On the hub's thread.
-  static asio::awaitable<void> send_events(beast::basic_stream<asio::generic::stream_protocol> stream,
-                                           std::uint64_t after, std::int64_t job, std::shared_ptr<State> self) {
+  // On the hub's thread. Texts of events are one for all who listen: what is written is where it lies.
+  static asio::awaitable<void> send_events(Listener listener,
+                                           beast::basic_stream<asio::generic::stream_protocol> stream,
+                                           std::uint64_t after, std::int64_t job) {
+    using Text = std::shared_ptr<const std::string>;
     struct Line {
-      std::deque<std::shared_ptr<const std::string>> waiting;
+      std::deque<Text> waiting;
       bool is_behind = false, is_asleep = false, is_gone = false;
       asio::steady_timer wake;
     };
-    const auto line = std::make_shared<Line>(Line{{}, false, false, false, asio::steady_timer(self->events.io())});
+    State& self = listener.state();
+    const auto line = std::make_shared<Line>(Line{{}, false, false, false, asio::steady_timer(self.events.io())});
     // A listener has nothing more to say: what comes from there is its leave.
     stream.socket().async_wait(asio::socket_base::wait_read, [line](const boost::system::error_code& error) {
       if (error) return;
       line->is_gone = true;
       line->wake.cancel();
     });
-    const std::uint64_t key = self->events.add(after, [line, job](const ServiceEvent& event) {
+    EventHub& events = self.events;
+    const std::uint64_t key = events.add(after, [line, job, &events](const ServiceEvent& event) {
       if (job != 0 && event.job != 0 && event.job != job) return;
-      if (line->waiting.size() >= kStreamBacklog) line->is_behind = true;
+      const bool is_too_much = !line->waiting.empty() && events.bytes() > kStreamMemory;
+      if (line->waiting.size() >= kStreamBacklog || is_too_much) line->is_behind = true;
       else line->waiting.push_back(event.text);
       if (std::exchange(line->is_asleep, false)) line->wake.cancel();
     });
-    std::string text = ": multum\nretry: 2000\n\n";
+    const auto pulse = std::make_shared<const std::string>(": pulse\n\n");  // tells both sides that the line is up
     try {
-      while (!self->is_closed && !line->is_behind && !line->is_gone) {
-        while (!line->waiting.empty()) {
-          text += *line->waiting.front();
-          line->waiting.pop_front();
-        }
+      std::vector<Text> texts = {std::make_shared<const std::string>(": multum\nretry: 2000\n\n")};
+      std::vector<asio::const_buffer> pieces;
+      while (!self.is_closed && !line->is_behind && !line->is_gone) {
+        for (; !line->waiting.empty() && texts.size() < kStreamPieces; line->waiting.pop_front())
+          texts.push_back(line->waiting.front());
         boost::system::error_code error;
-        if (!text.empty()) {
+        if (!texts.empty()) {
+          pieces.clear();
+          for (const Text& text : texts) pieces.push_back(asio::buffer(*text));
           stream.expires_after(kSilence);
-          co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
-          text.clear();
+          co_await asio::async_write(stream, http::make_chunk(pieces), use_awaitable);
+          texts.clear();
           // What comes soon after goes together: many listeners to many events cost little more than few.
-          line->wake.expires_after(kStreamPause);
+          line->wake.expires_after(line->waiting.empty() ? kStreamPause : kStreamPause * 0);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }
         if (!line->waiting.empty() || line->is_gone) continue;
@@ -398,12 +436,11 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         line->wake.expires_after(kStreamPulse);
         co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         line->is_asleep = false;
-        if (!error) text = ": pulse\n\n";  // tells both sides that the line is up
+        if (!error) texts.push_back(pulse);
       }
     } catch (const std::exception&) {  // gone, or no memory: it comes again
     }
-    self->events.remove(key);
-    --self->streams;
+    events.remove(key);
   }
 
   asio::io_context& io;

@@ -15,6 +15,7 @@
 
 #include "host/base/open_file.h"
 #include "host/service/event_hub.h"
+#include "host/service/memory_budget.h"
 #include "host/service/turns.h"
 #include "host/service/upload_file.h"
 
@@ -27,6 +28,7 @@ struct HttpRequest {
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;
   std::shared_ptr<UploadFile> upload = nullptr;  // where the body is, if not there
+  MemoryShare* memory = nullptr;  // what it has of the budget; its answer may need more, while it is made
 };
 
 struct HttpResponse {
@@ -45,7 +47,7 @@ class HttpServer {
   struct Settings {
     int connections_max = 4096;          // three quarters of them may be listeners to events
     std::size_t memory_max = 256 << 20;  // bytes of lines, bodies and answers, all together
-    std::size_t body_max = 1 << 20;      // bytes
+    std::size_t body_max = 1 << 20;      // bytes, of POST; others but uploads have none
     std::size_t upload_max = 64 << 20;   // of the requests that is_upload
     std::function<bool(const std::string& method, const std::string& path)> is_upload;
     /// Where an upload of at most so many bytes is kept as it comes. May block, and throw Refusal.

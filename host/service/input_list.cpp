@@ -20,6 +20,7 @@ using Json = nlohmann::json;
 
 constexpr auto kTimeMax = std::chrono::seconds(10);
 constexpr std::uint64_t kMemoryMax = std::uint64_t{512} << 20;
+constexpr std::size_t kOutputMax = 16 << 20;  // bytes: it is read in the daemon
 
 // Before it there may be warnings.
 std::string last_line(std::string output) {
@@ -49,6 +50,7 @@ InputList list_inputs_in_child(const JobType& type, const Json& parameters, cons
   ChildLimits limits;
   limits.time_max = kTimeMax;
   limits.memory_max = kMemoryMax;
+  limits.output_max = kOutputMax;
   const ChildResult child = run_child(command, limits);
   const bool is_out_of_memory = child.exit_code != 0 && message_of(child.output) == "out of memory";
   if (child.is_over_time || child.signal != 0 || is_out_of_memory)
@@ -61,8 +63,7 @@ InputList list_inputs_in_child(const JobType& type, const Json& parameters, cons
 }
 
 void print_input_list(const std::string& type_name, const std::string& parameters_text,
-                      const std::vector<std::string>& roots) {
-  Confinement allowed = system_confinement();
+                      const std::vector<std::string>& roots, Confinement allowed) {
   allowed.readable.insert(allowed.readable.end(), roots.begin(), roots.end());
   allowed.writable.clear();
   confine_this_thread(allowed);

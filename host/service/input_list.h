@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/confinement.h"
 #include "host/service/job_types.h"
 #include "host/service/path_roots.h"
 
@@ -20,7 +21,9 @@ struct InputList {
 /// Blocks. Throws Error as such a file's reader does, and Error(kInput) when the child needs too much.
 InputList list_inputs_in_child(const JobType& type, const nlohmann::json& parameters, const PathRoots& roots);
 
-/// What the child is: `multum inputs`. Prints the list; throws Error.
-void print_input_list(const std::string& type, const std::string& parameters, const std::vector<std::string>& roots);
+/// What the child is: `multum inputs`, confined to the roots and what is readable of `system`. Prints the list; throws
+/// Error.
+void print_input_list(const std::string& type, const std::string& parameters, const std::vector<std::string>& roots,
+                      Confinement system);
 
 }  // namespace multum

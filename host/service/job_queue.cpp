@@ -4,24 +4,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 
+#include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/service/ledger_schema.h"
 
 namespace multum {
 namespace {
 
+constexpr std::int64_t kReservedAtOnce = 256;
+
 constexpr int number_of(JobState state) { return static_cast<int>(state); }
 
 }  // namespace
 
 JobQueue::JobQueue(const LedgerSettings& settings)
-    : database_(settings.path), policy_(settings.retry), results_(settings.results) {
+    : database_(settings.path), policy_(settings.retry), results_(settings.results), numbers_(settings.numbers) {
   prepare_ledger(database_, settings.may_begin);
   if (const std::string damage = database_.damage(); !damage.empty())
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: is damaged: {}; docs/SERVICE.md says what can be done", settings.path, damage));
   take_instance(settings);
+  take_numbers();
   resync();
 }
 
@@ -45,6 +50,20 @@ void JobQueue::number_above(std::int64_t number) {
       .run();
   statement("UPDATE sqlite_sequence SET seq = ? WHERE name = 'jobs'").bind(1, number).run();
   statement("INSERT OR REPLACE INTO meta (name, value) VALUES ('first_number', ?)").bind(1, number + 1).run();
+}
+
+void JobQueue::take_numbers() {
+  if (numbers_.empty()) return;
+  std::ifstream(numbers_) >> reserved_;
+  const std::int64_t last = given().last;
+  const bool is_new = last == 0 && reserved_ > 0, is_older = last + kReservedAtOnce < reserved_;
+  if (is_new || is_older) number_above(reserved_);
+}
+
+void JobQueue::reserve(std::int64_t id) {
+  if (numbers_.empty() || id <= reserved_) return;
+  write_text_file(numbers_, fmt::format("{}\n", id + kReservedAtOnce - 1));
+  reserved_ = id + kReservedAtOnce - 1;
 }
 
 SqliteStatement& JobQueue::statement(const char* sql) {
@@ -111,6 +130,7 @@ SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact,
   insert.bind(13, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
   insert.bind(14, needs_left).bind(15, now).run();
   const std::int64_t id = database_.last_insert_id();
+  reserve(id);
   for (const std::int64_t needed : needs)
     statement("INSERT INTO needs (job, needs) VALUES (?, ?)").bind(1, id).bind(2, needed).run();
   changed_.insert(id);
@@ -393,13 +413,13 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
   if (const std::string gone = gone_need(id, result.queued); !gone.empty())
     return {{}, fmt::format("job {} {}: it cannot be tried again, submit it anew", id, gone)};
   for (const std::int64_t root : result.queued) queue_again(root, now);
-  // With those that never ran, for want of these: they wait for them again, unless they lack something else too. Looked
-  // at once more with each job that they need.
+  // With those that never ran, for want of these: they wait for them again, unless they lack something else too, or
+  // their own time is over. Looked at once more with each job that they need.
   for (std::size_t i = 0; i < result.queued.size(); ++i) {
     SqliteStatement& dependents = statement(
         "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
-        "jobs.attempts_counted = 0");
-    dependents.bind(1, result.queued[i]);
+        "jobs.attempts_counted = 0 AND (jobs.deadline IS NULL OR jobs.deadline > ?)");
+    dependents.bind(1, result.queued[i]).bind(2, now);
     for (const std::int64_t dependent : ids(dependents)) {
       if (!may_wait(dependent)) continue;
       queue_again(dependent, now);
@@ -521,17 +541,38 @@ std::vector<std::int64_t> JobQueue::needs_of(std::int64_t id) {
   return ids(needs);
 }
 
-std::vector<Job> JobQueue::list(const JobFilter& filter) {
-  static const std::string sql = select_jobs(
-      "WHERE (?1 IS NULL OR state = ?1) AND (?2 = '' OR queue = ?2) AND (?3 IS NULL OR id < ?3) ORDER BY id DESC LIMIT "
-      "?4");
-  SqliteStatement& query = statement(sql.c_str());
+constexpr char kFilter[] =
+    "WHERE (?1 IS NULL OR state = ?1) AND (?2 = '' OR queue = ?2) AND (?3 IS NULL OR id < ?3) ORDER BY id DESC LIMIT "
+    "?4";
+
+SqliteStatement& JobQueue::bind_filter(SqliteStatement& query, const JobFilter& filter) {
   query.bind(1, filter.state ? std::optional<std::int64_t>(number_of(*filter.state)) : std::nullopt);
-  query.bind(2, filter.queue).bind(3, filter.before).bind(4, std::clamp(filter.limit, 1, 1000));
+  return query.bind(2, filter.queue).bind(3, filter.before).bind(4, std::clamp(filter.limit, 1, 1000));
+}
+
+std::vector<Job> JobQueue::list(const JobFilter& filter) {
+  static const std::string sql = select_jobs(kFilter);
+  SqliteStatement& query = bind_filter(statement(sql.c_str()), filter);
   std::vector<Job> jobs;
   while (query.step()) jobs.push_back(job_from_row(query));
   for (Job& job : jobs) job.needs = needs_of(job.id);
   return jobs;
+}
+
+std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
+  // As blobs: the length of a text is one of characters, for which all of it is read. Ten bytes a need, and 500 of a
+  // job's names and times.
+  static const std::string sql = fmt::format(
+      "SELECT IFNULL(SUM(bytes), 0) FROM (SELECT 500 + length(CAST(parameters AS BLOB)) + length(CAST(label AS BLOB)) "
+      "+ "
+      "length(CAST(output AS BLOB)) + length(CAST(inputs AS BLOB)) + length(CAST(message AS BLOB)) + 10 * (SELECT "
+      "COUNT(*) FROM needs WHERE needs.job = jobs.id) AS bytes FROM jobs {})",
+      kFilter);
+  SqliteStatement& query = bind_filter(statement(sql.c_str()), filter);
+  query.step();
+  const std::int64_t bytes = query.integer(0);
+  query.reset();
+  return bytes;
 }
 
 std::vector<JobAttempt> JobQueue::attempts(std::int64_t id) {

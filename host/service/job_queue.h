@@ -39,6 +39,7 @@ struct LedgerSettings {
   std::string path;       // of the database
   std::string results;    // folder whose files go with the jobs that made them, without links; "": none do
   std::string instance;   // name of the folder that it belongs to; "": any
+  std::string numbers;    // file that says up to where numbers may have been given; "": none is kept
   bool may_begin = true;  // false: it must be there, and be this instance's
   RetryPolicy retry;
 };
@@ -76,7 +77,8 @@ class JobQueue {
   explicit JobQueue(const LedgerSettings& settings);
   /// Of the folder that it belongs to; "": of none yet.
   const std::string& instance() const { return instance_; }
-  /// The next job's number is above `number`, whoever has used the ones up to it.
+  /// The next job's number is above `number`, whoever has used the ones up to it. A new ledger's, and an old copy's
+  /// that takes the place of a later one, are above LedgerSettings::numbers by itself.
   void number_above(std::int64_t number);
   /// Throws Error(kEnvironment) when what is submitted now would be lost.
   void check_kept() const { database_.check_may_change(); }
@@ -120,6 +122,8 @@ class JobQueue {
 
   std::optional<Job> find(std::int64_t id);
   std::vector<Job> list(const JobFilter& filter);
+  /// Bytes of the texts of all that list() would find, about: for who has to know whether there is room for them.
+  std::int64_t list_bytes(const JobFilter& filter);
   std::vector<JobAttempt> attempts(std::int64_t id);
   /// "default" -> {queued -> 12, ...}.
   std::map<std::string, std::map<JobState, std::int64_t>> counts();
@@ -195,6 +199,8 @@ class JobQueue {
   Given given();
   void settle_waiting(TimeMs now);
   void take_instance(const LedgerSettings& settings);
+  void take_numbers();
+  void reserve(std::int64_t id);
   void close_attempt(const Job& job, const AttemptResult& result, TimeMs now);
   bool has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const;
   struct Candidate {
@@ -203,6 +209,7 @@ class JobQueue {
   };
   std::optional<Candidate> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
                                            TimeMs now);
+  SqliteStatement& bind_filter(SqliteStatement& query, const JobFilter& filter);
   SqliteStatement& statement(const char* sql);
   std::vector<std::int64_t> needs_of(std::int64_t id);
   std::vector<std::int64_t> ids(SqliteStatement& query);
@@ -216,7 +223,8 @@ class JobQueue {
 
   SqliteDatabase database_;
   RetryPolicy policy_;
-  std::string results_, instance_;
+  std::string results_, instance_, numbers_;
+  std::int64_t reserved_ = 0;  // numbers_ says so
   std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
   std::map<std::string, Use> queue_use_, device_use_;
   Use use_;

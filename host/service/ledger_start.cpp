@@ -35,6 +35,7 @@ LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begi
   settings.path = data + "/jobs.sqlite";
   settings.results = fs::weakly_canonical(data + "/results").string();
   settings.instance = read_instance(data);
+  settings.numbers = data + "/numbers";
   settings.retry = retry;
   std::error_code error;
   const bool was_used = fs::exists(data + "/instance", error);

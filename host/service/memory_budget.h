@@ -31,6 +31,7 @@ class MemoryShare {
   MemoryShare& operator=(MemoryShare&&) = delete;
   ~MemoryShare() { budget_->used_ -= bytes_; }
 
+  std::size_t bytes() const { return bytes_; }
   /// Now so many bytes, more or fewer than before. False: that is more than is left, and nothing has changed.
   bool resize(std::size_t bytes) {
     if (bytes > bytes_ && bytes - bytes_ > budget_->bytes_max_ - budget_->used_) return false;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/service/queue_thread.h"
 
+#include <chrono>
 #include <future>
+#include <new>
+#include <thread>
 
 #include "host/service/service_log.h"
 
@@ -10,6 +13,18 @@ namespace {
 
 // Tasks that share a commit. More would make the first of them wait long for the last.
 constexpr std::size_t kBatchMax = 256;
+
+// There is no memory for now: whoever waits for what was done is told when there is some again.
+template <typename Work>
+void until_it_can(const Work& work) {
+  for (;;) {
+    try {
+      return work();
+    } catch (const std::bad_alloc&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  }
+}
 
 }  // namespace
 
@@ -57,6 +72,7 @@ void QueueThread::loop() {
       if (tasks_.size() <= kBatchMax) {
         batch.swap(tasks_);
       } else {
+        until_it_can([&] { batch.reserve(kBatchMax); });
         const auto end = tasks_.begin() + kBatchMax;
         batch.assign(std::make_move_iterator(tasks_.begin()), std::make_move_iterator(end));
         tasks_.erase(tasks_.begin(), end);
@@ -67,6 +83,7 @@ void QueueThread::loop() {
       for (Task& task : batch) {
         task.error = nullptr;
         std::vector<Task> alone;
+        until_it_can([&] { alone.reserve(1); });
         alone.push_back(std::move(task));
         run_batch(alone);
         task = std::move(alone.front());
@@ -76,7 +93,7 @@ void QueueThread::loop() {
     for (Task& task : batch) {
       if (!task.done) continue;
       if (task.is_waited_for) task.done(task.error);
-      else post_([done = std::move(task.done), error = task.error] { done(error); });
+      else until_it_can([&] { post_([done = task.done, error = task.error] { done(error); }); });
     }
   }
 }

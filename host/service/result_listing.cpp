@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/service/result_listing.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <filesystem>
+#include <functional>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <vector>
 
@@ -20,83 +21,155 @@
 namespace multum {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr char kListing[] = ".multum-result";
-constexpr off_t kListingMax = 64 << 20;  // bytes
+constexpr off_t kListingMax = 16 << 20;  // bytes, of some hundred thousand files
+constexpr int kDepthMax = 32;            // folders in folders, each of which is an open file
 
-// "BYTES NANOSECONDS" by name, of all that is no folder; a name with a line's end is none of ours.
-std::map<std::string, std::string> files_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    struct stat found {};
-    if (::lstat(entry->path().c_str(), &found) != 0 || S_ISDIR(found.st_mode)) continue;
-    files[entry->path().lexically_relative(folder).string()] =
-        fmt::format("{} {}", found.st_size, found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
-  }
-  if (error)
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be listed: {}", folder.string(), error.message()));
-  files.erase(kListing);
-  return files;
+using Listing = std::map<std::string, std::string>;  // "BYTES NANOSECONDS" by name; a name with a line's end is none
+
+OpenFile open_folder(int above, const std::string& name) {
+  return OpenFile(::openat(above, name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
 }
 
-std::map<std::string, std::string> listed_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
+[[noreturn]] void cannot_list(const std::string& path) { fail_by_errno(path, "cannot be listed"); }
+
+std::vector<std::string> names_in(const OpenFile& folder, const std::string& path) {
+  const int own = ::openat(folder.descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const std::unique_ptr<DIR, int (*)(DIR*)> list(own >= 0 ? ::fdopendir(own) : nullptr, ::closedir);
+  if (!list) cannot_list(path);
+  std::vector<std::string> names;
+  errno = 0;
+  while (const dirent* entry = ::readdir(list.get())) {
+    const std::string name = entry->d_name;
+    if (name != "." && name != "..") names.push_back(name);
+    errno = 0;
+  }
+  if (errno != 0) cannot_list(path);
+  return names;
+}
+
+// A file, or anything else that is no folder, in an open folder. `path`: from the folder that the walk began at.
+struct Found {
+  int folder;
+  const std::string& name;
+  const std::string& path;
+  std::string state;
+};
+
+struct Walk {
+  std::function<bool(const Found&)> at_file;  // false: the walk is over
+  std::function<void(int above, const std::string& name)> after_folder = nullptr;
+
+  bool run(const OpenFile& folder, const std::string& prefix = "", int depth = 0) const {
+    if (depth > kDepthMax)
+      throw Error(ErrorCode::kEnvironment, fmt::format("{}: is deeper than {} folders", prefix, kDepthMax));
+    for (const std::string& name : names_in(folder, prefix)) {
+      struct stat found {};
+      if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) continue;  // gone
+      const std::string path = prefix + name;
+      if (S_ISDIR(found.st_mode)) {
+        const OpenFile below = open_folder(folder.descriptor(), name);
+        if (!below.is_open() && errno != ENOENT && errno != ENOTDIR && errno != ELOOP) cannot_list(path);
+        if (below.is_open() && !run(below, path + "/", depth + 1)) return false;
+        if (after_folder) after_folder(folder.descriptor(), name);
+      } else if (path != kListing) {
+        const long long time = found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec;
+        if (!at_file({folder.descriptor(), name, path, fmt::format("{} {}", found.st_size, time)})) return false;
+      }
+    }
+    return true;
+  }
+};
+
+OpenFile opened(const std::string& folder) {
+  OpenFile file = open_folder(AT_FDCWD, folder);
+  if (!file.is_open()) cannot_list(folder);
+  return file;
+}
+
+Listing read_listing(const OpenFile& folder, const std::string& path) {
   // A pipe, a link or a file without end is no listing.
-  const OpenFile file(::open((folder / kListing).c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  const OpenFile file(::openat(folder.descriptor(), kListing, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   // Nor is one that cannot be read for now the same as none.
-  if (!file.is_open() && errno != ENOENT && errno != ENOTDIR && errno != ELOOP)
-    fail_by_errno((folder / kListing).string(), "cannot be read");
+  const auto cannot_read = [&] { fail_by_errno(path + "/" + kListing, "cannot be read"); };
+  if (!file.is_open() && errno != ENOENT && errno != ENOTDIR && errno != ELOOP) cannot_read();
+  Listing listing;
   struct stat found {};
   if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0 || !S_ISREG(found.st_mode) ||
       found.st_size > kListingMax)
-    return files;
+    return listing;
   std::string text(static_cast<std::size_t>(found.st_size), '\0');
   const ssize_t count = ::pread(file.descriptor(), text.data(), text.size(), 0);
-  if (count < 0) fail_by_errno((folder / kListing).string(), "cannot be read");
+  if (count < 0) cannot_read();
   text.resize(static_cast<std::size_t>(count));
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {
     const std::size_t first = line.find(' '), second = line.find(' ', first + 1);
-    if (second != std::string::npos) files[line.substr(second + 1)] = line.substr(0, second);
+    if (second != std::string::npos) listing[line.substr(second + 1)] = line.substr(0, second);
   }
-  return files;
+  return listing;
+}
+
+bool is_listed(const Listing& listing, const Found& found) {
+  const auto line = listing.find(found.path);
+  return line != listing.end() && line->second == found.state;
+}
+
+// The first file that is not as it is listed; `count` of the others.
+std::string first_unlisted(const OpenFile& folder, const Listing& listing, std::size_t& count) {
+  std::string unlisted;
+  Walk{[&](const Found& found) {
+    const bool is_known = is_listed(listing, found);
+    if (is_known) ++count;
+    else unlisted = found.path;
+    return is_known;
+  }}.run(folder);
+  return unlisted;
 }
 
 }  // namespace
 
 void write_result_listing(const std::string& folder) {
+  const OpenFile file = opened(folder);
   std::string text;
-  for (const auto& [name, state] : files_in(folder)) text += fmt::format("{} {}\n", state, name);
-  write_text_file(folder + "/" + kListing, text);
+  Walk{[&](const Found& found) {
+    text += fmt::format("{} {}\n", found.state, found.path);
+    return true;
+  }}.run(file);
+  // By /proc: whatever becomes of the name meanwhile.
+  write_text_file(fmt::format("/proc/self/fd/{}/{}", file.descriptor(), kListing), text);
 }
 
 std::string unlisted_in(const std::string& folder) {
-  const std::map<std::string, std::string> listed = listed_in(folder);
-  for (const auto& [name, state] : files_in(folder)) {
-    const auto found = listed.find(name);
-    if (found == listed.end() || found->second != state) return name;
-  }
-  return "";
+  const OpenFile file = opened(folder);
+  std::size_t count = 0;
+  return first_unlisted(file, read_listing(file, folder), count);
+}
+
+bool is_as_published(const std::string& folder) {
+  const OpenFile file = opened(folder);
+  const Listing listing = read_listing(file, folder);
+  std::size_t count = 0;
+  return !listing.empty() && first_unlisted(file, listing, count).empty() && count == listing.size();
 }
 
 bool remove_listed(const std::string& folder) {
-  const std::map<std::string, std::string> listed = listed_in(folder);
-  std::error_code error;
   bool is_all = true;
-  for (const auto& [name, state] : files_in(folder)) {
-    const auto found = listed.find(name);
-    if (found != listed.end() && found->second == state) fs::remove(fs::path(folder) / name, error);
-    else is_all = false;
+  {
+    const OpenFile file = opened(folder);
+    const Listing listing = read_listing(file, folder);
+    const auto remove_file = [&](const Found& found) {
+      const bool is_removed = is_listed(listing, found) && ::unlinkat(found.folder, found.name.c_str(), 0) == 0;
+      is_all = is_all && is_removed;
+      return true;
+    };
+    const auto remove_if_empty = [](int above, const std::string& name) {
+      ::unlinkat(above, name.c_str(), AT_REMOVEDIR);
+    };
+    Walk{remove_file, remove_if_empty}.run(file);
+    if (is_all) ::unlinkat(file.descriptor(), kListing, 0);
   }
-  if (is_all) fs::remove(fs::path(folder) / kListing, error);
-  // Deepest first; those that hold something stay.
-  std::vector<fs::path> folders = {folder};
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (entry->is_directory(error) && !entry->is_symlink(error)) folders.push_back(entry->path());
-  std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) { return a > b; });
-  for (const fs::path& one : folders) fs::remove(one, error);
+  ::rmdir(folder.c_str());
   return is_all;
 }
 

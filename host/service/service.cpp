@@ -67,7 +67,7 @@ class Service {
                                               [this](std::function<void()> task) {
                                                 asio::post(io_, [this, task = std::move(task)] { turns_.add(task); });
                                               })),
-        dispatcher_(io_, *ledger_, events_, settings_, roots_.outputs, take_up_ledger(*ledger_, data_, settings_.data),
+        dispatcher_(io_, *ledger_, events_, data_, settings_, roots_, take_up_ledger(*ledger_, data_, settings_.data),
                     options.worker_command),
         api_(io_, *ledger_, dispatcher_, events_, data_, settings_, roots_, read_token(settings_.token_file)),
         server_(io_, server_settings(), events_, turns_),
@@ -169,7 +169,7 @@ class Service {
         settings.listen = settings_.listen;
         settings.roots = settings_.roots;
         settings.data = settings_.data;
-        check_service_settings(settings, options_.settings_file);
+        check_service_settings(settings, options_.settings_file, options_.system);
         const std::string token = read_token(settings.token_file);
         if (token.empty() && api_.has_token())
           throw Error(ErrorCode::kUsage, "no token_file is named any more: without a token it must be started again");
@@ -244,7 +244,7 @@ class Service {
 
 void run_service(const ServiceOptions& options) {
   raise_file_limit(options.settings);
-  check_service_settings(options.settings, options.settings_file);
+  check_service_settings(options.settings, options.settings_file, options.system);
   if (!can_confine())
     service_log(LogSeverity::kWarning, 0,
                 "this kernel has no Landlock: workers are not shut off from files outside of the roots "

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/confinement.h"
 #include "host/service/service_settings.h"
 
 namespace multum {
@@ -17,6 +18,7 @@ struct ServiceOptions {
   std::string settings_file;                       // empty: none
   std::function<ServiceSettings()> read_settings;  // the same again, as the file is by then: at SIGHUP
   std::vector<std::string> worker_command;         // of a worker, without its socket
+  Confinement system;                              // what of the machine every worker sees
   bool begins_anew = false;                        // a new ledger, where the folder's is lost
 };
 

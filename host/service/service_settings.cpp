@@ -142,7 +142,7 @@ bool is_in(const std::string& path, const std::string& folder) {
   return folder == "/" || path == folder || path.starts_with(folder + "/");
 }
 
-void check_roots(const ServiceSettings& settings, const std::string& settings_file) {
+void check_roots(const ServiceSettings& settings, const std::string& settings_file, const Confinement& system) {
   if (settings.roots.empty())
     throw Error(ErrorCode::kUsage,
                 "no root is named: jobs read and write below folders that --root, or roots in the settings, names");
@@ -151,6 +151,10 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
                                                      {"the token", settings.token_file},
                                                      {"the settings file", settings_file},
                                                      {"the socket", socket}};
+  for (const std::string& path : {settings.data, settings.token_file})
+    if (const std::string part = path.empty() ? "" : part_that_holds(system, path); !part.empty())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} lies in {}, where every worker may read for its libraries and drivers", path, part));
   for (const std::string& named : settings.roots) {
     const std::string root = canonical_name(named);
     for (const auto& [what, path] : own)
@@ -164,7 +168,8 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
 
 }  // namespace
 
-void check_service_settings(const ServiceSettings& settings, const std::string& settings_file) {
+void check_service_settings(const ServiceSettings& settings, const std::string& settings_file,
+                            const Confinement& system) {
   const ListenAddress address = parse_listen_address(settings.listen);
   if (!address.is_loopback() && settings.token_file.empty())
     throw Error(
@@ -172,7 +177,7 @@ void check_service_settings(const ServiceSettings& settings, const std::string& 
         fmt::format("'{}' can be reached from other machines: that needs a token (--token-file), and TLS from a "
                     "reverse proxy before it (docs/SERVICE.md)",
                     settings.listen));
-  check_roots(settings, settings_file);
+  check_roots(settings, settings_file, system);
 }
 
 }  // namespace multum

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/confinement.h"
 #include "host/service/job_queue.h"
 
 namespace multum {
@@ -39,8 +40,10 @@ void read_service_settings(const std::string& path, ServiceSettings& settings);
 
 /// Throws Error(kUsage): an address that is none, or one that others reach without a token; no root, or one with
 /// anything of the daemon's own in it - its data, token, settings or socket, which jobs could write - or that lies in
-/// its data. `settings_file`: empty for none.
-void check_service_settings(const ServiceSettings& settings, const std::string& settings_file);
+/// its data; anything of the daemon's own in a part of the machine that every worker sees, `system`. `settings_file`:
+/// empty for none.
+void check_service_settings(const ServiceSettings& settings, const std::string& settings_file,
+                            const Confinement& system);
 
 /// Where to listen.
 struct ListenAddress {

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -20,10 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string prefix_of(const std::string& instance) { return ".multum-" + instance + "-"; }
-
-void sync_folder(int folder, const std::string& path) {
-  if (::fsync(folder) != 0) fail_by_errno(path, "its folder cannot be synced");
-}
 
 std::string identity_of(const struct stat& found) {
   if (S_ISDIR(found.st_mode)) return fmt::format("{}", found.st_ino);
@@ -59,6 +56,12 @@ std::string staged_path(const std::string& output, const std::string& instance, 
 std::string file_identity(const std::string& path) {
   struct stat found {};
   return ::stat(path.c_str(), &found) == 0 ? identity_of(found) : "";
+}
+
+bool is_as_made(const std::string& path, const std::string& identity) {
+  std::error_code ignored;
+  return !identity.empty() && file_identity(path) == identity &&
+         (!fs::is_directory(path, ignored) || is_as_published(path));
 }
 
 StagedResult::StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance,
@@ -108,27 +111,37 @@ std::string StagedResult::publish(const std::string& identity) const {
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: the finished result is neither there nor in {}", output_, staging_));
   }
-  sync_folder(folder, output_);
-  const std::string kept = put_aside();
+  // What is in the staging folder now is dealt with whatever else fails: another attempt would go on from it.
+  const int sync_error = ::fsync(folder) == 0 ? 0 : errno;
+  const std::string kept = staging.is_open() ? put_aside(staging) : "";
   remove();
+  if (sync_error != 0) {
+    errno = sync_error;
+    fail_by_errno(output_, "its folder cannot be synced");
+  }
   return kept;
 }
 
 // After an exchange the folder before lies in the staging folder: what was published of it goes, anything else that
 // came in the meantime is given a name again.
-std::string StagedResult::put_aside() const {
-  const OpenFile staging = open_staging();
-  if (!staging.is_open()) return "";
+std::string StagedResult::put_aside(const OpenFile& staging) const {
   const std::optional<struct stat> old = state_of(staging.descriptor(), name_);
   if (!old || !S_ISDIR(old->st_mode)) return "";
   try {
     if (remove_listed(name_of(staging) + "/" + name_)) return "";
   } catch (const Error&) {  // what is not known to be ours is kept
   }
-  const std::string kept = fmt::format("{}.kept-{}", name_, id_);
-  if (::renameat2(staging.descriptor(), name_.c_str(), folder_.descriptor(), kept.c_str(), RENAME_NOREPLACE) != 0)
-    fail_by_errno(output_, "what was added to the folder before cannot be put aside");
-  return (fs::path(output_).parent_path() / kept).string();
+  constexpr int kNamesMax = 100;
+  for (int i = 1; i <= kNamesMax; ++i) {
+    const std::string kept = fmt::format("{}.kept-{}{}", name_, id_, i == 1 ? "" : fmt::format("-{}", i));
+    if (::renameat2(staging.descriptor(), name_.c_str(), folder_.descriptor(), kept.c_str(), RENAME_NOREPLACE) == 0)
+      return (fs::path(output_).parent_path() / kept).string();
+    if (errno != EEXIST) break;
+  }
+  const int error = errno;
+  ::renameat2(staging.descriptor(), name_.c_str(), folder_.descriptor(), name_.c_str(), RENAME_EXCHANGE);
+  errno = error;
+  fail_by_errno(output_, "what was added to the folder before cannot be put aside; it has its place again");
 }
 
 void StagedResult::remove() const {

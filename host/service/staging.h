@@ -21,6 +21,10 @@ std::string staged_path(const std::string& output, const std::string& instance, 
 /// "INODE:BYTES:NANOSECONDS" of a file, or of a folder's inode alone; empty when it is not there. A rename keeps it.
 std::string file_identity(const std::string& path);
 
+/// Whether a result lies there as it was published, by its identity then; a folder with all that it held, and no more.
+/// Throws Error(kEnvironment) when that cannot be known.
+bool is_as_made(const std::string& path, const std::string& identity);
+
 /// One job's result on its way to its name.
 class StagedResult {
  public:
@@ -43,7 +47,7 @@ class StagedResult {
 
  private:
   OpenFile open_staging() const;
-  std::string put_aside() const;
+  std::string put_aside(const OpenFile& staging) const;
 
   std::string output_, name_, staging_;
   std::int64_t id_;

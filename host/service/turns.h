@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <deque>
 #include <functional>
+#include <new>
 
 namespace multum {
 
@@ -19,22 +20,29 @@ class Turns {
 
   void add(std::function<void()> task) {
     tasks_.push_back(std::move(task));
-    if (tasks_.size() == 1) post_next();
+    if (!is_posted_) post_next();
   }
 
  private:
-  // The io_context looks for what has come over lines between two handlers: hence one handler a task.
+  // The io_context looks for what has come over lines between two handlers: hence one handler a task. When there is no
+  // memory for the next, whoever comes after takes it along.
   void post_next() {
     boost::asio::post(io_, [this] {
+      is_posted_ = false;
       const std::function<void()> task = std::move(tasks_.front());
       tasks_.pop_front();
-      if (!tasks_.empty()) post_next();  // first: a task may throw
+      try {
+        if (!tasks_.empty()) post_next();  // first: a task may throw
+      } catch (const std::bad_alloc&) {
+      }
       task();
     });
+    is_posted_ = true;
   }
 
   boost::asio::io_context& io_;
   std::deque<std::function<void()>> tasks_;
+  bool is_posted_ = false;
 };
 
 }  // namespace multum

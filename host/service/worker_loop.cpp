@@ -24,6 +24,7 @@
 #include "host/service/job_types.h"
 #include "host/service/path_roots.h"
 #include "host/service/result_copy.h"
+#include "host/service/staging.h"
 
 namespace multum {
 namespace {
@@ -64,8 +65,8 @@ class LogRedirection {
 
 class Worker {
  public:
-  Worker(int socket, const std::vector<std::string>& inputs, const RunCommand& run)
-      : socket_(socket), inputs_(inputs), run_(run) {}
+  Worker(int socket, const std::vector<std::string>& roots, const RunCommand& run)
+      : socket_(socket), roots_(roots), run_(run) {}
 
   int work() {
     std::thread reader([this] { read_commands(); });
@@ -151,6 +152,7 @@ class Worker {
     try {
       const LogRedirection log(command.at("log").get<std::string>());
       const auto arguments = command.at("arguments").get<std::vector<std::string>>();
+      check_place(command);
       if (const auto folder = command.at("folder").get<std::string>(); !folder.empty()) make_folder(folder);
       check_inputs(command);
       have_inputs_changed = !has_inputs(command);
@@ -177,13 +179,21 @@ class Worker {
           {"inputs_changed", have_inputs_changed}});
   }
 
+  // What its result could not be published over is said before the work.
+  void check_place(const Json& command) const {
+    const auto output = command.at("output").get<std::string>();
+    if (output.empty()) return;
+    const JobType& type = find_job_type(command.at("type").get<std::string>());
+    StagedResult(roots_, output, "", 0).check_place(type.output_is_folder);
+  }
+
   // A file that names others may name more than when it was submitted. What the system would refuse to open
   // (confinement.h) is refused here by its name, whether it is there or not.
   void check_inputs(const Json& command) const {
     const JobType& type = find_job_type(command.at("type").get<std::string>());
     if (type.input.empty()) return;
     for (const std::string& file : input_files(type, Json::parse(command.at("parameters").get<std::string>())))
-      inputs_.input(file);
+      roots_.input(file);
   }
 
   // As they were when the job was submitted.
@@ -201,7 +211,7 @@ class Worker {
   }
 
   int socket_;
-  const PathRoots inputs_;
+  const PathRoots roots_;
   const RunCommand& run_;
   std::mutex mutex_, send_mutex_;
   std::condition_variable wake_;
@@ -212,10 +222,10 @@ class Worker {
 
 }  // namespace
 
-int run_worker(int socket, const std::vector<std::string>& inputs, const RunCommand& run) {
+int run_worker(int socket, const std::vector<std::string>& roots, const RunCommand& run) {
   std::signal(SIGINT, SIG_IGN);  // Ctrl-C is for the daemon, which says what is to be done
   std::signal(SIGTERM, SIG_IGN);
-  return Worker(socket, inputs, run).work();
+  return Worker(socket, roots, run).work();
 }
 
 }  // namespace multum

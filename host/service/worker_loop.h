@@ -3,9 +3,15 @@
 // and how far it has come. When the daemon is gone it ends at once: its lease is nobody's.
 //
 // Both sides write JSON objects, one a line, over a stream socket:
-//   daemon   {"run": ID, "attempt": N, "arguments": [...], "folder": PATH or "", "log": PATH} {"cancel": ID} {"end":
-//   true} worker   {"ready": true} {"beat": true} {"progress": {"stage", "done", "total"}}
-//            {"ended": ID, "attempt": N, "exit_code": N, "message": TEXT}
+//
+//   daemon   {"run": ID, "attempt": N, "arguments": [...], "output": PATH or "", "folder": PATH or "", "log": PATH,
+//   ...}
+//            {"cancel": ID}
+//            {"end": true}
+//   worker   {"ready": true}
+//            {"beat": true}
+//            {"progress": {"stage", "done", "total"}}
+//            {"ended": ID, "attempt": N, "exit_code": N, "message": TEXT, "inputs_changed": true or false}
 #pragma once
 
 #include <functional>
@@ -20,8 +26,8 @@ namespace multum {
 /// far it is to the callback, which may cancel it.
 using RunCommand = std::function<int(const std::vector<std::string>& arguments, const Progress::Callback& callback)>;
 
-/// Until the daemon says so, or is gone. What a job reads must lie below `inputs`, where the daemon has looked before.
-/// Returns the exit code of the process.
-int run_worker(int socket, const std::vector<std::string>& inputs, const RunCommand& run);
+/// Until the daemon says so, or is gone. What a job reads and where its result is to be must lie below `roots`, where
+/// the daemon has looked before. Returns the exit code of the process.
+int run_worker(int socket, const std::vector<std::string>& roots, const RunCommand& run);
 
 }  // namespace multum

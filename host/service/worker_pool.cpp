@@ -63,6 +63,17 @@ pid_t spawn_process(const std::vector<std::string>& command, int socket) {
   return pid;
 }
 
+// Of a worker's words: they are kept, and told to everybody.
+std::string text_of(const Json& said, const char* key) {
+  constexpr std::size_t kLongest = 8192;  // bytes
+  std::string text = said.value(key, "");
+  if (text.size() <= kLongest) return text;
+  std::size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not within a character
+  text.resize(end);
+  return text + " ...";
+}
+
 std::string death_of(int status) {
   if (WIFSIGNALED(status)) return fmt::format("its worker was ended by signal {}", WTERMSIG(status));
   return fmt::format("its worker ended with exit code {}", WEXITSTATUS(status));
@@ -144,7 +155,7 @@ void WorkerPool::take_lines(Worker& worker) {
       failures_ = 0;
       events_.ready();
     } else if (said.contains("progress") && worker.job != 0) {
-      const JobProgress now = {said["progress"].value("stage", ""), said["progress"].value("done", std::uint64_t{0}),
+      const JobProgress now = {text_of(said["progress"], "stage"), said["progress"].value("done", std::uint64_t{0}),
                                said["progress"].value("total", std::uint64_t{0})};
       if (now.stage != worker.progress.stage || now.done != worker.progress.done) worker.got_on = worker.heard;
       worker.progress = now;
@@ -158,7 +169,7 @@ void WorkerPool::take_lines(Worker& worker) {
         send(workers_.at(worker.owner), R"({"end":true})");
       }
       events_.ended(job, worker.owner, worker.attempt,
-                    {said.value("exit_code", 4), said.value("message", ""), said.value("inputs_changed", false)});
+                    {said.value("exit_code", 4), text_of(said, "message"), said.value("inputs_changed", false)});
       events_.ready();
     }
   }
@@ -202,6 +213,7 @@ bool WorkerPool::order(const std::string& owner, const WorkOrder& work) {
   const Json command = {{"run", work.job},
                         {"attempt", work.attempt},
                         {"arguments", work.arguments},
+                        {"output", work.output},
                         {"folder", work.folder},
                         {"log", work.log},
                         {"type", work.type},

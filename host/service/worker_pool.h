@@ -29,7 +29,8 @@ struct WorkOrder {
   std::int64_t job = 0;
   int attempt = 0;
   std::vector<std::string> arguments;
-  std::string folder;  // made before
+  std::string output;  // where its result is to be; "": nowhere
+  std::string folder;  // made before, for what is made of it
   std::string log;
   std::string type, parameters, inputs;  // of the job: whether its inputs have changed is looked up
   std::string copy_from, copy_to;        // instead, if they have not: a finished result; "": none

@@ -187,6 +187,7 @@ std::set<std::int64_t> LedgerModel::retry(std::int64_t id, TimeMs now) {
     before = again.size();
     for (const auto& [other, job] : jobs_) {
       if (job.state != JobState::kDead || job.counted != 0) continue;
+      if (job.deadline && *job.deadline <= now) continue;  // its own time is over
       const auto is_again = [&](std::int64_t need) { return again.contains(need); };
       const auto is_well = [&](std::int64_t need) { return is_again(need) || (knows(need) && !is_failed(need)); };
       if (std::any_of(job.needs.begin(), job.needs.end(), is_again) &&

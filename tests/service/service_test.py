@@ -154,11 +154,25 @@ class ServiceTest(ClientCase):
         self.assertEqual((status, answer["error"]["code"]), (507, "quota"))
         self.assertEqual(upload(20 << 10)[0], 201)
         results = os.path.join(service.data, "results", "a.txt")
-        with open(os.path.join(service.data, "results", "large"), "wb") as file:
+        large = os.path.join(service.data, "results", "large")
+        counted_for = 5.5  # seconds, and a little
+        service.ask("POST", "/v1/queues/default/pause")
+        accepted = self.drill(output=results, attempt_max=100)
+        with open(large, "wb") as file:
             file.write(bytes(20 << 10))
-        time.sleep(10.5)  # for so long it is not counted again
-        self.refused(507, "quota", [], "POST", "/v1/jobs", {"type": "drill", "output": results})
+        time.sleep(counted_for)
+        self.refused(507, "quota", [], "POST", "/v1/jobs", {"type": "drill", "output": results + "x"})
+        # Nor is one begun that was accepted while there was room, until there is some again; others are.
+        service.ask("POST", "/v1/queues/default/resume")
         service.wait_for(self.drill(output=self.output("a.txt")))
+        deadline = time.monotonic() + 20
+        while "data_max" not in service.job(accepted)["message"] and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.assertIn("data_max", service.job(accepted)["message"])
+        os.remove(large)
+        time.sleep(counted_for)
+        self.drill(output=results + "x")
+        self.assertEqual(service.wait_for(accepted)["state"], "succeeded")
 
     def test_a_full_disk_loses_nothing(self):
         os.mkdir(os.path.join(self.folder, "data"))
@@ -327,7 +341,7 @@ class ServiceTest(ClientCase):
         service.ask("POST", "/v1/queues/default/pause")
         low = self.drill(priority=-1)
         first = self.drill(0.2, priority=5)
-        after = self.drill(needs=[first], priority=9)
+        after = self.drill(0.05, needs=[first], priority=9)
         late = self.drill(deadline_s=1)
         time.sleep(1.2)
         service.ask("POST", "/v1/queues/default/resume")
@@ -439,6 +453,33 @@ class ServiceTest(ClientCase):
         service.wait_for_log("kept as they were")
         self.assertIn("serve.toml:", service.log_text().splitlines()[-1])
         service.wait_for(self.drill(queue="night"))
+
+    def test_reading_the_settings_again_leaves_paused_what_was_paused(self):
+        queues = '[[queue]]\nname = "default"\n[[queue]]\nname = "night"\npaused = true\n'
+        service = self.start(QUICK + queues)
+        path = os.path.join(self.folder, "serve.toml")
+
+        def paused():
+            return [queue["name"] for queue in service.ask("GET", "/v1/queues")[1]["queues"] if queue["paused"]]
+
+        def reload(text):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(QUICK + text)
+            before = service.log_text().count("read again")
+            service.process.send_signal(signal.SIGHUP)
+            deadline = time.monotonic() + 10
+            while service.log_text().count("read again") == before and time.monotonic() < deadline:
+                time.sleep(0.02)
+
+        self.assertEqual(paused(), ["night"])
+        service.ask("POST", "/v1/queues/default/pause")
+        service.ask("POST", "/v1/queues/night/resume")
+        reload(queues)
+        self.assertEqual(paused(), ["default"])
+        reload(queues.replace("paused = true", "paused = false"))  # the settings say something else
+        self.assertEqual(paused(), ["default"])
+        reload(queues)
+        self.assertEqual(paused(), ["default", "night"])
 
     # ---- What is refused
 

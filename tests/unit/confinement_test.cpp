@@ -4,9 +4,14 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/landlock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 
@@ -69,10 +74,50 @@ TEST(ConfinementTest, NothingElseIsOpenedByAnyName) {
   EXPECT_EQ(wrong, 0);
 }
 
+// By kernels that can: what cannot be refused is not tested.
+TEST(ConfinementTest, NobodyElseIsReached) {
+  const long version = ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+  if (version < 6) GTEST_SKIP() << "this kernel's Landlock knows nothing of TCP or signals";
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t bytes = sizeof(address);
+  auto* const any = reinterpret_cast<sockaddr*>(&address);
+  ASSERT_EQ(::bind(listener, any, bytes), 0);
+  ASSERT_EQ(::listen(listener, 8), 0);
+  ASSERT_EQ(::getsockname(listener, any, &bytes), 0);
+  const pid_t parent = ::getpid();
+  const auto reach = [&](bool is_confined) {
+    return in_child([&] {
+      if (is_confined && !confine_this_thread({})) return 8;
+      const int line = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+      const int is_connected = ::connect(line, any, bytes) == 0 ? 1 : 0, may_kill = ::kill(parent, 0) == 0 ? 2 : 0;
+      return is_connected + may_kill + (::kill(::getpid(), 0) == 0 ? 0 : 4);
+    });
+  };
+  EXPECT_EQ(reach(false), 3) << "the test itself does not work";
+  EXPECT_EQ(reach(true), 0);
+  ::close(listener);
+}
+
+TEST(ConfinementTest, SaysWhichPartHoldsAPath) {
+  TemporaryFolder folder;
+  fs::create_directory(folder / "real");
+  fs::create_directory_symlink(folder / "real", folder / "link");
+  Confinement allowed;
+  allowed.readable = {folder / "link", folder / "not_there", ""};
+  EXPECT_EQ(part_that_holds(allowed, folder / "real/data/token"), folder / "link");
+  EXPECT_EQ(part_that_holds(allowed, folder / "real"), folder / "link");
+  EXPECT_EQ(part_that_holds(allowed, folder / "really"), "");
+  EXPECT_EQ(part_that_holds(allowed, folder / "not_there/x"), folder / "not_there");
+  EXPECT_EQ(part_that_holds(allowed, folder / ""), "");
+}
+
 TEST(ConfinementTest, ProgramsStillRun) {
   if (!can_confine()) GTEST_SKIP() << "this kernel has no Landlock";
   const int wrong = in_child([] {
-    if (!confine_this_thread(system_confinement())) return 1;
+    if (!confine_this_thread(system_confinement([](const char*) { return std::string(); }))) return 1;
     ::execl("/bin/true", "true", nullptr);
     return 2;
   });

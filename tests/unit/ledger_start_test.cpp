@@ -83,20 +83,38 @@ TEST_F(LedgerStartTest, ANewOneForgetsNothingThatIsThere) {
   fs::rename(path(), folder_ / "kept");
   expect_error(ErrorCode::kUsage, {path() + "-wal", "--new-ledger"}, [&] { start(true); });
   fs::remove(path() + "-wal");
-  EXPECT_EQ(start(true), 1);
-  EXPECT_EQ(start(), 2);
+  EXPECT_EQ(start(true), 257) << "a number that was told may be of a job that left nothing but its number";
+  EXPECT_EQ(start(), 258);
+}
+
+TEST_F(LedgerStartTest, AnOldCopyGivesNoNumberTwice) {
+  start();
+  fs::copy_file(path(), folder_ / "copy");
+  std::int64_t last = 0;
+  for (int i = 0; i < 3; ++i) {
+    QueueThread ledger(find_ledger(folder_.path(), {}, false), [](const std::function<void()>& task) { task(); });
+    ledger.run_now([&](JobQueue& queue) {
+      JobSubmission submission;
+      submission.type = "drill";
+      for (int j = 0; j < 200; ++j) last = queue.submit(submission, nullptr, 1).id;
+    });
+  }
+  EXPECT_EQ(last, 601);
+  for (const char* part : {"-wal", "-shm"}) fs::remove(path() + part);
+  fs::rename(folder_ / "copy", path());
+  EXPECT_EQ(start(), 769);
 }
 
 // Or a new job would show an old one's log.
 TEST_F(LedgerStartTest, NumbersGoOnAboveAllThatLiesThere) {
   start();
   const std::string before = instance_;
-  testing::write_bytes(folder_ / "logs/41.log", "of another job");
+  testing::write_bytes(folder_ / "logs/341.log", "of another job");
   fs::remove(path());
-  EXPECT_EQ(start(true), 42);
+  EXPECT_EQ(start(true), 342);
   EXPECT_EQ(instance_, before) << "the old ledger may come back";
-  testing::write_bytes(folder_ / "logs/60.log", "of a job after the backup that this ledger is");
-  EXPECT_EQ(start(), 61);
+  testing::write_bytes(folder_ / "logs/360.log", "of a job after the backup that this ledger is");
+  EXPECT_EQ(start(), 361);
 }
 
 TEST_F(LedgerStartTest, ALedgerOfBeforeTakesTheFoldersName) {

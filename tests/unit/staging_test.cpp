@@ -4,12 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <thread>
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/service/result_listing.h"
 #include "tests/unit/test_folder.h"
 
 namespace multum {
@@ -122,6 +125,85 @@ TEST_F(StagingTest, WhatCameInTheMeantimeIsPutAside) {
   EXPECT_EQ(names(output_), std::set<std::string>{"a"});
   EXPECT_EQ(names(kept), std::set<std::string>{"late.txt"});
   EXPECT_FALSE(fs::exists(staging_folder(output_, "0123abcd", 2)));
+}
+
+TEST_F(StagingTest, WhatIsPutAsideTakesNobodysName) {
+  staged(1).publish(make_folder_of(1, {"a"}));
+  for (const char* taken : {".kept-2", ".kept-2-2"}) write_text_file(output_ + taken, "somebody's");
+  const std::string identity = make_folder_of(2, {"a"}), made = staged_path(output_, "0123abcd", 2);
+  fs::rename(output_, output_ + ".old");
+  fs::rename(made, output_);
+  fs::rename(output_ + ".old", made);
+  write_text_file(made + "/late.txt", "late");
+  EXPECT_EQ(staged(2).publish(identity), output_ + ".kept-2-3");
+  EXPECT_TRUE(fs::is_regular_file(output_ + ".kept-2")) << "replaced";
+}
+
+// Else the next attempt would go on from what is the user's.
+TEST_F(StagingTest, WhatCannotBePutAsideGoesBack) {
+  staged(1).publish(make_folder_of(1, {"a"}));
+  for (int i = 1; i <= 100; ++i) write_text_file(output_ + ".kept-2" + (i == 1 ? "" : "-" + std::to_string(i)), "");
+  const std::string identity = make_folder_of(2, {"b"}), made = staged_path(output_, "0123abcd", 2);
+  fs::rename(output_, output_ + ".old");
+  fs::rename(made, output_);
+  fs::rename(output_ + ".old", made);
+  write_text_file(made + "/late.txt", "late");
+  EXPECT_THROW(staged(2).publish(identity), Error);
+  EXPECT_TRUE(names(output_).contains("late.txt"));
+  EXPECT_EQ(names(made), std::set<std::string>{"b"});
+  EXPECT_EQ(staged(2).identity(), identity);
+}
+
+TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
+  const auto is_intact = [&](const std::string& identity) { return is_as_made(output_, identity); };
+  const std::string identity = make_folder_of(1, {"a", "sub/b"});
+  staged(1).publish(identity);
+  EXPECT_TRUE(is_intact(identity));
+  EXPECT_FALSE(is_intact("")) << "of a job that published nothing";
+  write_text_file(output_ + "/sub/more", "");
+  EXPECT_FALSE(is_intact(identity));
+  fs::remove(output_ + "/sub/more");
+  EXPECT_TRUE(is_intact(identity));
+  fs::remove(output_ + "/a");
+  EXPECT_FALSE(is_intact(identity));
+  fs::remove_all(output_);
+  EXPECT_FALSE(is_intact(identity));
+  EXPECT_FALSE(is_as_made(output_, "")) << "nothing is no result";
+}
+
+// While it is removed, a folder in it becomes a link to the user's: again and again, by a thread of its own.
+TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
+  const std::string mine = folder_ / "mine", sub = output_ + "/sub", aside = root_ + "/aside";
+  std::set<std::string> all;
+  for (int i = 0; i < 50; ++i) all.insert(std::to_string(i));
+  const auto fill = [&](const std::string& folder) {
+    fs::create_directories(folder);
+    for (const std::string& name : all) std::ofstream(folder + "/" + name) << "text";
+  };
+  fill(mine);
+  int swaps = 0;
+  for (int i = 0; i < 50; ++i) {
+    fill(sub);
+    write_result_listing(output_);
+    std::atomic<bool> is_over = false;
+    std::thread swapper([&] {
+      std::error_code ignored;
+      while (!is_over) {
+        fs::rename(sub, aside, ignored);
+        if (ignored) continue;
+        fs::create_directory_symlink(mine, sub, ignored);
+        fs::remove(sub, ignored);
+        fs::rename(aside, sub, ignored);
+        ++swaps;
+      }
+    });
+    EXPECT_NO_THROW(remove_listed(output_));
+    is_over = true;
+    swapper.join();
+    for (const std::string& left : {aside, output_}) fs::remove_all(left);
+  }
+  EXPECT_GT(swaps, 0);
+  EXPECT_EQ(names(mine), all);
 }
 
 TEST_F(StagingTest, ALinkIsNoResult) {

@@ -23,6 +23,11 @@
 namespace multum {
 namespace {
 
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
 struct ServeOptions {
   std::string data, config;
   std::string listen, token_file;
@@ -50,7 +55,8 @@ int run_serve(const ServeOptions& o) {
   std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(threads),
                                      "--data=" + settings.data};
   for (const std::string& root : settings.roots) worker.push_back("--root=" + std::filesystem::absolute(root).string());
-  run_service({settings, o.config, [o] { return settings_of(o); }, worker, o.begins_anew});
+  run_service(
+      {settings, o.config, [o] { return settings_of(o); }, worker, system_confinement(variable), o.begins_anew});
   return 0;
 }
 
@@ -72,7 +78,7 @@ struct WorkerOptions {
 // Of a job there is nothing to open but below the roots, and in the daemon's data what jobs have to do with: whatever a
 // picture, a scene or a link leads to.
 void confine_worker(const WorkerOptions& o, const std::string& scratch) {
-  Confinement allowed = system_confinement();
+  Confinement allowed = system_confinement(variable);
   allowed.writable.insert(allowed.writable.end(), o.roots.begin(), o.roots.end());
   allowed.writable.insert(allowed.writable.end(), {o.data + "/results", o.data + "/logs", scratch});
   allowed.readable.push_back(o.data + "/uploads");
@@ -108,7 +114,7 @@ struct ConfinedOptions {
 
 // Becomes another program, which sees little of the machine.
 int run_confined(const ConfinedOptions& o) {
-  Confinement allowed = system_confinement();
+  Confinement allowed = system_confinement(variable);
   allowed.readable.insert(allowed.readable.end(), o.readable.begin(), o.readable.end());
   allowed.writable.insert(allowed.writable.end(), o.writable.begin(), o.writable.end());
   confine_this_thread(allowed);
@@ -160,7 +166,7 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
   inputs->add_option("--parameters", list->parameters)->required();
   inputs->add_option("--root", list->roots)->allow_extra_args(false);
   inputs->callback([list, exit_code] {
-    print_input_list(list->type, list->parameters, list->roots);
+    print_input_list(list->type, list->parameters, list->roots, system_confinement(variable));
     *exit_code = 0;
   });
 
