@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A user of a root who swaps folders for links to outside, at any moment, while jobs of every type read
+from one and write into another, results are downloaded, and uploads come. Outside lie files of the same names with
+other contents: whatever a job reads or a download answers must be of the inside, and nothing may be written, changed or
+removed outside.
+
+  swap_drill.py MULTUM [--seconds 60]
+"""
+import argparse
+import collections
+import hashlib
+import os
+import random
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import zlib
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from service_harness import QUICK, Service, fail  # noqa: E402
+
+SIDE = 16  # pixels
+SCENE = ('[[map]]\nname = "m"\nnormal = "map_normal.png"\ngreen = "up"\n[[material]]\nname = "p"\nbrdf = "lambert"\n'
+         '[[object]]\nname = "o"\nmap = "m"\nmaterial = "p"\nwidth = 1\ndistance = [1, 2]\n[[light]]\n'
+         'direction = [0, 0, 1]\n')
+QUAD = ("o quad\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n"
+        "f 1/1/1 2/2/1 3/3/1 4/4/1\n")
+ANIMATION = f'''geometry = "quad.obj"
+width = {SIDE}
+height = {SIDE}
+[[parameter]]
+name = "time"
+count = 1
+[[layer]]
+name = "all"
+passes = [""]
+depends_on = ["time"]
+[[object]]
+name = "quad"
+index = 1
+[[camera]]
+name = "one"
+world_to_camera = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -3], [0, 0, 0, 1]]
+projection = [[2.5, 0, 0, 0], [0, 2.5, 0, 0], [0, 0, -1.1, -1.1], [0, 0, -1, 0]]
+[[sample]]
+at = [0]
+radiance = "radiance.exr"
+object_index = "index.png"
+camera = "one"
+'''
+# The file of each type's result that tells what it was made of.
+RESULTS = {"bake": "", "scene": "m.ndf.exr", "infer": None}
+
+
+def write_exr(path, value):
+    """Every pixel of R, G and B; float, not compressed."""
+    def attribute(name, kind, data):
+        return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
+
+    channels = b"".join(name + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1) for name in (b"B", b"G", b"R")) + b"\0"
+    window = struct.pack("<4i", 0, 0, SIDE - 1, SIDE - 1)
+    header = b"\x76\x2f\x31\x01" + struct.pack("<i", 2)
+    for one in (("channels", "chlist", channels), ("compression", "compression", b"\0"),
+                ("dataWindow", "box2i", window), ("displayWindow", "box2i", window), ("lineOrder", "lineOrder", b"\0"),
+                ("pixelAspectRatio", "float", struct.pack("<f", 1)), ("screenWindowCenter", "v2f", bytes(8)),
+                ("screenWindowWidth", "float", struct.pack("<f", 1))):
+        header += attribute(*one)
+    header += b"\0"
+    line = struct.pack("<f", value) * (3 * SIDE)
+    first = len(header) + 8 * SIDE
+    offsets = b"".join(struct.pack("<q", first + y * (8 + len(line))) for y in range(SIDE))
+    lines = b"".join(struct.pack("<ii", y, len(line)) + line for y in range(SIDE))
+    with open(path, "wb") as file:
+        file.write(header + offsets + lines)
+
+
+def write_index(path):
+    """A grey PNG that says which object a pixel shows: the first one."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + b"\1" * SIDE for _ in range(SIDE))
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", SIDE, SIDE, 8, 0, 0, 0, 0)) +
+                   chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def make_inputs(multum, folder, is_inside):
+    os.makedirs(folder)
+    subprocess.run([multum, "testmap", os.path.join(folder, "map"), "--size", str(SIDE if is_inside else 2 * SIDE)],
+                   check=True, stdout=subprocess.DEVNULL)
+    write_exr(os.path.join(folder, "radiance.exr"), 0.25 if is_inside else 0.75)
+    write_index(os.path.join(folder, "index.png"))
+    for name, text in (("scene.toml", SCENE), ("quad.obj", QUAD), ("animation.toml", ANIMATION)):
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            file.write(text)
+
+
+def hash_of(path):
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
+
+
+def state_of(folder):
+    """Every file below, by its content and times."""
+    files = [os.path.join(above, name) for above, _, names in os.walk(folder) for name in names]
+    return {path: (hash_of(path), os.lstat(path).st_mtime_ns) for path in files}
+
+
+class Swapper(threading.Thread):
+    """Each folder is a link to outside for a moment, again and again: sometimes at once, sometimes a while after."""
+
+    def __init__(self, folders, outside):
+        super().__init__()
+        self.folders, self.outside = folders, outside
+        self.ends, self.swaps = threading.Event(), 0
+
+    def run(self):
+        while not self.ends.is_set():
+            for path in self.folders:
+                try:
+                    os.rename(path, path + ".real")
+                    os.symlink(self.outside, path)
+                    time.sleep(0.0005)
+                    os.unlink(path)
+                    os.rename(path + ".real", path)
+                    self.swaps += 1
+                except OSError:
+                    pass
+            time.sleep(random.choice((0, 0, 0, 0.001, 0.005, 0.02, 0.2)))
+
+
+def job_of(kind, source, target, number):
+    parameters = {"bake": {"input": os.path.join(source, "map_normal.png"), "green": "up", "no_measure": True},
+                  "scene": {"scene": os.path.join(source, "scene.toml")},
+                  "infer": {"job": os.path.join(source, "animation.toml"), "context": "osmesa", "no_frames": True,
+                            "no_comparison": True}}[kind]
+    # Some over an earlier result: folders are exchanged then.
+    name = f"{kind}{number % 5}" + (".ndf.exr" if kind == "bake" else "")
+    return {"type": kind, "parameters": parameters, "output": os.path.join(target, name), "again": True,
+            "attempt_max": 10}
+
+
+def result_hash(kind, output):
+    if kind != "infer":
+        return hash_of(os.path.join(output, RESULTS[kind]).rstrip("/"))
+    textures = sorted(name for name in state_of(output) if name.endswith(".exr"))
+    return [hash_of(name) for name in textures]
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("multum")
+    parser.add_argument("--seconds", type=float, default=60)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        service = Service(options.multum, folder, config=QUICK).start()
+        source, target = os.path.join(service.root, "source"), os.path.join(service.root, "target")
+        outside = os.path.join(folder, "outside")
+        make_inputs(options.multum, source, True)
+        make_inputs(options.multum, outside, False)
+        os.mkdir(target)
+        kinds, right = ("bake", "scene", "infer"), {}
+        first = {}
+        for kind in kinds:
+            first[kind] = service.submit(**job_of(kind, source, target, 0))
+            job = service.wait_for(first[kind])
+            if job["state"] != "succeeded":
+                fail(f"{kind}: {job['message']}")
+            right[kind] = result_hash(kind, job["output"])
+        # What a download or a job's look would find outside, under the names of results.
+        for name in os.listdir(target):
+            result = os.path.join(target, name)
+            (shutil.copytree if os.path.isdir(result) else shutil.copy)(result, os.path.join(outside, name))
+        with open(os.path.join(outside, "bake0.ndf.exr"), "wb") as file:
+            file.write(b"secret" * 1000)
+        before = state_of(outside)
+        swapper = Swapper([source, target], outside)
+        swapper.start()
+        counts, downloads, answers, number = collections.Counter(), 0, collections.Counter(), 0
+        waiting = []
+        try:
+            deadline = time.monotonic() + options.seconds
+            while time.monotonic() < deadline:
+                status, answer = service.ask("GET", f"/v1/jobs/{first['bake']}/result")
+                downloads += 1
+                answers[status] += 1
+                if status == 200 and b"secret" in answer:
+                    fail("a download told what lies outside")
+                waiting = [one for one in waiting if service.job(one[1])["state"] not in
+                           ("succeeded", "dead", "cancelled")] if downloads % 50 == 0 else waiting
+                if downloads % 10 == 0 and len(waiting) < 6:
+                    number += 1
+                    kind = kinds[number % len(kinds)]
+                    status, answer = service.ask("POST", "/v1/jobs", job_of(kind, source, target, number))
+                    if status == 201:
+                        waiting.append((kind, answer["id"]))
+                        counts[kind] += 1
+                    elif status not in (200, 400, 503):
+                        fail(f"a submission was answered {status}: {answer}")
+        finally:
+            swapper.ends.set()
+            swapper.join()
+        for _, one in waiting:
+            service.wait_for(one)
+        done = collections.Counter()
+        for job in service.ask("GET", "/v1/jobs?limit=1000")[1]["jobs"]:
+            done[f"{job['type']} {job['state']}"] += 1
+        for name in os.listdir(target):
+            kind = name[:5].rstrip("01234.")
+            if kind in kinds and ".kept-" not in name and result_hash(kind, os.path.join(target, name)) != right[kind]:
+                fail(f"{name} was made of what lies outside")
+        if state_of(outside) != before:
+            fail(f"outside is not as it was: {sorted(set(state_of(outside).items()) ^ set(before.items()))[:5]}")
+        if service.process.poll() is not None:
+            fail(f"the daemon ended: {service.log_text()[-2000:]}")
+        service.stop()
+        if min(done[f"{kind} succeeded"] for kind in kinds) < 2:
+            fail(f"hardly a job came through: {dict(done)}")
+        print(f"{swapper.swaps} swaps, {downloads} downloads ({dict(answers)}), jobs {dict(counts)}, the last 1000: "
+              f"{dict(done)}: nothing of outside was read, nothing outside was written")
+        if downloads < 20 or min(counts[kind] for kind in kinds) == 0 or swapper.swaps < 100:
+            fail("too little happened")
+
+
+if __name__ == "__main__":
+    main()
