@@ -10,6 +10,7 @@
 #include <ImfMultiPartOutputFile.h>
 #include <ImfThreading.h>
 #include <ImfTiledOutputPart.h>
+#include <fmt/format.h>
 #include <half.h>
 
 #include <algorithm>
@@ -127,7 +128,8 @@ class BakedWriter::Work {
     queue_.put(std::move(portion));
   }
 
-  void commit(const std::string& measured_error, Progress* progress) {
+  void commit(const std::string& measured_error, const std::function<std::vector<VerifyFinding>()>& findings,
+              Progress* progress) {
     rethrow_failure();
     for (const Level& level : levels_) MULTUM_CHECK(level.parts.empty() || level.rows_accepted == level.height);
     MULTUM_CHECK(measured_error.size() <= static_cast<std::size_t>(options_.measured_error_bytes));
@@ -135,6 +137,7 @@ class BakedWriter::Work {
     wait(progress);
     stop(false);
     rethrow_failure();
+    check(findings());
     guarded([&] { out_.reset(); });  // writes the tables of tiles
     stream_->close();
     content_hash_ = hash_all();
@@ -164,6 +167,14 @@ class BakedWriter::Work {
     }
   }
 
+  // A file that its reader would refuse is not published.
+  void check(const std::vector<VerifyFinding>& findings) const {
+    for (const VerifyFinding& finding : findings)
+      if (!finding.passed)
+        throw Error(ErrorCode::kEnvironment, fmt::format("{}: was not written, since it would not verify: {}: {}",
+                                                         file_.path(), finding.check, finding.detail));
+  }
+
   void run() {
     Portion portion;
     while (queue_.take(portion)) {
@@ -184,6 +195,7 @@ class BakedWriter::Work {
   // Puts the portion's rows to those that wait; writes every row of tiles that becomes full.
   void gather(const BakedRows& portion) {
     Level& level = levels_[static_cast<std::size_t>(portion.level())];
+    portion.scan(level.rows_written + level.rows_waiting);
     for (int row = 0; row < portion.height();) {
       const int tile_rows = std::min(options_.tile_size, level.height - level.rows_written);
       const int rows = std::min(portion.height() - row, tile_rows - level.rows_waiting);
@@ -296,8 +308,9 @@ void BakedWriter::write(int first_row, std::unique_ptr<const BakedRows> rows) {
   work_->accept(first_row, std::move(rows));
 }
 
-void BakedWriter::commit(const std::string& measured_error, Progress* progress) {
-  work_->commit(measured_error, progress);
+void BakedWriter::commit(const std::string& measured_error, const std::function<std::vector<VerifyFinding>()>& findings,
+                         Progress* progress) {
+  work_->commit(measured_error, findings, progress);
 }
 
 const std::string& BakedWriter::content_hash() const { return work_->content_hash(); }

@@ -8,11 +8,13 @@
 #include <ImfHeader.h>
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "host/asset/baked_header.h"
+#include "host/asset/baked_verify.h"
 #include "host/base/progress.h"
 
 namespace multum {
@@ -30,6 +32,9 @@ class BakedRows {
   /// Values of `count` texels from texel `first` of the rows on, as the part's channels, interleaved. In the writer's
   /// thread.
   virtual void copy_values(std::size_t part, std::size_t first, std::size_t count, float* values) const = 0;
+  /// Looks at every texel as `multum verify` does; the rows are those from `first_row` of their level. In the writer's
+  /// thread.
+  virtual void scan(int first_row) const = 0;
 };
 
 /// Calls come from one thread at a time. What goes wrong in the background (a full disk) is thrown by the next call as
@@ -48,8 +53,10 @@ class BakedWriter {
   void write(int first_row, std::unique_ptr<const BakedRows> rows);
   /// Waits for all that was handed in (every row of every stored level), writes what the header can only say at the
   /// end, syncs, and gives the file its name. `measured_error` is JSON of at most options.measured_error_bytes.
-  /// Progress: counts no units; cancels until the file gets its name.
-  void commit(const std::string& measured_error, Progress* progress);
+  /// Progress: counts no units; cancels until the file gets its name. `findings` of what was scanned: when one has not
+  /// passed, throws Error(kEnvironment), and there is no file.
+  void commit(const std::string& measured_error, const std::function<std::vector<VerifyFinding>()>& findings,
+              Progress* progress);
   /// As docs/FORMAT.md defines it; after commit().
   const std::string& content_hash() const;
 

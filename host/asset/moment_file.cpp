@@ -10,6 +10,7 @@
 #include "host/asset/baked_reader.h"
 #include "host/asset/baked_writer.h"
 #include "host/asset/exr_rows.h"
+#include "host/asset/moment_verify.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -63,8 +64,9 @@ const float* values_of(const MomentLevel& rows, MomentPart kind) {
 
 class MomentPortion : public BakedRows {
  public:
-  MomentPortion(const BakedHeader& header, int level, MomentLevel rows)
-      : header_(header), level_(level), rows_(std::move(rows)) {}
+  /// `scan` is the writer's thread's, until it ends.
+  MomentPortion(const BakedHeader& header, MomentScan& scan, int level, MomentLevel rows)
+      : header_(header), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
   int level() const override { return level_; }
   int height() const override { return rows_.height; }
@@ -85,9 +87,11 @@ class MomentPortion : public BakedRows {
                                                     : std::size(kNormalNames);
     std::memcpy(values, values_of(rows_, kind) + first * channels, count * channels * sizeof(float));
   }
+  void scan(int first_row) const override { scan_.add(level_, first_row, rows_); }
 
  private:
   const BakedHeader& header_;
+  MomentScan& scan_;
   const int level_;
   const MomentLevel rows_;
 };
@@ -111,7 +115,8 @@ class MomentWriter::Work {
     MULTUM_CHECK(header.representation == Representation::kMoments);
   }
 
-  const BakedHeader header;  // outlives the portions
+  const BakedHeader header;  // outlives the portions, as does
+  MomentScan scan{header};
   BakedWriter writer;
 };
 
@@ -120,11 +125,12 @@ MomentWriter::MomentWriter(const std::string& path, const BakedHeader& header, c
 MomentWriter::~MomentWriter() = default;
 
 void MomentWriter::write_level(int level, int first_row, MomentLevel rows) {
-  work_->writer.write(first_row, std::make_unique<MomentPortion>(work_->header, level, std::move(rows)));
+  work_->writer.write(first_row, std::make_unique<MomentPortion>(work_->header, work_->scan, level, std::move(rows)));
 }
 
 void MomentWriter::commit(const std::string& measured_error, Progress* progress) {
-  work_->writer.commit(measured_error, progress);
+  work_->writer.commit(
+      measured_error, [this] { return work_->scan.findings(); }, progress);
 }
 
 const std::string& MomentWriter::content_hash() const { return work_->writer.content_hash(); }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -13,17 +14,18 @@
 #include "host/asset/verify_scan.h"
 
 namespace multum {
+
+struct MomentScan::Texels {
+  std::size_t nonfinite = 0;
+  WorstTexel variance, slope, length, weight;  // how far beyond what is allowed
+};
+
 namespace {
 
 // What rounding allows: of a variance or covariance, of the moment itself; of lengths, absolutely (docs/FORMAT.md).
 // Rounding down takes a whole step of the square, 2^-10 of it; averaging in float some 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
-
-struct MomentScan {
-  std::size_t nonfinite = 0;
-  WorstTexel variance, slope, length, weight;  // how far beyond what is allowed
-};
 
 bool is_finite(const float* values, int count) {
   return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
@@ -44,7 +46,7 @@ double missing_variance(const SlopeMoments& m, double tolerance) {
 }
 
 void scan_texel(const BakedHeader& header, const MomentLevel& rows, std::size_t i, const TexelPlace& place,
-                MomentScan& scan) {
+                MomentScan::Texels& scan) {
   const SlopeMoments& m = rows.slopes[i];
   const glm::vec3& n = rows.normals[i];
   if (!is_finite(&m.height, 6) || !is_finite(&n.x, 3) || (!rows.colours.empty() && !is_finite(&rows.colours[i].x, 3))) {
@@ -61,12 +63,36 @@ void scan_texel(const BakedHeader& header, const MomentLevel& rows, std::size_t 
 
 }  // namespace
 
+MomentScan::MomentScan(const BakedHeader& header) : header_(header), texels_(std::make_unique<Texels>()) {}
+MomentScan::~MomentScan() = default;
+
+void MomentScan::add(int level, int first_row, const MomentLevel& rows) {
+  std::size_t index = 0;
+  for (int y = 0; y < rows.height; ++y)
+    for (int x = 0; x < rows.width; ++x, ++index) scan_texel(header_, rows, index, {level, x, first_row + y}, *texels_);
+}
+
+std::vector<VerifyFinding> MomentScan::findings() const {
+  std::vector<VerifyFinding> findings = {
+      finite_finding(texels_->nonfinite, "texels that are not finite"),
+      excess_finding("variance", texels_->variance, "no variance below 0, no correlation beyond 1",
+                     "E[b b] contradicts E[b] beyond rounding"),
+      excess_finding("slope", texels_->slope, fmt::format("no mean slope above {}", kSlopeMax),
+                     "a mean slope is too steep"),
+      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than rounding allows",
+                     "a mean normal is longer than rounding allows"),
+  };
+  if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));
+  return findings;
+}
+
 std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, const MomentRowsSeen& seen) {
   MomentReader reader(path, threads);
   const BakedHeader& header = reader.header();
-  MomentScan scan;
-  scan_texels(reader, seen, [&](const MomentLevel& rows, std::size_t i, const TexelPlace& place) {
-    scan_texel(header, rows, i, place, scan);
+  MomentScan scan(header);
+  for_each_rows(reader, [&](int level, int first_row, const MomentLevel& rows) {
+    scan.add(level, first_row, rows);
+    if (seen) seen(level, first_row, rows);
   });
   std::vector<VerifyFinding> findings = {
       {"structure", true,
@@ -75,15 +101,8 @@ std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, 
                    storage_encoding_name(header.encoding))},
       checksum_finding(reader.finish_hash(), header.provenance.content_hash),
       header_finding(path),
-      finite_finding(scan.nonfinite, "texels that are not finite"),
-      excess_finding("variance", scan.variance, "no variance below 0, no correlation beyond 1",
-                     "E[b b] contradicts E[b] beyond rounding"),
-      excess_finding("slope", scan.slope, fmt::format("no mean slope above {}", kSlopeMax),
-                     "a mean slope is too steep"),
-      excess_finding("|n| <= 1", scan.length, "no mean normal is longer than rounding allows",
-                     "a mean normal is longer than rounding allows"),
   };
-  if (header.weight_count > 0) findings.push_back(weights_finding(header.weight_count, scan.weight, "1"));
+  for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));
   return findings;
 }
 

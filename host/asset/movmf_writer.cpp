@@ -8,6 +8,7 @@
 #include "host/asset/baked_writer.h"
 #include "host/asset/movmf_header.h"
 #include "host/asset/movmf_parts.h"
+#include "host/asset/movmf_verify.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -20,6 +21,7 @@ struct Shape {
   std::size_t weight_count;
   bool has_roughness;
   std::vector<MovmfPart> parts;
+  std::unique_ptr<MovmfScan> scan;  // the writer's thread's, until it ends
 };
 
 class FinestPortion : public BakedRows {
@@ -43,6 +45,7 @@ class FinestPortion : public BakedRows {
   void copy_values(std::size_t, std::size_t first, std::size_t count, float* values) const override {
     interleave(rows_, first, count, values);
   }
+  void scan(int first_row) const override { shape_.scan->add_finest(first_row, rows_); }
 
  private:
   const Shape& shape_;
@@ -76,6 +79,7 @@ class LevelPortion : public BakedRows {
     const std::size_t channels = shape_.parts[part].channels.size();
     std::memcpy(values, shape_.parts[part].values(rows_) + first * channels, count * channels * sizeof(float));
   }
+  void scan(int first_row) const override { shape_.scan->add(level_, first_row, rows_); }
 
  private:
   const Shape& shape_;
@@ -88,8 +92,12 @@ class LevelPortion : public BakedRows {
 class MovmfWriter::Work {
  public:
   Work(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options)
-      : shape_{static_cast<std::size_t>(header.lobe_count()), header.has_colours(),
-               static_cast<std::size_t>(header.weight_count), header.has_roughness, checked_parts(header)},
+      : shape_{static_cast<std::size_t>(header.lobe_count()),
+               header.has_colours(),
+               static_cast<std::size_t>(header.weight_count),
+               header.has_roughness,
+               checked_parts(header),
+               std::make_unique<MovmfScan>(header)},
         writer_(path, header_of(header), {shape_.parts.begin(), shape_.parts.end()},
                 make_headers(header, shape_.parts, options), options) {}
 
@@ -122,7 +130,8 @@ void MovmfWriter::write_level(int level, int first_row, MovmfLevel rows) {
 }
 
 void MovmfWriter::commit(const std::string& measured_error, Progress* progress) {
-  work_->writer().commit(measured_error, progress);
+  work_->writer().commit(
+      measured_error, [this] { return work_->shape().scan->findings(); }, progress);
 }
 
 const std::string& MovmfWriter::content_hash() const { return work_->writer().content_hash(); }

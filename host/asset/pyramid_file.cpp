@@ -17,6 +17,7 @@
 #include "host/asset/exr_rows.h"
 #include "host/asset/half_value.h"
 #include "host/asset/header_hash.h"
+#include "host/asset/verify_scan.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -72,10 +73,76 @@ std::vector<Imf::Header> pyramid_headers(const PyramidHeader& header, const Bake
   return headers;
 }
 
+std::size_t count_nonfinite(const PyramidLevel& level) {
+  return static_cast<std::size_t>(
+      std::count_if(level.values.begin(), level.values.end(), [](float v) { return !std::isfinite(v); }));
+}
+
+// What verify_pyramid() looks at in rows: of each level the sums of its channels.
+class PyramidScan {
+ public:
+  explicit PyramidScan(const PyramidHeader& header)
+      : channels_(static_cast<std::size_t>(header.channel_count())),
+        encoding_(header.map.encoding),
+        levels_(static_cast<std::size_t>(header.level_count())) {
+    for (Level& level : levels_) level.sums.resize(channels_);
+  }
+
+  void add(int level_number, const PyramidLevel& rows) {
+    Level& level = levels_[static_cast<std::size_t>(level_number)];
+    nonfinite_ += count_nonfinite(rows);
+    level.count += rows.values.size() / channels_;
+    for (std::size_t i = 0; i < rows.values.size(); ++i) {
+      const auto value = static_cast<double>(rows.values[i]);
+      level.sums[i % channels_] += value;
+      if (level_number == 0) largest_ = std::max(largest_, std::abs(value));
+    }
+  }
+
+  std::vector<VerifyFinding> findings() const {
+    double worst = 0.0;
+    std::size_t worst_level = 0;
+    for (std::size_t l = 1; l < levels_.size(); ++l)
+      if (const double off = mean_difference(levels_[l]); off > worst) {
+        worst = off;
+        worst_level = l;
+      }
+    // Rounding to half takes up to 2^-11 of a value from each, in parts of the largest.
+    const double tolerance = encoding_ == StorageEncoding::kHalf ? 0x1p-11 : 1e-6;
+    return {
+        {"finite", nonfinite_ == 0, fmt::format("{} values that are not finite, expected 0", nonfinite_)},
+        {"means", worst <= tolerance,
+         fmt::format("every level has the mean of level 0 within {:.1e} of the largest value, expected {:.1e}{}", worst,
+                     tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
+    };
+  }
+
+ private:
+  struct Level {
+    std::size_t count = 0;
+    std::vector<double> sums;
+  };
+  // How far a level's mean is from the finest level's, in parts of the largest value's size.
+  double mean_difference(const Level& level) const {
+    double worst = 0.0;
+    for (std::size_t c = 0; c < channels_; ++c)
+      worst = std::max(worst, std::abs(level.sums[c] / static_cast<double>(level.count) -
+                                       levels_[0].sums[c] / static_cast<double>(levels_[0].count)));
+    return largest_ > 0.0 ? worst / largest_ : worst;
+  }
+
+  const std::size_t channels_;
+  const StorageEncoding encoding_;
+  std::vector<Level> levels_;
+  std::size_t nonfinite_ = 0;
+  double largest_ = 0.0;  // of level 0
+};
+
 class PyramidPortion : public BakedRows {
  public:
-  PyramidPortion(int channels, int level, PyramidLevel rows)
-      : channels_(static_cast<std::size_t>(channels)), level_(level), rows_(std::move(rows)) {}
+  /// `scan` is the writer's thread's, until it ends.
+  PyramidPortion(int channels, PyramidScan& scan, int level, PyramidLevel rows)
+      : channels_(static_cast<std::size_t>(channels)), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
   int level() const override { return level_; }
   int height() const override { return rows_.height; }
@@ -87,9 +154,11 @@ class PyramidPortion : public BakedRows {
   void copy_values(std::size_t, std::size_t first, std::size_t count, float* values) const override {
     std::memcpy(values, rows_.values.data() + first * channels_, count * channels_ * sizeof(float));
   }
+  void scan(int) const override { scan_.add(level_, rows_); }
 
  private:
   const std::size_t channels_;
+  PyramidScan& scan_;
   const int level_;
   const PyramidLevel rows_;
 };
@@ -133,24 +202,6 @@ class PyramidReader {
   PyramidHeader header_;
 };
 
-std::size_t count_nonfinite(const PyramidLevel& level) {
-  return static_cast<std::size_t>(
-      std::count_if(level.values.begin(), level.values.end(), [](float v) { return !std::isfinite(v); }));
-}
-
-// How far a level's mean is from the finest level's, in parts of the largest value's size.
-double mean_difference(const PyramidLevel& level, const std::vector<double>& expected, double largest) {
-  const std::size_t channels = expected.size();
-  std::vector<double> sums(channels);
-  for (std::size_t i = 0; i < level.values.size(); ++i) sums[i % channels] += static_cast<double>(level.values[i]);
-  double worst = 0.0;
-  for (std::size_t c = 0; c < channels; ++c)
-    worst = std::max(
-        worst,
-        std::abs(sums[c] * static_cast<double>(channels) / static_cast<double>(level.values.size()) - expected[c]));
-  return largest > 0.0 ? worst / largest : worst;
-}
-
 }  // namespace
 
 const char* pyramid_kind_name(PyramidKind kind) { return info_of(kind).name; }
@@ -169,8 +220,10 @@ class PyramidWriter::Work {
  public:
   Work(const std::string& path, const PyramidHeader& header, const BakedWriteOptions& options)
       : channels(header.channel_count()),
+        scan(header),
         writer(path, header.map, pyramid_parts(header), pyramid_headers(header, options), options) {}
   const int channels;
+  PyramidScan scan;  // outlives the portions
   BakedWriter writer;
 };
 
@@ -179,10 +232,14 @@ PyramidWriter::PyramidWriter(const std::string& path, const PyramidHeader& heade
 PyramidWriter::~PyramidWriter() = default;
 
 void PyramidWriter::write_level(int level, int first_row, PyramidLevel rows) {
-  work_->writer.write(first_row, std::make_unique<PyramidPortion>(work_->channels, level, std::move(rows)));
+  work_->writer.write(first_row,
+                      std::make_unique<PyramidPortion>(work_->channels, work_->scan, level, std::move(rows)));
 }
 
-void PyramidWriter::commit(Progress* progress) { work_->writer.commit("", progress); }
+void PyramidWriter::commit(Progress* progress) {
+  work_->writer.commit(
+      "", [this] { return work_->scan.findings(); }, progress);
+}
 const std::string& PyramidWriter::content_hash() const { return work_->writer.content_hash(); }
 
 bool is_pyramid_file(const std::string& path) {
@@ -214,42 +271,22 @@ PyramidHeader read_pyramid_header(const std::string& path) { return PyramidReade
 std::vector<VerifyFinding> verify_pyramid(const std::string& path, int threads) {
   PyramidReader reader(path, threads);
   const PyramidHeader& header = reader.header();
-  const auto channels = static_cast<std::size_t>(header.channel_count());
   BakedRowHash hash(pyramid_parts(header));
-  std::size_t nonfinite = 0;
-  std::vector<double> means(channels);
-  double largest = 0.0, worst = 0.0;
-  int worst_level = 0;
+  PyramidScan scan(header);
   for (int l = 0; l < header.level_count(); ++l) {
     const PyramidLevel level = reader.read(l);
     hash.add(0, l, level.values.data(), level.values.size());
-    nonfinite += count_nonfinite(level);
-    if (l == 0) {
-      for (std::size_t i = 0; i < level.values.size(); ++i) {
-        means[i % channels] += static_cast<double>(level.values[i]);
-        largest = std::max(largest, std::abs(static_cast<double>(level.values[i])));
-      }
-      for (double& mean : means) mean *= static_cast<double>(channels) / static_cast<double>(level.values.size());
-    } else if (const double off = mean_difference(level, means, largest); off > worst) {
-      worst = off;
-      worst_level = l;
-    }
+    scan.add(l, level);
   }
-  const std::string found = hash.finish(), &expected = header.map.provenance.content_hash;
-  // Rounding to half takes up to 2^-11 of a value from each, in parts of the largest.
-  const double tolerance = header.map.encoding == StorageEncoding::kHalf ? 0x1p-11 : 1e-6;
-  return {
+  std::vector<VerifyFinding> findings = {
       {"structure", true,
        fmt::format("{} x {}, {} levels, pyramid of {}, encoding {}", header.map.width, header.map.height,
                    header.level_count(), pyramid_kind_name(header.kind), storage_encoding_name(header.map.encoding))},
-      {"checksum", found == expected,
-       found == expected ? found : "found " + found + ", expected " + expected + " as the header says"},
+      checksum_finding(hash.finish(), header.map.provenance.content_hash),
       header_finding(path),
-      {"finite", nonfinite == 0, fmt::format("{} values that are not finite, expected 0", nonfinite)},
-      {"means", worst <= tolerance,
-       fmt::format("every level has the mean of level 0 within {:.1e} of the largest value, expected {:.1e}{}", worst,
-                   tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
   };
+  for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));
+  return findings;
 }
 
 }  // namespace multum

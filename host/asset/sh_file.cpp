@@ -10,6 +10,7 @@
 #include "host/asset/baked_reader.h"
 #include "host/asset/baked_writer.h"
 #include "host/asset/exr_rows.h"
+#include "host/asset/sh_verify.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -43,8 +44,9 @@ std::vector<BakedPart> sh_parts(const BakedHeader& header, int order) {
 
 class ShPortion : public BakedRows {
  public:
-  ShPortion(int order, const BakedHeader& header, int level, ShLevel rows)
-      : order_(order), header_(header), level_(level), rows_(std::move(rows)) {}
+  /// `scan` is the writer's thread's, until it ends.
+  ShPortion(int order, const BakedHeader& header, ShScan& scan, int level, ShLevel rows)
+      : order_(order), header_(header), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
   int level() const override { return level_; }
   int height() const override { return rows_.height; }
@@ -69,10 +71,12 @@ class ShPortion : public BakedRows {
     const int channels = std::min(4, sh_coefficient_count(order_) - 4 * static_cast<int>(part));
     for (std::size_t i = first; i < first + count; ++i) values = std::copy_n(&rows_.parts[part][i].x, channels, values);
   }
+  void scan(int first_row) const override { scan_.add(level_, first_row, rows_); }
 
  private:
   const int order_;
   const BakedHeader& header_;
+  ShScan& scan_;
   const int level_;
   const ShLevel rows_;
 };
@@ -106,7 +110,8 @@ class ShWriter::Work {
   }
 
   const int order;
-  const BakedHeader header;
+  const BakedHeader header;  // outlives the portions, as does
+  ShScan scan{header, order};
   BakedWriter writer;
 };
 
@@ -115,11 +120,13 @@ ShWriter::ShWriter(const std::string& path, const BakedHeader& header, int order
 ShWriter::~ShWriter() = default;
 
 void ShWriter::write_level(int level, int first_row, ShLevel rows) {
-  work_->writer.write(first_row, std::make_unique<ShPortion>(work_->order, work_->header, level, std::move(rows)));
+  work_->writer.write(first_row,
+                      std::make_unique<ShPortion>(work_->order, work_->header, work_->scan, level, std::move(rows)));
 }
 
 void ShWriter::commit(const std::string& measured_error, Progress* progress) {
-  work_->writer.commit(measured_error, progress);
+  work_->writer.commit(
+      measured_error, [this] { return work_->scan.findings(); }, progress);
 }
 
 const std::string& ShWriter::content_hash() const { return work_->writer.content_hash(); }

@@ -8,18 +8,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/asset/header_hash.h"
 #include "host/asset/sh_file.h"
 #include "host/asset/verify_scan.h"
 
 namespace multum {
-namespace {
 
-struct ShScan {
+struct ShScan::Texels {
   std::size_t nonfinite = 0;
   WorstTexel strong, unlike, weight;  // how far beyond what is allowed
 };
+
+namespace {
 
 bool is_finite(const ShLevel& rows, std::size_t i) {
   for (const auto& part : rows.parts)
@@ -40,7 +42,7 @@ double power_of_band(const ShLevel& rows, std::size_t i, int l) {
 }
 
 void scan_texel(const BakedHeader& header, int order, const ShLevel& rows, std::size_t i, TexelPlace place,
-                ShScan& scan) {
+                ShScan::Texels& scan) {
   if (!is_finite(rows, i)) {
     ++scan.nonfinite;
     return;
@@ -58,12 +60,39 @@ void scan_texel(const BakedHeader& header, int order, const ShLevel& rows, std::
 
 }  // namespace
 
+ShScan::ShScan(const BakedHeader& header, int order)
+    : header_(header), order_(order), texels_(std::make_unique<Texels>()) {}
+ShScan::~ShScan() = default;
+
+void ShScan::add(int level, int first_row, const ShLevel& rows) {
+  std::size_t index = 0;
+  for (int y = 0; y < rows.height; ++y)
+    for (int x = 0; x < rows.width; ++x, ++index)
+      scan_texel(header_, order_, rows, index, {level, x, first_row + y}, *texels_);
+}
+
+std::vector<VerifyFinding> ShScan::findings() const {
+  std::vector<VerifyFinding> findings = {
+      finite_finding(texels_->nonfinite, "texels that are not finite"),
+      excess_finding("power", texels_->strong, "no band is stronger than that of one direction",
+                     "a band is stronger than that of one direction"),
+      excess_finding("level 0", texels_->unlike,
+                     header_.first_level > 0 ? "not stored"
+                     : header_.has_roughness ? "each texel is the facets of one normal"
+                                             : "each texel is one direction",
+                     "a texel is not one direction: a band is weaker"),
+  };
+  if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));
+  return findings;
+}
+
 std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const ShRowsSeen& seen) {
   ShReader reader(path, threads);
   const BakedHeader& header = reader.header();
-  ShScan scan;
-  scan_texels(reader, seen, [&](const ShLevel& rows, std::size_t i, const TexelPlace& place) {
-    scan_texel(header, reader.order(), rows, i, place, scan);
+  ShScan scan(header, reader.order());
+  for_each_rows(reader, [&](int level, int first_row, const ShLevel& rows) {
+    scan.add(level, first_row, rows);
+    if (seen) seen(level, first_row, rows);
   });
   std::vector<VerifyFinding> findings = {
       {"structure", true,
@@ -72,16 +101,8 @@ std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const
                    storage_encoding_name(header.encoding))},
       checksum_finding(reader.finish_hash(), header.provenance.content_hash),
       header_finding(path),
-      finite_finding(scan.nonfinite, "texels that are not finite"),
-      excess_finding("power", scan.strong, "no band is stronger than that of one direction",
-                     "a band is stronger than that of one direction"),
-      excess_finding("level 0", scan.unlike,
-                     header.first_level > 0 ? "not stored"
-                     : header.has_roughness ? "each texel is the facets of one normal"
-                                            : "each texel is one direction",
-                     "a texel is not one direction: a band is weaker"),
   };
-  if (header.weight_count > 0) findings.push_back(weights_finding(header.weight_count, scan.weight, "1"));
+  for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));
   return findings;
 }
 

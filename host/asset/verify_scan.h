@@ -42,20 +42,14 @@ VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const s
 void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double high, double tolerance,
                   const TexelPlace& place, WorstTexel& worst, std::size_t& nonfinite);
 
-/// Every texel of every stored level, by bands of a tile's rows: `texel(rows, index in rows, place)`, then
-/// `seen(level, first row, rows)` where there is one.
-template <typename Reader, typename Seen, typename Texel>
-void scan_texels(Reader& reader, const Seen& seen, const Texel& texel) {
+/// Every row of every stored level, by bands of a tile's rows: `seen(level, first row, rows)`.
+template <typename Reader, typename Seen>
+void for_each_rows(Reader& reader, const Seen& seen) {
   const BakedHeader& header = reader.header();
   for (int l = header.first_level; l < header.level_count(); ++l) {
     const int height = mip_level_size(header.height, l);
-    for (int row = 0; row < height; row += reader.tile_size()) {
-      const auto rows = reader.read_level(l, row, std::min(reader.tile_size(), height - row));
-      std::size_t index = 0;
-      for (int y = 0; y < rows.height; ++y)
-        for (int x = 0; x < rows.width; ++x) texel(rows, index++, TexelPlace{l, x, row + y});
-      if (seen) seen(l, row, rows);
-    }
+    for (int row = 0; row < height; row += reader.tile_size())
+      seen(l, row, reader.read_level(l, row, std::min(reader.tile_size(), height - row)));
   }
 }
 

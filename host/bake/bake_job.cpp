@@ -100,9 +100,19 @@ std::vector<std::string> input_files(const BakeJob& job) {
 
 namespace {
 
+// With the region that is baked again, where one is.
+BakeJob with_region(BakeJob job, const BakeSource& source) {
+  if (job.onto.empty()) return job;
+  const MovmfMipmap header = empty_movmf_mipmap(baked_header_of(job, source), job.fitting.lobe_count);
+  job.region = resolve_region(job.region, job.input, job.onto, header, source.map.normals,
+                              FeaturePlanes::of(source.colours(), source.weight_map()), job.threads);
+  return job;
+}
+
 // Source and settings are known; its time so far is in the report. Writes BakeJob::report.
-void bake_read_source(const BakeJob& job, const std::string& settings, const BakeSource& source, StageClock& clock,
+void bake_read_source(const BakeJob& asked, const std::string& settings, const BakeSource& source, StageClock& clock,
                       Device& device, BakeReport& report, Progress* progress) {
+  const BakeJob job = with_region(asked, source);
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
   const std::uint64_t memory_bytes = window_bytes(job);
   const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
@@ -110,7 +120,8 @@ void bake_read_source(const BakeJob& job, const std::string& settings, const Bak
   const std::map<std::string, double> seconds_before = device.launch_seconds();
   const TransferCounts transfers_before = device.transfers();
   BakedHeader header = baked_header_of(job, source);
-  header.provenance = make_provenance(job, report.source, settings);
+  header.provenance =
+      make_provenance(job, report.source, job.region == asked.region ? settings : all_settings_json(job));
   report.first_level = header.first_level;
   report.stored_only = job.stored_only;
   ndf_bake(job.representation).bake({job, device, source, header, memory_bytes, clock}, report, progress);

@@ -43,9 +43,10 @@ struct BakeJob {
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's
   std::string scratch_folder;      // for what does not fit; empty: the output's folder
   bool resume = false;             // go on from what a killed bake of the same output left
-  // Set: only this part of the map is fitted again, onto that file, which was baked before the part was edited.
-  std::optional<MapRegion> region;
+  // Not empty: only a part of the map is fitted again, onto that file, which was baked before the part was edited; the
+  // part that has changed, where none is set.
   std::string onto;
+  std::optional<MapRegion> region;
   int threads = 2;  // of the host's own loops
 };
 

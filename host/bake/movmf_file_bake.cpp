@@ -78,7 +78,7 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   const BakeJob& job = run.job;
   MovmfBakeInputs inputs = fit_inputs(run);
   inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
-  if (job.region) {
+  if (!job.onto.empty()) {
     RegionBake region(job.onto, header, *job.region, inputs.place, output);
     inputs.region = &region;
     bake_movmf(run.device, inputs, fitting_settings(job), region, report, progress);
@@ -134,10 +134,8 @@ std::unique_ptr<AccuracyMeter> rehearse_lobes(const BakeRun& run, const Accuracy
 
 void check_lobe_settings(const BakeJob& job) {
   validate(job.fitting);
-  if (job.region.has_value() == job.onto.empty())
-    throw Error(ErrorCode::kUsage,
-                "--region and --onto go together: the part that was edited, and the file that was "
-                "baked before");
+  if (job.region && job.onto.empty())
+    throw Error(ErrorCode::kUsage, "--region needs --onto: the file that was baked before this part was edited");
 }
 
 VerifiedFile verify_lobe_file(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/asset/gmm_quantize.h"
+#include "host/bake/finest_rows.h"
 #include "host/bake/lobe_rows.h"
 #include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_start.h"
@@ -273,35 +274,11 @@ class MovmfFitter {
   }
 
   void hand_over_finest(FinestRows rows) {
-    MovmfFinest out;
-    out.width = map_width_;
-    out.height = rows.row_count;
+    MovmfFinest out = finest_rows(*inputs_.normals, inputs_.features, settings_.representation, inputs_.has_roughness,
+                                  rows.first_row, rows.row_count, inputs_.threads);
     out.lobe = std::move(rows.lobe);
-    out.normals = interleaved(*inputs_.normals, rows.first_row, rows.row_count);
-    out.representation = settings_.representation;
-    if (out.representation == Representation::kGmm)
-      for (glm::vec3& n : out.normals)
-        n = inputs_.has_roughness ? rough_point(n) : glm::vec3(n.x, n.y, n.x * n.x + n.y * n.y);
-    out.has_roughness = inputs_.has_roughness;
-    std::vector<std::vector<glm::vec3>> triples;
-    for (const PlaneStore* triple : inputs_.features.triples)
-      triples.push_back(interleaved(*triple, rows.first_row, rows.row_count));
-    split_features(std::move(triples), inputs_.features, out.colours, out.weights);
     report_.lobe_count_total += lobe_count() * out.lobe.size();
     sink_.add_finest(rows.first_row, std::move(out));
-  }
-
-  std::vector<glm::vec3> interleaved(const PlaneStore& store, int first_row, int row_count) const {
-    const auto width = static_cast<std::size_t>(map_width_);
-    std::vector<glm::vec3> values(width * static_cast<std::size_t>(row_count));
-    for_each_row_band(row_count, kRowsPerBand, inputs_.threads, [&](int, int begin, int end) {
-      const std::size_t count = width * static_cast<std::size_t>(end - begin);
-      std::vector<float> x(count), y(count), z(count);
-      store.read_rows(first_row + begin, end - begin, {x.data(), y.data(), z.data()});
-      glm::vec3* to = &values[width * static_cast<std::size_t>(begin)];
-      for (std::size_t i = 0; i < count; ++i) to[i] = {x[i], y[i], z[i]};
-    });
-    return values;
   }
 
   Device& device_;

@@ -102,8 +102,9 @@ std::string all_settings_json(const BakeJob& job) {
     const ChannelFile file = parse_channel_file(job.roughness);
     json["roughness"] = hash_file(file.path) + (file.channel.empty() ? "" : ":" + file.channel);
   }
-  if (job.region) {
-    json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
+  if (!job.onto.empty()) {
+    if (job.region) json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
+    else json["region"] = "auto";  // until it is known
     json["onto"] = read_baked_header(job.onto).provenance.content_hash;
   }
   if (!job.chosen_for.empty()) json["target"] = job.chosen_for;

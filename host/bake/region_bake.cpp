@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "host/bake/finest_rows.h"
 #include "host/bake/lobe_rows.h"
 #include "host/base/error.h"
+#include "host/base/log.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
@@ -61,7 +64,91 @@ void copy_columns(const std::vector<Value>& from, std::vector<Value>& to, int wi
               to.begin() + (y * width + x0) * stride);
 }
 
+std::string region_text(const MapRegion& region) {
+  return fmt::format("{},{},{},{}", region.x, region.y, region.width, region.height);
+}
+
+bool contains(const MapRegion& outer, const MapRegion& inner) {
+  return outer.x <= inner.x && outer.y <= inner.y && outer.x + outer.width >= inner.x + inner.width &&
+         outer.y + outer.height >= inner.y + inner.height;
+}
+
+// Whether any of these rows is looked at when those of `range` are fitted, on this level or the next finer one. A map
+// may repeat: its first rows are its last ones' neighbours.
+bool is_near(int begin, int end, const TexelRange& range, int height) {
+  constexpr int kFar = 8;
+  for (const int turn : {-height, 0, height})
+    if (begin + turn < range.y1 + kFar && end + turn > range.y0 - kFar) return true;
+  return false;
+}
+
+// What is stored of a texel, whichever lobe has it, but for what another encoding of the same map rounds differently:
+// no edit that anybody could see.
+bool is_same_texel(const MovmfFinest& a, const MovmfFinest& b, std::size_t i) {
+  constexpr float kNormalSteps = 2.0f / 32767.0f, kColourSteps = 2.0f / 2048.0f;
+  const auto is_near = [](float x, float y, float steps) {
+    return std::abs(x - y) <= steps * std::max({1e-3f, std::abs(x), std::abs(y)});
+  };
+  for (int c = 0; c < 3; ++c) {
+    if (std::abs(a.normals[i][c] - b.normals[i][c]) > kNormalSteps && (c < 2 || a.has_roughness)) return false;
+    if (!a.colours.empty() && !is_near(a.colours[i][c], b.colours[i][c], kColourSteps)) return false;
+  }
+  const std::size_t weights = a.weight_count();
+  for (std::size_t k = i * weights; k < (i + 1) * weights; ++k)
+    if (!is_near(a.weights[k], b.weights[k], kColourSteps)) return false;
+  return true;
+}
+
 }  // namespace
+
+std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
+                                             const PlaneStore& normals, const FeaturePlanes& features, int threads) {
+  MovmfReader reader(old, threads);
+  check_old(old, reader.header(), header);
+  if (header.first_level > 0) return std::nullopt;
+  int x0 = header.width(), x1 = 0, y0 = header.height(), y1 = 0;
+  for (int row = 0; row < header.height(); row += reader.tile_size()) {
+    const int count = std::min(reader.tile_size(), header.height() - row);
+    const MovmfFinest stored = reader.read_finest(row, count);
+    MovmfFinest made = finest_rows(normals, features, header.representation, header.has_roughness, row, count, threads);
+    quantize_movmf(made, header.encoding, threads);
+    std::size_t i = 0;
+    for (int y = row; y < row + count; ++y)
+      for (int x = 0; x < header.width(); ++x, ++i) {
+        if (is_same_texel(stored, made, i)) continue;
+        x0 = std::min(x0, x);
+        x1 = std::max(x1, x + 1);
+        y0 = std::min(y0, y);
+        y1 = y + 1;
+      }
+  }
+  return x1 > x0 ? MapRegion{x0, y0, x1 - x0, y1 - y0} : MapRegion{};
+}
+
+MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::string& input, const std::string& old,
+                         const MovmfMipmap& header, const PlaneStore& normals, const FeaturePlanes& features,
+                         int threads) {
+  if (asked) check_region(*asked, header);
+  const std::optional<MapRegion> changed = find_changed_region(old, header, normals, features, threads);
+  if (!changed && !asked)
+    throw Error(ErrorCode::kUsage, old +
+                                       ": stores no level 0 that could tell what has changed since: expected --region "
+                                       "x,y,width,height");
+  if (!changed) {
+    log_warning(fmt::format("{}: {} stores no level 0: whether all that has changed lies in --region {} is not known",
+                            input, old, region_text(*asked)));
+    return *asked;
+  }
+  if (changed->height == 0) log_info(fmt::format("{}: no texel has changed since {} was baked", input, old));
+  else log_info(fmt::format("{}: what has changed since {} was baked is {}", input, old, region_text(*changed)));
+  if (!asked) return changed->height == 0 ? MapRegion{0, 0, 1, 1} : *changed;
+  if (changed->height > 0 && !contains(*asked, *changed))
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found changes since {} was baked in {}, expected none outside of --region {}; "
+                            "--region auto takes what has changed",
+                            input, old, region_text(*changed), region_text(*asked)));
+  return *asked;
+}
 
 RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region,
                        const StorePlace& place, BakeOutput& output)
@@ -82,8 +169,11 @@ RowStore RegionBake::kept(int level) const {
   const auto width = static_cast<std::size_t>(size.width);
   const std::size_t lobes = size.lobes.size();
   RowStore store(size.height, lobes * width * sizeof(MultumVmfLobe), place_);
-  std::vector<MultumVmfLobe> rows;
+  std::vector<MultumVmfLobe> rows(lobes * width);
+  store.write(size.height - 1, 1, rows.data());  // what is not looked at is there, as zeros
+  const TexelRange where = range(level);
   for (int first = 0; first < size.height; first += old_.tile_size()) {
+    if (!is_near(first, first + old_.tile_size(), where, size.height)) continue;
     const MovmfLevel stored = old_.read_level(level, first, std::min(old_.tile_size(), size.height - first));
     rows.resize(static_cast<std::size_t>(stored.height) * lobes * width);
     for (std::size_t y = 0; y < static_cast<std::size_t>(stored.height); ++y)

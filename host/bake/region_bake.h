@@ -7,11 +7,13 @@
 // around the region stay as they were (docs/ALGORITHMS.md, "A region again").
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/asset/movmf_reader.h"
 #include "host/bake/bake_output.h"
+#include "host/bake/feature_planes.h"
 #include "host/bake/movmf_fit.h"
 
 namespace multum {
@@ -19,7 +21,20 @@ namespace multum {
 /// Texels [x, x + width) x [y, y + height) of the finest level.
 struct MapRegion {
   int x = 0, y = 0, width = 0, height = 0;
+  bool operator==(const MapRegion&) const = default;
 };
+
+/// The least rectangle that holds every texel of level 0 that is not as `old` stores it, by more than two steps of
+/// normals of 16 bits or of halfs; no rows: none differs. Nothing: `old` stores no level 0. `header` and `normals`,
+/// `features`: what will be written, and of what. Throws as RegionBake does.
+std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
+                                             const PlaneStore& normals, const FeaturePlanes& features, int threads);
+
+/// What is baked again: `asked`, or what has changed. Throws Error(kInput) when more has changed than was asked for,
+/// which would be kept as it was; Error(kUsage) when nothing was asked for and `old` stores no level 0.
+MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::string& input, const std::string& old,
+                         const MovmfMipmap& header, const PlaneStore& normals, const FeaturePlanes& features,
+                         int threads);
 
 /// Texels beyond a region's own that are fitted again on every level: what a texel's neighbours are held to.
 constexpr int kRegionHalo = 2;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes that go on: after a kill, with --resume, and after an edit, with --region and --onto.
+#include <fmt/format.h>
 #include <signal.h>
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -188,6 +190,66 @@ TEST_F(RegionTest, OntoItselfAndTwiceIsRecognisedAsUnchanged) {
   const BakedProvenance from = read_movmf_header(path("old.ndf.exr")).provenance;
   EXPECT_NE(from.settings.find("\"region\":[172,140,40,40]"), std::string::npos) << from.settings;
   EXPECT_EQ(from.source_name, "edited.png");
+}
+
+// Else the file would say that it is of the edited map, and be of the old one where nobody looked.
+TEST_F(RegionTest, ARegionThatMissesAnEditIsRefused) {
+  const ProgramResult right = bake("edited.png", "auto.ndf.exr", {"--region", "auto", "--onto", path("old.ndf.exr")});
+  ASSERT_EQ(right.exit_code, 0) << right.err;
+  const std::string settings = read_movmf_header(path("auto.ndf.exr")).provenance.settings;
+  const std::size_t at = settings.find("\"region\":[") + 10;
+  const std::string found = settings.substr(at, settings.find(']', at) - at);
+  int x = 0, y = 0, width = 0, height = 0;
+  ASSERT_EQ(std::sscanf(found.c_str(), "%d,%d,%d,%d", &x, &y, &width, &height), 4) << settings;
+  EXPECT_GE(x, 172);
+  EXPECT_GE(y, 140);
+  EXPECT_LE(x + width, 212);
+  EXPECT_LE(y + height, 180);
+  EXPECT_GT(width * height, 20 * 20);
+  for (const int side : {0, 1, 2, 3}) {  // a texel is missed on each side in turn
+    const std::string region = fmt::format("{},{},{},{}", x + (side == 0 ? 1 : 0), y + (side == 1 ? 1 : 0),
+                                           width - (side % 2 == 0 ? 1 : 0), height - (side % 2 == 1 ? 1 : 0));
+    const ProgramResult missed = bake("edited.png", "new.ndf.exr", {"--region", region, "--onto", path("old.ndf.exr")});
+    EXPECT_EQ(missed.exit_code, exit_code(ErrorCode::kInput));
+    expect_says(missed.err, {"edited.png", found, region, "--region auto"});
+    EXPECT_FALSE(std::filesystem::exists(path("new.ndf.exr")));
+  }
+  ASSERT_EQ(bake("edited.png", "new.ndf.exr", {"--region", found, "--onto", path("old.ndf.exr")}).exit_code, 0);
+  EXPECT_EQ(read_movmf_header(path("new.ndf.exr")).provenance.content_hash,
+            read_movmf_header(path("auto.ndf.exr")).provenance.content_hash);
+}
+
+TEST_F(RegionTest, ColoursCountAsTheNormalsDo) {
+  const auto colours = [&](const std::string& name, std::uint16_t corner) {
+    std::vector<std::uint16_t> rgb(3 * kSide * kSide, 20000);
+    rgb.back() = corner;
+    write_png16(path(name), kSide, kSide, rgb, "Linear");
+  };
+  colours("old_albedo.png", 20000);
+  colours("albedo.png", 20300);
+  ASSERT_EQ(bake("edited.png", "old.ndf.exr", {"--albedo", path("old_albedo.png"), "--force"}).exit_code, 0);
+  const ProgramResult missed =
+      bake("edited.png", "new.ndf.exr",
+           {"--albedo", path("albedo.png"), "--region", "0,0,255,256", "--onto", path("old.ndf.exr")});
+  EXPECT_EQ(missed.exit_code, exit_code(ErrorCode::kInput));
+  expect_says(missed.err, {"255,255,1,1"});
+}
+
+TEST_F(RegionTest, WithoutLevelZeroNobodyKnowsWhatHasChanged) {
+  ASSERT_EQ(bake("edited.png", "old.ndf.exr", {"--first-level", "1", "--force"}).exit_code, 0);
+  const std::vector<std::string> first = {"--first-level", "1", "--onto", path("old.ndf.exr"), "--region"};
+  const auto with = [&](const char* region) {
+    std::vector<std::string> all = first;
+    all.emplace_back(region);
+    return bake("edited.png", "new.ndf.exr", all);
+  };
+  const ProgramResult found = with("auto");
+  EXPECT_EQ(found.exit_code, exit_code(ErrorCode::kUsage));
+  expect_says(found.err, {"old.ndf.exr", "level 0", "x,y,width,height"});
+  const ProgramResult given = multum({"bake", path("edited.png"), "-o", path("new.ndf.exr"), "--green", "up",
+                                      "--first-level", "1", "--onto", path("old.ndf.exr"), "--region", "0,0,8,8"});
+  EXPECT_EQ(given.exit_code, 0) << given.err;
+  expect_says(given.err, {"old.ndf.exr", "level 0", "0,0,8,8"});
 }
 
 TEST_F(RegionTest, WhatDoesNotFitIsRefused) {

@@ -69,7 +69,8 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
   bake.add_option("--scratch", o.job.scratch_folder, "folder for what does not fit in memory (default: the output's)");
   bake.add_flag("--resume", o.job.resume, "go on from what a killed bake of the same output left beside it");
   bake.add_option("--region", o.region,
-                  "x,y,width,height: only this part of the map was edited; fit it again and keep the rest of --onto");
+                  "x,y,width,height, or auto: only this part of the map was edited, or what is found to be; fit it "
+                  "again and keep the rest of --onto");
   bake.add_option("--onto", o.job.onto, "the file that was baked before the edit; may be the output");
   bake.add_flag("--force", o.job.force, "bake even if the output is from the same file with the same settings");
   bake.add_flag("--no-measure", o.no_measure, "skip measuring the error of what is written");
@@ -77,11 +78,12 @@ void add_output_options(CLI::App& bake, BakeOptions& o) {
 }
 
 std::optional<MapRegion> parse_region(const std::string& text) {
-  if (text.empty()) return std::nullopt;
+  if (text.empty() || text == "auto") return std::nullopt;
   MapRegion region;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%d,%d,%d,%d%c", &region.x, &region.y, &region.width, &region.height, &rest) != 4)
-    throw Error(ErrorCode::kUsage, "--region is '" + text + "', expected x,y,width,height in texels, as 0,256,128,64");
+    throw Error(ErrorCode::kUsage,
+                "--region is '" + text + "', expected auto, or x,y,width,height in texels, as 0,256,128,64");
   return region;
 }
 
@@ -168,6 +170,9 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   check_target_options(o);
   apply(o.map, job);
   job.measure = !o.no_measure;
+  if (o.region.empty() != job.onto.empty())
+    throw Error(ErrorCode::kUsage,
+                "--region and --onto go together: the part that was edited, and the file that was baked before");
   job.region = parse_region(o.region);
   const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   // One map is looked at first, which may end it; of several, none is read where there is no device to bake on.
