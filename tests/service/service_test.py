@@ -253,10 +253,14 @@ class ServiceTest(ClientCase):
             file.write("secret")
         state = f"{os.stat(secret).st_size} {os.stat(secret).st_mtime_ns}"
         os.symlink(secret, os.path.join(folder, "door"))
-        for name in ("../../secret", secret, "door", "wall.ndf.exr/../../../secret", "nothing"):
+        wall = os.stat(os.path.join(folder, "wall.ndf.exr"))
+        own = f"{wall.st_size} {wall.st_mtime_ns}"  # what is there, by names that an archive must not have
+        for name, listed in (("../../secret", state), (secret, state), ("door", state), ("nothing", state),
+                             ("wall.ndf.exr/../../../secret", state), ("./wall.ndf.exr", own),
+                             ("../b\u00e4ked/wall.ndf.exr", own), (os.path.join(folder, "wall.ndf.exr"), own)):
             with self.subTest(name=name):
                 with open(listing, "w", encoding="utf-8") as file:
-                    file.write(f"{published}{state} {name}\n")
+                    file.write(f"{published}{listed} {name}\n")
                 message = self.refused(409, "no_result", [], "GET", f"/v1/jobs/{made['id']}/result")
                 self.assertIn(name, message)
         with open(listing, "w", encoding="utf-8") as file:
