@@ -98,14 +98,14 @@ Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, f
   return camera;
 }
 
-Camera moved_away(const Camera& camera, float factor, float radius) {
+Camera moved_away(const Camera& camera, float factor) {
   Camera moved = camera;
   const glm::vec3 view = camera.eye - camera.target;
   moved.eye = camera.target + factor * view;
-  const float distance = factor * glm::length(view);
-  moved.near_distance =
-      factor > 1.0f ? std::max(camera.near_distance, distance - 2.0f * radius) : factor * camera.near_distance;
-  moved.far_distance = std::max(camera.far_distance, distance + 2.0f * radius);
+  // Along the line of sight everything is as much farther off, or nearer.
+  const float farther = (factor - 1.0f) * glm::length(view);
+  moved.near_distance = farther > 0.0f ? camera.near_distance + farther : factor * camera.near_distance;
+  moved.far_distance = camera.far_distance + std::max(farther, 0.0f);
   return moved;
 }
 

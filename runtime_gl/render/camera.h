@@ -29,7 +29,7 @@ glm::mat4 view_projection(const Camera& camera, int width, int height, glm::vec2
 /// picture of this aspect (width / height). `up`: unit.
 Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, float aspect);
 
-/// The same view from `factor` times as far from the target, of something that lies within `radius` of it.
-Camera moved_away(const Camera& camera, float factor, float radius);
+/// The same view from `factor` times as far from the target; what lay between the near and the far plane still does.
+Camera moved_away(const Camera& camera, float factor);
 
 }  // namespace multum::gl

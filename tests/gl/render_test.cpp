@@ -465,6 +465,25 @@ TEST(Camera, PointsFillThePicture) {
   }
 }
 
+// Whatever the camera looks at, in the middle of what it sees or far behind.
+TEST(Camera, WhatWasSeenIsSeenFromFartherAway) {
+  const std::vector<glm::vec3> points = {{1.0f, 0.0f, 0.0f}, {-1.0f, 0.5f, 0.2f}, {0.1f, -0.3f, 1.0f}};
+  const Camera framed = frame_points(points, {0.0f, 1.0f, 0.0f}, 1.5f);
+  Camera beyond = framed;
+  beyond.target = framed.eye + 30.0f * (framed.target - framed.eye);
+  for (const auto& [camera, nearest] : {std::pair{framed, 0.9f}, std::pair{beyond, 1.0f}})
+    for (const float factor : {nearest, 1.0f, 5.0f, 25.0f, 1000.0f}) {
+      const Camera moved = moved_away(camera, factor);
+      EXPECT_NEAR(glm::length(moved.eye - moved.target) / (factor * glm::length(camera.eye - camera.target)), 1.0,
+                  1e-5);
+      for (const glm::vec3& point : points) {
+        const glm::vec4 clip = view_projection(moved, 300, 200, glm::vec2(0.0f)) * glm::vec4(point, 1.0f);
+        EXPECT_GT(clip.w, 0.0f) << factor;
+        EXPECT_LT(std::abs(clip.z), clip.w) << factor;
+      }
+    }
+}
+
 TEST(Material, RefusesLevelsThatDoNotFit) {
   const auto context = make_headless_context(test_backend());
   MovmfMipmap broken = make_flat_map(8).mipmap;

@@ -100,7 +100,6 @@ void frame_mesh(const TriangleMesh& mesh, ViewOptions& options) {
   }
   const glm::vec3 middle = 0.5f * (low + high);
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
-  options.mesh_radius = radius;
   if (!options.has_camera)
     scene.camera = gl::frame_points(mesh.positions, options.up,
                                     static_cast<float>(options.width) / static_cast<float>(options.height));
@@ -125,7 +124,7 @@ std::vector<ViewOptions> views_of(const ViewOptions& options) {
     ViewOptions& one = views.emplace_back(options);
     one.output = distant_path(options, factor);
     if (!one.pictures.empty()) one.pictures += fmt::format("_{:g}", factor);
-    one.scene.camera = gl::moved_away(options.scene.camera, factor, options.mesh_radius);
+    one.scene.camera = gl::moved_away(options.scene.camera, factor);
     one.distances = {factor};
   }
   return views;

@@ -36,7 +36,6 @@ struct ViewOptions {
   bool has_brdf = false;    // --brdf was given: it is not the usual one
   bool has_camera = false;
   std::vector<float> distances;  // of pictures, times the camera's own; empty: one picture from there
-  float mesh_radius = 0.0f;      // half the diagonal of the mesh's bounds, set when it is framed
   std::string frames_folder;     // of --animate; empty: one picture
   int frame_count = 24;
   gl::Scene last_scene;  // of the last frame
