@@ -227,14 +227,14 @@ const steps = {
     await writeFile(scene, `[[map]]\nname = "wall"\nnormal = "folder_normal.png"\n[[material]]\nname = "paint"\n
       brdf = "lambert"\n[[object]]\nname = "front"\nmap = "wall"\nmaterial = "paint"\nwidth = 2.0\n
       distance = [1, 20]\n[[light]]\ndirection = [0.3, 0.8, 0.5]\n`);
-    const { id } = await ask("POST", "/v1/jobs", { type: "scene", parameters: { scene }, output: "maps" });
+    const { id } = await ask("POST", "/v1/jobs", { type: "scene", parameters: { scene }, output: "maps.v2" });
     await stateOf(id, "succeeded");
     const page = await openPage(`#job-${id}`);
     for (const hasToken of [false, true]) { // that is not asked for, and sent all the same
       if (hasToken) await page.evaluate(() => sessionStorage.setItem("multum-token", "any"));
       const downloading = page.waitForEvent("download");
       await page.getByText("Download the result").click();
-      assert.equal((await downloading).suggestedFilename(), "maps.tar");
+      assert.equal((await downloading).suggestedFilename(), "maps.v2.tar");
     }
     await page.context().close();
   },
