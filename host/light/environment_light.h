@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
 #include "host/light/harmonics.h"
 #include "host/light/light_samples.h"
@@ -14,16 +15,17 @@ namespace multum {
 constexpr int kEnvironmentWidthMax = 512;
 
 struct EnvironmentLight {
-  PrefilteredLevels levels;  // level 0: the map
+  EnvironmentMap map;        // as it was read: what is seen of it
+  PrefilteredLevels levels;  // level 0: the map, shrunk
   EnvironmentMap small;      // for half_vector_light()
   SmoothEnvironment smooth;
   LightSampler sampler;
 };
 
-inline std::shared_ptr<const EnvironmentLight> make_environment_light(const EnvironmentMap& map) {
+inline std::shared_ptr<const EnvironmentLight> make_environment_light(EnvironmentMap map) {
   const EnvironmentMap shown = shrink(map, kEnvironmentWidthMax);
-  return std::make_shared<const EnvironmentLight>(
-      EnvironmentLight{prefilter(shown), shrink(shown, 64), smooth_environment(shown), LightSampler(shown)});
+  return std::make_shared<const EnvironmentLight>(EnvironmentLight{std::move(map), prefilter(shown), shrink(shown, 64),
+                                                                   smooth_environment(shown), LightSampler(shown)});
 }
 
 }  // namespace multum

@@ -27,6 +27,8 @@
 #include "host/service/job_types.h"
 #include "host/service/metrics.h"
 #include "host/service/openapi.h"
+#include "host/service/result_archive.h"
+#include "host/service/result_listing.h"
 #include "host/service/staging.h"
 #include "host/service/web_files.h"
 
@@ -241,20 +243,38 @@ struct HttpApi::State {
     co_return response;
   }
 
-  asio::awaitable<HttpResponse> result(std::string text) {
+  asio::awaitable<HttpResponse> result(std::string text, HttpRequest request) {
     const Job job = co_await job_of(std::move(text));
     if (job.state != JobState::kSucceeded || job.output.empty())
       throw Refusal{409, "no_result",
                     fmt::format("job {} has no result to download: it is {}", job.id, job_state_name(job.state))};
-    HttpResponse response{200, "application/octet-stream", ""};
+    const bool is_folder = find_job_type(job.type).output_is_folder;
+    const std::string name = fs::path(job.output).filename().string();
+    HttpResponse response{200, is_folder ? "application/x-tar" : "application/octet-stream", ""};
     try {
-      response.file = std::make_shared<OpenFile>(roots.inputs.open_input(job.output));
-    } catch (const Error& gone) {
-      throw Refusal{409, "no_result",
-                    fmt::format("the result of job {} is a folder, or is not there any more: {}", job.id, gone.what())};
+      if (is_folder) response.made = co_await archive(job.output, name, *request.memory);
+      else response.file = std::make_shared<OpenFile>(roots.inputs.open_input(job.output));
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::kEnvironment) throw;
+      throw Refusal{409, "no_result", fmt::format("the result of job {} cannot be sent: {}", job.id, error.what())};
     }
-    response.headers.emplace_back("Content-Disposition", "attachment");
+    response.headers.emplace_back("Content-Disposition", attachment(is_folder ? name + ".tar" : name));
     co_return response;
+  }
+
+  asio::awaitable<std::shared_ptr<HttpBody>> archive(std::string output, std::string name, MemoryShare& memory) {
+    OpenFile folder;
+    std::size_t bytes = 0;
+    co_await beside([&] {
+      folder = roots.inputs.open_folder_of(output + "/any");
+      bytes = listing_bytes(folder);
+    });
+    constexpr std::size_t kCopies = 6;  // of a listing while it is read: text, stream, two texts and a node a line
+    if (!memory.resize(memory.bytes() + kCopies * bytes))
+      throw Refusal{503, "busy", "there is no memory for so long a list of files", {{"Retry-After", "1"}}};
+    std::shared_ptr<HttpBody> made;
+    co_await beside([&] { made = std::make_shared<ResultArchive>(std::move(folder), name); });
+    co_return made;
   }
 
   asio::awaitable<HttpResponse> picture(std::string text, const char* name) {
@@ -269,8 +289,11 @@ struct HttpApi::State {
     DataFolder::Upload stored;
     co_await beside([&] { stored = data.store(name, *request.upload); });
     co_await in_ledger([&](JobQueue& queue) { queue.note_upload(stored.path); });
-    co_return json_response({{"path", stored.path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}},
-                            201);
+    const std::string use = fmt::format(
+        "name this path as the input of a job, as in {}",
+        Json{{"type", "bake"}, {"parameters", {{"input", stored.path}}}, {"output", "NAME.ndf.exr"}}.dump());
+    co_return json_response(
+        {{"path", stored.path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}, {"use", use}}, 201);
   }
 
   asio::awaitable<HttpResponse> queues() {
@@ -391,6 +414,9 @@ asio::awaitable<HttpResponse> job_events(HttpApi::State& state, std::string part
   const Job job = co_await state.job_of(part);
   co_return state.event_stream(request, job.id);
 }
+asio::awaitable<HttpResponse> result(HttpApi::State& state, std::string part, HttpRequest request) {
+  return state.result(std::move(part), std::move(request));
+}
 asio::awaitable<HttpResponse> upload(HttpApi::State& state, std::string part, HttpRequest request) {
   return state.upload(std::move(part), std::move(request));
 }
@@ -425,7 +451,7 @@ const std::vector<Route>& route_table() {
       {"POST", {"v1", "jobs", "{}", "cancel"}, false, with_part<&State::cancel>},
       {"POST", {"v1", "jobs", "{}", "retry"}, false, with_part<&State::retry>},
       {"GET", {"v1", "jobs", "{}", "log"}, false, with_part<&State::log>},
-      {"GET", {"v1", "jobs", "{}", "result"}, false, with_part<&State::result>},
+      {"GET", {"v1", "jobs", "{}", "result"}, false, result},
       {"GET", {"v1", "jobs", "{}", "events"}, false, job_events},
       {"GET", {"v1", "events"}, false, all_events},
       {"POST", {"v1", "retry"}, false, with_request<&State::retry_dead>},

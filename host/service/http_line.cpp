@@ -181,6 +181,15 @@ asio::awaitable<void> HttpLine::read_body(Parser& parser, std::size_t bytes_max,
   }
 }
 
+asio::awaitable<std::size_t> HttpLine::write_some(asio::const_buffer bytes, Clock::duration silence) {
+  arm(Clock::now() + silence);
+  boost::system::error_code error;
+  const std::size_t count = co_await socket_.async_write_some(bytes, asio::redirect_error(use_awaitable, error));
+  if (disarm()) error = asio::error::timed_out;
+  if (error) throw boost::system::system_error(error);
+  co_return count;
+}
+
 void HttpLine::close() {
   boost::system::error_code ignored;
   socket_.close(ignored);

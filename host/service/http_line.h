@@ -5,6 +5,7 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -59,6 +60,9 @@ class HttpLine {
   /// A piece of an answer, as far as it goes at once. Throws boost::system::system_error, also when `silence` is over.
   template <typename Serializer>
   boost::asio::awaitable<void> write_some(Serializer& serializer, Clock::duration silence);
+
+  /// The same of bytes; returns how many went.
+  boost::asio::awaitable<std::size_t> write_some(boost::asio::const_buffer bytes, Clock::duration silence);
 
   /// Hears the client for a while, and listens to nothing: somebody who still talks when the line is closed may never
   /// see the answer, since the system throws it away.

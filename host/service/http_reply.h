@@ -21,6 +21,9 @@ struct Refusal {
 HttpResponse json_response(const nlohmann::json& json, int status = 200);
 /// {"error": {"code", "message"}}.
 HttpResponse refusal_response(const Refusal& refusal);
+/// Content-Disposition of a download of this name (RFC 6266): with what ASCII has of it, and all of it as UTF-8 where
+/// that is not the same.
+std::string attachment(const std::string& name);
 /// 400 for usage and input errors, 503 for those of the environment.
 Refusal refusal_of(const Error& error);
 

@@ -52,6 +52,7 @@ constexpr std::size_t kStreamBacklog = 8192;     // events that a slow listener 
 constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; when they are more, who is behind is cut
 constexpr std::size_t kStreamPieces = 256;       // events in one write
 constexpr std::size_t kQueryMax = 32;            // parameters
+constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
 constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell others that it is full
 
 std::optional<std::string> decoded(std::string_view text) {
@@ -265,7 +266,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       }
       keep = false;
       response = busy("too many listen to events already");
-    } else if (!is_urgent && !share.resize(response.body.size())) {
+    } else if (!is_urgent && !share.resize(response.made ? response.made->memory() + kPiece : response.body.size())) {
       keep = false;
       response = busy("there is no memory for the answer");
     }
@@ -342,6 +343,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       message.prepare_payload();
       co_return co_await finish(line, message, keep, is_head);
     }
+    if (response.made) co_return co_await send_made(line, version, keep, is_head, std::move(response));
     http::response<http::string_body> message(status, version);
     message.body() = std::move(response.body);
     fill_header(message, keep, response);
@@ -356,6 +358,25 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     serializer.split(is_head);
     while (is_head ? !serializer.is_header_done() : !serializer.is_done())
       co_await line.write_some(serializer, kSilence);
+    co_return keep;
+  }
+
+  asio::awaitable<bool> send_made(HttpLine& line, unsigned version, bool keep, bool is_head, HttpResponse response) {
+    http::response<http::empty_body> message(static_cast<http::status>(response.status), version);
+    fill_header(message, keep, response);
+    message.content_length(response.made->bytes());
+    http::response_serializer<http::empty_body> serializer(message);
+    serializer.split(true);
+    while (!serializer.is_header_done()) co_await line.write_some(serializer, kSilence);
+    std::vector<char> piece(is_head ? 0 : kPiece);
+    for (std::uint64_t left = is_head ? 0 : response.made->bytes(); left > 0;) {
+      std::size_t count = 0;
+      co_await settings.beside([&] { count = response.made->read(piece.data(), piece.size()); });
+      if (count == 0 || count > left) throw Error(ErrorCode::kEnvironment, "an answer is not as long as was said");
+      for (asio::const_buffer rest(piece.data(), count); rest.size() > 0;)
+        rest += co_await line.write_some(rest, kSilence);
+      left -= count;
+    }
     co_return keep;
   }
 

@@ -31,12 +31,24 @@ struct HttpRequest {
   MemoryShare* memory = nullptr;  // what it has of the budget; its answer may need more, while it is made
 };
 
+/// What is made while it is sent, of a length that is known before.
+class HttpBody {
+ public:
+  virtual ~HttpBody() = default;
+  virtual std::uint64_t bytes() const = 0;
+  /// That it holds meanwhile.
+  virtual std::size_t memory() const = 0;
+  /// Blocks: its next bytes, as many as were asked for unless it ends. Throws what it likes: the line is cut.
+  virtual std::size_t read(char* to, std::size_t bytes_max) = 0;
+};
+
 struct HttpResponse {
   int status = 200;
   std::string content_type = "application/json";
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers = {};
   std::shared_ptr<OpenFile> file = nullptr;  // sent instead of a body
+  std::shared_ptr<HttpBody> made = nullptr;  // likewise
   bool is_stream = false;                    // server-sent events until the client goes
   std::uint64_t after = 0;                   // of a stream: events with higher numbers
   std::int64_t job = 0;                      // of a stream: of this job alone; 0: all

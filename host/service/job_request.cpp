@@ -50,6 +50,12 @@ bool is_id_list(const Json& value) {
          std::all_of(value.begin(), value.end(), whole_between(1, INT64_MAX));
 }
 
+// A name without a slash at its start lies among the results that can be downloaded, and nowhere else.
+std::string output_of(const std::string& named, const JobRoots& roots) {
+  if (named.starts_with('/')) return roots.outputs.output(named);
+  return roots.results.output(roots.results.roots().front() + "/" + named);
+}
+
 // 4.0 is a whole number in JSON Schema.
 void make_whole(Json& json) {
   if (json.is_number_float()) {
@@ -116,7 +122,7 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   s.parameters = parameters.dump();
   s.output = value_of<std::string>(json, "output", "", is_text, "a path");
   if (s.output.empty() && type.needs_output) throw Refusal{400, "usage", "output is missing, expected a path"};
-  if (!s.output.empty()) s.output = roots.outputs.output(s.output);
+  if (!s.output.empty()) s.output = output_of(s.output, roots);
   if (!s.output.ends_with(type.output_extension))
     throw Refusal{400, "usage",
                   fmt::format("output is {}, expected a name ending in {}", s.output, type.output_extension)};

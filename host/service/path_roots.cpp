@@ -45,6 +45,10 @@ bool is_same_folder(int descriptor, const std::string& path) {
 
 }  // namespace
 
+OpenFile open_beneath_folder(const OpenFile& folder, const std::string& relative, int flags) {
+  return OpenFile(open_below(folder.descriptor(), relative, flags));
+}
+
 PathRoots::PathRoots(const std::vector<std::string>& roots) {
   for (const std::string& root : roots) {
     std::error_code error;
@@ -106,7 +110,11 @@ bool PathRoots::is_inside(const std::string& canonical) const {
 }
 
 std::string PathRoots::input(const std::string& path) const {
-  if (!path.starts_with('/')) throw Error(ErrorCode::kUsage, fmt::format("'{}': expected an absolute path", path));
+  if (!path.starts_with('/'))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("'{}': expected an absolute path of a file below {}, or the path that its "
+                            "upload was answered with",
+                            path, fmt::join(roots_, ", ")));
   std::error_code error;
   const fs::path canonical = fs::canonical(path, error);
   // What is outside is refused by its name first: whether it is there is nobody's business.

@@ -12,6 +12,9 @@
 
 namespace multum {
 
+/// Opens a name below an open folder, by no link anywhere. Not open, with errno, where that fails.
+OpenFile open_beneath_folder(const OpenFile& folder, const std::string& relative, int flags);
+
 class PathRoots {
  public:
   /// Throws Error(kUsage) for a root that is no folder; Error(kEnvironment) where the system has no openat2 (Linux

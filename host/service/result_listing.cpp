@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -17,15 +18,22 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/open_file.h"
+#include "host/service/path_roots.h"
 
 namespace multum {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr char kListing[] = ".multum-result";
 constexpr off_t kListingMax = 16 << 20;  // bytes, of some hundred thousand files
 constexpr int kDepthMax = 32;            // folders in folders, each of which is an open file
 
-using Listing = std::map<std::string, std::string>;  // "BYTES NANOSECONDS" by name; a name with a line's end is none
+using Listing = PublishedFiles;  // a name with a line's end is none
+
+std::string state_of(const struct stat& found) {
+  return fmt::format("{} {}", found.st_size, found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
+}
 
 OpenFile open_folder(int above, const std::string& name) {
   return OpenFile(::openat(above, name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
@@ -73,8 +81,7 @@ struct Walk {
         if (below.is_open() && !run(below, path + "/", depth + 1)) return false;
         if (after_folder) after_folder(folder.descriptor(), name);
       } else if (path != kListing) {
-        const long long time = found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec;
-        if (!at_file({folder.descriptor(), name, path, fmt::format("{} {}", found.st_size, time)})) return false;
+        if (!at_file({folder.descriptor(), name, path, state_of(found)})) return false;
       }
     }
     return true;
@@ -171,6 +178,28 @@ bool remove_listed(const std::string& folder) {
   }
   ::rmdir(folder.c_str());
   return is_all;
+}
+
+std::size_t listing_bytes(const OpenFile& folder) {
+  struct stat found {};
+  const bool is_there = ::fstatat(folder.descriptor(), kListing, &found, AT_SYMLINK_NOFOLLOW) == 0;
+  return is_there && found.st_size <= kListingMax ? static_cast<std::size_t>(found.st_size) : 0;
+}
+
+PublishedFiles published_files(const OpenFile& folder, const std::string& path) { return read_listing(folder, path); }
+
+OpenFile open_published(const OpenFile& folder, const std::string& name, const std::string& state) {
+  // The listing may have been written by anybody who writes to the folder.
+  const bool is_plain = fs::path(name).lexically_normal() == name && !name.starts_with("..") && !name.starts_with('/');
+  OpenFile file = is_plain ? open_beneath_folder(folder, name, O_RDONLY | O_NONBLOCK) : OpenFile();
+  if (!file.is_open() || !is_in_state(file, state))
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is not there any more, or not as it was published", name));
+  return file;
+}
+
+bool is_in_state(const OpenFile& file, const std::string& state) {
+  struct stat found {};
+  return ::fstat(file.descriptor(), &found) == 0 && S_ISREG(found.st_mode) && state_of(found) == state;
 }
 
 }  // namespace multum

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime_gl/render/camera.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+
+#include "host/base/error.h"
 
 namespace multum::gl {
 
@@ -17,20 +21,92 @@ glm::mat4 view_projection(const Camera& camera, int width, int height, glm::vec2
   return glm::translate(glm::mat4(1.0f), shift) * projection * glm::lookAt(camera.eye, camera.target, camera.up);
 }
 
-Camera frame_box(const glm::vec3& low, const glm::vec3& high, const glm::vec3& up) {
-  Camera camera;
+namespace {
+
+constexpr float kFilled = 0.94f;  // of the picture's half width and height, which the points fill
+
+struct AxisPoint {
+  float x, z;  // along an axis of the picture, and towards the eye, from the middle
+};
+
+// How far back the eye has to be, at the offset that is best for it, for |x - offset| <= t (distance - z) to hold for
+// all points: x + t z <= t distance + offset and t z - x <= t distance - offset.
+float distance_to_fit(const std::vector<AxisPoint>& points, float t) {
+  float most = -std::numeric_limits<float>::max(), least = most;
+  for (const AxisPoint& p : points) {
+    most = std::max(most, t * p.z + p.x);
+    least = std::max(least, t * p.z - p.x);
+  }
+  return 0.5f * (most + least) / t;
+}
+
+// Where the eye has to be for the points to reach as far to one side of the picture as to the other: how far they reach
+// on both sides together falls as the offset grows.
+float offset_to_centre(const std::vector<AxisPoint>& points, float distance, float radius) {
+  float low = -radius, high = radius;
+  for (int step = 0; step < 20; ++step) {  // to a millionth of the radius
+    const float offset = 0.5f * (low + high);
+    float most = -std::numeric_limits<float>::max(), least = std::numeric_limits<float>::max();
+    for (const AxisPoint& p : points) {
+      const float slope = (p.x - offset) / (distance - p.z);
+      most = std::max(most, slope);
+      least = std::min(least, slope);
+    }
+    (most + least > 0.0f ? low : high) = offset;
+  }
+  return 0.5f * (low + high);
+}
+
+}  // namespace
+
+Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, float aspect) {
+  MULTUM_CHECK(!points.empty());
+  glm::vec3 low = points[0], high = low;
+  for (const glm::vec3& p : points) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
-  camera.target = 0.5f * (low + high);
+  const glm::vec3 middle = 0.5f * (low + high);
+  Camera camera;
   camera.up = up;
   // With +Y up the front is +Z, as in glTF; with +Z up it is -Y.
   const glm::vec3 side = std::abs(up.x) < 0.9f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
   const glm::vec3 front = glm::normalize(glm::cross(side, up));
-  const glm::vec3 right = glm::cross(up, front);
-  const float distance = radius / std::sin(glm::radians(0.5f * camera.fov_y_degrees));
-  camera.eye = camera.target + distance * glm::normalize(0.5f * right + 0.45f * up + front);
-  camera.near_distance = 0.05f * radius;
-  camera.far_distance = distance + 2.0f * radius;
+  const glm::vec3 back = glm::normalize(0.5f * glm::cross(up, front) + 0.45f * up + front);
+  const glm::vec3 right = glm::normalize(glm::cross(up, back));
+  const glm::vec3 above = glm::cross(back, right);
+  const float tangent = kFilled * std::tan(glm::radians(0.5f * camera.fov_y_degrees));
+  std::vector<AxisPoint> across, upwards;
+  float nearest = -radius, farthest = radius;  // along `back`
+  for (const glm::vec3& point : points) {
+    const glm::vec3 p = point - middle;
+    const float z = glm::dot(p, back);
+    across.push_back({glm::dot(p, right), z});
+    upwards.push_back({glm::dot(p, above), z});
+    nearest = std::max(nearest, z);
+    farthest = std::min(farthest, z);
+  }
+  // Not inside of a point that looks at the eye.
+  const float distance =
+      std::max({distance_to_fit(across, tangent * aspect), distance_to_fit(upwards, tangent), nearest + 0.2f * radius});
+  camera.target =
+      middle + offset_to_centre(across, distance, radius) * right + offset_to_centre(upwards, distance, radius) * above;
+  camera.eye = camera.target + distance * back;
+  camera.near_distance = 0.5f * (distance - nearest);
+  camera.far_distance = distance - farthest + radius;
   return camera;
+}
+
+Camera moved_away(const Camera& camera, float factor) {
+  Camera moved = camera;
+  const glm::vec3 view = camera.eye - camera.target;
+  moved.eye = camera.target + factor * view;
+  // Along the line of sight everything is as much farther off, or nearer.
+  const float farther = (factor - 1.0f) * glm::length(view);
+  moved.near_distance = farther > 0.0f ? camera.near_distance + farther : factor * camera.near_distance;
+  moved.far_distance = camera.far_distance + std::max(farther, 0.0f);
+  return moved;
 }
 
 }  // namespace multum::gl

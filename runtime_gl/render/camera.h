@@ -2,6 +2,8 @@
 // A pinhole camera.
 #pragma once
 
+#include <vector>
+
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -23,7 +25,11 @@ struct Camera {
 /// `jitter`: the picture's shift in pixels, -0.5..0.5 each.
 glm::mat4 view_projection(const Camera& camera, int width, int height, glm::vec2 jitter);
 
-/// A camera that sees the whole of a box, from the front, a little above and to the right. `up`: unit.
-Camera frame_box(const glm::vec3& low, const glm::vec3& high, const glm::vec3& up);
+/// A camera that sees all of these points, from the front, a little above and to the right, as large as they fit into a
+/// picture of this aspect (width / height). `up`: unit.
+Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, float aspect);
+
+/// The same view from `factor` times as far from the target; what lay between the near and the far plane still does.
+Camera moved_away(const Camera& camera, float factor);
 
 }  // namespace multum::gl

@@ -22,14 +22,6 @@ namespace {
 constexpr int kGridColumns = 9, kGridRows = 7;
 constexpr SamplerSettings kClamped{WrapMode::kClamp, WrapMode::kClamp, true, 1.0f};
 
-// The environment's x, y and z in the world: y is up; -z, the map's middle, is ahead of who looks over the plane z = 0
-// along y, or at a mesh from the front.
-std::array<glm::vec3, 3> environment_axes(const glm::vec3& up) {
-  const glm::vec3 ahead = std::abs(up.y) < 0.9f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
-  const glm::vec3 z = -glm::normalize(ahead - up * glm::dot(up, ahead));
-  return {glm::cross(up, z), up, z};
-}
-
 void set_smooth(const ShaderProgram& shader, const SmoothEnvironment& smooth) {
   const glm::vec3 mean(smooth.mean[0], smooth.mean[1], smooth.mean[2]);
   std::array<glm::vec3, 3> linear;
@@ -45,6 +37,12 @@ void set_smooth(const ShaderProgram& shader, const SmoothEnvironment& smooth) {
 }
 
 }  // namespace
+
+std::array<glm::vec3, 3> environment_axes(const glm::vec3& up) {
+  const glm::vec3 ahead = std::abs(up.y) < 0.9f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
+  const glm::vec3 z = -glm::normalize(ahead - up * glm::dot(up, ahead));
+  return {glm::cross(up, z), up, z};
+}
 
 ShaderParts environment_shader_parts(const Scene& scene, bool samples_light) {
   if (scene.environment == nullptr) return {};

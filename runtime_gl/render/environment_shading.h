@@ -2,6 +2,7 @@
 // A scene's environment in a shader: its maps, and the tables that go with the BRDF and the camera.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,10 @@ namespace multum::gl {
 
 /// Directions that a pixel's environment is sampled in, of each kind, where there is one normal a sample.
 constexpr int kEnvironmentSampleCount = 32;
+
+/// The environment's x, y and z in the world: y is up; -z, the map's middle, is ahead of who looks over the plane z = 0
+/// along y, or at a mesh from the front.
+std::array<glm::vec3, 3> environment_axes(const glm::vec3& up);
 
 /// `samples_light`: that of the material. Nothing without an environment.
 ShaderParts environment_shader_parts(const Scene& scene, bool samples_light);

@@ -13,6 +13,7 @@
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/render/environment_background.h"
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
 #include "tests/gl/test_context.h"
@@ -100,6 +101,52 @@ glm::dvec3 exact_radiance(const EnvironmentMap& map, const Scene& scene, const g
       sum += texel_solid_angle(map.width, map.height, y) * l.z * reflected * glm::dvec3(map.texels[i]);
     }
   return sum;
+}
+
+// Behind what is drawn lies the sky that lights it, whichever way the camera looks.
+TEST(EnvironmentBackground, IsTheSkyThatLightsTheScene) {
+  const EnvironmentMap map = make_sky(256, 0.3);
+  Scene scene;
+  scene.environment = make_environment_light(map);
+  for (const bool is_z_up : {true, false}) {
+    scene.environment_up = scene.camera.up = is_z_up ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+    scene.camera.eye = {3.0f, -2.0f, 1.0f};
+    for (const glm::vec3 view :
+         {glm::vec3(0.0f, 1.0f, 0.2f), glm::vec3(1.0f, 0.3f, 0.5f), glm::vec3(-0.4f, -1.0f, 0.7f),
+          glm::vec3(0.3f, 0.2f, -1.0f), glm::vec3(0.3f, 0.8f, 0.6f)}) {
+      scene.camera.target = scene.camera.eye + view;
+      const FloatImage image = environment_background(scene, kWidth, kHeight);
+      const glm::mat4 inverse = glm::inverse(view_projection(scene.camera, kWidth, kHeight, glm::vec2(0.0f)));
+      double off = 0.0, total = 0.0;
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          const glm::vec4 far = inverse * glm::vec4(2.0f * (static_cast<float>(x) + 0.5f) / kWidth - 1.0f,
+                                                    1.0f - 2.0f * (static_cast<float>(y) + 0.5f) / kHeight, 1.0f, 1.0f);
+          const glm::dvec3 w = glm::normalize(glm::dvec3(glm::vec3(far) / far.w - scene.camera.eye));
+          // The inverse of what exact_radiance() has; with +Y up world and map are the same.
+          const glm::dvec2 st = environment_coordinates(is_z_up ? glm::dvec3(w.x, w.z, -w.y) : w);
+          const auto texel = static_cast<std::size_t>(std::min(st.y * map.height, map.height - 1.0)) *
+                                 static_cast<std::size_t>(map.width) +
+                             static_cast<std::size_t>(std::min(st.x * map.width, map.width - 1.0));
+          const std::size_t pixel = 4 * static_cast<std::size_t>(y * kWidth + x);
+          for (std::size_t c = 0; c < 3; ++c) {
+            const auto expected = static_cast<double>(map.texels[texel][static_cast<glm::length_t>(c)]);
+            off += std::abs(static_cast<double>(image.rgba[pixel + c]) - expected);
+            total += expected;
+          }
+          EXPECT_EQ(image.rgba[pixel + 3], 1.0f);
+        }
+      // A nearest texel and four samples of a pixel differ at the horizon and on the sun.
+      EXPECT_LT(off / total, 0.03) << is_z_up << " " << view.x << " " << view.y << " " << view.z;
+    }
+  }
+}
+
+TEST(EnvironmentBackground, ShowsAsFarAsThePictureDoesNotCover) {
+  const FloatImage picture{3, 1, {1.0f, 2.0f, 3.0f, 1.0f, 0.5f, 1.0f, 1.5f, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f}};
+  const FloatImage background{3, 1, {8.0f, 8.0f, 8.0f, 1.0f, 8.0f, 4.0f, 2.0f, 1.0f, 8.0f, 4.0f, 2.0f, 1.0f}};
+  const std::vector<float> expected = {1.0f, 2.0f, 3.0f, 1.0f, 4.5f, 3.0f, 2.5f, 1.0f, 8.0f, 4.0f, 2.0f, 1.0f};
+  EXPECT_EQ(before_background(picture, background).rgba, expected);
 }
 
 TEST_P(EnvironmentTest, BruteForceIsTheSumOverTheTexels) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 
 #include "host/base/error.h"
@@ -420,17 +421,67 @@ TEST(Render, OsmesaEqualsEgl) {
   }
 }
 
-TEST(Camera, FramesABoxFromItsFront) {
-  const glm::vec3 low(-1.0f), high(1.0f);
-  const Camera y_up = frame_box(low, high, {0.0f, 1.0f, 0.0f});
+TEST(Camera, FramesPointsFromTheirFront) {
+  std::vector<glm::vec3> points;
+  for (int corner = 0; corner < 8; ++corner)
+    points.emplace_back(corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, corner & 4 ? 1.0f : -1.0f);
+  const Camera y_up = frame_points(points, {0.0f, 1.0f, 0.0f}, 1.0f);
   EXPECT_GT(y_up.eye.x, 0.0f);
   EXPECT_GT(y_up.eye.y, 0.0f);
   EXPECT_GT(y_up.eye.z, 0.0f);
-  const Camera z_up = frame_box(low, high, {0.0f, 0.0f, 1.0f});  // the same, turned by 90 degrees about X
+  const Camera z_up = frame_points(points, {0.0f, 0.0f, 1.0f}, 1.0f);  // the same, turned by 90 degrees about X
   EXPECT_NEAR(z_up.eye.x, y_up.eye.x, 1e-5f);
   EXPECT_NEAR(z_up.eye.y, -y_up.eye.z, 1e-5f);
   EXPECT_NEAR(z_up.eye.z, y_up.eye.y, 1e-5f);
-  EXPECT_EQ(frame_box(low, high, {1.0f, 0.0f, 0.0f}).up.x, 1.0f);
+  EXPECT_EQ(frame_points(points, {1.0f, 0.0f, 0.0f}, 1.0f).up.x, 1.0f);
+}
+
+// At random, of every shape and place: all points are seen, in the middle, and touch both sides of the picture one way.
+TEST(Camera, PointsFillThePicture) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  for (int round = 0; round < 200; ++round) {
+    SCOPED_TRACE(round);
+    const glm::vec3 scale(std::exp2(4.0f * unit(random)), std::exp2(4.0f * unit(random)),
+                          std::exp2(4.0f * unit(random)));
+    const glm::vec3 place = 20.0f * glm::vec3(unit(random), unit(random), unit(random));
+    std::vector<glm::vec3> points;
+    for (int i = 0; i < 50; ++i) points.push_back(place + scale * glm::vec3(unit(random), unit(random), unit(random)));
+    const int width = 100 + 50 * (round % 7), height = 300;
+    const Camera camera = frame_points(points, {0.0f, 1.0f, 0.0f}, static_cast<float>(width) / height);
+    glm::vec2 low(1e9f), high(-1e9f);
+    for (const glm::vec3& point : points) {
+      const glm::vec4 clip = view_projection(camera, width, height, glm::vec2(0.0f)) * glm::vec4(point, 1.0f);
+      EXPECT_LT(std::abs(clip.z), clip.w) << "between the near and the far plane";
+      low = glm::min(low, glm::vec2(clip) / clip.w);
+      high = glm::max(high, glm::vec2(clip) / clip.w);
+    }
+    const float least = std::min({low.x, low.y, -high.x, -high.y});
+    EXPECT_GT(least, -0.95f);
+    const bool is_wide = high.x > 0.93f && low.x<-0.93f, is_high = high.y> 0.93f && low.y < -0.93f;
+    EXPECT_NEAR(low.x, -high.x, 1e-3f);
+    EXPECT_NEAR(low.y, -high.y, 1e-3f);
+    EXPECT_TRUE(is_wide || is_high) << low.x << " " << high.x << " " << low.y << " " << high.y;
+  }
+}
+
+// Whatever the camera looks at, in the middle of what it sees or far behind.
+TEST(Camera, WhatWasSeenIsSeenFromFartherAway) {
+  const std::vector<glm::vec3> points = {{1.0f, 0.0f, 0.0f}, {-1.0f, 0.5f, 0.2f}, {0.1f, -0.3f, 1.0f}};
+  const Camera framed = frame_points(points, {0.0f, 1.0f, 0.0f}, 1.5f);
+  Camera beyond = framed;
+  beyond.target = framed.eye + 30.0f * (framed.target - framed.eye);
+  for (const auto& [camera, nearest] : {std::pair{framed, 0.9f}, std::pair{beyond, 1.0f}})
+    for (const float factor : {nearest, 1.0f, 5.0f, 25.0f, 1000.0f}) {
+      const Camera moved = moved_away(camera, factor);
+      EXPECT_NEAR(glm::length(moved.eye - moved.target) / (factor * glm::length(camera.eye - camera.target)), 1.0,
+                  1e-5);
+      for (const glm::vec3& point : points) {
+        const glm::vec4 clip = view_projection(moved, 300, 200, glm::vec2(0.0f)) * glm::vec4(point, 1.0f);
+        EXPECT_GT(clip.w, 0.0f) << factor;
+        EXPECT_LT(std::abs(clip.z), clip.w) << factor;
+      }
+    }
 }
 
 TEST(Material, RefusesLevelsThatDoNotFit) {

@@ -51,6 +51,12 @@ class ViewTest : public ::testing::Test {
     testing::expect_says(result.output, parts);
     EXPECT_FALSE(fs::exists(path("out.png")));
   }
+  /// sky.hdr: blue above, brown below.
+  void write_sky() const {
+    std::string sky = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
+    for (int i = 0; i < 128; ++i) sky += i < 64 ? "\x60\x80\xC0\x81" : "\x40\x30\x20\x7F";
+    std::ofstream(path("sky.hdr"), std::ios::binary) << sky;
+  }
   fs::path folder_;
 };
 
@@ -259,9 +265,7 @@ TEST_F(ViewTest, WritesFloatsToExr) {
 TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
   std::ofstream(path("fit.json")) << R"({"layers": [{"kernel": [[0], [0], [1], [0], [0], [0]], "bias": [0]},
                                          {"kernel": [[8, 8, 6]], "bias": [-5, -5, -4]}]})";
-  std::string sky = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
-  for (int i = 0; i < 128; ++i) sky += i < 64 ? "\x60\x80\xC0\x81" : "\x40\x30\x20\x7F";
-  std::ofstream(path("sky.hdr"), std::ios::binary) << sky;
+  write_sky();
   const auto row = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth,mip",     "--size",
                                           "32x24",     "--samples",     "64",        "--report",      path("r.json"),
@@ -558,6 +562,68 @@ TEST_F(ViewTest, MeshesStandUprightUnderAnyCamera) {
   EXPECT_TRUE(picture(oblique) != picture({"--camera", "0,3,3,0,0,0", "--up", "0,0,1"}));
   EXPECT_TRUE(picture({}) == picture({"--up", "0,1,0"}));
   EXPECT_TRUE(picture({}) != picture({"--up", "0,0,1"}));
+}
+
+TEST_F(ViewTest, AMeshIsDrawnFromNearAndFar) {
+  write_text_file(path("quad.obj"),
+                  "v 9 -1 0\nv 11 -1 0\nv 11 1 0\nv 9 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                  "f 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n");
+  const std::vector<std::string> quad = {"--mesh", path("quad.obj"), "--size",    "64x64",
+                                         "-o",     path("out.exr"),  "--context", "osmesa"};
+  const auto draw = [&](std::vector<std::string> more) {
+    more.insert(more.end(), quad.begin(), quad.end());
+    const ChildResult result = view(more);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return result.output;
+  };
+  const auto lit = [&](const std::string& name) {
+    const ColourMap picture = read_albedo_map(path(name), 64, 64, 1);
+    return std::count_if(picture.r.begin(), picture.r.end(), [](float value) { return value > 0.0f; });
+  };
+  const std::string said = draw({"--distance", "1,2,8.5", "--report", path("r.json"), "--pictures", path("each")});
+  testing::expect_says(said, {"x 9 to 11, y -1 to 1, z 0 to 0", "--camera ", "out_1.exr", "out_8.5.exr: 8.5 times"});
+  EXPECT_FALSE(fs::exists(path("out.exr")));
+  for (const char* name : {"each_1_multum.exr", "each_2_multum.exr", "each_8.5_multum.exr"})
+    EXPECT_TRUE(fs::exists(path(name))) << name;
+  // As many pixels as the square of the distance leaves, about.
+  const auto near = static_cast<double>(lit("out_1.exr"));
+  EXPECT_GT(near, 0.45 * 64 * 64) << "it fills the picture";
+  EXPECT_NEAR(static_cast<double>(lit("out_2.exr")) / near, 1.0 / 4.0, 0.05);
+  EXPECT_NEAR(static_cast<double>(lit("out_8.5.exr")) / near, 1.0 / 72.25, 0.01);
+  std::ifstream file(path("r.json"));
+  const auto report = nlohmann::json::parse(file);
+  ASSERT_EQ(report["pictures"].size(), 3u);
+  EXPECT_EQ(report["pictures"][2]["distance"], 8.5);
+  // The camera that is said draws the picture that it was said of.
+  const std::size_t at = said.find("--camera ") + 9;
+  draw({"--camera", said.substr(at, said.find(':', at) - at)});
+  EXPECT_NEAR(static_cast<double>(lit("out.exr")), near, 8.0);
+  for (const std::string list : {"1,1", "0", "1,x", "-1", "20000"})
+    expect_refusal({"--distance", list, "--mesh", path("quad.obj"), "-o", path("out.png")}, 2, {"--distance", list});
+  expect_refusal({"--distance", "1,2", "-o", path("out.png")}, 2, {"--distance", "--mesh"});
+  write_text_file(path("out_2.exr"), "as it was");
+  expect_refusal(
+      {"--mesh", path("quad.obj"), "--distance", "1,2", "-o", path("out.png"), "--report", path("out_2.png")}, 2,
+      {"out_2.png", "twice"});
+}
+
+TEST_F(ViewTest, TheEnvironmentIsSeenBehindWhatItLights) {
+  write_text_file(path("quad.obj"),
+                  "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1/1 2/2/1 3/3/1\n");
+  write_sky();
+  const auto corner = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"-o",     path("out.exr"), "--mesh",        path("quad.obj"), "--diffuse",
+                                          "0",      "--size",        "32x32",         "--context",      "osmesa",
+                                          "--brdf", "lambert",       "--environment", path("sky.hdr")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    const ColourMap picture = read_albedo_map(path("out.exr"), 32, 32, 1);
+    EXPECT_EQ(picture.r[16 * 32 + 16], 0.0f) << "a black object stands before it";
+    return picture.r[0];
+  };
+  EXPECT_GT(corner({}), 0.1f);
+  EXPECT_EQ(corner({"--no-background"}), 0.0f);
 }
 
 TEST_F(ViewTest, LinksNeitherGlNorOpenCl) {

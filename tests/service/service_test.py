@@ -5,19 +5,25 @@
   MULTUM=build/release/bin/multum service_test.py [-v] [ServiceTest.test_...]
 """
 import contextlib
+import http.client
+import io
 import json
 import os
 import pty
+import re
 import shutil
 import signal
 import socket
+import sqlite3
 import subprocess
 import sys
+import tarfile
 import time
 import unittest
+import urllib.parse
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from service_harness import MULTUM, QUICK, ClientCase, Service, resident_bytes  # noqa: E402
+from service_harness import MULTUM, QUICK, ClientCase, Service, is_sanitized, resident_bytes  # noqa: E402
 
 
 
@@ -139,6 +145,188 @@ class ServiceTest(ClientCase):
         self.refused(404, "not_found", [], "PUT", "/v1/uploads/..%2Fb.png")
         self.refused(400, "usage", ["100"], "PUT", "/v1/uploads/a%20b.png")
         self.refused(400, "usage", ["100"], "PUT", "/v1/uploads/.hidden")
+
+    def test_the_commands_of_the_page_run_as_they_stand(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "32", self.output("rock")], check=True, capture_output=True)
+        page = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/SERVICE.md")
+        with open(page, encoding="utf-8") as file:
+            commands = re.search(r"\n### With curl\n.*?```bash\n(.*?)```", file.read(), re.DOTALL)[1]
+        here = os.path.join(self.folder, "client")
+        os.makedirs(here)
+        shutil.copy(self.output("rock_normal.png"), here)
+        done = subprocess.run(["bash", "-e", "-o", "pipefail", "-c", commands], cwd=here, capture_output=True,
+                              text=True, check=False, timeout=120,
+                              env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("event: job", done.stdout)
+        self.assertEqual(sorted(os.listdir(here)), ["rock.ndf.exr", "rock_normal.png"])
+        with open(os.path.join(here, "rock.ndf.exr"), "rb") as one, \
+                open(os.path.join(self.results(), "rock.ndf.exr"), "rb") as other:
+            self.assertEqual(one.read(), other.read())
+
+    def test_an_output_without_a_slash_lies_among_the_results(self):
+        service = self.start()
+        os.makedirs(os.path.join(service.data, "results", "sub"))
+        for name in ("a.txt", "sub/b.txt", "./c.txt", "sub/../d.txt"):
+            with self.subTest(name=name):
+                job = service.wait_for(self.drill(output=name))
+                self.assertEqual(job["state"], "succeeded", job)
+                self.assertEqual(job["output"], os.path.normpath(os.path.join(self.results(), name)))
+                self.assertTrue(os.path.isfile(job["output"]))
+        root = os.path.relpath(os.path.realpath(service.root), self.results())
+        for name in ("../a.txt", root + "/a.txt", "sub/../../a.txt", "nowhere/a.txt", ".", "..", "sub/.."):
+            with self.subTest(name=name):
+                self.refused(400, "usage", [self.results()], "POST", "/v1/jobs", {"type": "drill", "output": name})
+        # Nor is a relative input guessed at: the answer to its upload has the path.
+        with contextlib.closing(service.connection()) as connection:
+            connection.request("PUT", "/v1/uploads/a.png", b"a picture")
+            upload = json.loads(connection.getresponse().read())
+        self.assertIn(json.dumps(upload["path"]), upload["use"])
+        self.refused(400, "usage", ["'a.png'", os.path.dirname(os.path.dirname(upload["path"])), "upload"],
+                     "POST", "/v1/jobs", {"type": "bake", "parameters": {"input": "a.png"}, "output": "a.ndf.exr"})
+
+    def download(self, number):
+        with contextlib.closing(self.service.connection()) as connection:
+            connection.request("GET", f"/v1/jobs/{number}/result")
+            response = connection.getresponse()
+            data = response.read()
+            return response.status, response.headers, data
+
+    def test_a_result_is_sent_under_its_name(self):
+        service = self.start()
+        for name in ("plain-1.txt", "two words.txt", 'quo"te.txt', "back\\slash.txt", "per%41cent.txt",
+                     "semi;colon=.txt", "h\u00e4\u4e16 \U0001f600.txt", "a" * 196 + ".txt"):
+            with self.subTest(name=name):
+                job = service.wait_for(self.drill(output=self.output(name), text=name))
+                status, headers, data = self.download(job["id"])
+                self.assertEqual((status, data.decode().strip()), (200, name))
+                sent = headers["Content-Disposition"]
+                self.assertTrue(sent.isascii() and sent.startswith("attachment; filename="), sent)
+                # As RFC 6266 has it: the extended name goes before the plain one, and both are safe.
+                found = re.fullmatch(r'attachment; filename="([ -!#$&-\[\]-~]+)"'
+                                     r"(?:; filename\*=UTF-8''([\w.%-]+))?", sent)
+                self.assertIsNotNone(found, sent)
+                self.assertEqual(urllib.parse.unquote(found[2]) if found[2] else found[1], name)
+
+    def test_a_folder_is_sent_as_an_archive(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "32", self.output("q")], check=True, capture_output=True)
+        names = ["wall", "long" * 25]
+        with open(self.output("scene.toml"), "w", encoding="utf-8") as file:
+            for name in names:
+                file.write(f'[[map]]\nname = "{name}"\nnormal = "q_normal.png"\n')
+            file.write('[[material]]\nname = "paint"\nbrdf = "lambert"\n')
+            for name in names:
+                file.write(f'[[object]]\nname = "{name}"\nmap = "{name}"\nmaterial = "paint"\nwidth = 2.0\n'
+                           'distance = [1, 20]\n')
+            file.write("[[light]]\ndirection = [0.3, 0.8, 0.5]\n")
+        made = service.wait_for(service.submit(type="scene", parameters={"scene": self.output("scene.toml")},
+                                               output=self.output("b\u00e4ked")))
+        self.assertEqual(made["state"], "succeeded", made)
+        folder = self.output("b\u00e4ked")
+        expected = {f"b\u00e4ked/{one}": os.path.join(folder, one) for one in os.listdir(folder) if one[0] != "."}
+        self.assertGreater(len(expected), len(names))
+        os.symlink("/etc/passwd", os.path.join(folder, "link"))
+        with open(os.path.join(folder, "private.txt"), "w", encoding="utf-8") as file:
+            file.write("put there since")
+        status, headers, data = self.download(made["id"])
+        self.assertEqual((status, headers["Content-Type"]), (200, "application/x-tar"))
+        self.assertEqual(headers["Content-Disposition"],
+                         "attachment; filename=\"b__ked.tar\"; filename*=UTF-8''b%C3%A4ked.tar")
+        with tarfile.open(fileobj=io.BytesIO(data)) as archive:
+            self.assertEqual(sorted(archive.getnames()), sorted(expected), "what was published, and nothing else")
+            for name, path in expected.items():
+                with open(path, "rb") as file:
+                    self.assertEqual(archive.extractfile(name).read(), file.read(), name)
+                self.assertEqual(archive.getmember(name).mtime, int(os.stat(path).st_mtime))
+        listed = subprocess.run(["tar", "tf", "-"], input=data, capture_output=True, check=False,
+                                env=dict(os.environ, LC_ALL="C.UTF-8"))
+        self.assertEqual((listed.returncode, listed.stderr), (0, b""))
+        service.ask("HEAD", f"/v1/jobs/{made['id']}/result")
+        # A listing that names what is not below the folder, or not as it was, has no archive.
+        listing = os.path.join(folder, ".multum-result")
+        with open(listing, encoding="utf-8") as file:
+            published = file.read()
+        secret = os.path.join(self.folder, "secret")
+        with open(secret, "w", encoding="utf-8") as file:
+            file.write("secret")
+        state = f"{os.stat(secret).st_size} {os.stat(secret).st_mtime_ns}"
+        os.symlink(secret, os.path.join(folder, "door"))
+        wall = os.stat(os.path.join(folder, "wall.ndf.exr"))
+        own = f"{wall.st_size} {wall.st_mtime_ns}"  # what is there, by names that an archive must not have
+        for name, listed in (("../../secret", state), (secret, state), ("door", state), ("nothing", state),
+                             ("wall.ndf.exr/../../../secret", state), ("./wall.ndf.exr", own),
+                             ("../b\u00e4ked/wall.ndf.exr", own), (os.path.join(folder, "wall.ndf.exr"), own)):
+            with self.subTest(name=name):
+                with open(listing, "w", encoding="utf-8") as file:
+                    file.write(f"{published}{listed} {name}\n")
+                message = self.refused(409, "no_result", [], "GET", f"/v1/jobs/{made['id']}/result")
+                self.assertIn(name, message)
+        with open(listing, "w", encoding="utf-8") as file:
+            file.write(published)
+        with open(os.path.join(folder, "wall.ndf.exr"), "ab") as file:
+            file.write(b"more")
+        self.refused(409, "no_result", ["wall.ndf.exr"], "GET", f"/v1/jobs/{made['id']}/result")
+        os.remove(listing)
+        self.refused(409, "no_result", ["b\u00e4ked"], "GET", f"/v1/jobs/{made['id']}/result")
+
+    def test_a_large_folder_takes_no_memory(self):
+        service = self.start(QUICK + 'request_memory_max = "8M"\n')
+        with open(self.output("scene.toml"), "w", encoding="utf-8") as file:
+            file.write('[[map]]\nname = "wall"\nnormal = "q_normal.png"\n[[material]]\nname = "paint"\n'
+                       'brdf = "lambert"\n[[object]]\nname = "wall"\nmap = "wall"\nmaterial = "paint"\nwidth = 2.0\n'
+                       'distance = [1, 20]\n[[light]]\ndirection = [0.3, 0.8, 0.5]\n')
+        subprocess.run([MULTUM, "testmap", "--size", "16", self.output("q")], check=True, capture_output=True)
+        made = service.wait_for(service.submit(type="scene", parameters={"scene": self.output("scene.toml")},
+                                               output=self.output("baked")))
+        large = os.path.join(self.output("baked"), "large")
+        with open(large, "wb") as file:
+            file.truncate(200 << 20)
+        listing = os.path.join(self.output("baked"), ".multum-result")
+        with open(listing, "a", encoding="utf-8") as file:
+            file.write(f"{200 << 20} {os.stat(large).st_mtime_ns} large\n")
+        before = resident_bytes(service.process.pid)
+        with contextlib.closing(service.connection()) as connection:
+            connection.request("GET", f"/v1/jobs/{made['id']}/result")
+            response = connection.getresponse()
+            received = 0
+            while part := response.read(1 << 20):
+                received += len(part)
+        self.assertGreater(received, 200 << 20)
+        self.assertEqual(received, int(response.headers["Content-Length"]))
+        if not is_sanitized(service.process.pid):
+            self.assertLess(resident_bytes(service.process.pid), before + (8 << 20))
+        # What is changed while it is sent is not sent as if it were whole.
+        with contextlib.closing(service.connection()) as connection:
+            connection.request("GET", f"/v1/jobs/{made['id']}/result")
+            response = connection.getresponse()
+            response.read(1 << 20)
+            os.utime(large)
+            with self.assertRaises(http.client.IncompleteRead):
+                response.read()
+        # Nor does a list of files that is longer than all memory there is for requests.
+        with open(listing, "a", encoding="utf-8") as file:
+            for i in range(40000):
+                file.write(f"0 0 {'name' * 12}-{i}\n")
+        self.refused(503, "busy", ["files"], "GET", f"/v1/jobs/{made['id']}/result")
+
+    def test_a_list_has_a_line_for_each_job(self):
+        service = self.start()
+        lines = "b\u00e4d line\n" * 3 + "x" * 500
+        ids = [self.drill(), self.drill(then="refuse")]
+        for number in ids:
+            service.wait_for(number)
+        service.stop()
+        with contextlib.closing(sqlite3.connect(os.path.join(service.data, "jobs.sqlite"))) as ledger:
+            ledger.execute("UPDATE jobs SET message = ? WHERE id = ?", (lines, ids[1]))
+            ledger.commit()
+        service.start()
+        listed = self.client("list").splitlines()
+        self.assertEqual(len(listed), 2, listed)
+        self.assertIn("(b\u00e4d line ...)", listed[0])
+        self.assertLess(max(map(len, listed)), 250)
+        self.assertEqual(json.loads(self.client("show", str(ids[1])))["message"], lines, "all of it")
 
     def test_what_clients_leave_is_held_to_a_limit(self):
         service = self.start(QUICK + 'data_max = "100K"\n')

@@ -10,6 +10,7 @@ removed outside.
 import argparse
 import collections
 import hashlib
+import http.client
 import os
 import random
 import shutil
@@ -179,6 +180,12 @@ def main():
             (shutil.copytree if os.path.isdir(result) else shutil.copy)(result, os.path.join(outside, name))
         with open(os.path.join(outside, "bake0.ndf.exr"), "wb") as file:
             file.write(b"secret" * 1000)
+        # As its listing, a copy too, has it: by its size and time it is what was published.
+        baked = os.path.join(outside, "scene0", RESULTS["scene"])
+        times = os.stat(baked)
+        with open(baked, "r+b") as file:
+            file.write((b"secret" * times.st_size)[:times.st_size])
+        os.utime(baked, ns=(times.st_atime_ns, times.st_mtime_ns))
         before = state_of(outside)
         swapper = Swapper([source, target], outside)
         swapper.start()
@@ -187,10 +194,14 @@ def main():
         try:
             deadline = time.monotonic() + options.seconds
             while time.monotonic() < deadline:
-                status, answer = service.ask("GET", f"/v1/jobs/{first['bake']}/result")
+                kind = "scene" if downloads % 4 == 0 else "bake"
+                try:
+                    status, answer = service.ask("GET", f"/v1/jobs/{first[kind]}/result")
+                except http.client.IncompleteRead as cut:  # an archive whose files go while it is sent
+                    status, answer = "cut", cut.partial
                 downloads += 1
-                answers[status] += 1
-                if status == 200 and b"secret" in answer:
+                answers[kind, status] += 1
+                if status in (200, "cut") and b"secret" in answer:
                     fail("a download told what lies outside")
                 waiting = [one for one in waiting if service.job(one[1])["state"] not in
                            ("succeeded", "dead", "cancelled")] if downloads % 50 == 0 else waiting
@@ -222,9 +233,13 @@ def main():
         service.stop()
         if min(done[f"{kind} succeeded"] for kind in kinds) < 2:
             fail(f"hardly a job came through: {dict(done)}")
-        print(f"{swapper.swaps} swaps, {downloads} downloads ({dict(answers)}), jobs {dict(counts)}, the last 1000: "
+        sums = sorted((f"{kind} {status}", count) for (kind, status), count in answers.items())
+        listed = ", ".join(f"{what}: {count}" for what, count in sums)
+        print(f"{swapper.swaps} swaps, {downloads} downloads ({listed}), jobs {dict(counts)}, the last 1000: "
               f"{dict(done)}: nothing of outside was read, nothing outside was written")
         if downloads < 20 or min(counts[kind] for kind in kinds) == 0 or swapper.swaps < 100:
+            fail("too little happened")
+        if answers["scene", 200] == 0 or answers["bake", 200] == 0:
             fail("too little happened")
 
 

@@ -4,7 +4,7 @@
 //
 //   node web_test.mjs CHROMIUM SCREENSHOTS [STEP]
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
+import { readFile, writeFile } from "node:fs/promises";
 import readline from "node:readline";
 import { chromium } from "./web/node_modules/playwright-core/index.mjs";
 
@@ -218,6 +218,50 @@ const steps = {
     await page.getByText("Download the result").click();
     const download = await downloading;
     assert.equal(download.suggestedFilename(), "rock.ndf.exr");
+    await page.context().close();
+  },
+
+  async aFolderIsDownloadedAsAnArchive() {
+    await drive("testmap", `${service.root}/folder`);
+    const scene = `${service.root}/scene.toml`;
+    await writeFile(scene, `[[map]]\nname = "wall"\nnormal = "folder_normal.png"\n[[material]]\nname = "paint"\n
+      brdf = "lambert"\n[[object]]\nname = "front"\nmap = "wall"\nmaterial = "paint"\nwidth = 2.0\n
+      distance = [1, 20]\n[[light]]\ndirection = [0.3, 0.8, 0.5]\n`);
+    const { id } = await ask("POST", "/v1/jobs", { type: "scene", parameters: { scene }, output: "maps.v2" });
+    await stateOf(id, "succeeded");
+    const page = await openPage(`#job-${id}`);
+    for (const hasToken of [false, true]) { // that is not asked for, and sent all the same
+      if (hasToken) await page.evaluate(() => sessionStorage.setItem("multum-token", "any"));
+      const downloading = page.waitForEvent("download");
+      await page.getByText("Download the result").click();
+      assert.equal((await downloading).suggestedFilename(), "maps.v2.tar");
+    }
+    await page.context().close();
+  },
+
+  async aMessageOfSeveralLinesHasOneInTheList() {
+    const id = await drill(0, { then: "refuse", label: "talks much" });
+    await stateOf(id, "dead");
+    const message = "the first line\nthe second line";
+    const page = await openPage();
+    await page.route(/\/v1\/jobs(\?|\/\d+$)/, async (route) => {
+      const response = await route.fetch();
+      const answer = await response.json();
+      for (const job of answer.jobs ?? [answer]) if (job.id === id) job.message = message;
+      await route.fulfill({ response, json: answer });
+    });
+    await page.reload();
+    const note = row(page, id).locator(".note");
+    await note.getByText("the first line ...", { exact: true }).waitFor();
+    assert.equal(await note.getAttribute("title"), message);
+    await row(page, id).click();
+    const why = page.locator("#detail .why");
+    await why.getByText("the second line").waitFor();
+    const lines = await why.evaluate((one) => {
+      const style = getComputedStyle(one);
+      return (one.clientHeight - 2 * parseFloat(style.paddingTop)) / parseFloat(style.lineHeight);
+    });
+    assert.ok(lines > 1.5, `${lines} lines of two`);
     await page.context().close();
   },
 

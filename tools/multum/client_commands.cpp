@@ -61,7 +61,16 @@ void print_json(const Json& json) {
   write_shown(stdout, escaped_json(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
 }
 
-std::string job_line(const Json& job) {
+constexpr std::size_t kMessageMax = 120;  // bytes in a list, where a line is a job
+
+// Its first line, as far as a list has room for it.
+std::string short_message(const std::string& message) {
+  const std::string line = message.substr(0, message.find('\n'));
+  if (line.size() <= kMessageMax) return line == message ? line : line + " ...";
+  return line.substr(0, whole_characters(line.substr(0, kMessageMax))) + " ...";
+}
+
+std::string job_line(const Json& job, std::string message) {
   std::string line =
       fmt::format("{:>6}  {:<10} {:<8} {}", job["id"].get<std::int64_t>(), job["state"].get<std::string>(),
                   job["type"].get<std::string>(), job["output"].get<std::string>());
@@ -69,9 +78,11 @@ std::string job_line(const Json& job) {
     line += fmt::format("  {:.0f} % {}",
                         100.0 * job["progress"]["done"].get<double>() / job["progress"]["total"].get<double>(),
                         job["progress"]["stage"].get<std::string>());
-  if (!job["message"].get<std::string>().empty()) line += "  (" + job["message"].get<std::string>() + ")";
+  if (!message.empty()) line += "  (" + message + ")";
   return line;
 }
+
+std::string job_line(const Json& job) { return job_line(job, job["message"].get<std::string>()); }
 
 void print_job(const ClientOptions& o, const Json& job) {
   if (o.json) print_json(job);
@@ -319,7 +330,8 @@ void add_list(CLI::App& app, int* exit_code) {
     if (o->client.json) {
       print_json(answer);
     } else {
-      for (const Json& job : answer["jobs"]) print_job(o->client, job);
+      for (const Json& job : answer["jobs"])
+        print_shown(stdout, "%s\n", job_line(job, short_message(job["message"].get<std::string>())).c_str());
     }
     *exit_code = 0;
   });

@@ -52,9 +52,7 @@ int run(int argc, char** argv) {
   PictureDrawer drawer(*options, context->functions(), mesh, map, source);
   nlohmann::json rows;
   if (options->frames_folder.empty()) {
-    const std::vector<NamedPicture> pictures = drawer.draw(options->scene);
-    rows = print_table(pictures);
-    write_pictures(*options, pictures);
+    rows = draw_views(*options, [&](const ViewOptions& view) { return drawer.draw(view.scene); });
   } else {
     rows = draw_animation(*options, drawer);
   }

@@ -170,7 +170,9 @@ class Model {
 }  // namespace
 
 int run_model(ViewOptions& options) {
-  check_paths_differ({options.mesh}, {options.output, options.report});
+  std::vector<std::string> outputs = {options.report};
+  for (const ViewOptions& view : views_of(options)) outputs.push_back(view.output);
+  check_paths_differ({options.mesh}, outputs);
   const GltfMaterials materials = read_gltf_materials(options.mesh);
   Model model(options, materials);
   frame_mesh(model.mesh(0), options);
@@ -180,9 +182,9 @@ int run_model(ViewOptions& options) {
   log_info(context->description());
   model.upload(context->functions());
   gl::Renderer renderer(context->functions(), options.width, options.height);
-  const std::vector<NamedPicture> pictures = {{"multum", renderer.draw(model.objects(), options.scene)}};
-  const nlohmann::json rows = print_table(pictures);
-  write_pictures(options, pictures);
+  const nlohmann::json rows = draw_views(options, [&](const ViewOptions& view) -> std::vector<NamedPicture> {
+    return {{"multum", renderer.draw(model.objects(), view.scene), background_of(view, view.scene)}};
+  });
   if (!options.report.empty()) write_report(options, context->description(), rows);
   return 0;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/base/log.h"
+#include "runtime_gl/render/environment_background.h"
 
 namespace multum {
 namespace {
@@ -44,6 +45,16 @@ gl::Picture draw_blended(const ViewOptions& options, gl::Scene scene, gl::Materi
 
 }  // namespace
 
+std::shared_ptr<const gl::FloatImage> background_of(const ViewOptions& options, const gl::Scene& scene) {
+  if (scene.environment == nullptr || options.no_background) return nullptr;
+  return std::make_shared<const gl::FloatImage>(gl::environment_background(scene, options.width, options.height));
+}
+
+gl::FloatImage shown_image(const NamedPicture& picture) {
+  if (picture.background == nullptr) return picture.picture.image;
+  return gl::before_background(picture.picture.image, *picture.background);
+}
+
 PictureDrawer::PictureDrawer(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
                              const BakedMap& map, const gl::NormalImage& source)
     : options_(options),
@@ -77,6 +88,8 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::Scene& scene) {
       pictures.push_back({name, drawn(*mipmapped_)});
     }
   }
+  const std::shared_ptr<const gl::FloatImage> background = background_of(options_, scene);
+  for (NamedPicture& picture : pictures) picture.background = background;
   return pictures;
 }
 

@@ -2,6 +2,7 @@
 // The pictures of a scene.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,14 @@ namespace multum {
 struct NamedPicture {
   std::string name;  // "multum", or what --compare has
   gl::Picture picture;
+  std::shared_ptr<const gl::FloatImage> background = nullptr;  // what is seen behind it; errors are without
 };
+
+/// What a picture of the scene has behind it: the environment. Null: nothing, which is black.
+std::shared_ptr<const gl::FloatImage> background_of(const ViewOptions& options, const gl::Scene& scene);
+
+/// The picture with what is behind it.
+gl::FloatImage shown_image(const NamedPicture& picture);
 
 /// Draws every picture that the options ask for, of as many scenes as are handed in; textures are uploaded once.
 class PictureDrawer {

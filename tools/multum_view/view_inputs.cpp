@@ -98,12 +98,41 @@ void frame_mesh(const TriangleMesh& mesh, ViewOptions& options) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  const gl::Camera frame = gl::frame_box(low, high, options.up);
-  if (!options.has_camera) scene.camera = frame;
+  const glm::vec3 middle = 0.5f * (low + high);
+  const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
+  if (!options.has_camera)
+    scene.camera = gl::frame_points(mesh.positions, options.up,
+                                    static_cast<float>(options.width) / static_cast<float>(options.height));
   if (!options.has_last_camera) options.last_scene.camera = scene.camera;
-  scene.camera.near_distance = frame.near_distance;
-  scene.camera.far_distance = std::max({frame.far_distance, 4.0f * glm::length(scene.camera.eye - frame.target),
-                                        4.0f * glm::length(options.last_scene.camera.eye - frame.target)});
+  if (options.has_camera || options.has_last_camera) {
+    scene.camera.near_distance = 0.05f * radius;
+    scene.camera.far_distance = std::max({5.0f * radius, 4.0f * glm::length(scene.camera.eye - middle),
+                                          4.0f * glm::length(options.last_scene.camera.eye - middle)});
+  }
+  const gl::Camera& camera = scene.camera;
+  log_info(fmt::format("{}: x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g}",
+                       options.mesh.empty() ? options.lod : options.mesh, low.x, high.x, low.y, high.y, low.z, high.z));
+  log_info(fmt::format("--camera {:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}: {:.6g} away from its target",
+                       camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x, camera.target.y, camera.target.z,
+                       camera.fov_y_degrees, glm::length(camera.eye - camera.target)));
+}
+
+std::vector<ViewOptions> views_of(const ViewOptions& options) {
+  if (options.distances.empty()) return {options};
+  std::vector<ViewOptions> views;
+  for (const float factor : options.distances) {
+    ViewOptions& one = views.emplace_back(options);
+    one.output = distant_path(options, factor);
+    if (!one.pictures.empty()) one.pictures += fmt::format("_{:g}", factor);
+    one.scene.camera = gl::moved_away(options.scene.camera, factor);
+    one.distances = {factor};
+  }
+  return views;
+}
+
+std::string distant_path(const ViewOptions& options, float factor) {
+  const std::size_t ending = options.output.rfind('.');
+  return fmt::format("{}_{:g}{}", options.output.substr(0, ending), factor, options.output.substr(ending));
 }
 
 gl::MeshData make_mesh(ViewOptions& options) {
@@ -152,7 +181,7 @@ std::shared_ptr<const EnvironmentLight> read_environment(const ViewOptions& opti
                             colours.clamped_count));
   EnvironmentMap map{colours.width, colours.height, {}};
   for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
-  return make_environment_light(map);
+  return make_environment_light(std::move(map));
 }
 
 void warn_of_sources(const ViewOptions& options, const BakedHeader& baked) {

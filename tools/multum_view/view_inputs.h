@@ -15,8 +15,15 @@ constexpr float kPlaneSize = 60.0f;
 /// The plane, or the mesh that the options name; sets what the scene takes of it: repeats and the camera.
 gl::MeshData make_mesh(ViewOptions& options);
 gl::MeshData to_mesh_data(const TriangleMesh& mesh);
-/// The camera sees all of it, unless the options have one of their own; near and far planes are set in any case.
+/// The camera sees all of it, unless the options have one of their own; near and far planes are set in any case. Says
+/// what the mesh's bounds and the camera are.
 void frame_mesh(const TriangleMesh& mesh, ViewOptions& options);
+
+/// One for each of --distance, framed by frame_mesh() before: its camera, and the names of what it writes. Without, the
+/// options themselves.
+std::vector<ViewOptions> views_of(const ViewOptions& options);
+/// "teapot.png" -> "teapot_5.png".
+std::string distant_path(const ViewOptions& options, float factor);
 
 /// A file that holds every level draws itself; others take the finest from the source.
 bool needs_source(const ViewOptions& options, const BakedHeader& baked);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <set>
 #include <utility>
 
 #include "host/base/choices.h"
@@ -28,6 +29,7 @@ const Choices<gl::MomentShading> kMomentShadings = {{"toksvig", gl::MomentShadin
 
 struct RawOptions {
   std::string camera;
+  std::string distances;
   std::string up;
   std::vector<std::string> lights;
   std::vector<std::string> point_lights;
@@ -117,6 +119,19 @@ void parse_camera(const std::string& option, const std::string& text, gl::Camera
   const glm::vec3 view = camera.target - camera.eye;
   if (!(glm::length(view) > 1e-9f) || camera.fov_y_degrees < 1.0f || camera.fov_y_degrees > 170.0f)
     refuse(option, text, expected);
+}
+
+void parse_distances(const std::string& text, ViewOptions& options) {
+  const char* const expected = "different numbers from 0.01 to 10000, times the distance of the camera: 1,5,25";
+  options.distances = parse_numbers("--distance", text, expected);
+  std::set<std::string> names;  // files are named so
+  for (const float factor : options.distances)
+    if (factor < 0.01f || factor > 1e4f || !names.insert(fmt::format("{:g}", factor)).second)
+      refuse("--distance", text, expected);
+  if (options.mesh.empty() || !options.reflectance.empty())
+    throw Error(ErrorCode::kUsage, "--distance: is of a baked map or --material on a --mesh");
+  if (!options.frames_folder.empty())
+    throw Error(ErrorCode::kUsage, "--distance: is of single pictures; with --animate, use --to-camera");
 }
 
 bool looks_along(const gl::Camera& camera, const glm::vec3& direction) {
@@ -240,6 +255,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   gl::Scene& scene = options.scene;
   if (!raw.camera.empty()) parse_camera("--camera", raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
+  if (!raw.distances.empty()) parse_distances(raw.distances, options);
   parse_up(raw.up, options);
   if (!raw.lights.empty() || !raw.point_lights.empty() || !options.environment.empty()) scene.lights.clear();
   scene.environment_mode =
@@ -326,12 +342,17 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
   app.add_option("--camera", raw.camera,
                  "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: the "
                  "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
+  app.add_option("--distance", raw.distances,
+                 "with --mesh: pictures from near and far, a list of factors of the camera's distance; 1,5,25 writes "
+                 "NAME_1.png, NAME_5.png and NAME_25.png for -o NAME.png");
   app.add_option("--up", raw.up, "x,y,z that is up in the picture (default: 0,0,1; with a mesh 0,1,0)");
   app.add_option("--light", raw.lights, "towards a distant light: x,y,z[,irradiance]; up to 8 times");
   app.add_option("--point-light", raw.point_lights,
                  "at x,y,z, with an intensity: x,y,z,i or x,y,z,r,g,b; up to 8 times");
-  app.add_option("--environment", o.environment,
-                 "light from everywhere: an image over latitude and longitude, .exr or .hdr");
+  app.add_option(
+      "--environment", o.environment,
+      "light from everywhere, seen behind what is drawn: an image over latitude and longitude, .exr or .hdr");
+  app.add_flag("--no-background", o.no_background, "black behind what is drawn, not the environment");
   app.add_option("--environment-mode", raw.environment_mode,
                  "its highlights: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for broad BRDFs)")
       ->check(CLI::IsMember({"sh", "prefiltered"}))

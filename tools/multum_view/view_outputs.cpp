@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 
 #include "host/base/atomic_file.h"
 #include "host/base/output_paths.h"
@@ -13,6 +14,7 @@
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
 #include "tools/multum_view/animated_view.h"
+#include "tools/multum_view/view_inputs.h"
 #include "tools/multum_view/write_image.h"
 
 namespace multum {
@@ -33,7 +35,7 @@ const char* moment_shading_name(gl::MomentShading shading) {
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_truth(pictures) ? 2 : 1);
   for (const NamedPicture& one : pictures) {
-    rows[0].push_back({one.name, one.picture.image});
+    rows[0].push_back({one.name, shown_image(one)});
     if (!has_truth(pictures)) continue;
     gl::FloatImage difference = gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain);
     const double error = gl::picture_error(one.picture.image, pictures[0].picture.image).relative_l1;
@@ -52,7 +54,7 @@ std::string picture_path(const ViewOptions& options, const std::string& what) {
 /// Every picture, and what it is off by, in a file of its own.
 void write_each(const ViewOptions& options, const std::vector<NamedPicture>& pictures) {
   for (const NamedPicture& one : pictures) {
-    write_picture(picture_path(options, one.name), one.picture.image, options.exposure);
+    write_picture(picture_path(options, one.name), shown_image(one), options.exposure);
     if (has_truth(pictures) && one.name != "truth")
       write_picture(picture_path(options, one.name + "_difference"),
                     gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain),
@@ -80,28 +82,32 @@ nlohmann::json brdf_json(const Brdf& brdf) {
   return {};
 }
 
+/// The sheet, and with --pictures each picture.
+void add_pictures(const ViewOptions& options, std::vector<std::string>& outputs) {
+  outputs.push_back(options.output);
+  if (options.pictures.empty()) return;
+  const bool compares_truth =
+      std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
+  std::vector<std::string> names = options.compare;
+  names.insert(names.begin(), "multum");
+  for (const std::string& name : names) {
+    outputs.push_back(picture_path(options, name));
+    if (compares_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
+  }
+}
+
 }  // namespace
 
 void check_outputs(const ViewOptions& options) {
   std::vector<std::string> outputs;
   if (options.frames_folder.empty()) {
-    outputs.push_back(options.output);
+    for (const ViewOptions& view : views_of(options)) add_pictures(view, outputs);
   } else {
     make_folder(options.frames_folder);
     for (int frame = 0; frame < options.frame_count; ++frame) outputs.push_back(frame_path(options, frame));
   }
   for (const std::string& path : {options.report, options.shaders})
     if (!path.empty()) outputs.push_back(path);
-  if (!options.pictures.empty()) {
-    const bool compares_truth =
-        std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
-    std::vector<std::string> names = options.compare;
-    names.insert(names.begin(), "multum");
-    for (const std::string& name : names) {
-      outputs.push_back(picture_path(options, name));
-      if (compares_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
-    }
-  }
   check_paths_differ({options.input, options.source, options.albedo, parse_channel_file(options.roughness).path,
                       options.weights, options.mesh, options.environment},
                      outputs);
@@ -109,7 +115,7 @@ void check_outputs(const ViewOptions& options) {
 }
 
 void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>& pictures) {
-  write_picture(options.output, pictures.size() == 1 ? pictures[0].picture.image : compose(pictures, options.exposure),
+  write_picture(options.output, pictures.size() == 1 ? shown_image(pictures[0]) : compose(pictures, options.exposure),
                 options.exposure);
   if (!options.pictures.empty()) write_each(options, pictures);
 }
@@ -130,6 +136,24 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
     }
     write_shown(stdout, fmt::format("{:10} {:>12} {:>10} {:>10.1f}\n", one.name, l1, rmse, one.picture.frame_time_ms));
     rows.push_back(row);
+  }
+  return rows;
+}
+
+nlohmann::json draw_views(const ViewOptions& options,
+                          const std::function<std::vector<NamedPicture>(const ViewOptions& view)>& draw) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const ViewOptions& view : views_of(options)) {
+    const gl::Camera& camera = view.scene.camera;
+    if (!view.distances.empty())
+      write_shown(stdout, fmt::format("{}: {:g} times as far, {:.6g} away\n", view.output, view.distances[0],
+                                      glm::length(camera.eye - camera.target)));
+    const std::vector<NamedPicture> pictures = draw(view);
+    for (nlohmann::json& row : print_table(pictures)) {
+      if (!view.distances.empty()) row["distance"] = view.distances[0];
+      rows.push_back(row);
+    }
+    write_pictures(view, pictures);
   }
   return rows;
 }

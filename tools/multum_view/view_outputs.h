@@ -2,6 +2,7 @@
 // What multum-view writes: pictures, a table of errors and times, a report.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "tools/multum_view/view_drawing.h"
@@ -14,6 +15,10 @@ void check_outputs(const ViewOptions& options);
 
 /// The sheet, and with --pictures every picture, and what it is off by, in a file of its own.
 void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>& pictures);
+
+/// Draws, prints and writes each of views_of(); returns the rows of all.
+nlohmann::json draw_views(const ViewOptions& options,
+                          const std::function<std::vector<NamedPicture>(const ViewOptions& view)>& draw);
 
 /// Prints it, and returns its rows.
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures);

@@ -153,8 +153,8 @@ def environment_light(study):
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
         light = study.data / "env/pm_lobby.exr"
     scene = ("--source", study.path("quarters_normal.png"), "--green", "up", "--mesh", study.torus(), "--repeat", "3",
-             "--up", "0,0,1", "--camera", "0.9,-2.2,1.7,0,0,0,40", "--environment", light, "--diffuse", "0.35",
-             "--specular", "0.3", *FRAME)
+             "--up", "0,0,1", "--camera", "0.9,-2.2,1.7,0,0,0,40", "--environment", light, "--no-background",
+             "--diffuse", "0.35", "--specular", "0.3", *FRAME)
     rows = []
     for exponent in (12, 100):
         views = {mode: study.view(f"environment_{mode}{exponent}", "quarters_white", *scene, "--environment-mode", mode,

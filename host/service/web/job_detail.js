@@ -73,7 +73,7 @@ export class JobDetail {
     this.cancelButton = node("button", { class: "danger", "aria-keyshortcuts": "c",
       onclick: () => this.on.cancel(this.job) }, "Cancel");
     this.retryButton = node("button", { "aria-keyshortcuts": "r", onclick: () => this.on.retry(this.job) }, "Retry");
-    this.download = node("a", { href: `/v1/jobs/${job.id}/result`, download: outputName(job),
+    this.download = node("a", { href: `/v1/jobs/${job.id}/result`, download: "",
       onclick: (event) => this.fetchResult(event) }, "Download the result");
     this.pictures = node("div", { class: "pictures" });
     this.picturesPart = node("section", { "aria-label": "Pictures", hidden: true }, node("h3", {}, "Pictures"),
@@ -232,8 +232,10 @@ export class JobDetail {
     if (!hasToken()) return;
     event.preventDefault();
     try {
-      const url = URL.createObjectURL(await (await fetchAnswer("GET", `/v1/jobs/${this.job.id}/result`)).blob());
-      node("a", { href: url, download: outputName(this.job) }).click();
+      const blob = await (await fetchAnswer("GET", `/v1/jobs/${this.job.id}/result`)).blob();
+      const url = URL.createObjectURL(blob);
+      const ending = blob.type === "application/x-tar" ? ".tar" : "";
+      node("a", { href: url, download: outputName(this.job) + ending }).click();
       setTimeout(() => URL.revokeObjectURL(url), 60000);
     } catch (error) {
       notify(error.message, true);

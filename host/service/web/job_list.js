@@ -3,8 +3,8 @@
 // holds PAGE rows at most and is drawn ten times a second at most.
 
 import { ask } from "./client.js";
-import { ProgressBar, STATES, badge, byId, jobName, node, notify, outputName, refreshTimes, setBadge, setText, timeNode,
-  tookText } from "./nodes.js";
+import { ProgressBar, STATES, badge, byId, firstLine, jobName, node, notify, outputName, refreshTimes, setBadge,
+  setText, timeNode, tookText } from "./nodes.js";
 
 const PAGE = 50;
 const DRAW_MS = 100;
@@ -43,7 +43,7 @@ class Row {
     setText(this.took, tookText(job));
     this.progress.show(job);
     const note = job.state === "dead" ? job.message : "";
-    setText(this.note, note);
+    setText(this.note, firstLine(note));
     this.note.title = note;
     this.note.hidden = note === "";
   }

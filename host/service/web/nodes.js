@@ -34,6 +34,11 @@ export function jobName(job) {
   if (job.output) return baseName(job.output);
   return Object.entries(job.parameters).map(([name, value]) => `${name} ${value}`).join(", ");
 }
+/** Of a message of several, for where a job has one line. */
+export function firstLine(text) {
+  const end = text.indexOf("\n");
+  return end < 0 ? text : `${text.slice(0, end)} ...`;
+}
 export const outputName = (job) => baseName(job.output);
 
 export function durationText(milliseconds) {

@@ -100,8 +100,9 @@ export class SubmitForm {
     this.output.oninput = () => { this.isOutputOwn = this.output.value !== ""; };
     if (inputName) this.inputs[inputName].addEventListener("input", () => this.suggestOutput());
     first.append(
-      ...this.field("output", "submit-output", this.output, inputName ? "a path on the server, below one of its roots"
-        : "a path on the server; may be left out"),
+      ...this.field("output", "submit-output", this.output, inputName
+        ? "a path on the server, below one of its roots; or a name, for a result to download"
+        : "a path on the server, or a name; may be left out"),
       ...this.field("queue", "submit-queue", this.queue), ...this.field("priority", "submit-priority", this.priority),
       ...this.field("label", "submit-label", this.label, "shown in the list; may be left out"));
     this.fields.replaceChildren(first, node("details", { open: optional.length <= FEW },
