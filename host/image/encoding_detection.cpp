@@ -7,7 +7,9 @@
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
 //  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
 //  4. Refused unless it looks like normals (`refusal` below).
-//  5. Green by the gradient agreement; up when it is undecided.
+//  5. Green by the gradient agreement; up when it is undecided. What the caller says goes before it; a warning names
+//  the
+//     disagreement.
 #include "host/image/encoding_detection.h"
 
 #include <algorithm>
@@ -240,10 +242,29 @@ std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
   return std::nullopt;
 }
 
+const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
+const char* green_option(GreenAxis green) { return green == GreenAxis::kUp ? "--green up" : "--green down"; }
+
+// Green that cannot be told, or that was told against the evidence: bumps and dents are then mixed up along y.
+void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
+                   std::vector<std::string>& warnings) {
+  if (!settings.green && !found) {
+    // Where nothing is tilted, green is 0 either way.
+    if (s.tilted_share > 0.0)
+      warnings.emplace_back(
+          "which way green points cannot be told from the statistics; up (OpenGL) is taken, --green up or --green down "
+          "says it");
+  } else if (settings.green && found && *settings.green != *found) {
+    warnings.push_back(
+        fmt::format("green is read as {}, as asked for, but red and green are the slopes of a surface whose green "
+                    "points {} (gradient agreement {:+.2f}): unless you know better, leave the setting out, or say {}",
+                    green_name(*settings.green), green_name(*found), s.gradient_agreement, green_option(*found)));
+  }
+}
+
 std::string describe(const VectorEncoding& encoding, const char* green_note) {
   return fmt::format("normal map, {}, {}green {}{}", encoding.is_signed ? "signed" : "unsigned",
-                     encoding.rebuild_z ? "two channels (z rebuilt), " : "",
-                     encoding.green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)", green_note);
+                     encoding.rebuild_z ? "two channels (z rebuilt), " : "", green_name(encoding.green), green_note);
 }
 
 }  // namespace
@@ -288,11 +309,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   if (settings.normal_scale != 1.0f) result.description += fmt::format(", scaled by {:g}", settings.normal_scale);
   const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
   warn_of_ignored({{is_scaled, "--height-scale"}}, "a normal map", result.warnings);
-  // Where nothing is tilted, green is 0 either way.
-  if (!settings.green.has_value() && !found_green.has_value() && reading.statistics.tilted_share > 0.0)
-    result.warnings.emplace_back(
-        "which way green points cannot be told from the statistics; up (OpenGL) is taken, --green up or --green down "
-        "says it");
+  warn_of_green(settings, found_green, reading.statistics, result.warnings);
   return result;
 }
 

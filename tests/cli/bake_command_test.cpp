@@ -251,6 +251,26 @@ TEST_F(BakeCommandTest, DoubtsAreWarnedOf) {
   EXPECT_EQ(multum(bake).err, "");
 }
 
+// Whoever says it: a command line, a manifest or a scene.
+TEST_F(BakeCommandTest, GreenAgainstTheGradientsIsWarnedOf) {
+  write_test_image(path("down.png"), normal_image(64, 64, false, -1.0));
+  const auto expect_warned = [](const ProgramResult& result) {
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    expect_says(result.err, {"warning: ", "down.png", "gradient agreement", "--green down"});
+  };
+  expect_warned(multum(
+      {"bake", path("down.png"), "-o", path("down.ndf.exr"), "--no-measure", "--ndf", "moments", "--green", "up"}));
+  write_bytes(path("maps.toml"),
+              "[defaults]\ngreen = \"up\"\nndf = \"moments\"\n[[map]]\ninput = \"down.png\"\n"
+              "output = \"listed.ndf.exr\"\n");
+  expect_warned(multum({"bake", "--manifest", path("maps.toml")}));
+  write_bytes(path("scene.toml"),
+              "[[map]]\nname = \"m\"\nnormal = \"down.png\"\ngreen = \"up\"\n[[material]]\nname = \"p\"\nbrdf = "
+              "\"lambert\"\n[[object]]\nname = \"o\"\nmap = \"m\"\nmaterial = \"p\"\nwidth = 2.0\ndistance = 2.0\n"
+              "[[light]]\ndirection = [0.3, 0.8, 0.5]\n");
+  expect_warned(multum({"plan", path("scene.toml"), "-o", path("plan.json")}));
+}
+
 TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
   const ProgramResult made = multum({"testmap", path("map"), "--size", "16"});
   EXPECT_TRUE(contains(made.out, "bake with --green up")) << made.out;

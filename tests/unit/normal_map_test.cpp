@@ -206,6 +206,27 @@ TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
   EXPECT_EQ(warnings(read_map(folder / "facets.png", settings)), "");
 }
 
+// A setting against the evidence is followed, and said; one that agrees with it, or that nothing speaks against, is
+// not remarked upon.
+TEST(NormalMapReading, GreenAgainstTheGradientsIsWarnedOf) {
+  const TemporaryFolder folder;
+  for (const double file_sign : {1.0, -1.0}) {
+    TestImage image = normal_image(96, 80, false, file_sign);
+    write_test_image(folder / "a.png", image);
+    for (const GreenAxis asked : {GreenAxis::kUp, GreenAxis::kDown}) {
+      NormalMapSettings settings;
+      settings.green = asked;
+      const NormalMap map = read_map(folder / "a.png", settings);
+      EXPECT_TRUE(contains(map.report.encoding, asked == GreenAxis::kUp ? "green up" : "green down"));
+      const bool agrees = (asked == GreenAxis::kUp) == (file_sign > 0.0);
+      if (agrees) EXPECT_EQ(warnings(map), "");
+      else
+        expect_says(warnings(map),
+                    {"gradient agreement", asked == GreenAxis::kUp ? "--green down" : "--green up", "as asked for"});
+    }
+  }
+}
+
 TEST(NormalMapReading, FlatTwoChannelFloatsAreSigned) {
   const TemporaryFolder folder;
   TestImage image{
