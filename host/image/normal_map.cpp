@@ -66,6 +66,7 @@ NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSetti
   map.report.format = info.format;
   map.report.encoding_reason = encoding.reason;
   map.report.warnings.insert(map.report.warnings.begin(), encoding.warnings.begin(), encoding.warnings.end());
+  map.report.warnings.insert(map.report.warnings.begin(), info.notes.begin(), info.notes.end());
   return map;
 }
 
