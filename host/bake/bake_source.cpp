@@ -31,8 +31,8 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
   BakedHeader header;
   header.representation = job.representation;
   header.encoding = job.encoding;
-  header.wrap_s = job.reading.wrap_s;
-  header.wrap_t = job.reading.wrap_t;
+  header.wrap_s = source.map.report.wrap_s;
+  header.wrap_t = source.map.report.wrap_t;
   header.width = source.map.normals.width();
   header.height = source.map.normals.height();
   header.first_level = job.fitting.first_level;

@@ -4,6 +4,7 @@
 #include "host/image/image_reader.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -270,6 +271,30 @@ TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
     png.insert(header_end, TiffBytes(true).coded(exif.bytes().size(), 4) + "eXIf" + exif.bytes() + "crc.");
     write_bytes(folder / "a.png", png);
     expect_says(notes("a.png"), {"orientation 3", "not applied"});
+  }
+}
+
+// GeoTIFF: texels in metres give the scale of heights in metres; degrees and feet give none.
+TEST(ImageReaderTest, TexelsInMetresGiveTheHeightScale) {
+  const TemporaryFolder folder;
+  const auto with_keys = [&](bool is_big_endian, std::vector<std::uint64_t> keys) {
+    const auto metres = std::bit_cast<std::uint64_t>(30.0);
+    write_bytes(folder / "a.tif",
+                grey_tiff(is_big_endian, 16, 1, 1, {{33550, 12, {metres, metres, 0}}, {34735, 3, std::move(keys)}}));
+    return read_raw(folder / "a.tif").texel_metres;
+  };
+  for (const bool is_big_endian : {false, true}) {
+    EXPECT_EQ(with_keys(is_big_endian, {1, 1, 0, 1, 1024, 0, 1, 2}), 0.0) << "degrees";
+    EXPECT_EQ(with_keys(is_big_endian, {1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, 9002}), 0.0) << "feet";
+    EXPECT_EQ(with_keys(is_big_endian, {1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, 9001}), 30.0);
+    NormalMapSettings settings;
+    settings.bump_format = BumpFormat::kHeight;
+    const NormalMap map = read_map(folder / "a.tif", settings);
+    ASSERT_EQ(map.report.warnings.size(), 1u);
+    expect_says(map.report.warnings[0], {"30 m", "--height-scale 2184"});  // 65535 / 30
+    settings.height_scale = 65535.0f / 30.0f;
+    for (const std::string& warning : read_map(folder / "a.tif", settings).report.warnings)
+      EXPECT_EQ(warning.find("30 m"), std::string::npos) << warning;
   }
 }
 
