@@ -74,6 +74,8 @@ BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& rep
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
   for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
+  report.albedo_clamped = source.albedo_clamped;
+  for (const std::string& note : source.albedo_notes) log_warning(job.albedo + ": " + note);
   return source;
 }
 
@@ -140,6 +142,7 @@ BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& dev
   BakeReport report;
   report.source = std::filesystem::path(job.input).filename().string();
   report.input = source.map.report;
+  report.albedo_clamped = source.albedo_clamped;
   StageClock clock(report);
   bake_read_source(job, all_settings_json(job), source, clock, device, report, progress);
   return report;
@@ -167,7 +170,7 @@ BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device
   StageClock clock(report);
   std::optional<BakeSource> read;
   if (given == nullptr) read = read_source(job, MapReadings::kFew, report, progress);
-  else report.input = given->map.report;
+  else report.input = given->map.report, report.albedo_clamped = given->albedo_clamped;
   clock.finish("read");
   bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);
   return report;

@@ -71,6 +71,7 @@ std::string BakeReport::to_json() const {
                    {"nonfinite_repaired", input.nonfinite_repaired},
                    {"zero_length_repaired", input.zero_length_repaired},
                    {"below_horizon_repaired", input.below_horizon_repaired}};
+  json["albedo_clamped"] = albedo_clamped;
   json["stages"] = Json::array();
   for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
   json["plan"] = plan;
@@ -119,6 +120,8 @@ double BakeReport::bake_seconds() const {
 
 std::string BakeReport::to_text() const {
   std::string text = repairs_text(input);
+  if (albedo_clamped > 0)
+    text += fmt::format("texels of the albedo: {} negative or not finite, read as 0\n", albedo_clamped);
   std::string times;
   double total = 0.0;
   for (const StageTime& stage : stages) {

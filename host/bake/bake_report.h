@@ -32,6 +32,7 @@ struct BakeReport {
   std::string device;
   std::uint64_t rows_resumed = 0;  // rows of levels that a killed bake had done
   NormalMapReport input;
+  std::int64_t albedo_clamped = 0;  // texels of the albedo with a negative or non-finite value, read as 0
   std::vector<StageTime> stages;
   double start_seconds = 0.0;     // of "fit": choosing where the coarsest level starts
   double condense_seconds = 0.0;  // of "fit": condensing the normals of coarse texels

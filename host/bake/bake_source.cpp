@@ -31,8 +31,8 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
   BakedHeader header;
   header.representation = job.representation;
   header.encoding = job.encoding;
-  header.wrap_s = job.reading.wrap_s;
-  header.wrap_t = job.reading.wrap_t;
+  header.wrap_s = source.map.report.wrap_s;
+  header.wrap_t = source.map.report.wrap_t;
   header.width = source.map.normals.width();
   header.height = source.map.normals.height();
   header.first_level = job.fitting.first_level;
@@ -45,10 +45,14 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
 
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress) {
   const ReadingPlace place = {scratch_folder(job), map_bytes_in_memory(job, readings)};
-  BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt,
-                    std::nullopt};
+  BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt};
   const int width = source.map.normals.width(), height = source.map.normals.height();
-  if (!job.albedo.empty()) source.albedo.emplace(read_albedo_rows(job.albedo, width, height, place, job.threads));
+  if (!job.albedo.empty()) {
+    ColourRows albedo = read_albedo_rows(job.albedo, width, height, place, job.threads);
+    source.albedo.emplace(std::move(albedo.planes));
+    source.albedo_clamped = albedo.clamped_count;
+    source.albedo_notes = std::move(albedo.notes);
+  }
   if (!job.weights.empty()) source.weights = read_weight_map(job.weights, width, height, place, job.threads);
   if (!job.roughness.empty()) {
     source.mean_cosine =

@@ -2,8 +2,10 @@
 // What a bake reads: the map and its material's, in memory where they are small, else in scratch files.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/bake/bake_job.h"
 #include "host/base/progress.h"
@@ -18,10 +20,12 @@ enum class MapReadings { kFew, kMany };
 
 struct BakeSource {
   NormalMapRows map;
-  std::optional<PlaneStore> albedo;  // where the job has one
-  std::optional<WeightMap> weights;  // the same
-  bool has_roughness = false;        // normals are shortened by it
-  double mean_cosine = 1.0;          // of the roughness map
+  std::optional<PlaneStore> albedo;                 // where the job has one
+  std::int64_t albedo_clamped = 0;                  // ColourRows::clamped_count
+  std::vector<std::string> albedo_notes = {};       // ColourRows::notes
+  std::optional<WeightMap> weights = std::nullopt;  // the same
+  bool has_roughness = false;                       // normals are shortened by it
+  double mean_cosine = 1.0;                         // of the roughness map
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }
   const WeightMap* weight_map() const { return weights ? &*weights : nullptr; }

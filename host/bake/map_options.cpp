@@ -24,14 +24,39 @@ void apply_to_fit(const MapOptions& o, MovmfSettings& fit) {
   if (o.first_level) fit.first_level = *o.first_level;
 }
 
+// Any of auto, which the map decides.
+WrapMode mode_of(MapWrap wrap) {
+  switch (wrap) {
+    case MapWrap::kBlack: return WrapMode::kBlack;
+    case MapWrap::kClamp: return WrapMode::kClamp;
+    case MapWrap::kMirror: return WrapMode::kMirror;
+    case MapWrap::kAuto:
+    case MapWrap::kPeriodic: return WrapMode::kPeriodic;
+  }
+  return WrapMode::kPeriodic;
+}
+
+WrapOrigin origin_of(MapWrap wrap) { return wrap == MapWrap::kAuto ? WrapOrigin::kFound : WrapOrigin::kSaid; }
+
 }  // namespace
+
+void set_wrap_s(MapWrap wrap, NormalMapSettings& settings) {
+  settings.wrap_s = mode_of(wrap);
+  settings.wrap_s_origin = origin_of(wrap);
+}
+
+void set_wrap_t(MapWrap wrap, NormalMapSettings& settings) {
+  settings.wrap_t = mode_of(wrap);
+  settings.wrap_t_origin = origin_of(wrap);
+}
 
 void apply(const MapOptions& o, BakeJob& job) {
   apply(o.reading, job.reading);
   if (o.check_nan) job.reading.check_nan = true;
-  if (o.wrap) job.reading.wrap_s = job.reading.wrap_t = *o.wrap;
-  if (o.wrap_s) job.reading.wrap_s = *o.wrap_s;
-  if (o.wrap_t) job.reading.wrap_t = *o.wrap_t;
+  for (const auto& wrap : {o.wrap, o.wrap_s})
+    if (wrap) set_wrap_s(*wrap, job.reading);
+  for (const auto& wrap : {o.wrap, o.wrap_t})
+    if (wrap) set_wrap_t(*wrap, job.reading);
   if (o.albedo) job.albedo = *o.albedo;
   if (o.roughness) job.roughness = *o.roughness;
   if (o.weights) job.weights = *o.weights;

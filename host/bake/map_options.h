@@ -21,6 +21,13 @@ inline const Choices<WrapMode> kWrapModes = {{"black", WrapMode::kBlack},
                                              {"clamp", WrapMode::kClamp},
                                              {"periodic", WrapMode::kPeriodic},
                                              {"mirror", WrapMode::kMirror}};
+/// Of a map to bake: a wrap mode, or what the map itself shows, periodic where it tiles and clamp elsewhere.
+enum class MapWrap { kAuto, kBlack, kClamp, kPeriodic, kMirror };
+inline const Choices<MapWrap> kMapWraps = {{"auto", MapWrap::kAuto},
+                                           {"black", MapWrap::kBlack},
+                                           {"clamp", MapWrap::kClamp},
+                                           {"periodic", MapWrap::kPeriodic},
+                                           {"mirror", MapWrap::kMirror}};
 
 inline const Choices<Representation> kNdfs = [] {
   Choices<Representation> choices;
@@ -32,7 +39,7 @@ inline const Choices<Representation> kNdfs = [] {
 struct MapOptions {
   ReadingOptions reading;
   bool check_nan = false;
-  std::optional<WrapMode> wrap, wrap_s, wrap_t;  // of both directions, of s alone, of t alone
+  std::optional<MapWrap> wrap, wrap_s, wrap_t;  // of both directions, of s alone, of t alone
   std::optional<std::string> albedo, roughness, weights;
   std::optional<Representation> ndf;
   std::optional<int> lobes, iterations, sweeps, first_level, sh_order;
@@ -47,6 +54,9 @@ struct MapOptions {
 };
 
 void apply(const MapOptions& options, BakeJob& job);
+/// Along s and along t.
+void set_wrap_s(MapWrap wrap, NormalMapSettings& settings);
+void set_wrap_t(MapWrap wrap, NormalMapSettings& settings);
 
 /// The option, as "--lobes", that says what a target chooses; null: there is none.
 const char* option_of_target(const MapOptions& options);

@@ -81,7 +81,7 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   if (!job.onto.empty()) {
     RegionBake region(job.onto, header, *job.region, inputs.place, output);
     inputs.region = &region;
-    bake_movmf(run.device, inputs, fitting_settings(job), region, report, progress);
+    bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), region, report, progress);
     region.finish();
     return;
   }
@@ -90,7 +90,7 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   inputs.checkpoint = checkpoint.get();
   BakeSink sink(output);
   try {
-    bake_movmf(run.device, inputs, fitting_settings(job), sink, report, progress);
+    bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), sink, report, progress);
   } catch (const Cancelled&) {
     if (job.resume && checkpoint != nullptr) checkpoint->leave();
     throw;
@@ -121,7 +121,8 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
 
 std::unique_ptr<AccuracyMeter> rehearse_lobes(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                               Progress* progress) {
-  MovmfMipmap mipmap = bake_movmf(run.device, fit_inputs(run), fitting_settings(run.job), report, progress);
+  MovmfMipmap mipmap =
+      bake_movmf(run.device, fit_inputs(run), fitting_settings(run.job, run.source.map.report), report, progress);
   mipmap.encoding = run.header.encoding;
   mipmap.mean_cosine = run.header.mean_cosine;
   quantize_movmf(mipmap, run.job.threads);

@@ -90,6 +90,13 @@ MovmfSettings fitting_settings(const BakeJob& job) {
   return settings;
 }
 
+MovmfSettings fitting_settings(const BakeJob& job, const NormalMapReport& map) {
+  MovmfSettings settings = fitting_settings(job);
+  settings.periodic_x = map.wrap_s == WrapMode::kPeriodic;
+  settings.periodic_y = map.wrap_t == WrapMode::kPeriodic;
+  return settings;
+}
+
 std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);

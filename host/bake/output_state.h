@@ -18,6 +18,8 @@ const std::string& bake_software();
 /// What JOB's texels are fitted with: its settings, held to its wrap modes. A map that repeats is filtered across its
 /// border, so its lobes must be alike there.
 MovmfSettings fitting_settings(const BakeJob& job);
+/// The same once the map is read, which decides where JOB leaves it to the map (--wrap auto).
+MovmfSettings fitting_settings(const BakeJob& job, const NormalMapReport& map);
 
 /// Every setting that changes the file, the reading's too, hashes of the material's maps, and the kernels. Throws
 /// Error(kInput) when one of them cannot be read.

@@ -43,9 +43,9 @@ const std::vector<std::string>& source_keys() {
 void read_source_keys(const StrictTable& table, MapOptions& map) {
   read_reading(table, map.reading);
   map.check_nan = table.boolean("checknan", map.check_nan);
-  read_choice(table, "wrap", kWrapModes, map.wrap);
-  read_choice(table, "swrap", kWrapModes, map.wrap_s);
-  read_choice(table, "twrap", kWrapModes, map.wrap_t);
+  read_choice(table, "wrap", kMapWraps, map.wrap);
+  read_choice(table, "swrap", kMapWraps, map.wrap_s);
+  read_choice(table, "twrap", kMapWraps, map.wrap_t);
   for (const auto& [key, value] :
        {std::pair{"albedo", &map.albedo}, std::pair{"roughness", &map.roughness}, std::pair{"weights", &map.weights}})
     if (table.has(key)) *value = table.text(key, "");

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace multum {
 
-FileRanges::FileRanges(const std::string& path, const std::vector<ByteRange>& ranges)
-    : IOProxy(path, Read), stream_(path, std::ios::binary) {
+FileRanges::FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words)
+    : IOProxy(path, Read), stream_(path, std::ios::binary), byte_words_(std::move(byte_words)) {
   for (const ByteRange& range : ranges) {
     pieces_.push_back({size_, range});
     size_ += range.end - range.begin;
@@ -34,12 +35,31 @@ std::size_t FileRanges::pread(void* data, std::size_t byte_count, std::int64_t o
     if (begin != stream_.tellg()) stream_.seekg(begin);
     stream_.read(to, count);
     const std::int64_t got = stream_.gcount();
+    fill_words(begin, begin + got, to);
     to += got;
     offset += got;
     byte_count -= static_cast<std::size_t>(got);
     if (got < count) break;
   }
   return static_cast<std::size_t>(to - static_cast<char*>(data));
+}
+
+// Bytes [begin, end) of the file lie at `data`. The other byte of a word at their ends is read by itself.
+void FileRanges::fill_words(std::int64_t begin, std::int64_t end, char* data) {
+  for (const ByteRange& words : byte_words_) {
+    for (std::int64_t at = std::max(begin, words.begin); at < std::min(end, words.end); ++at) {
+      const std::int64_t other = words.begin + ((at - words.begin) ^ 1);
+      char byte = 0;
+      if (other >= begin && other < end) {
+        byte = data[other - begin];
+      } else {
+        stream_.clear();
+        stream_.seekg(other);
+        stream_.get(byte);
+      }
+      if (data[at - begin] == 0) data[at - begin] = byte;
+    }
+  }
 }
 
 }  // namespace multum

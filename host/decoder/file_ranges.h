@@ -19,7 +19,8 @@ namespace multum {
 
 class FileRanges : public OIIO::Filesystem::IOProxy {
  public:
-  FileRanges(const std::string& path, const std::vector<ByteRange>& ranges);
+  /// `byte_words`: 16-bit words v * 256 of the file, presented as v * 257: both bytes are the larger of the two.
+  FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words = {});
 
   const char* proxytype() const override { return "file ranges"; }
   std::size_t read(void* data, std::size_t byte_count) override;
@@ -27,6 +28,8 @@ class FileRanges : public OIIO::Filesystem::IOProxy {
   std::size_t size() const override { return static_cast<std::size_t>(size_); }
 
  private:
+  void fill_words(std::int64_t begin, std::int64_t end, char* data);
+
   struct Piece {
     std::int64_t offset;  // where it is presented
     ByteRange range;      // where it lies in the file
@@ -35,6 +38,7 @@ class FileRanges : public OIIO::Filesystem::IOProxy {
   std::mutex mutex_;  // of the stream
   std::vector<Piece> pieces_;
   std::int64_t size_ = 0;
+  std::vector<ByteRange> byte_words_;
 };
 
 }  // namespace multum

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <utility>
 
@@ -53,7 +54,7 @@ void leave_out_metadata(OpenImage& image, const std::string& path, const ImageCo
     image.bytes = joined_ranges(path, container.ranges);
     image.file = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
   } else {
-    image.file = std::make_unique<FileRanges>(path, container.ranges);
+    image.file = std::make_unique<FileRanges>(path, container.ranges, container.byte_words);
   }
   image.input->set_ioproxy(image.file.get());
 }
@@ -64,7 +65,8 @@ OpenImage open_image(const std::string& path, const ImageContainer& container) {
   if (!image.input)
     throw Error(ErrorCode::kEnvironment,
                 path + ": this OpenImageIO cannot read " + container.format + ": " + OIIO::geterror());
-  if (container.has_metadata && image.input->supports("ioproxy")) leave_out_metadata(image, path, container);
+  const bool is_changed = container.has_metadata || !container.byte_words.empty();
+  if (is_changed && image.input->supports("ioproxy")) leave_out_metadata(image, path, container);
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);  // PNG alpha may hold a height; colour times height is no normal
   OIIO::ImageSpec spec;
@@ -102,11 +104,36 @@ ImagePart part_of(const OIIO::ImageSpec& spec, bool with_texts) {
   return part;
 }
 
+template <typename Number>
+void invert_every(std::byte* memory, std::size_t count, std::size_t stride, Number white) {
+  for (std::size_t i = 0; i < count; ++i) {
+    Number value;
+    std::byte* const at = memory + i * stride * sizeof(Number);
+    std::memcpy(&value, at, sizeof(value));
+    value = static_cast<Number>(white - value);
+    std::memcpy(at, &value, sizeof(value));
+  }
+}
+
+// Grey is the first channel; alpha may follow.
+void invert_first_channel(const ImagePart& part, const PixelBlock& block, std::byte* memory) {
+  if (block.channel_begin > 0) return;
+  const auto count = static_cast<std::size_t>(part.width) * static_cast<std::size_t>(block.y_end - block.y_begin);
+  const auto stride = static_cast<std::size_t>(block.channel_end - block.channel_begin);
+  switch (block.base_type) {
+    case OIIO::TypeDesc::UINT8: return invert_every<std::uint8_t>(memory, count, stride, 0xFF);
+    case OIIO::TypeDesc::UINT16: return invert_every<std::uint16_t>(memory, count, stride, 0xFFFF);
+    case OIIO::TypeDesc::UINT32: return invert_every<std::uint32_t>(memory, count, stride, 0xFFFFFFFF);
+    case OIIO::TypeDesc::FLOAT: return invert_every<float>(memory, count, stride, 1.0f);
+    default: MULTUM_CHECK(false);
+  }
+}
+
 class OiioImageFile : public LibraryImageFile {
  public:
   OiioImageFile(std::string path, const ImageContainer& container, const ImageFileSettings& settings)
-      : path_(std::move(path)), open_(open_image(path_, container)) {
-    description_ = {container.format, container.file_size, {}};
+      : path_(std::move(path)), open_(open_image(path_, container)), inverts_integers_(container.inverts_integers) {
+    description_ = {container.format, container.file_size, {}, container.notes, container.texel_metres};
     open_.input->threads(std::max(0, settings.threads));
     if (!settings.all_parts) {
       description_.parts.push_back(part_of(open_.input->spec(), false));
@@ -143,11 +170,13 @@ class OiioImageFile : public LibraryImageFile {
                                           block.channel_end, type, memory);
     // The TIFF reader calls a band read that is cut; its message is the only sign.
     const std::string message = open_.input->geterror();
+    if (inverts_integers_) invert_first_channel(from, block, memory);
     return is_read || !message.empty() ? message : "the reader does not say why";
   }
 
   std::string path_;
   OpenImage open_;
+  bool inverts_integers_;  // ImageContainer's
   std::vector<std::byte> memory_;
 };
 

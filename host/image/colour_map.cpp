@@ -121,6 +121,7 @@ ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncodin
   };
   reader.read(add_band, progress);
   albedo.clamped_count = clamped_count;
+  albedo.notes = info.notes;
   if (is_data && clamped_count > 0)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: found {} texels that are not finite, expected numbers", path, albedo.clamped_count));
@@ -149,8 +150,8 @@ ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, co
   return read_rows(reader, path, encoding, place, threads, progress);
 }
 
-PlaneStore read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
-  return read_albedo(path, width, height, place, threads).planes;
+ColourRows read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
+  return read_albedo(path, width, height, place, threads);
 }
 
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads) {
@@ -161,6 +162,7 @@ ColourMap read_albedo_map(const std::string& path, int width, int height, int th
   map.height = height;
   map.format = std::move(rows.format);
   map.clamped_count = rows.clamped_count;
+  map.notes = std::move(rows.notes);
   map.r = std::move(planes[0]);
   map.g = std::move(planes[1]);
   map.b = std::move(planes[2]);

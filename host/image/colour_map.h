@@ -19,6 +19,7 @@ struct ColourMap {
   std::vector<float> r, g, b;
   std::string format;              // "png uint8, 3 channels, sRGB"
   std::int64_t clamped_count = 0;  // texels with a negative or non-finite value, which was read as 0
+  std::vector<std::string> notes;  // RawImageInfo::notes
 };
 
 /// The map's planes, to be read by rows; the map must outlive it.
@@ -30,10 +31,6 @@ inline PlaneStore planes_of(const ColourMap& map) {
 /// RGB; alpha is ignored. Throws Error(kInput); also when its size is not `width` x `height`.
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
 
-/// The same numbers, kept as `place` says; of the file a few bands of rows are in memory. Throws Error(kEnvironment)
-/// when scratch files cannot be written.
-PlaneStore read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads);
-
 /// How an image's numbers are meant.
 enum class ColourEncoding {
   kAuto,    // as the albedo's: integers sRGB unless the file says otherwise, floats linear
@@ -44,10 +41,15 @@ enum class ColourEncoding {
 
 struct ColourRows {
   PlaneStore planes;
-  int channel_count = 0;           // of the file, 1 or 3; of one all planes are the same
-  std::string format;              // "png uint8, 3 channels, sRGB"
-  std::int64_t clamped_count = 0;  // as ColourMap's
+  int channel_count = 0;                // of the file, 1 or 3; of one all planes are the same
+  std::string format;                   // "png uint8, 3 channels, sRGB"
+  std::int64_t clamped_count = 0;       // as ColourMap's
+  std::vector<std::string> notes = {};  // RawImageInfo::notes
 };
+
+/// The same numbers, kept as `place` says; of the file a few bands of rows are in memory. Throws Error(kEnvironment)
+/// when scratch files cannot be written.
+ColourRows read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads);
 
 /// An image of any size. Throws as read_albedo_rows() does.
 ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const ReadingPlace& place, int threads,

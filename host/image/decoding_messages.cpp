@@ -48,6 +48,9 @@ std::string open_answer(const ImageDescription& description) {
   out.number(DecodingAnswer::kDone).text(description.format).number(description.file_size);
   out.number(std::uint64_t{description.parts.size()});
   for (const ImagePart& part : description.parts) write(out, part);
+  out.number(std::uint64_t{description.notes.size()});
+  for (const std::string& note : description.notes) out.text(note);
+  out.number(description.texel_metres);
   return out.take();
 }
 
@@ -75,6 +78,8 @@ ImageDescription parse_open_answer(MessageReader& in) {
   description.format = in.text();
   description.file_size = in.number<std::int64_t>();
   for (std::size_t left = in.count(); left > 0; --left) description.parts.push_back(read_part(in));
+  for (std::size_t left = in.count(); left > 0; --left) description.notes.push_back(in.text());
+  description.texel_metres = in.number<double>();
   return description;
 }
 

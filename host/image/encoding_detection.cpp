@@ -5,9 +5,12 @@
 //     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo is like a height: a warning says so. One
 //     value tells nothing and two are a mask: refused.
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
+//     What nearly flat normals round their z to is not set aside: there both readings are the same up to rounding.
 //  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
 //  4. Refused unless it looks like normals (`refusal` below).
-//  5. Green by the gradient agreement; up when it is undecided.
+//  5. Green by the gradient agreement; up when it is undecided. What the caller says goes before it; a warning names
+//  the
+//     disagreement.
 #include "host/image/encoding_detection.h"
 
 #include <algorithm>
@@ -41,9 +44,17 @@ struct Evidence {
   }
 };
 
+// Compression leaves colours of up to a code of 8 bits. With more bits, what differs between channels as much as it
+// does between texels is no such noise: normals that are short, around mid-grey.
 bool is_grey(const Evidence& evidence) {
-  constexpr double kChromaMax = 1.0 / 255.0;
-  return evidence.info().channel_count == 3 && evidence.survey.chroma_rms() <= kChromaMax;
+  constexpr double kChromaMax = 1.0 / 255.0, kChromaOfContrastMax = 0.25;
+  if (evidence.info().channel_count != 3) return false;
+  const double chroma = evidence.survey.chroma_rms();
+  if (chroma == 0.0) return true;
+  if (evidence.info().sample_type != SampleType::kUint8 &&
+      chroma > kChromaOfContrastMax * evidence.survey.grey_deviation())
+    return false;
+  return chroma <= kChromaMax;
 }
 
 // Whether a finite value of the first channel is further than `margin` from both ends of its range. Of most images the
@@ -72,12 +83,19 @@ std::optional<std::string> grey_refusal(const Evidence& evidence) {
   return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
 }
 
-// How well a reading explains the numbers: unit vectors, or for a rebuilt z: possible ones, not all leaning to one
-// side.
+// Vectors around +Z that all have one length, whatever it is: normals times a constant, which normalising takes away.
+bool has_one_length(const VectorStatistics& s) {
+  constexpr double kSpreadMax = 0.05;
+  return s.length_spread <= kSpreadMax && s.below_share <= 0.05 && s.mean_z >= 0.4 * s.length_mean &&
+         std::hypot(s.mean_x, s.mean_y) <= 0.5 * s.mean_z;
+}
+
+// How well a reading explains the numbers: unit vectors, less well vectors of one other length; or for a rebuilt z:
+// possible ones, not all leaning to one side.
 double plausibility(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.texel_count == 0.0) return -1.0;
-  if (!reading.encoding.rebuild_z) return s.unit_share_10;
+  if (!reading.encoding.rebuild_z) return std::max(s.unit_share_10, has_one_length(s) ? 0.5 - s.length_spread : 0.0);
   return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
 }
 
@@ -111,13 +129,32 @@ VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings&
   return encoding;
 }
 
+// The same in every texel, up to the noise of compression; but blue varies little too where vectors are short all over,
+// which floats and 16 bits may hold.
+bool is_blue_constant(const Evidence& evidence, const VectorStatistics& s) {
+  constexpr double kNoise = 2.5 / 255.0;
+  const double range = s.blue_max - s.blue_min;
+  const bool is_short = evidence.info().sample_type != SampleType::kUint8 && s.unit_share_20 < 0.5 && has_one_length(s);
+  return range <= (is_short ? 0.0 : kNoise);
+}
+
+// Whether a constant blue is further from the z of unit vectors than its rounding and compression put it: filler, as in
+// two-channel maps that were saved with three. With 8 bits up to 0.02, which 11 degrees reach; there (x, y, 1) and the
+// rebuilt vector are 0.2 degrees apart, half a code. Flat maps have no say: they are flat either way.
+bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (s.tilted_share == 0.0) return false;
+  const double noise = evidence.info().sample_type == SampleType::kUint8 ? 2 * 2.5 / 255.0 : 2 * 2.5 / 65535.0;
+  const auto z_of = [&](double blue) { return reading.encoding.is_signed ? blue : 2.0 * blue - 1.0; };
+  return s.rebuilt_z_min < z_of(s.blue_min) - noise || s.rebuilt_z_mean > z_of(s.blue_max) + noise;
+}
+
 Reading best_reading(const Evidence& evidence, const NormalMapSettings& settings) {
   VectorEncoding encoding = first_encoding(evidence.info(), settings);
   const Reading first = best_signedness(evidence, encoding, settings);
   if (settings.two_channel.has_value() || evidence.info().channel_count == 2) return first;
-  // A constant blue, up to compression noise: it may be filler, or be what nearly flat normals have.
-  const bool blue_is_constant = first.statistics.blue_max - first.statistics.blue_min <= 2.5 / 255.0;
-  if (!blue_is_constant || first.statistics.unit_share_10 >= 0.8) return first;
+  if (!is_blue_constant(evidence, first.statistics)) return first;
+  if (first.statistics.unit_share_10 >= 0.8 && !is_blue_filler(evidence, first)) return first;
   encoding.rebuild_z = true;
   const Reading rebuilt = best_signedness(evidence, encoding, settings);
   // Where x^2 + y^2 > 1 the vectors are (x, y, 1) of no unit length, and blue is meant.
@@ -161,6 +198,13 @@ std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   }
   const double agreement = std::abs(s.gradient_agreement);
   if (s.unit_share_5 >= 0.95 && s.mean_z >= 0.1) return std::nullopt;
+  // Normals times a constant; colours of little contrast have one length too, but no gradients.
+  if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
+  if (s.length_mean < 0.4)
+    return fmt::format(
+        "vectors are {:.3g} long in the mean, expected 1, and neither of one length nor clearly the "
+        "slopes of a surface (multiply them until they are of unit length)",
+        s.length_mean);
   if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
   if (s.unit_share_10 >= 0.8) return std::nullopt;
   if (s.unit_share_20 >= 0.6 && (agreement >= 0.15 || s.rebuilt_z_correlation >= 0.25)) return std::nullopt;
@@ -240,10 +284,39 @@ std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
   return std::nullopt;
 }
 
+const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
+const char* green_option(GreenAxis green) { return green == GreenAxis::kUp ? "--green up" : "--green down"; }
+
+// Normals times a constant are normalised, which a file of something else would be too.
+void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
+  const VectorStatistics& s = reading.statistics;
+  if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
+  warnings.push_back(
+      fmt::format("its vectors are {:.3g} long instead of 1, all alike: they are read as normals times a "
+                  "constant, and made unit vectors",
+                  s.length_mean));
+}
+
+// Green that cannot be told, or that was told against the evidence: bumps and dents are then mixed up along y.
+void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
+                   std::vector<std::string>& warnings) {
+  if (!settings.green && !found) {
+    // Where nothing is tilted, green is 0 either way.
+    if (s.tilted_share > 0.0)
+      warnings.emplace_back(
+          "which way green points cannot be told from the statistics; up (OpenGL) is taken, --green up or --green down "
+          "says it");
+  } else if (settings.green && found && *settings.green != *found) {
+    warnings.push_back(
+        fmt::format("green is read as {}, as asked for, but red and green are the slopes of a surface whose green "
+                    "points {} (gradient agreement {:+.2f}): unless you know better, leave the setting out, or say {}",
+                    green_name(*settings.green), green_name(*found), s.gradient_agreement, green_option(*found)));
+  }
+}
+
 std::string describe(const VectorEncoding& encoding, const char* green_note) {
   return fmt::format("normal map, {}, {}green {}{}", encoding.is_signed ? "signed" : "unsigned",
-                     encoding.rebuild_z ? "two channels (z rebuilt), " : "",
-                     encoding.green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)", green_note);
+                     encoding.rebuild_z ? "two channels (z rebuilt), " : "", green_name(encoding.green), green_note);
 }
 
 }  // namespace
@@ -288,11 +361,10 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   if (settings.normal_scale != 1.0f) result.description += fmt::format(", scaled by {:g}", settings.normal_scale);
   const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
   warn_of_ignored({{is_scaled, "--height-scale"}}, "a normal map", result.warnings);
-  // Where nothing is tilted, green is 0 either way.
-  if (!settings.green.has_value() && !found_green.has_value() && reading.statistics.tilted_share > 0.0)
-    result.warnings.emplace_back(
-        "which way green points cannot be told from the statistics; up (OpenGL) is taken, --green up or --green down "
-        "says it");
+  if (reading.encoding.rebuild_z && channel_count > 2 && !settings.two_channel)
+    result.reason += fmt::format(", blue is {:.3g} throughout, which completes no vector", reading.statistics.blue_min);
+  warn_of_length(reading, result.warnings);
+  warn_of_green(settings, found_green, reading.statistics, result.warnings);
   return result;
 }
 

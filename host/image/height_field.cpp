@@ -17,6 +17,7 @@
 #include "host/base/error.h"
 #include "host/base/parallel.h"
 #include "host/image/normal_decode.h"
+#include "host/image/number_type.h"
 
 namespace multum {
 namespace {
@@ -120,19 +121,64 @@ HeightRows Heights::rows_and_neighbours(int row_begin, int row_end) const {
   return rows;
 }
 
+// A number with two significant digits, as one would type it.
+double rounded(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::round(value / unit) * unit;
+}
+
+// What a value difference of 1 is in the file's own numbers: integers were divided by it.
+double value_unit(const RawImageInfo& info) {
+  switch (info.base_type) {
+    case number_type::kUint8: return 255.0;
+    case number_type::kInt8: return 127.0;
+    case number_type::kUint16: return 65535.0;
+    case number_type::kInt16: return 32767.0;
+    case number_type::kUint32: return 4294967295.0;
+    case number_type::kInt32: return 2147483647.0;
+    default: return 1.0;
+  }
+}
+
+// The scale that a usual slope, or texels of a known size and heights in metres, ask for.
+std::string suggested_scale(const RawImageInfo& info, double slope_rms, bool is_slope_odd,
+                            const NormalMapSettings& settings) {
+  const auto scale = static_cast<double>(settings.height_scale);
+  std::string text;
+  if (info.texel_metres > 0.0) {
+    const double of_metres = value_unit(info) / info.texel_metres;
+    if (std::abs(scale - of_metres) > 0.01 * of_metres)
+      text += fmt::format("; its texels are {:g} m wide: heights in metres need --height-scale {:.4g}",
+                          info.texel_metres, of_metres);
+  } else if (is_slope_odd && slope_rms > 0.0) {
+    constexpr double kSlopeUsual = 0.5;  // 27 degrees, in the middle of what is expected
+    text += fmt::format(
+        "; --height-scale {:g} would make it {:g}. Heights and texels in metres give it exactly: metres of a value "
+        "difference of 1 / metres of a texel",
+        rounded(std::abs(scale) * kSlopeUsual / slope_rms), kSlopeUsual);
+  }
+  return text;
+}
+
 // A height's scale is not in the file, and a grey image may be none: both show in the slopes.
-void warn_of_doubts(NormalMapReport& report, double slope_rms, const NormalMapSettings& settings) {
+void warn_of_doubts(NormalMapReport& report, const RawImageInfo& info, double slope_rms,
+                    const NormalMapSettings& settings) {
   constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // surfaces that a bake is for: 3 to 79 degrees
+  const bool is_slope_odd = slope_rms < kSlopeMin || slope_rms > kSlopeMax;
   std::string text;
   if (settings.bump_format == BumpFormat::kAuto)
     text = fmt::format(
         "a grey image, taken for a height field at --height-scale {:g} (--bumpformat height says that "
         "it is one)",
         settings.height_scale);
-  if (slope_rms < kSlopeMin || slope_rms > kSlopeMax)
+  if (is_slope_odd)
     text += fmt::format("{}its rms slope {:.3g} is too {}, expected {:g} to {:g}: --height-scale {:g} may be wrong",
                         text.empty() ? "" : "; ", slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin,
                         kSlopeMax, settings.height_scale);
+  const std::string suggestion = suggested_scale(info, slope_rms, is_slope_odd, settings);
+  if (text.empty() && !suggestion.empty())
+    text = fmt::format("--height-scale {:g} may be wrong", settings.height_scale);
+  text += suggestion;
   if (!text.empty()) report.warnings.push_back(text);
 }
 
@@ -193,7 +239,7 @@ NormalMapRows normals_from_heights(const std::string& path, const RawImage& imag
   const double slope_rms = std::sqrt(total.slopes / (static_cast<double>(width) * height));
   map.report.encoding =
       fmt::format("height field, scale {:g} texels, rms slope {:.3g}", settings.height_scale, slope_rms);
-  warn_of_doubts(map.report, slope_rms, settings);
+  warn_of_doubts(map.report, image.info(), slope_rms, settings);
   map.report.nonfinite_repaired = nonfinite_count;
   map.report.below_horizon_repaired = total.lifted;
   check_repair_share(path, map, settings);

@@ -14,6 +14,7 @@
 #include "host/base/byte_file.h"
 #include "host/base/error.h"
 #include "host/base/exr_survey.h"
+#include "host/image/tiff_survey.h"
 
 namespace multum {
 namespace {
@@ -25,6 +26,13 @@ void keep(ImageContainer& container, std::int64_t begin, std::int64_t end) {
     container.ranges.push_back({begin, end});
   }
 }
+
+void add_orientation(ImageContainer& container, int orientation) {
+  const std::string note = orientation_note(orientation);
+  if (!note.empty()) container.notes.push_back(note);
+}
+
+constexpr char kFirstFrame[] = "the file is an animation, of which the first frame is read";
 
 // signature, then chunks of [length 4][type 4][data][CRC 4]; what the picture needs is IHDR PLTE tRNS gAMA sRGB IDAT
 // IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
@@ -50,6 +58,8 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
     } else {
       container.has_metadata = true;
     }
+    if (type == "eXIf") add_orientation(container, exif_orientation(file, position + 8, length));
+    if (type == "acTL") container.notes.emplace_back(kFirstFrame);
     ended = type == "IEND";
     position = end;
   }
@@ -76,6 +86,8 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
       container.width = file.big_endian(position + 7, 2, "the width");
     }
     const bool is_application = marker >= 0xE0 && marker <= 0xEF;
+    if (marker == 0xE1 && end - position > 10 && file.bytes(position + 4, 4, "a JPEG segment") == "Exif")
+      add_orientation(container, exif_orientation(file, position + 4, end - position - 4));
     if (marker == 0xFE || (is_application && marker != 0xE0 && marker != 0xEE)) {
       container.has_metadata = true;
     } else {
@@ -90,6 +102,17 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
     refuse_file(path, "the file is cut: no JPEG end marker");
 }
 
+// Chunks [type 4][length 4][data], of an even number of bytes, behind VP8X.
+void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& container) {
+  for (std::int64_t position = 12; position + 8 <= end;) {
+    const std::string type = file.bytes(position, 4, "a WebP chunk");
+    const std::int64_t length = file.little_endian(position + 4, 4, "a WebP chunk");
+    if (type == "EXIF") add_orientation(container, exif_orientation(file, position + 8, length));
+    if (type == "ANIM") container.notes.emplace_back(kFirstFrame);
+    position += 8 + length + length % 2;
+  }
+}
+
 // RIFF [size 4] WEBP, then a chunk that says the size: VP8X (of the canvas, 24 bits, less 1), VP8L (14 bits, less 1) or
 // VP8 (14 bits).
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
@@ -100,6 +123,7 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
   if (chunk == "VP8X") {
     container.width = 1 + file.little_endian(24, 3, "the width");
     container.height = 1 + file.little_endian(27, 3, "the height");
+    inspect_webp_chunks(file, end, container);
   } else if (chunk == "VP8L") {
     const std::int64_t sizes = file.little_endian(21, 4, "the size");
     container.width = 1 + (sizes & 0x3fff);
@@ -118,7 +142,47 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   for (const ExrPartSize& part : parts) check_image_size(path, part.width, part.height, texel_count_max);
   container.width = parts.front().width;
   container.height = parts.front().height;
+  if (parts.size() > 1)
+    container.notes.push_back(fmt::format("the file has {} parts, of which the first is read", parts.size()));
   keep(container, 0, file.size());
+}
+
+// Whether all words of a colour map are v * 256, as some programs write them, and some are not 0.
+bool has_byte_words(ByteFile& file, const ByteRange& words, bool is_big_endian) {
+  bool has_any = false;
+  for (std::int64_t at = words.begin; at < words.end; at += 2) {
+    const std::int64_t value =
+        is_big_endian ? file.big_endian(at, 2, "a colour map") : file.little_endian(at, 2, "a colour map");
+    if (value % 256 != 0) return false;
+    has_any |= value != 0;
+  }
+  return has_any;
+}
+
+// Workaround "TIFF white": OpenImageIO 2.4.7 turns round what has 0 for white up to 8 bits, and leaves more bits as
+// they are (ImageReaderTest.WhiteIsZeroOfTiff). Of floats no value is black.
+// Workaround "TIFF palette": it divides words of a colour map by 257, which loses a code of those that are v * 256
+// (ImageReaderTest.PalettesOfTiff).
+void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& container) {
+  constexpr int kWhiteIsZero = 0, kPalette = 3, kUnsigned = 1;
+  keep(container, 0, file.size());
+  const TiffSurvey tiff = survey_tiff(file, 0);
+  if (tiff.photometric == kWhiteIsZero && tiff.sample_format != kUnsigned)
+    refuse_file(path,
+                "found a TIFF of signed integers or floats with 0 for white (MinIsWhite), expected unsigned "
+                "integers, whose black is known, or 0 for black");
+  container.inverts_integers = tiff.photometric == kWhiteIsZero && tiff.bits > 8;
+  const std::int64_t words = (tiff.colour_map.end - tiff.colour_map.begin) / 2;
+  const bool is_palette = tiff.photometric == kPalette && words > 0 && words <= 3 * 65536;
+  if (is_palette && has_byte_words(file, tiff.colour_map, file.bytes(0, 1, "the first byte") == "M"))
+    container.byte_words.push_back(tiff.colour_map);
+  add_orientation(container, tiff.orientation);
+  if (tiff.page_count > 1)
+    container.notes.push_back(
+        fmt::format("the file has {} pages, of which the first is read{}", tiff.page_count,
+                    tiff.is_reduced ? ", which says that it is a reduced version of another" : ""));
+  else if (tiff.is_reduced) container.notes.emplace_back("its picture says that it is a reduced version of another");
+  container.texel_metres = tiff.texel_metres;
 }
 
 std::string format_of(std::string_view head) {
@@ -159,7 +223,7 @@ ImageContainer inspect_image_container(const std::string& path, std::int64_t tex
   } else if (container.format == "openexr") {
     inspect_exr(path, file, container, texel_count_max);
   } else {
-    keep(container, 0, file.size());
+    inspect_tiff(path, file, container);
     return container;
   }
   check_image_size(path, container.width, container.height, texel_count_max);

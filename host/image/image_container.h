@@ -20,8 +20,12 @@ struct ImageContainer {
   std::int64_t file_size = 0;
   std::int64_t width = 0;  // 0 where the format's own reader is the first to say (TIFF)
   std::int64_t height = 0;
-  bool has_metadata = false;      // ranges leave something out
-  std::vector<ByteRange> ranges;  // the file without its metadata (texts, EXIF, XMP, ICC), in order
+  bool has_metadata = false;               // ranges leave something out
+  std::vector<ByteRange> ranges;           // the file without its metadata (texts, EXIF, XMP, ICC), in order
+  std::vector<std::string> notes = {};     // what the file says of its picture that is not heeded, a line each
+  double texel_metres = 0.0;               // GeoTIFF's ModelPixelScale where its unit is the metre; 0: not said
+  bool inverts_integers = false;           // TIFF: 0 is white, which OpenImageIO 2.4.7 leaves so beyond 8 bits
+  std::vector<ByteRange> byte_words = {};  // TIFF: 16-bit words v * 256 of a colour map, meant as v * 257
 };
 
 /// Throws Error(kInput) when the file is missing, of another format, cut, or declares a size that is not within

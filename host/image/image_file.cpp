@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "host/base/error.h"
@@ -62,6 +63,9 @@ void set_image_opener(ImageOpener next) { opener() = std::move(next); }
 void check_described(const std::string& path, const ImageDescription& description, std::int64_t texel_count_max) {
   if (description.parts.empty() || description.parts.size() > kPartCountMax)
     refuse_file(path, fmt::format("found {} parts, expected 1 to {}", description.parts.size(), kPartCountMax));
+  constexpr std::size_t kNoteCountMax = 16;
+  if (description.notes.size() > kNoteCountMax || !std::isfinite(description.texel_metres))
+    refuse_file(path, "damaged: its description makes no sense");
   for (const ImagePart& part : description.parts) check_part(path, part, texel_count_max);
 }
 

@@ -42,6 +42,8 @@ struct ImageDescription {
   std::string format;  // as ImageContainer's
   std::int64_t file_size = 0;
   std::vector<ImagePart> parts;
+  std::vector<std::string> notes = {};  // ImageContainer's
+  double texel_metres = 0.0;            // the same
 };
 
 /// Rows of some channels, interleaved, as numbers of one type.

@@ -172,6 +172,8 @@ ImageReader::State::State(const std::string& image_path, const ImageReadSettings
   const ImagePart& part = file->part();
   const std::string& format = file->description().format;
   info = image_info(path, part, format, settings.all_channels);
+  info.notes = file->description().notes;
+  info.texel_metres = file->description().texel_metres;
   check_plausible_size(path, part, file->description().file_size);
   if (format == "tiff" && part.base_type == number_type::kDouble && part.height == 1)
     refuse_file(

@@ -39,17 +39,57 @@ void ImageSurvey::add_row(int row, const float* values) {
     } else if (channel_count == 3) {
       const glm::dvec3 v(values[0], values[1], values[2]);
       const glm::dvec3 chroma = v - (v.x + v.y + v.z) / 3.0;
-      chroma_sum_ += chroma.x * chroma.x + chroma.y * chroma.y + chroma.z * chroma.z;
-      value_sum_ += v.x * v.x + v.y * v.y + v.z * v.z;
-      value_count_ += 3.0;
+      const float largest = std::max({std::abs(values[0]), std::abs(values[1]), std::abs(values[2])});
+      const bool has_exponent = is_float_type(info_.sample_type) && largest > 0.0f;
+      const int exponent = has_exponent ? std::ilogb(largest) : kExponentMin;
+      ChromaSums& sums = chroma_[static_cast<std::size_t>(exponent - kExponentMin)];
+      sums.chroma += chroma.x * chroma.x + chroma.y * chroma.y + chroma.z * chroma.z;
+      sums.values += v.x * v.x + v.y * v.y + v.z * v.z;
+      sums.count += 3.0;
+      sums.grey += v.x + v.y + v.z;
     }
   }
 }
 
+void ImageSurvey::ChromaSums::add(const ChromaSums& sums) {
+  chroma += sums.chroma;
+  values += sums.values;
+  count += sums.count;
+  grey += sums.grey;
+}
+
+std::array<ImageSurvey::ChromaSums, 2> ImageSurvey::chroma_sums() const {
+  constexpr double kOutlierShareMax = 0.01;  // as many as may be repaired, NormalMapSettings::repair_share_max
+  ChromaSums all, usual;
+  for (const ChromaSums& sums : chroma_) all.add(sums);
+  for (const ChromaSums& sums : chroma_)
+    if (usual.count < (1.0 - kOutlierShareMax) * all.count) usual.add(sums);
+  return {all, usual};
+}
+
+// Rms of the values of floats, 1 of integers.
+double ImageSurvey::unit_of(const ChromaSums& sums) const {
+  return is_float_type(info_.sample_type) ? std::sqrt(sums.values / sums.count) : 1.0;
+}
+
+double ImageSurvey::chroma_of(const ChromaSums& sums) const {
+  if (sums.count == 0.0) return 1.0;
+  const double unit = unit_of(sums);
+  return unit > 0.0 ? std::sqrt(sums.chroma / sums.count) / unit : 0.0;
+}
+
 double ImageSurvey::chroma_rms() const {
-  if (value_count_ == 0.0) return 1.0;
-  if (!is_float_type(info_.sample_type)) return std::sqrt(chroma_sum_ / value_count_);
-  return value_sum_ > 0.0 ? std::sqrt(chroma_sum_ / value_sum_) : 0.0;
+  const auto [all, usual] = chroma_sums();
+  return std::max(chroma_of(all), chroma_of(usual));
+}
+
+double ImageSurvey::grey_deviation() const {
+  const auto [all, usual] = chroma_sums();
+  const ChromaSums& sums = chroma_of(all) >= chroma_of(usual) ? all : usual;
+  if (sums.count == 0.0) return 0.0;
+  const double mean = sums.grey / sums.count, unit = unit_of(sums);
+  const double variance = (sums.values - sums.chroma) / sums.count - mean * mean;
+  return unit > 0.0 ? std::sqrt(std::max(0.0, variance)) / unit : 0.0;
 }
 
 std::optional<VectorStatistics> ImageSurvey::statistics(const VectorEncoding& encoding) const {

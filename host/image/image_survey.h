@@ -33,8 +33,11 @@ class ImageSurvey {
   std::int64_t first_nonfinite() const { return first_nonfinite_; }
   /// Rms distance of three channels from their mean, over the finite texels. For floats relative to the rms of the
   /// values (a height in metres and a dim photograph both have their own scale), for integers in units of the whole
-  /// range. 1 where nothing is finite.
+  /// range; the larger of that over all texels and that without the 1 % of the largest values, so that a few outliers
+  /// cannot hide what all others are. 1 where nothing is finite.
   double chroma_rms() const;
+  /// Standard deviation of the channels' mean, in the same unit and of the same texels as what chroma_rms() is of.
+  double grey_deviation() const;
   /// Of one of `readings`; nullopt for others.
   std::optional<VectorStatistics> statistics(const VectorEncoding& encoding) const;
 
@@ -46,7 +49,18 @@ class ImageSurvey {
   std::array<Range, 3> ranges_;
   std::int64_t nonfinite_count_ = 0;
   std::int64_t first_nonfinite_ = -1;
-  double chroma_sum_ = 0.0, value_sum_ = 0.0, value_count_ = 0.0;  // squares
+  struct ChromaSums {
+    double chroma = 0.0, values = 0.0, count = 0.0;  // squares
+    double grey = 0.0;                               // three times the channels' mean
+    void add(const ChromaSums& sums);
+  };
+  // Of all texels, and of those without the 1 % of the largest values.
+  std::array<ChromaSums, 2> chroma_sums() const;
+  double unit_of(const ChromaSums& sums) const;
+  double chroma_of(const ChromaSums& sums) const;
+  // Of floats by the binary exponent of the texel's largest value, from -149 to 127; of integers together.
+  static constexpr int kExponentMin = -149, kExponentCount = 278;
+  std::array<ChromaSums, kExponentCount> chroma_;
   std::vector<VectorStatisticsSums> statistics_;
 };
 

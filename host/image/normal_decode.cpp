@@ -45,7 +45,7 @@ struct Decoding {
   // The normal of one texel, flat where there is none.
   TexelState decode(float r, float g, float b, glm::dvec3& n, TexelCounts& counts) const {
     n = glm::dvec3(0.0, 0.0, 1.0);
-    if (!std::isfinite(r) || !std::isfinite(g) || !std::isfinite(b)) {
+    if (!is_vector_value(r) || !is_vector_value(g) || !is_vector_value(b)) {
       ++counts.nonfinite;
       return TexelState::kNonfinite;
     }

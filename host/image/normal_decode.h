@@ -44,6 +44,9 @@ inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g
   return v;
 }
 
+/// False for NaN, infinities, and what a broken pixel of a renderer exceeds but no scale of normals does.
+inline bool is_vector_value(float v) { return std::abs(v) <= 1e9f; }
+
 /// True where an unsigned file was never written: the area between the charts of an atlas is black, up to the noise of
 /// lossy compression (4 codes of 8 bits). No normal is near (-1, -1, -1).
 inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b) {

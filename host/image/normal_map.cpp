@@ -14,6 +14,7 @@
 #include "host/image/image_reader.h"
 #include "host/image/image_survey.h"
 #include "host/image/normal_decode.h"
+#include "host/image/seam.h"
 
 namespace multum {
 namespace {
@@ -40,6 +41,43 @@ void check_finite(const std::string& path, const ImageSurvey& survey, int width,
                           path, first % width, first / width, survey.nonfinite_count()));
 }
 
+std::string step_text(const SeamStep& step) {
+  return fmt::format(
+      "the step across its border is {:.3g} rms, steps inside are {:.3g} in the median and {:.3g} at most", step.border,
+      step.usual, step.largest);
+}
+
+struct Direction {
+  const char* name;    // "s (x)"
+  const char* option;  // "--swrap"
+  const SeamStep& step;
+  WrapOrigin origin;
+};
+
+// The mode of one direction, `said` where it is not to be found; and what there is to say of it.
+WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncoding& found) {
+  const bool is_seam = direction.step.is_seam();
+  if (direction.origin == WrapOrigin::kFound) {
+    const WrapMode mode = is_seam ? WrapMode::kClamp : WrapMode::kPeriodic;
+    found.reason += fmt::format("; {} along {}: {}", wrap_mode_name(mode), direction.name, step_text(direction.step));
+    return mode;
+  }
+  if (is_seam && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic)
+    found.warnings.push_back(
+        fmt::format("it is taken to repeat along {}, but does not seem to: {}. {} clamp ends it at "
+                    "its border, {} auto lets the map decide, {} periodic says that it repeats",
+                    direction.name, step_text(direction.step), direction.option, direction.option, direction.option));
+  return said;
+}
+
+// The settings with the wrap modes that hold.
+NormalMapSettings with_wrap(NormalMapSettings settings, const RawImage& image, DetectedEncoding& found) {
+  const MapSeams seams = measure_seams(image);
+  settings.wrap_s = resolved_wrap(settings.wrap_s, {"s (x)", "--swrap", seams.s, settings.wrap_s_origin}, found);
+  settings.wrap_t = resolved_wrap(settings.wrap_t, {"t (y)", "--twrap", seams.t, settings.wrap_t_origin}, found);
+  return settings;
+}
+
 }  // namespace
 
 NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings,
@@ -56,16 +94,20 @@ NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSetti
   };
   reader.read(keep, progress);
   progress_stage(progress, "find the encoding");
-  const DetectedEncoding encoding = detect_encoding(path, image, survey, settings, threads);
+  DetectedEncoding encoding = detect_encoding(path, image, survey, settings, threads);
   check_finite(path, survey, info.width, settings);
+  const NormalMapSettings wrapped = with_wrap(settings, image, encoding);
   NormalMapRows map =
       encoding.is_height_field
-          ? normals_from_heights(path, image, survey.nonfinite_count(), settings, place, threads, progress)
-          : decode_normals(path, image, encoding.vectors, settings, place, threads, progress);
+          ? normals_from_heights(path, image, survey.nonfinite_count(), wrapped, place, threads, progress)
+          : decode_normals(path, image, encoding.vectors, wrapped, place, threads, progress);
+  map.report.wrap_s = wrapped.wrap_s;
+  map.report.wrap_t = wrapped.wrap_t;
   if (!encoding.is_height_field) map.report.encoding = encoding.description;
   map.report.format = info.format;
   map.report.encoding_reason = encoding.reason;
   map.report.warnings.insert(map.report.warnings.begin(), encoding.warnings.begin(), encoding.warnings.end());
+  map.report.warnings.insert(map.report.warnings.begin(), info.notes.begin(), info.notes.end());
   return map;
 }
 

@@ -21,6 +21,10 @@ enum class BumpFormat { kAuto, kHeight, kNormal };  // maketx --bumpformat
 enum class GreenAxis { kUp, kDown };                // OpenGL, DirectX
 enum class FixNan { kNone, kBlack, kBox3 };  // maketx --fixnan: refuse, flat normal, mean of the 3 x 3 neighbours
 
+/// Where a wrap mode comes from: nobody said one, somebody did, or it is to be found: periodic where the map tiles,
+/// else clamp.
+enum class WrapOrigin { kDefault, kSaid, kFound };
+
 struct NormalMapSettings {
   BumpFormat bump_format = BumpFormat::kAuto;
   std::optional<GreenAxis> green;   // unset: from statistics, up when they cannot tell
@@ -30,6 +34,8 @@ struct NormalMapSettings {
   float normal_scale = 1.0f;        // x and y of a normal map times this, as glTF scales normal textures; finite
   WrapMode wrap_s = WrapMode::kPeriodic;  // used by height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
+  WrapOrigin wrap_s_origin = WrapOrigin::kDefault;  // kFound: wrap_s says nothing
+  WrapOrigin wrap_t_origin = WrapOrigin::kDefault;
   bool check_nan = false;  // refuse the first NaN or Inf, with its position
   FixNan fix_nan = FixNan::kBox3;
   float repair_share_max = 0.01f;  // of all texels, 0..1: more repairs than this refuse the file
@@ -50,7 +56,9 @@ struct NormalMapReport {
   std::int64_t nonfinite_repaired = 0;      // by NormalMapSettings::fix_nan
   std::int64_t zero_length_repaired = 0;    // mean of the 3 x 3 neighbours, else flat
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/image/normal_decode.h)
-  std::vector<std::string> warnings;        // what was taken in doubt, and the option that settles it; a line each
+  WrapMode wrap_s = WrapMode::kPeriodic;    // as the settings have it, or as it was found
+  WrapMode wrap_t = WrapMode::kPeriodic;
+  std::vector<std::string> warnings;  // what was taken in doubt, and the option that settles it; a line each
 };
 
 /// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out; planes of width * height floats, row 0 on

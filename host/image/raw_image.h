@@ -32,6 +32,8 @@ struct RawImageInfo {
   bool has_alpha = false;                  // in the file; never read
   std::vector<std::string> channel_names;  // of those that are read
   std::string format;                      // "png uint8, 4 channels (alpha not read)"
+  std::vector<std::string> notes = {};     // ImageContainer::notes
+  double texel_metres = 0.0;               // ImageContainer's
 
   std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
 };

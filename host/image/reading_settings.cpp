@@ -14,6 +14,10 @@ std::string text_of(const nlohmann::json& json, const char* key) {
   return found != json.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
+const char* wrap_name(WrapMode mode, WrapOrigin origin) {
+  return origin == WrapOrigin::kFound ? "auto" : wrap_mode_name(mode);
+}
+
 const char* yes_or_no(const std::optional<bool>& value) { return !value ? "auto" : *value ? "yes" : "no"; }
 
 std::optional<bool> parse_yes_or_no(const std::string& text) {
@@ -32,7 +36,8 @@ void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& jso
   json["two_channel"] = yes_or_no(settings.two_channel);
   json["height_scale"] = settings.height_scale;
   if (settings.normal_scale != 1.0f) json["normal_scale"] = settings.normal_scale;
-  json["wrap"] = std::string(wrap_mode_name(settings.wrap_s)) + "," + wrap_mode_name(settings.wrap_t);
+  json["wrap"] = std::string(wrap_name(settings.wrap_s, settings.wrap_s_origin)) + "," +
+                 wrap_name(settings.wrap_t, settings.wrap_t_origin);
   json["fixnan"] = settings.fix_nan == FixNan::kNone ? "none" : settings.fix_nan == FixNan::kBlack ? "black" : "box3";
 }
 
@@ -57,6 +62,8 @@ NormalMapSettings parse_reading_settings(const std::string& text) {
   const std::string wrap = text_of(json, "wrap");
   const std::size_t comma = wrap.find(',');
   const std::string wrap_t = comma == std::string::npos ? wrap : wrap.substr(comma + 1);
+  if (wrap.substr(0, comma) == "auto") settings.wrap_s_origin = WrapOrigin::kFound;
+  if (wrap_t == "auto") settings.wrap_t_origin = WrapOrigin::kFound;
   settings.wrap_s = parse_wrap_mode(wrap.substr(0, comma)).value_or(settings.wrap_s);
   settings.wrap_t = parse_wrap_mode(wrap_t).value_or(settings.wrap_t);
   const std::string fix_nan = text_of(json, "fixnan");

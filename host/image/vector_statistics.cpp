@@ -44,12 +44,15 @@ struct BandSums {
   double n = 0, unit_5 = 0, unit_10 = 0, unit_20 = 0, below = 0, beyond = 0, tilted = 0, negative = 0;
   double x = 0, y = 0, z = 0, rebuilt_z = 0;
   double blue_min = 1e30, blue_max = -1e30;
+  double rebuilt_z_min = 1.0, side_max = 0.0;
+  double log_length = 0, log_length_squares = 0;
   CorrelationSums z_and_rebuilt;
   std::array<CorrelationSums, kScaleCount> gradients;
 
   void add_vector(const glm::dvec3& v) {
     const double xy2 = v.x * v.x + v.y * v.y;
-    const double deviation = std::abs(std::sqrt(xy2 + v.z * v.z) - 1.0);
+    const double length = std::sqrt(xy2 + v.z * v.z);
+    const double deviation = std::abs(length - 1.0);
     const double z_of_unit = std::sqrt(std::max(0.0, 1.0 - xy2));
     n += 1;
     unit_5 += deviation <= 0.05 ? 1 : 0;
@@ -61,12 +64,18 @@ struct BandSums {
     negative += std::min(v.x, v.y) < -0.02 ? 1 : 0;
     x += v.x, y += v.y, z += v.z, rebuilt_z += z_of_unit;
     z_and_rebuilt.add(v.z, z_of_unit);
+    rebuilt_z_min = std::min(rebuilt_z_min, z_of_unit);
+    side_max = std::max({side_max, std::abs(v.x), std::abs(v.y)});
+    const double log = std::log(std::max(length, 1e-30));
+    log_length += log, log_length_squares += log * log;
   }
   void add(const BandSums& o) {
     n += o.n, unit_5 += o.unit_5, unit_10 += o.unit_10, unit_20 += o.unit_20, below += o.below, beyond += o.beyond;
     tilted += o.tilted, negative += o.negative;
     x += o.x, y += o.y, z += o.z, rebuilt_z += o.rebuilt_z;
     blue_min = std::min(blue_min, o.blue_min), blue_max = std::max(blue_max, o.blue_max);
+    rebuilt_z_min = std::min(rebuilt_z_min, o.rebuilt_z_min), side_max = std::max(side_max, o.side_max);
+    log_length += o.log_length, log_length_squares += o.log_length_squares;
     z_and_rebuilt.add(o.z_and_rebuilt);
     for (std::size_t s = 0; s < gradients.size(); ++s) gradients[s].add(o.gradients[s]);
   }
@@ -117,7 +126,7 @@ class StatisticsBand {
       const float r = values[i * channel_count_];
       const float g = values[i * channel_count_ + 1];
       const float b = channel_count_ > 2 ? values[i * channel_count_ + 2] : 0.0f;
-      if (!std::isfinite(r) || !std::isfinite(g) || !std::isfinite(b) || is_unused(encoding_, r, g, b)) continue;
+      if (!is_vector_value(r) || !is_vector_value(g) || !is_vector_value(b) || is_unused(encoding_, r, g, b)) continue;
       row[i] = decode_vector(encoding_, r, g, b);
       sums_.add_vector(row[i]);
       sums_.blue_min = std::min(sums_.blue_min, static_cast<double>(b));
@@ -165,6 +174,11 @@ VectorStatistics statistics_of(const BandSums& sums) {
   result.rebuilt_z_correlation = sums.z_and_rebuilt.correlation();
   result.blue_min = sums.blue_min;
   result.blue_max = sums.blue_max;
+  result.rebuilt_z_min = sums.rebuilt_z_min;
+  result.side_max = sums.side_max;
+  const double log_mean = sums.log_length / sums.n;
+  result.length_mean = std::exp(log_mean);
+  result.length_spread = std::sqrt(std::max(0.0, sums.log_length_squares / sums.n - log_mean * log_mean));
   // A scale with fewer samples than this says nothing: the correlation of 64 random pairs is 0.125 from 0 by chance.
   constexpr double kSamplesMin = 64;
   int scale_count = 0;

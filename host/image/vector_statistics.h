@@ -23,6 +23,10 @@ struct VectorStatistics {
   double rebuilt_z_mean = 0.0;         // of sqrt(1 - x^2 - y^2)
   double rebuilt_z_correlation = 0.0;  // of z with it
   double blue_min = 0.0, blue_max = 0.0;
+  double rebuilt_z_min = 1.0;
+  double side_max = 0.0;            // largest |x| or |y|
+  double length_mean = 0.0;         // geometric, so that outliers of floats do not outweigh the others
+  double length_spread = 0.0;       // standard deviation of ln |v|: 0.05 is lengths within about 5 % of one another
   double gradient_agreement = 0.0;  // -1..1, see vector_statistics.cpp; + green up, - green down, 0 no surface's slopes
   double gradient_sample_count = 0.0;
 };

@@ -63,7 +63,7 @@ JobType bake_type() {
            {"first_level", Kind::kWhole, "finest level to store", 0, 15},
            {"data_format", Kind::kChoice, "what is stored is rounded to", 0, 0, {"snorm16", "half", "float"}},
            {"compression", Kind::kText, "none, rle, zips, zip or piz, zip:1..9"},
-           {"wrap", Kind::kChoice, "beyond the border", 0, 0, {"black", "clamp", "periodic", "mirror"}},
+           {"wrap", Kind::kChoice, "beyond the border", 0, 0, {"auto", "black", "clamp", "periodic", "mirror"}},
            {"green", Kind::kChoice, "which way the green channel points", 0, 0, {"up", "down"}},
            {"height_scale", Kind::kNumber, "of a height field, texels", 1e-6, 1e6},
            {"normal_scale", Kind::kNumber, "of a normal map: x and y times this", -1e6, 1e6},

@@ -251,6 +251,78 @@ TEST_F(BakeCommandTest, DoubtsAreWarnedOf) {
   EXPECT_EQ(multum(bake).err, "");
 }
 
+// Whoever says it: a command line, a manifest or a scene.
+TEST_F(BakeCommandTest, GreenAgainstTheGradientsIsWarnedOf) {
+  write_test_image(path("down.png"), normal_image(64, 64, false, -1.0));
+  const auto expect_warned = [](const ProgramResult& result) {
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    expect_says(result.err, {"warning: ", "down.png", "gradient agreement", "--green down"});
+  };
+  expect_warned(multum(
+      {"bake", path("down.png"), "-o", path("down.ndf.exr"), "--no-measure", "--ndf", "moments", "--green", "up"}));
+  write_bytes(path("maps.toml"),
+              "[defaults]\ngreen = \"up\"\nndf = \"moments\"\n[[map]]\ninput = \"down.png\"\n"
+              "output = \"listed.ndf.exr\"\n");
+  expect_warned(multum({"bake", "--manifest", path("maps.toml")}));
+  write_bytes(path("scene.toml"),
+              "[[map]]\nname = \"m\"\nnormal = \"down.png\"\ngreen = \"up\"\n[[material]]\nname = \"p\"\nbrdf = "
+              "\"lambert\"\n[[object]]\nname = \"o\"\nmap = \"m\"\nmaterial = \"p\"\nwidth = 2.0\ndistance = 2.0\n"
+              "[[light]]\ndirection = [0.3, 0.8, 0.5]\n");
+  expect_warned(multum({"plan", path("scene.toml"), "-o", path("plan.json")}));
+}
+
+// The file states the wrap modes that the map shows, whoever leaves them to it; what was left to it is a setting.
+TEST_F(BakeCommandTest, WrapIsFoundOnRequest) {
+  TestImage ramp{.width = 64, .height = 64, .channels = 1};
+  for (int i = 0; i < 64 * 64; ++i) ramp.values.push_back(static_cast<float>(i % 64) / 63.0f);
+  write_test_image(path("ramp.png"), ramp);
+  const std::vector<std::string> bake = {
+      "bake",   path("ramp.png"), "-o", path("ramp.ndf.exr"), "--no-measure", "--bumpformat",
+      "height", "--height-scale", "30"};
+  const ProgramResult warned = multum(bake);
+  EXPECT_EQ(warned.exit_code, 0) << warned.err;
+  expect_says(warned.err, {"warning: ", "s (x)", "--swrap"});
+  EXPECT_FALSE(contains(warned.err, "--twrap")) << warned.err;
+  std::vector<std::string> by_itself = bake;
+  by_itself.insert(by_itself.end(), {"--wrap", "auto"});
+  const ProgramResult found = multum(by_itself);
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_FALSE(contains(found.err, "warning: ")) << found.err;
+  expect_says(multum({"info", path("ramp.ndf.exr")}).out, {"wrap clamp, periodic", "\"wrap\":\"auto,auto\""});
+  EXPECT_TRUE(contains(multum(by_itself).out, "ramp.ndf.exr: unchanged")) << "the same settings";
+
+  write_bytes(path("maps.toml"),
+              "[[map]]\ninput = \"ramp.png\"\nbumpformat = \"height\"\nheight_scale = 30\nndf = "
+              "\"moments\"\nwrap = \"auto\"\noutput = \"listed.ndf.exr\"\n");
+  const ProgramResult listed = multum({"bake", "--manifest", path("maps.toml")});
+  EXPECT_EQ(listed.exit_code, 0) << listed.err;
+  expect_says(multum({"info", path("listed.ndf.exr")}).out, {"wrap clamp, periodic"});
+  write_bytes(path("scene.toml"),
+              "[[map]]\nname = \"m\"\nnormal = \"ramp.png\"\nbumpformat = \"height\"\nheight_scale = 30\nwrap = "
+              "\"auto\"\n[[material]]\nname = \"p\"\nbrdf = \"blinn-phong\"\nexponent = 100\n[[object]]\nname = "
+              "\"o\"\nmap = \"m\"\nmaterial = \"p\"\nwidth = 2.0\ndistance = 2.0\n[[light]]\ndirection = [0.3, "
+              "0.8, 0.5]\n");
+  const ProgramResult scene = multum({"bake", path("scene.toml"), "-o", path("scene")});
+  EXPECT_EQ(scene.exit_code, 0) << scene.err;
+  expect_says(multum({"info", path("scene/m.ndf.exr")}).out, {"wrap clamp, periodic"});
+}
+
+// Texels without a colour are counted as repaired normals are, on the terminal and in the report.
+TEST_F(BakeCommandTest, TexelsWithoutAColourAreCounted) {
+  write_test_image(path("map.png"), normal_image(32, 32));
+  TestImage albedo{.width = 32, .height = 32, .type = OIIO::TypeDesc::FLOAT};
+  albedo.values.assign(32 * 32 * 3, 0.5f);
+  albedo.at(3, 4, 0) = kNan;
+  albedo.at(5, 6, 1) = -0.25f;
+  albedo.at(7, 8, 2) = kInf;
+  write_test_image(path("albedo.exr"), albedo);
+  const ProgramResult bake = multum({"bake", path("map.png"), "--albedo", path("albedo.exr"), "-o", path("map.ndf.exr"),
+                                     "--ndf", "moments", "--no-measure", "--report", path("map.json")});
+  EXPECT_EQ(bake.exit_code, 0) << bake.err;
+  expect_says(bake.out, {"texels of the albedo: 3", "read as 0"});
+  EXPECT_EQ(nlohmann::json::parse(read_bytes(path("map.json")))["albedo_clamped"], 3);
+}
+
 TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
   const ProgramResult made = multum({"testmap", path("map"), "--size", "16"});
   EXPECT_TRUE(contains(made.out, "bake with --green up")) << made.out;
@@ -446,7 +518,7 @@ TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
   EXPECT_EQ(help.exit_code, 0);
   for (const char* part :
        {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
-        "{none,black,box3}=box3", "{black,clamp,periodic,mirror}", "--lobes INT=4", "--compression TEXT=zip",
+        "{none,black,box3}=box3", "{auto,black,clamp,periodic,mirror}", "--lobes INT=4", "--compression TEXT=zip",
         "--first-level INT=0", "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;
   for (const char* part : {"->", "ENUM"}) EXPECT_FALSE(contains(help.out, part)) << part;

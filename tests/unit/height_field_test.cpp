@@ -180,6 +180,24 @@ TEST(HeightField, DoubtsAreWarnedOf) {
   }
 }
 
+// The scale that the warning names is one of which no warning comes.
+TEST(HeightField, TheSuggestedScaleIsOneToTake) {
+  for (const double slope : {1e-5, 0.01, 30.0, 4e6}) {
+    NormalMapSettings settings;
+    settings.bump_format = BumpFormat::kHeight;
+    settings.repair_share_max = 1.0f;
+    settings.wrap_s = WrapMode::kClamp;
+    const TestImage image = height_image(64, 8, [=](int x, int) { return slope * x; });
+    const std::vector<std::string> found = read_heights(image, settings).report.warnings;
+    ASSERT_EQ(found.size(), 1u) << slope;
+    const std::string mark = "; --height-scale ";
+    const std::size_t at = found[0].find(mark);
+    ASSERT_NE(at, std::string::npos) << found[0];
+    settings.height_scale = std::stof(found[0].substr(at + mark.size()));
+    EXPECT_TRUE(read_heights(image, settings).report.warnings.empty()) << settings.height_scale;
+  }
+}
+
 TEST(HeightField, ThreadCountChangesNoBit) {
   const TemporaryFolder folder;
   write_test_image(folder / "h.exr", height_image(77, 133, [](int x, int y) { return std::sin(0.3 * x * y); }));

@@ -4,7 +4,9 @@
 #include "host/image/image_reader.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -118,6 +120,202 @@ TEST(ImageReaderTest, DoublesOfTiffAreRead) {
   row.type = TypeDesc::DOUBLE;
   write_test_image(folder / "a.tif", row);
   expect_error(ErrorCode::kInput, {"a.tif", "one row of 64-bit floats"}, [&] { read_raw(folder / "a.tif"); });
+}
+
+// Directories and numbers of a TIFF file, in the order that they are given: for what OpenImageIO does not write.
+class TiffBytes {
+ public:
+  explicit TiffBytes(bool is_big_endian) : is_big_endian_(is_big_endian) {
+    bytes_ = is_big_endian ? std::string("MM\0*", 4) : std::string("II*\0", 4);
+    number(0, 4);
+  }
+  void number(std::uint64_t value, int count) { bytes_ += coded(value, count); }
+  void raw(const std::string& data) { bytes_ += data; }
+  std::string coded(std::uint64_t value, int count) const {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += static_cast<char>(value >> 8 * (is_big_endian_ ? count - 1 - i : i) & 0xFF);
+    return text;
+  }
+  struct Entry {
+    int tag, type;
+    std::vector<std::uint64_t> values;
+  };
+  // The picture is all that raw() and number() have added since the last page. Entries by tag.
+  void add_page(std::vector<Entry> entries, int width, int height) {
+    entries.insert(entries.end(), {{256, 4, {static_cast<std::uint64_t>(width)}},
+                                   {257, 4, {static_cast<std::uint64_t>(height)}},
+                                   {273, 4, {picture_}},
+                                   {278, 4, {static_cast<std::uint64_t>(height)}},
+                                   {279, 4, {bytes_.size() - picture_}}});
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.tag < b.tag; });
+    std::string directory = coded(entries.size(), 2);
+    for (const Entry& entry : entries) {
+      const int size = entry.type == 3 ? 2 : entry.type == 12 ? 8 : 4;
+      std::string values;
+      for (const std::uint64_t value : entry.values) values += coded(value, size);
+      directory += coded(static_cast<std::uint64_t>(entry.tag), 2) + coded(static_cast<std::uint64_t>(entry.type), 2) +
+                   coded(entry.values.size(), 4);
+      if (values.size() <= 4) {
+        values.resize(4);
+        directory += values;
+      } else {
+        directory += coded(bytes_.size(), 4);
+        bytes_ += values;
+      }
+    }
+    bytes_.replace(link_, 4, coded(bytes_.size(), 4));
+    link_ = bytes_.size() + directory.size();
+    bytes_ += directory + coded(0, 4);
+    picture_ = bytes_.size();
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  bool is_big_endian_;
+  std::string bytes_;
+  std::size_t link_ = 4, picture_ = 8;
+};
+
+// Bits a sample, what they are (1 unsigned, 2 signed, 3 floats), and what 0 is.
+std::string grey_tiff(bool is_big_endian, int bits, std::uint64_t format, std::uint64_t photometric,
+                      std::vector<TiffBytes::Entry> more = {}) {
+  TiffBytes tiff(is_big_endian);
+  for (std::uint64_t i = 0; i < 12; ++i) tiff.number(i << (bits - 5), bits / 8);
+  more.insert(more.end(), {{258, 3, {static_cast<std::uint64_t>(bits)}},
+                           {259, 3, {1}},
+                           {262, 3, {photometric}},
+                           {277, 3, {1}},
+                           {339, 3, {format}}});
+  tiff.add_page(more, 4, 3);
+  return tiff.bytes();
+}
+
+// MinIsWhite of every size of integers is turned round, once; MinIsBlack is not; what has no black is refused.
+TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
+  const TemporaryFolder folder;
+  for (const bool is_big_endian : {false, true}) {
+    for (const int bits : {8, 16, 32}) {
+      for (const std::uint64_t photometric : {0u, 1u}) {
+        SCOPED_TRACE(::testing::Message() << bits << " bits, photometric " << photometric << ' ' << is_big_endian);
+        write_bytes(folder / "a.tif", grey_tiff(is_big_endian, bits, 1, photometric));
+        const RawPicture raw = read_raw(folder / "a.tif");
+        ASSERT_EQ(raw.planes[0].size(), 12u);
+        const double white = std::pow(2.0, bits) - 1.0;
+        for (std::size_t i = 0; i < 12; ++i) {
+          const double stored = static_cast<double>(i << (bits - 5)) / white;
+          EXPECT_NEAR(raw.planes[0][i], photometric == 0 ? 1.0 - stored : stored, 1e-6) << i;
+        }
+      }
+    }
+    for (const auto& [bits, format] : {std::pair{16, 2u}, {32, 3u}, {64, 3u}}) {
+      write_bytes(folder / "a.tif", grey_tiff(is_big_endian, bits, format, 0));
+      expect_error(ErrorCode::kInput, {"a.tif", "MinIsWhite", "expected"}, [&] { read_raw(folder / "a.tif"); });
+    }
+  }
+}
+
+// A colour map's words are v * 257, or v * 256 as some programs write them: v both times, of every v.
+TEST(ImageReaderTest, PalettesOfTiff) {
+  const TemporaryFolder folder;
+  for (const bool is_big_endian : {false, true}) {
+    for (const std::uint64_t factor : {256u, 257u}) {
+      TiffBytes tiff(is_big_endian);
+      for (std::uint64_t i = 0; i < 256; ++i) tiff.number(i, 1);
+      TiffBytes::Entry colours{320, 3, {}};
+      for (std::uint64_t c = 0; c < 3; ++c)
+        for (std::uint64_t i = 0; i < 256; ++i) colours.values.push_back((i * (c + 1) % 256) * factor);
+      tiff.add_page({{258, 3, {8}}, {259, 3, {1}}, {262, 3, {3}}, {277, 3, {1}}, colours}, 16, 16);
+      write_bytes(folder / "a.tif", tiff.bytes());
+      const RawPicture raw = read_raw(folder / "a.tif");
+      ASSERT_EQ(raw.channel_count, 3);
+      for (std::size_t c = 0; c < 3; ++c)
+        for (std::size_t i = 0; i < 256; ++i)
+          ASSERT_NEAR(raw.planes[c][i] * 255.0f, static_cast<float>(i * (c + 1) % 256), 1e-3)
+              << i << " of channel " << c << ", words v * " << factor << (is_big_endian ? ", big endian" : "");
+    }
+  }
+}
+
+// What is not heeded is noted: how the picture is to be turned, and what else is in the file.
+TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
+  const TemporaryFolder folder;
+  const auto notes = [&](const std::string& name) {
+    std::string text;
+    for (const std::string& note : read_raw(folder / name).notes) text += note + "\n";
+    return text;
+  };
+  write_bytes(folder / "plain.tif", grey_tiff(false, 16, 1, 1, {{274, 3, {1}}}));
+  EXPECT_EQ(notes("plain.tif"), "");
+  for (const bool is_big_endian : {false, true}) {
+    write_bytes(folder / "a.tif", grey_tiff(is_big_endian, 16, 1, 1, {{274, 3, {6}}}));
+    expect_says(notes("a.tif"), {"orientation 6", "not applied"});
+    TiffBytes tiff(is_big_endian);
+    for (const std::uint64_t subfile : {1u, 0u, 2u}) {
+      tiff.raw(std::string(12, 'x'));
+      tiff.add_page({{254, 4, {subfile}}, {258, 3, {8}}, {259, 3, {1}}, {262, 3, {1}}, {277, 3, {1}}}, 4, 3);
+    }
+    write_bytes(folder / "a.tif", tiff.bytes());
+    expect_says(notes("a.tif"), {"3 pages", "the first", "reduced"});
+    // EXIF has the layout of TIFF: behind "Exif" in JPEG, by itself in PNG.
+    TiffBytes exif(is_big_endian);
+    exif.add_page({{274, 3, {3}}}, 1, 1);
+    write_test_image(folder / "a.jpg", gradient_image(16, 16, 3));
+    std::string jpeg = file_bytes(folder / "a.jpg");
+    const std::string block = std::string("Exif\0\0", 6) + exif.bytes();
+    jpeg.insert(2, "\xFF\xE1" + TiffBytes(true).coded(block.size() + 2, 2) + block);
+    write_bytes(folder / "a.jpg", jpeg);
+    expect_says(notes("a.jpg"), {"orientation 3", "180 degrees", "not applied"});
+    write_test_image(folder / "a.png", gradient_image(16, 16, 3));
+    std::string png = file_bytes(folder / "a.png");
+    const std::size_t header_end = 8 + 12 + 13;
+    png.insert(header_end, TiffBytes(true).coded(exif.bytes().size(), 4) + "eXIf" + exif.bytes() + "crc.");
+    write_bytes(folder / "a.png", png);
+    expect_says(notes("a.png"), {"orientation 3", "not applied"});
+  }
+}
+
+// GeoTIFF: texels in metres give the scale of heights in metres; degrees and feet give none.
+TEST(ImageReaderTest, TexelsInMetresGiveTheHeightScale) {
+  const TemporaryFolder folder;
+  const auto with_keys = [&](bool is_big_endian, std::vector<std::uint64_t> keys) {
+    const auto metres = std::bit_cast<std::uint64_t>(30.0);
+    write_bytes(folder / "a.tif",
+                grey_tiff(is_big_endian, 16, 1, 1, {{33550, 12, {metres, metres, 0}}, {34735, 3, std::move(keys)}}));
+    return read_raw(folder / "a.tif").texel_metres;
+  };
+  for (const bool is_big_endian : {false, true}) {
+    EXPECT_EQ(with_keys(is_big_endian, {1, 1, 0, 1, 1024, 0, 1, 2}), 0.0) << "degrees";
+    EXPECT_EQ(with_keys(is_big_endian, {1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, 9002}), 0.0) << "feet";
+    EXPECT_EQ(with_keys(is_big_endian, {1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, 9001}), 30.0);
+    NormalMapSettings settings;
+    settings.bump_format = BumpFormat::kHeight;
+    const NormalMap map = read_map(folder / "a.tif", settings);
+    ASSERT_EQ(map.report.warnings.size(), 1u);
+    expect_says(map.report.warnings[0], {"30 m", "--height-scale 2184"});  // 65535 / 30
+    settings.height_scale = 65535.0f / 30.0f;
+    for (const std::string& warning : read_map(folder / "a.tif", settings).report.warnings)
+      EXPECT_EQ(warning.find("30 m"), std::string::npos) << warning;
+  }
+}
+
+// An animation of one picture, by its chunks: VP8X with the animation's flag, ANIM, ANMF around the picture's own.
+TEST(ImageReaderTest, AnimationsAreNoted) {
+  const TemporaryFolder folder;
+  write_test_image(folder / "a.webp", gradient_image(16, 16, 3));
+  EXPECT_TRUE(read_raw(folder / "a.webp").notes.empty());
+  const std::string still = file_bytes(folder / "a.webp").substr(12);
+  const auto little = [](std::uint64_t value, int count) { return TiffBytes(false).coded(value, count); };
+  const auto chunk = [&](const std::string& type, const std::string& data) {
+    return type + little(data.size(), 4) + data;
+  };
+  const std::string frame = little(0, 3) + little(0, 3) + little(15, 3) + little(15, 3) + little(100, 3) + little(0, 1);
+  const std::string body = "WEBP" + chunk("VP8X", little(2, 4) + little(15, 3) + little(15, 3)) +
+                           chunk("ANIM", little(0, 6)) + chunk("ANMF", frame + still) + chunk("ANMF", frame + still);
+  write_bytes(folder / "b.webp", "RIFF" + little(body.size(), 4) + body);
+  const RawPicture raw = read_raw(folder / "b.webp");
+  ASSERT_EQ(raw.notes.size(), 1u);
+  expect_says(raw.notes[0], {"animation", "first frame"});
+  EXPECT_EQ(raw.planes[0], read_raw(folder / "a.webp").planes[0]);
 }
 
 TEST(ImageReaderTest, AlphaMultipliesNothing) {

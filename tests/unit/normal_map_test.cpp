@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include <glm/geometric.hpp>
 
@@ -108,6 +109,107 @@ TEST(NormalMapReading, TwoChannelsRebuildZ) {
   }
 }
 
+// Blue that is no z, however near the other numbers make it: 0 would point down, and 1 is near the z of most texels.
+// Steepness up to 62 degrees; compression noise on blue; 8 and 16 bits, floats.
+TEST(NormalMapReading, AConstantBlueIsFillerWhereItCompletesNoVector) {
+  const TemporaryFolder folder;
+  for (const double steepness : {0.15, 0.3, 0.6}) {
+    const std::vector<glm::dvec3> normals = surface_normals(96, 80, steepness);
+    for (const auto& [name, type, tolerance] : {std::tuple{"a.png", TypeDesc::UINT8, 0.02},
+                                                {"a.png", TypeDesc::UINT16, 1e-4},
+                                                {"a.exr", TypeDesc::FLOAT, 1e-5}}) {
+      for (const float blue : {0.0f, 0.5f, 1.0f}) {
+        for (const int noise : {0, 1}) {
+          TestImage image{.width = 96, .height = 80, .type = type};
+          for (std::size_t i = 0; i < normals.size(); ++i) {
+            image.values.push_back(static_cast<float>(normals[i].x * 0.5 + 0.5));
+            image.values.push_back(static_cast<float>(normals[i].y * 0.5 + 0.5));
+            image.values.push_back(std::abs(blue - static_cast<float>(noise) * static_cast<float>(i % 3) / 255.0f));
+          }
+          write_test_image(folder / name, image);
+          SCOPED_TRACE(::testing::Message() << name << " steepness " << steepness << " blue " << blue << ' ' << noise);
+          const NormalMap map = read_map(folder / name);
+          EXPECT_LT(largest_difference(map, normals), tolerance) << map.report.encoding_reason;
+          EXPECT_TRUE(contains(map.report.encoding, "two channels")) << map.report.encoding_reason;
+          EXPECT_TRUE(contains(map.report.encoding_reason, "blue is")) << map.report.encoding_reason;
+        }
+      }
+    }
+  }
+}
+
+// The z of nearly flat normals rounds to one code: it stays z, and rebuilding it would give the same within half a
+// code.
+TEST(NormalMapReading, TheBlueOfNearlyFlatMapsStaysZ) {
+  const TemporaryFolder folder;
+  for (const double steepness : {0.01, 0.03}) {
+    TestImage image{.width = 96, .height = 80};
+    for (const glm::dvec3& n : surface_normals(96, 80, steepness))
+      for (const double v : {n.x, n.y, n.z}) image.values.push_back(static_cast<float>(v * 0.5 + 0.5));
+    write_test_image(folder / "a.png", image);
+    const NormalMap map = read_map(folder / "a.png");
+    EXPECT_FALSE(contains(map.report.encoding, "two channels")) << map.report.encoding_reason;
+    NormalMapSettings settings;
+    settings.two_channel = true;
+    settings.green = GreenAxis::kUp;
+    const NormalMap rebuilt = read_map(folder / "a.png", settings);
+    for (std::size_t i = 0; i < map.x.size(); ++i) {
+      ASSERT_NEAR(map.x[i], rebuilt.x[i], 0.5 / 127.5);
+      ASSERT_NEAR(map.y[i], rebuilt.y[i], 0.5 / 127.5);
+    }
+  }
+}
+
+// Normals times a constant, whatever it is, are what they were, and it is said; where the file rounds them away, they
+// are refused with their length.
+TEST(NormalMapReading, ScaledVectorsAreNormalisedAndSaid) {
+  const TemporaryFolder folder;
+  struct Case {
+    const char* file;
+    TypeDesc::BASETYPE type;
+    bool is_signed;
+    double scale, tolerance;
+  };
+  for (const Case& test : {Case{"a.exr", TypeDesc::FLOAT, true, 0.01, 1e-5},
+                           {"a.exr", TypeDesc::HALF, true, 0.01, 1e-3},
+                           {"a.exr", TypeDesc::FLOAT, true, 1e-4, 1e-5},
+                           {"a.exr", TypeDesc::FLOAT, true, 100.0, 1e-5},
+                           {"a.exr", TypeDesc::FLOAT, false, 0.01, 1e-4},
+                           {"a.png", TypeDesc::UINT16, false, 0.01, 5e-3},
+                           {"a.png", TypeDesc::UINT16, false, 0.3, 2e-4}}) {
+    SCOPED_TRACE(::testing::Message() << test.file << " times " << test.scale);
+    TestImage image{.width = 96, .height = 80, .type = test.type};
+    for (const glm::dvec3& n : surface_normals(96, 80))
+      for (const double v : {n.x, n.y, n.z})
+        image.values.push_back(static_cast<float>(test.is_signed ? v * test.scale : v * test.scale * 0.5 + 0.5));
+    write_test_image(folder / test.file, image);
+    const NormalMap map = read_map(folder / test.file);
+    EXPECT_LT(largest_difference(map, surface_normals(96, 80)), test.tolerance) << map.report.encoding_reason;
+    expect_says(warnings(map), {"long instead of 1", "made unit vectors"});
+  }
+  TestImage image{.width = 96, .height = 80};
+  for (const glm::dvec3& n : surface_normals(96, 80))
+    for (const double v : {n.x, n.y, n.z}) image.values.push_back(static_cast<float>(v * 0.01 * 0.5 + 0.5));
+  write_test_image(folder / "a.png", image);
+  expect_error(ErrorCode::kInput, {"a.png", "--bumpformat"}, [&] { read_map(folder / "a.png"); });
+}
+
+// Two texels beyond all others do not make a map grey, nor a direction: as NaN is repaired, so are they.
+TEST(NormalMapReading, OutliersHideNothing) {
+  const TemporaryFolder folder;
+  for (const float outlier : {1e12f, 1e30f, -1e30f}) {
+    TestImage image = normal_image(96, 80, true);
+    image.type = TypeDesc::FLOAT;
+    for (const auto& [column, row] : {std::pair{10, 10}, {50, 40}})
+      for (int c = 0; c < 3; ++c) image.at(column, row, c) = outlier;
+    write_test_image(folder / "a.exr", image);
+    const NormalMap map = read_map(folder / "a.exr");
+    EXPECT_TRUE(contains(map.report.encoding, "normal map, signed")) << map.report.encoding;
+    EXPECT_EQ(map.report.nonfinite_repaired, 2);
+    EXPECT_LT(largest_difference(map, surface_normals(96, 80)), 0.1) << "neighbours fill them";
+  }
+}
+
 // (x, y, 1) that was never normalised: blue is constant but means something, since x^2 + y^2 exceeds 1.
 TEST(NormalMapReading, ConstantBlueOfSteepSlopesIsUsed) {
   const TemporaryFolder folder;
@@ -204,6 +306,27 @@ TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
   NormalMapSettings settings;
   settings.green = GreenAxis::kDown;
   EXPECT_EQ(warnings(read_map(folder / "facets.png", settings)), "");
+}
+
+// A setting against the evidence is followed, and said; one that agrees with it, or that nothing speaks against, is
+// not remarked upon.
+TEST(NormalMapReading, GreenAgainstTheGradientsIsWarnedOf) {
+  const TemporaryFolder folder;
+  for (const double file_sign : {1.0, -1.0}) {
+    TestImage image = normal_image(96, 80, false, file_sign);
+    write_test_image(folder / "a.png", image);
+    for (const GreenAxis asked : {GreenAxis::kUp, GreenAxis::kDown}) {
+      NormalMapSettings settings;
+      settings.green = asked;
+      const NormalMap map = read_map(folder / "a.png", settings);
+      EXPECT_TRUE(contains(map.report.encoding, asked == GreenAxis::kUp ? "green up" : "green down"));
+      const bool agrees = (asked == GreenAxis::kUp) == (file_sign > 0.0);
+      if (agrees) EXPECT_EQ(warnings(map), "");
+      else
+        expect_says(warnings(map),
+                    {"gradient agreement", asked == GreenAxis::kUp ? "--green down" : "--green up", "as asked for"});
+    }
+  }
 }
 
 TEST(NormalMapReading, FlatTwoChannelFloatsAreSigned) {

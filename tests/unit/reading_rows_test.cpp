@@ -181,7 +181,7 @@ TEST_F(ReadingRowsTest, AlbedoOfEveryKind) {
     const ColourMap whole = read_albedo_map(path, 61, 47, 2);
     for_each_place([&](const ReadingPlace& place) {
       for (const int threads : {1, 3})
-        expect_same_bits(planes_of(read_albedo_rows(path, 61, 47, place, threads)), {whole.r, whole.g, whole.b});
+        expect_same_bits(planes_of(read_albedo_rows(path, 61, 47, place, threads).planes), {whole.r, whole.g, whole.b});
     });
   }
 }

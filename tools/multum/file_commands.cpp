@@ -250,7 +250,10 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
     write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter);
     const char* prefix = options->prefix.c_str();
     // Its statistics look like green down (host/image/four_quarter_map.cpp).
-    print_shown(stdout, "%s_normal.png, %s_albedo.png: written; bake with --green up\n", prefix, prefix);
+    print_shown(stdout,
+                "%s_normal.png, %s_albedo.png: written; bake with --green up (its statistics look like green down, of "
+                "which the bake warns)\n",
+                prefix, prefix);
     *exit_code = 0;
   });
 }

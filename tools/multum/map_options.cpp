@@ -83,10 +83,12 @@ void add_input_options(CLI::App& bake, MapOptions& o) {
   o.reading.fix_nan = usual.fix_nan;
   o.reading.repair_share_max = usual.repair_share_max;
   add_reading_options(bake, o.reading);
-  add_choice(bake, "--wrap", o.wrap, kWrapModes,
-             "beyond the border: black, clamp, periodic or mirror (default: periodic)");
-  add_choice(bake, "--swrap", o.wrap_s, kWrapModes, "the same for s (x) alone");
-  add_choice(bake, "--twrap", o.wrap_t, kWrapModes, "the same for t (y) alone");
+  add_choice(
+      bake, "--wrap", o.wrap, kMapWraps,
+      "beyond the border: black, clamp, periodic, mirror, or auto: periodic where the map tiles, else clamp (default: "
+      "periodic)");
+  add_choice(bake, "--swrap", o.wrap_s, kMapWraps, "the same for s (x) alone");
+  add_choice(bake, "--twrap", o.wrap_t, kMapWraps, "the same for t (y) alone");
   bake.add_flag("--checknan", o.check_nan, "refuse a file with NaN or Inf, naming the first");
   bake.add_option("--albedo", o.albedo, "colour map of the same size: bakes colours, per lobe or averaged");
   bake.add_option(

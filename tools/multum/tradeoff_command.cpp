@@ -22,7 +22,7 @@ struct TradeoffOptions {
   CommonOptions common;
   TradeoffJob job;
   ReadingOptions reading;
-  std::optional<WrapMode> wrap;
+  std::optional<MapWrap> wrap;
   std::optional<double> budget_ms;
   std::string brdf = TargetBrdf().name, output, json, markdown, device;
   bool quick = false, full = false, no_pictures = false;
@@ -33,7 +33,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   job.bake.threads = job.bake.writing.threads = apply(o.common);
   keep_freed_memory();
   apply(o.reading, job.bake.reading);
-  if (o.wrap) job.bake.reading.wrap_s = job.bake.reading.wrap_t = *o.wrap;
+  if (o.wrap) set_wrap_s(*o.wrap, job.bake.reading), set_wrap_t(*o.wrap, job.bake.reading);
   job.brdf = parse_target_brdf(o.brdf);
   if (o.budget_ms) job.bake_seconds = *o.budget_ms / 1e3;
   job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kUsual;
@@ -87,7 +87,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
       ->capture_default_str();
   command->add_option("--device", o->device, "OpenCL device: a number of `multum devices` or part of a name");
-  add_choice(*command, "--wrap", o->wrap, kWrapModes, "beyond the border (default: periodic)");
+  add_choice(*command, "--wrap", o->wrap, kMapWraps, "beyond the border (default: periodic)");
   add_reading_options(*command, o->reading);
   add_decoding_option(*command, &o->job.decode);
   add_common_options(*command, o->common);

@@ -162,6 +162,7 @@ gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map) {
   if (options.source.empty()) return finest_normals(map);
   const NormalMap normals = read_normal_map(options.source, source_settings(options, baked), 1, nullptr);
   log_info(options.source + ": " + normals.report.encoding);
+  for (const std::string& warning : normals.report.warnings) log_warning(options.source + ": " + warning);
   if (normals.width != baked.width || normals.height != baked.height)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source, normals.width,

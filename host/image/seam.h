@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether a map tiles: the step from its last column to its first, and from its last row to its first, beside the steps
+// between neighbours inside.
+#pragma once
+
+#include "host/base/wrap_mode.h"
+#include "host/image/raw_image.h"
+
+namespace multum {
+
+/// Of one direction; rms differences over the pairs of texels of two columns or rows, in the file's own numbers.
+struct SeamStep {
+  double border = 0.0;   // from the last to the first
+  double usual = 0.0;    // median of those inside
+  double largest = 0.0;  // of those inside that were looked at
+
+  /// Whether the border is a step that the map has nowhere inside. False where there are too few texels to tell.
+  bool is_seam() const;
+};
+
+struct MapSeams {
+  SeamStep s;  // columns
+  SeamStep t;  // rows
+};
+
+/// Of at most 512 rows, evenly spaced, with the one below each.
+MapSeams measure_seams(const RawImage& image);
+
+}  // namespace multum
