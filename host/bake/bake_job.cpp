@@ -74,6 +74,13 @@ BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& rep
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
   for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
+  if (source.roughness) {
+    report.roughness = source.roughness;
+    const ChannelFile file = roughness_file(job);
+    log_info(fmt::format("{}: {}{}", file.path, file.is_gloss ? "gloss, read as roughness = 1 - gloss: " : "",
+                         source.roughness->to_text()));
+    for (const std::string& warning : source.roughness->warnings) log_warning(warning);
+  }
   return source;
 }
 
@@ -90,11 +97,17 @@ void check_job(const BakeJob& job) {
   if (!job.report.empty()) check_writable(job.report);
 }
 
+ChannelFile roughness_file(const BakeJob& job) {
+  MULTUM_CHECK(!job.roughness.empty());
+  ChannelFile file = parse_channel_file(job.roughness);
+  file.is_gloss = job.roughness_is_gloss;
+  return file;
+}
+
 std::vector<std::string> input_files(const BakeJob& job) {
   std::vector<std::string> files = {job.input};
   for (std::string BakeJob::*map : kMaterialMaps)
-    if (!(job.*map).empty())
-      files.push_back(map == &BakeJob::roughness ? parse_channel_file(job.roughness).path : job.*map);
+    if (!(job.*map).empty()) files.push_back(map == &BakeJob::roughness ? roughness_file(job).path : job.*map);
   return files;
 }
 
@@ -129,6 +142,7 @@ BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& dev
   BakeReport report;
   report.source = std::filesystem::path(job.input).filename().string();
   report.input = source.map.report;
+  report.roughness = source.roughness;
   StageClock clock(report);
   bake_read_source(job, all_settings_json(job), source, clock, device, report, progress);
   return report;
@@ -156,7 +170,7 @@ BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device
   StageClock clock(report);
   std::optional<BakeSource> read;
   if (given == nullptr) read = read_source(job, MapReadings::kFew, report, progress);
-  else report.input = given->map.report;
+  else report.input = given->map.report, report.roughness = given->roughness;
   clock.finish("read");
   bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);
   return report;

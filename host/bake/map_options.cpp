@@ -33,7 +33,8 @@ void apply(const MapOptions& o, BakeJob& job) {
   if (o.wrap_s) job.reading.wrap_s = *o.wrap_s;
   if (o.wrap_t) job.reading.wrap_t = *o.wrap_t;
   if (o.albedo) job.albedo = *o.albedo;
-  if (o.roughness) job.roughness = *o.roughness;
+  if (o.roughness) job.roughness = *o.roughness, job.roughness_is_gloss = false;
+  if (o.gloss) job.roughness = *o.gloss, job.roughness_is_gloss = !o.gloss->empty();
   if (o.weights) job.weights = *o.weights;
   if (o.ndf) job.representation = *o.ndf;
   apply_to_fit(o, job.fitting);
