@@ -76,6 +76,13 @@ BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& rep
   for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
   report.albedo_clamped = source.albedo_clamped;
   for (const std::string& note : source.albedo_notes) log_warning(job.albedo + ": " + note);
+  if (source.roughness) {
+    report.roughness = source.roughness;
+    const ChannelFile file = roughness_file(job);
+    log_info(fmt::format("{}: {}{}", file.path, file.is_gloss ? "gloss, read as roughness = 1 - gloss: " : "",
+                         source.roughness->to_text()));
+    for (const std::string& warning : source.roughness->warnings) log_warning(warning);
+  }
   return source;
 }
 
@@ -92,11 +99,17 @@ void check_job(const BakeJob& job) {
   if (!job.report.empty()) check_writable(job.report);
 }
 
+ChannelFile roughness_file(const BakeJob& job) {
+  MULTUM_CHECK(!job.roughness.empty());
+  ChannelFile file = parse_channel_file(job.roughness);
+  file.is_gloss = job.roughness_is_gloss;
+  return file;
+}
+
 std::vector<std::string> input_files(const BakeJob& job) {
   std::vector<std::string> files = {job.input};
   for (std::string BakeJob::*map : kMaterialMaps)
-    if (!(job.*map).empty())
-      files.push_back(map == &BakeJob::roughness ? parse_channel_file(job.roughness).path : job.*map);
+    if (!(job.*map).empty()) files.push_back(map == &BakeJob::roughness ? roughness_file(job).path : job.*map);
   return files;
 }
 
@@ -143,6 +156,7 @@ BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& dev
   report.source = std::filesystem::path(job.input).filename().string();
   report.input = source.map.report;
   report.albedo_clamped = source.albedo_clamped;
+  report.roughness = source.roughness;
   StageClock clock(report);
   bake_read_source(job, all_settings_json(job), source, clock, device, report, progress);
   return report;
@@ -170,7 +184,9 @@ BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device
   StageClock clock(report);
   std::optional<BakeSource> read;
   if (given == nullptr) read = read_source(job, MapReadings::kFew, report, progress);
-  else report.input = given->map.report, report.albedo_clamped = given->albedo_clamped;
+  else
+    report.input = given->map.report, report.albedo_clamped = given->albedo_clamped,
+    report.roughness = given->roughness;
   clock.finish("read");
   bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);
   return report;

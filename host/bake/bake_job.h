@@ -12,6 +12,7 @@
 #include "host/bake/bake_settings.h"
 #include "host/bake/region_bake.h"
 #include "host/base/progress.h"
+#include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/opencl/device.h"
 
@@ -21,12 +22,13 @@ struct BakeSource;
 enum class MapReadings;
 
 struct BakeJob {
-  std::string input;      // a normal map or height field
-  std::string albedo;     // empty: no colours
-  std::string roughness;  // FILE or FILE:CHANNEL (parse_channel_file); empty: none
-  std::string weights;    // of basis BRDFs, a channel each; empty: none
-  std::string output;     // *.ndf.exr
-  std::string report;     // JSON file; empty: none
+  std::string input;                // a normal map or height field
+  std::string albedo;               // empty: no colours
+  std::string roughness;            // FILE or FILE:CHANNEL (parse_channel_file); empty: none
+  bool roughness_is_gloss = false;  // that file holds 1 - roughness
+  std::string weights;              // of basis BRDFs, a channel each; empty: none
+  std::string output;               // *.ndf.exr
+  std::string report;               // JSON file; empty: none
   NormalMapSettings reading;
   Representation representation = Representation::kMovmf;
   int sh_order = 4;       // of spherical harmonics, 1..20
@@ -52,6 +54,9 @@ struct BakeJob {
 
 /// The maps that go along with the normals.
 constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::roughness, &BakeJob::weights};
+
+/// BakeJob::roughness, which must not be empty.
+ChannelFile roughness_file(const BakeJob& job);
 
 /// The files that a bake reads, the map first.
 std::vector<std::string> input_files(const BakeJob& job);

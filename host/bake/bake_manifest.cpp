@@ -26,12 +26,12 @@ namespace fs = std::filesystem;
 constexpr char kWhole[] = "the manifest";
 
 const std::vector<std::string> kDefaultKeys = {
-    "error_max",  "ndf",          "lobes",          "reference",    "iterations",   "sweeps",
-    "order",      "align",        "kappa_cap",      "first_level",  "data_format",  "wrap",
-    "swrap",      "twrap",        "coarse_normals", "green",        "signed",       "unsigned",
-    "bumpformat", "height_scale", "two_channel",    "no_rehearsal", "sh_order",     "fixnan",
-    "checknan",   "repair_max",   "albedo",         "compression",  "normal_scale", "roughness",
-    "weights",    "unaligned",    "target_error",   "budget_ms",    "brdf",         "best_effort"};
+    "error_max",      "ndf",        "lobes",       "reference",   "iterations", "sweeps",       "order",
+    "align",          "kappa_cap",  "first_level", "data_format", "wrap",       "swrap",        "twrap",
+    "coarse_normals", "green",      "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
+    "no_rehearsal",   "sh_order",   "fixnan",      "checknan",    "repair_max", "albedo",       "compression",
+    "normal_scale",   "roughness",  "gloss",       "weights",     "unaligned",  "target_error", "budget_ms",
+    "brdf",           "best_effort"};
 
 std::vector<std::string> map_keys() {
   std::vector<std::string> keys = kDefaultKeys;

@@ -72,6 +72,13 @@ std::string BakeReport::to_json() const {
                    {"zero_length_repaired", input.zero_length_repaired},
                    {"below_horizon_repaired", input.below_horizon_repaired}};
   json["albedo_clamped"] = albedo_clamped;
+  if (roughness)
+    json["roughness"] = {{"least", roughness->least},
+                         {"mean", roughness->mean},
+                         {"most", roughness->most},
+                         {"share_at_0", roughness->share_zero},
+                         {"share_at_1", roughness->share_one},
+                         {"warnings", roughness->warnings}};
   json["stages"] = Json::array();
   for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
   json["plan"] = plan;

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/bake/accuracy.h"
+#include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/opencl/device.h"
 
@@ -32,7 +34,8 @@ struct BakeReport {
   std::string device;
   std::uint64_t rows_resumed = 0;  // rows of levels that a killed bake had done
   NormalMapReport input;
-  std::int64_t albedo_clamped = 0;  // texels of the albedo with a negative or non-finite value, read as 0
+  std::int64_t albedo_clamped = 0;           // texels of the albedo with a negative or non-finite value, read as 0
+  std::optional<RoughnessReport> roughness;  // of a bake with a roughness map
   std::vector<StageTime> stages;
   double start_seconds = 0.0;     // of "fit": choosing where the coarsest level starts
   double condense_seconds = 0.0;  // of "fit": condensing the normals of coarse texels

@@ -55,8 +55,8 @@ BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* 
   }
   if (!job.weights.empty()) source.weights = read_weight_map(job.weights, width, height, place, job.threads);
   if (!job.roughness.empty()) {
-    source.mean_cosine =
-        shorten_by_roughness(source.map.normals, parse_channel_file(job.roughness), place, job.threads);
+    source.roughness = shorten_by_roughness(source.map.normals, roughness_file(job), place, job.threads);
+    source.mean_cosine = source.roughness->mean_cosine;
     source.has_roughness = true;
   }
   return source;

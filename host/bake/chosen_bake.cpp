@@ -13,6 +13,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/held_warnings.h"
 #include "host/base/log.h"
 #include "host/brdf/brdf_text.h"
 
@@ -25,6 +26,7 @@ struct Attempt {
   ReachedError reached;
   double seconds;
   BakeReport report;
+  std::vector<std::string> warnings;  // shown of the one that is chosen
 };
 
 // Bakes candidates to a name beside the output's, which goes away unless it is kept.
@@ -55,9 +57,10 @@ class Attempts {
     job.force = true;
     const TargetBrdf& brdf = trials_.brdf();
     if (!source_.has_roughness) job.highlights = brdf.more_highlights();
+    HeldWarnings held;
     BakeReport report = bake_source(job, source_, device_, progress_);
     report.stages.insert(report.stages.begin(), {"read", read_seconds_});
-    made_.push_back({trial, reached_error(report.error, brdf), report.bake_seconds(), std::move(report)});
+    made_.push_back({trial, reached_error(report.error, brdf), report.bake_seconds(), std::move(report), held.take()});
     return made_.back();
   }
   /// The last one's file is the output.
@@ -284,6 +287,8 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   chosen.options = trials.candidates()[attempt.trial.candidate].options;
   chosen.report.choice = choice_text(target, trials, attempts, attempt, chosen.met);
   chosen.written = chosen.met || target.best_effort;
+  if (chosen.written)
+    for (const std::string& warning : attempt.warnings) log_warning(warning);
   clock.finish("choose");
   // What was not the bake itself.
   double others = choosing.stages.back().seconds;

@@ -23,7 +23,8 @@ std::string manifest_verdict(const ManifestOutcome& outcome);
 /// The verdict and, below it, a line for each map that is not in place: state, name, why. Empty when all are.
 std::string manifest_failures(const ManifestOutcome& outcome);
 
-/// A test suite with a test case a map: <failure> for what a check found, <error> for maps that failed.
+/// A test suite with a test case a map: <failure> for what a check found (missing, stale, damaged, worse), <error> for
+/// maps that failed, since nothing could be found out.
 std::string manifest_junit(const ManifestOutcome& outcome);
 
 /// The verdict, a table with a row a map, and why for those that are not in place.

@@ -6,9 +6,10 @@
 #include <array>
 #include <filesystem>
 
+#include "host/bake/bake_source.h"
 #include "host/bake/baked_check.h"
+#include "host/bake/ndf_bake.h"
 #include "host/bake/output_state.h"
-#include "host/base/content_hash.h"
 
 namespace multum {
 namespace {
@@ -63,6 +64,20 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
   if (result.report) result.error = worst_error(result.report->accuracy);
 }
 
+// As far as a bake goes before it fits anything. Throws what the bake would.
+void check_can_be_baked(const ManifestMap& map, Progress* progress) {
+  if (map.target) check_target(*map.target, map.job);
+  check_job(map.job);
+  const BakeSource source = read_bake_source(map.job, MapReadings::kFew, progress);
+  ndf_bake(map.job.representation).check_map(map.job, source.map.normals.width(), source.map.normals.height());
+}
+
+// A map that is missing since its bake is refused is not told to be missing alone: that could be mended by a bake.
+[[noreturn]] void rethrow_with_finding(const Error& error, const MapResult& result) {
+  if (result.why.empty()) throw error;
+  throw Error(error.code(), fmt::format("{}, and cannot be baked: {}", result.why, error.what()));
+}
+
 // A file that is left as it is without a look is taken at its word.
 void hold_to_allowed(MapResult& result) {
   const std::optional<double> error =
@@ -97,10 +112,13 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
   }
   // A file that is worse than it should be would be no better for being baked again from the same source.
   const bool must_be_baked = !is_current || result.state == MapState::kDamaged;
-  if (must_be_baked && settings.dry_run) {
-    hash_file(map.job.input);  // a source that is not there is another matter than a file that is missing
-  } else if (must_be_baked) {
-    bake_map(map, device, progress, result);
+  try {
+    if (must_be_baked && settings.dry_run) check_can_be_baked(map, progress);
+    else if (must_be_baked) bake_map(map, device, progress, result);
+  } catch (const Error& error) {
+    rethrow_with_finding(error, result);
+  }
+  if (must_be_baked && !settings.dry_run) {
     if (!settings.check && result.state != MapState::kWorse) result.state = MapState::kBaked;
     else if (settings.check && result.report) add_reason(result, "baked now");
   }

@@ -44,7 +44,7 @@ struct MapResult {
 
 struct ManifestRunSettings {
   bool check = false;    // verify and measure what is in place; missing and stale files are findings
-  bool dry_run = false;  // checks only: bake nothing
+  bool dry_run = false;  // checks only: bake nothing, but read what would be baked
 };
 
 /// Throws Error when the map cannot be read or baked, Cancelled.

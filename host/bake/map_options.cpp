@@ -58,7 +58,8 @@ void apply(const MapOptions& o, BakeJob& job) {
   for (const auto& wrap : {o.wrap, o.wrap_t})
     if (wrap) set_wrap_t(*wrap, job.reading);
   if (o.albedo) job.albedo = *o.albedo;
-  if (o.roughness) job.roughness = *o.roughness;
+  if (o.roughness) job.roughness = *o.roughness, job.roughness_is_gloss = false;
+  if (o.gloss) job.roughness = *o.gloss, job.roughness_is_gloss = !o.gloss->empty();
   if (o.weights) job.weights = *o.weights;
   if (o.ndf) job.representation = *o.ndf;
   apply_to_fit(o, job.fitting);

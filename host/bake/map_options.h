@@ -40,7 +40,7 @@ struct MapOptions {
   ReadingOptions reading;
   bool check_nan = false;
   std::optional<MapWrap> wrap, wrap_s, wrap_t;  // of both directions, of s alone, of t alone
-  std::optional<std::string> albedo, roughness, weights;
+  std::optional<std::string> albedo, roughness, gloss, weights;
   std::optional<Representation> ndf;
   std::optional<int> lobes, iterations, sweeps, first_level, sh_order;
   std::optional<float> alignment, kappa_cap;

@@ -106,8 +106,9 @@ std::string all_settings_json(const BakeJob& job) {
   // Where there are none, the text is that of programs that knew none.
   if (!job.weights.empty()) json["weights"] = hash_file(job.weights);
   if (!job.roughness.empty()) {
-    const ChannelFile file = parse_channel_file(job.roughness);
-    json["roughness"] = hash_file(file.path) + (file.channel.empty() ? "" : ":" + file.channel);
+    const ChannelFile file = roughness_file(job);
+    json["roughness"] =
+        hash_file(file.path) + (file.channel.empty() ? "" : ":" + file.channel) + (file.is_gloss ? ", gloss" : "");
   }
   if (!job.onto.empty()) {
     if (job.region) json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};

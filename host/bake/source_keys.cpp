@@ -34,9 +34,10 @@ void read_number(const StrictTable& table, const std::string& key, const NumberR
 }
 
 const std::vector<std::string>& source_keys() {
-  static const std::vector<std::string> keys = {
-      "bumpformat", "green",    "signed", "unsigned", "two_channel", "height_scale", "normal_scale", "fixnan",
-      "repair_max", "checknan", "wrap",   "swrap",    "twrap",       "albedo",       "roughness",    "weights"};
+  static const std::vector<std::string> keys = {"bumpformat",   "green",        "signed", "unsigned",   "two_channel",
+                                                "height_scale", "normal_scale", "fixnan", "repair_max", "checknan",
+                                                "wrap",         "swrap",        "twrap",  "albedo",     "roughness",
+                                                "gloss",        "weights"};
   return keys;
 }
 
@@ -46,8 +47,14 @@ void read_source_keys(const StrictTable& table, MapOptions& map) {
   read_choice(table, "wrap", kMapWraps, map.wrap);
   read_choice(table, "swrap", kMapWraps, map.wrap_s);
   read_choice(table, "twrap", kMapWraps, map.wrap_t);
-  for (const auto& [key, value] :
-       {std::pair{"albedo", &map.albedo}, std::pair{"roughness", &map.roughness}, std::pair{"weights", &map.weights}})
+  // One map under either name: what is said of a map replaces what [defaults] say.
+  if (table.has("roughness") || table.has("gloss")) {
+    if (table.has("roughness") && table.has("gloss"))
+      table.refuse("gloss", "is given beside roughness: expected one of them, since roughness = 1 - gloss");
+    map.roughness.reset(), map.gloss.reset();
+  }
+  for (const auto& [key, value] : {std::pair{"albedo", &map.albedo}, std::pair{"roughness", &map.roughness},
+                                   std::pair{"gloss", &map.gloss}, std::pair{"weights", &map.weights}})
     if (table.has(key)) *value = table.text(key, "");
 }
 

@@ -2,6 +2,7 @@
 #include "host/bake/tradeoff_page.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,7 @@ constexpr const char* kTradeoffStyle = R"(
 .plots svg { max-width: none; } svg .axis { stroke: var(--line); } svg .front { fill: none; stroke: var(--text);
   stroke-width: 1.4; } svg .grid { stroke: var(--line); stroke-dasharray: 2 3; } svg .mark { stroke-width: 1.4;
   stroke: var(--soft); fill: var(--back); } svg .onfront { fill: var(--heat); stroke: var(--heat); }
+svg .over { opacity: .3; }
 svg .title { fill: var(--text); font-weight: 600; }
 pre { overflow-x: auto; padding: .5rem .7rem; border: 1px solid var(--line); font-size: .88rem; margin: .4rem 0; }
 code { font-size: .92em; } .pictures { display: grid; gap: .9rem;
@@ -71,7 +73,27 @@ std::string base64(const std::string& bytes) {
 std::string percent(double share) { return fmt::format("{:.2f}", 100.0 * share); }
 std::string percent_if(double share) { return share < 0.0 ? "-" : percent(share); }
 std::string millis(double seconds) { return fmt::format("{:.0f}", 1e3 * seconds); }
-std::string mega(std::uint64_t bytes) { return fmt::format("{:.2f}", static_cast<double>(bytes) / 1e6); }
+constexpr double kMiB = 1 << 20;
+std::string mebi(std::uint64_t bytes) { return fmt::format("{:.2f}", static_cast<double>(bytes) / kMiB); }
+
+// "33 MiB on the GPU, 20 ms a frame": the budgets that are set.
+std::string budgets_text(const TradeoffJob& job) {
+  std::vector<std::string> parts;
+  if (job.bytes_max) parts.push_back(fmt::format("{:.4g} MiB on the GPU", static_cast<double>(*job.bytes_max) / kMiB));
+  if (job.frame_ms_max) parts.push_back(fmt::format("{:.4g} ms a frame", *job.frame_ms_max));
+  if (job.bake_seconds_max) parts.push_back(fmt::format("{:.4g} ms of baking", 1e3 * *job.bake_seconds_max));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string fitting_text(const TradeoffResult& result) {
+  const auto measured = [](const TradeoffRow& row) { return row.is_measured; };
+  return fmt::format("{} of {} settings",
+                     std::count_if(result.rows.begin(), result.rows.end(),
+                                   [](const TradeoffRow& row) { return row.is_measured && row.fits; }),
+                     std::count_if(result.rows.begin(), result.rows.end(), measured));
+}
+
+bool is_asked(const TradeoffJob& job) { return job.error || job.bake_seconds || job.has_budget(); }
 
 std::string map_name(const TradeoffJob& job) { return std::filesystem::path(job.bake.input).filename().string(); }
 
@@ -109,8 +131,8 @@ const std::vector<Cost>& costs() {
   static const std::vector<Cost> all = {
       {"Bake time", "milliseconds", [](const TradeoffRow& row) { return 1e3 * row.bake_seconds; },
        &TradeoffRow::on_time_front},
-      {"Memory on the GPU", "megabytes",
-       [](const TradeoffRow& row) { return static_cast<double>(row.gpu_bytes) / 1e6; }, &TradeoffRow::on_size_front},
+      {"Memory on the GPU", "MiB", [](const TradeoffRow& row) { return static_cast<double>(row.gpu_bytes) / kMiB; },
+       &TradeoffRow::on_size_front},
       {"Frame time", "milliseconds", [](const TradeoffRow& row) { return row.frame_ms; },
        &TradeoffRow::on_frame_front}};
   return all;
@@ -177,16 +199,21 @@ class TradeoffPage {
         "in %, of mip levels 2 and up.</p>\n",
         result_.rows.size(), html_escaped(map_name(job_)), result_.width, result_.height, html_escaped(job_.brdf.name),
         html_escaped(result_.device), result_.renderer.empty() ? "" : ", drawn by " + html_escaped(result_.renderer));
-    if (!job_.error && !job_.bake_seconds) return html;
-    const std::string asked = job_.error ? fmt::format("an error of {:.4g} %", 100.0 * *job_.error)
-                                         : fmt::format("{:.0f} ms of baking", 1e3 * *job_.bake_seconds);
+    if (job_.has_budget())
+      html += fmt::format("<p>Budget: {}. {} keep to it; the others are struck out.</p>\n", budgets_text(job_),
+                          fitting_text(result_));
+    if (!is_asked(job_)) return html;
+    std::string asked = job_.error          ? fmt::format("an error of {:.4g} %", 100.0 * *job_.error)
+                        : job_.bake_seconds ? fmt::format("{:.0f} ms of baking", 1e3 * *job_.bake_seconds)
+                                            : "";
+    if (job_.has_budget()) asked += (asked.empty() ? "" : " within ") + budgets_text(job_);
     if (!result_.chosen) return html + fmt::format("<p><b>No settings reach {}.</b></p>\n", asked);
     const TradeoffRow& row = result_.rows[*result_.chosen];
     return html + fmt::format(
-                      "<h2>For {}</h2>\n<p>{} in {} ms, {} MB on the GPU: the {} of those that reach it.</p>\n"
+                      "<h2>For {}</h2>\n<p>{} in {} ms, {} MiB on the GPU: the {} of those that reach it.</p>\n"
                       "<pre>{}</pre>\n",
                       asked, html_escaped(error_text(row.reached.error, row.reached.confidence)),
-                      millis(row.bake_seconds), mega(row.gpu_bytes), job_.error ? "cheapest" : "most accurate",
+                      millis(row.bake_seconds), mebi(row.gpu_bytes), job_.error ? "cheapest" : "most accurate",
                       html_escaped(bake_command(job_, row)));
   }
 
@@ -207,11 +234,16 @@ class TradeoffPage {
 
   std::string legend() const {
     std::string svg = fmt::format("<svg viewBox=\"0 0 360 {}\" role=\"img\" aria-label=\"what marks stand for\">",
-                                  22 * groups_.size() + 34);
+                                  22 * (groups_.size() + (job_.has_budget() ? 1 : 0)) + 34);
     double y = 14.0;
     for (const std::string& group : groups_) {
       svg += mark(shape_of(group), 14.0, y, "mark", html_escaped(group));
       svg += fmt::format("<text x=\"30\" y=\"{:.0f}\">{}</text>", y + 4, html_escaped(group));
+      y += 22.0;
+    }
+    if (job_.has_budget()) {
+      svg += mark("circle", 14.0, y, "mark over", "beyond the budget");
+      svg += fmt::format("<text x=\"30\" y=\"{:.0f}\">pale: beyond the budget</text>", y + 4);
       y += 22.0;
     }
     svg += mark("circle", 14.0, y, "mark onfront", "on the front");
@@ -268,7 +300,7 @@ class TradeoffPage {
     svg += fmt::format("<polyline class=\"front\" points=\"{}\"/>", line);
     for (const TradeoffRow* row : rows)
       svg += mark(shape_of(row->group), x(cost.of(*row)), y(row->reached.error),
-                  row->*cost.front ? "mark onfront" : "mark",
+                  std::string(row->*cost.front ? "mark onfront" : "mark") + (row->fits ? "" : " over"),
                   html_escaped(fmt::format("{}: {} %, {:.4g} {}", name_of(*row), percent(row->reached.error),
                                            cost.of(*row), cost.axis)));
     return svg + "</svg></figure>\n";
@@ -288,12 +320,19 @@ class TradeoffPage {
       for (const Cost& cost : costs())
         if (row->*cost.front) fronts_text += (fronts_text.empty() ? "" : ", ") + std::string(cost.title);
       html += fmt::format(
-          "<p class=\"soft\"><b>{} %</b> &plusmn; {}; {} ms to bake, {} MB on the GPU{}; front of: {}</p>\n"
+          "<p class=\"soft\"><b>{} %</b> &plusmn; {}; {} ms to bake, {} MiB on the GPU{}; front of: {}{}</p>\n"
           "<pre>{}</pre>\n",
           percent(row->reached.error), percent(row->reached.confidence), millis(row->bake_seconds),
-          mega(row->gpu_bytes), row->frame_ms < 0.0 ? "" : fmt::format(", {:.1f} ms a frame", row->frame_ms),
-          fronts_text, html_escaped(bake_command(job_, *row)));
+          mebi(row->gpu_bytes), row->frame_ms < 0.0 ? "" : fmt::format(", {:.1f} ms a frame", row->frame_ms),
+          fronts_text + (row->fits ? "" : "; beyond the budget"), warnings_html(*row),
+          html_escaped(bake_command(job_, *row)));
     }
+    return html;
+  }
+
+  static std::string warnings_html(const TradeoffRow& row) {
+    std::string html;
+    for (const std::string& warning : row.warnings) html += "<br>Warning: " + html_escaped(warning);
     return html;
   }
 
@@ -302,12 +341,13 @@ class TradeoffPage {
     for (const TradeoffRow& row : result_.rows) {
       if (!row.is_measured) continue;
       const std::string best = row.on_time_front || row.on_size_front || row.on_frame_front ? "*" : "";
-      rows.push_back({"<code>" + html_escaped(row.options) + "</code>" +
-                          (row.view.empty() ? "" : " <code>" + html_escaped(row.view) + "</code>"),
-                      html_escaped(row.group), best + percent(row.reached.error), percent(row.reached.confidence),
-                      percent(row.centre), percent(row.midway), percent(row.between), percent_if(row.rendered),
-                      millis(row.bake_seconds), row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms),
-                      mega(row.file_bytes), mega(row.gpu_bytes)});
+      const std::string name = "<code>" + html_escaped(row.options) + "</code>" +
+                               (row.view.empty() ? "" : " <code>" + html_escaped(row.view) + "</code>");
+      rows.push_back({row.fits ? name : "<s>" + name + "</s>", html_escaped(row.group),
+                      best + percent(row.reached.error), percent(row.reached.confidence), percent(row.centre),
+                      percent(row.midway), percent(row.between), percent_if(row.rendered), millis(row.bake_seconds),
+                      row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms), mebi(row.file_bytes),
+                      mebi(row.gpu_bytes)});
     }
     return "<h2>All of them</h2>\n<p>Click a heading to sort. Bold: on a front.</p>\n" +
            html_table({{"settings", true},
@@ -320,8 +360,8 @@ class TradeoffPage {
                        {"rendered"},
                        {"bake, ms"},
                        {"frame, ms"},
-                       {"file, MB"},
-                       {"GPU, MB"}},
+                       {"file, MiB"},
+                       {"GPU, MiB"}},
                       rows, " class=\"sortable\"");
   }
 
@@ -374,7 +414,9 @@ class TradeoffPage {
         "covers, in double; 12 pairs of light and view; what is stored is rounded as stored, filtered as hardware "
         "filters, shaded as the runtime shades (docs/ACCURACY.md).</li>\n<li>Error: texel centres and midpoints in x "
         "and y, levels 2 and up, each level weighing the same. &plusmn;: 95 % interval over the texels that were "
-        "looked at, at most about 2048 a level (stratified standard error of a ratio, Cochran 1977).</li>\n<li>Bake "
+        "looked at, at most about 2048 a level (stratified standard error of a ratio, Cochran 1977).</li>\n<li>Memory: "
+        "of the baked file's textures. With --first-level the finest levels are the normal map's, which a renderer has "
+        "beside them: a byte a texel as BC5, and not counted here.</li>\n<li>Bake "
         "time: fitting or averaging, rounding and writing, without reading and measuring, once each. Frame time: one "
         "picture of {} &times; {} pixels, the quicker of two. Times are this machine's and move with what else it "
         "does.</li>\n<li>The "
@@ -403,6 +445,9 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) 
                                  {"renderer", result.renderer},
                                  {"seconds", result.seconds}};
   if (result.chosen) json["chosen"] = *result.chosen;
+  if (job.bytes_max) json["budget"]["gpu_bytes"] = *job.bytes_max;
+  if (job.frame_ms_max) json["budget"]["frame_ms"] = *job.frame_ms_max;
+  if (job.bake_seconds_max) json["budget"]["bake_seconds"] = *job.bake_seconds_max;
   json["rows"] = nlohmann::ordered_json::array();
   for (const TradeoffRow& row : result.rows) {
     nlohmann::ordered_json one = {{"group", row.group},
@@ -412,6 +457,8 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) 
                                   {"bake_seconds", row.bake_seconds},
                                   {"file_bytes", row.file_bytes},
                                   {"gpu_bytes", row.gpu_bytes}};
+    if (job.has_budget()) one["fits"] = row.fits;
+    if (!row.warnings.empty()) one["warnings"] = row.warnings;
     if (row.has_error)
       one.update({{"relative_l1", row.reached.error},
                   {"confidence_95", row.reached.confidence},
@@ -432,7 +479,7 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) 
 std::string tradeoff_markdown(const TradeoffResult& result) {
   std::string text =
       "| settings | drawn with | error | 95 % | centres | midway | between levels | rendered | bake, ms | frame, ms | "
-      "GPU, MB |\n"
+      "GPU, MiB |\n"
       "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const TradeoffRow& row : result.rows) {
     const auto if_measured = [&](double share) { return row.is_measured ? percent(share) : std::string("-"); };
@@ -441,7 +488,7 @@ std::string tradeoff_markdown(const TradeoffResult& result) {
                         row.view.empty() ? "" : "`" + row.view + "`", if_known(row.reached.error),
                         if_known(row.reached.confidence), if_measured(row.centre), if_measured(row.midway),
                         if_measured(row.between), percent_if(row.rendered), millis(row.bake_seconds),
-                        row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms), mega(row.gpu_bytes));
+                        row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms), mebi(row.gpu_bytes));
   }
   return text;
 }
@@ -449,13 +496,14 @@ std::string tradeoff_markdown(const TradeoffResult& result) {
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) {
   std::string text = "on a front of error against bake time, memory or frame time:\n";
   for (const TradeoffRow& row : result.rows) {
-    if (!row.on_time_front && !row.on_size_front && !row.on_frame_front) continue;
+    if ((!row.on_time_front && !row.on_size_front && !row.on_frame_front) || !row.fits) continue;
     text +=
-        fmt::format("  {:>16}  {:>6} ms  {:>8} MB  {}  {} {}\n", error_text(row.reached.error, row.reached.confidence),
-                    millis(row.bake_seconds), mega(row.gpu_bytes),
+        fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", error_text(row.reached.error, row.reached.confidence),
+                    millis(row.bake_seconds), mebi(row.gpu_bytes),
                     row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms a frame", row.frame_ms), row.options, row.view);
   }
-  if (job.error || job.bake_seconds)
+  if (job.has_budget()) text += fmt::format("within {}: {}\n", budgets_text(job), fitting_text(result));
+  if (is_asked(job))
     text += result.chosen ? "chosen: " + result.rows[*result.chosen].options + "\n" : "no settings reach it\n";
   return text;
 }

@@ -16,6 +16,7 @@
 #include "host/asset/gpu_bytes.h"
 #include "host/bake/viewer_process.h"
 #include "host/base/error.h"
+#include "host/base/held_warnings.h"
 #include "host/base/output_paths.h"
 #include "host/brdf/brdf_text.h"
 #include "host/brdf/facet_distribution.h"
@@ -106,6 +107,11 @@ void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
   };
   add("iterations", [](MapOptions& m) { m.sweeps = 1, m.no_rehearsal = true; });
   add("storage", [](MapOptions& m) { m.data_format = StorageEncoding::kHalf; });
+  // Without level 0 lobes take a quarter of the memory: more of them fit into as much.
+  for (const int lobes : length == SweepLength::kQuick   ? std::vector<int>{2, 4}
+                         : length == SweepLength::kUsual ? std::vector<int>{1, 2, 3, 4, 6, 8}
+                                                         : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
+    add("first level", [=](MapOptions& m) { m.lobes = lobes, m.first_level = 1; });
   if (length == SweepLength::kQuick) return;
   for (const int iterations : {3, 6}) add("iterations", [=](MapOptions& m) { m.iterations = iterations; });
   for (const int sweeps : {1, 3}) add("iterations", [=](MapOptions& m) { m.sweeps = sweeps; });
@@ -118,7 +124,7 @@ void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
   for (const float alignment : {0.0f, 1.0f}) add("hierarchy", [=](MapOptions& m) { m.alignment = alignment; });
   add("hierarchy", [](MapOptions& m) { m.order = FitOrder::kScanline; });
   add("storage", [](MapOptions& m) { m.data_format = StorageEncoding::kFloat; });
-  for (const int level : {1, 2}) add("storage", [=](MapOptions& m) { m.first_level = level; });
+  add("first level", [](MapOptions& m) { m.first_level = 2; });
   for (const char* compression : {"none", "piz"}) add("storage", [=](MapOptions& m) { m.compression = compression; });
   if (length != SweepLength::kFull) return;
   for (const int lobes : {1, 2, 3, 5, 6, 7, 8}) {
@@ -195,6 +201,7 @@ class Sweep {
     progress_start(progress_, units);
     for (const SweptBake& one : sweep) run_bake(one, source);
     mark_fronts();
+    mark_budgets();
     choose();
     progress_finish(progress_);
     result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
@@ -214,7 +221,9 @@ class Sweep {
     for (const View& view : swept.views)
       if (view.highlight) bake.highlights.push_back(*view.highlight);
     Progress quiet = cancel_only(progress_);
+    HeldWarnings held;
     const BakeReport report = bake_source(bake, source, device_, &quiet);
+    const std::vector<std::string> warnings = without_name(held.take());
     result_.device = report.device;
     progress_advance(progress_, 1);
     for (const View& view : swept.views) {
@@ -227,12 +236,21 @@ class Sweep {
       row.bake_seconds = report.bake_seconds();
       row.file_bytes = std::filesystem::file_size(bake.output);
       row.gpu_bytes = baked_gpu_bytes(bake.output);
+      row.warnings = warnings;
       if (view.is_measured) add_errors(report, view, row);
       if (view.highlight) add_errors_of(report, *view.highlight, row);
       if (!job_.viewer.empty()) draw(bake.output, view, row);
       result_.rows.push_back(std::move(row));
       progress_advance(progress_, 1);
     }
+  }
+
+  // The map is the page's.
+  std::vector<std::string> without_name(std::vector<std::string> warnings) const {
+    const std::string name = job_.bake.input + ": ";
+    for (std::string& warning : warnings)
+      if (warning.starts_with(name)) warning.erase(0, name.size());
+    return warnings;
   }
 
   void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
@@ -314,14 +332,22 @@ class Sweep {
     mark_front(&TradeoffRow::on_size_front, [](const TradeoffRow& row) { return static_cast<double>(row.gpu_bytes); });
   }
 
-  // For an error: the fewest bytes, then the least time; for a time: the least error.
+  // A frame that was not drawn keeps to no budget of time.
+  void mark_budgets() {
+    for (TradeoffRow& row : result_.rows)
+      row.fits = (!job_.bytes_max || row.gpu_bytes <= *job_.bytes_max) &&
+                 (!job_.frame_ms_max || (row.frame_ms >= 0.0 && row.frame_ms <= *job_.frame_ms_max)) &&
+                 (!job_.bake_seconds_max || row.bake_seconds <= *job_.bake_seconds_max);
+  }
+
+  // For an error: the fewest bytes, then the least time; for a time, and within budgets alone: the least error.
   void choose() {
     for (std::size_t i = 0; i < result_.rows.size(); ++i) {
       const TradeoffRow& row = result_.rows[i];
-      if (!row.is_measured) continue;
+      if (!row.is_measured || !row.fits) continue;
       const bool fits = job_.error          ? row.reached.meets(*job_.error)
                         : job_.bake_seconds ? row.bake_seconds <= *job_.bake_seconds
-                                            : false;
+                                            : job_.has_budget();
       if (!fits) continue;
       const auto rank = [&](const TradeoffRow& one) {
         return job_.error ? std::pair(static_cast<double>(one.gpu_bytes), one.bake_seconds)
@@ -342,6 +368,8 @@ class Sweep {
 
 TradeoffResult run_tradeoff(const TradeoffJob& job, Device& device, Progress* progress) {
   if (job.error && job.bake_seconds) throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected one");
+  if (job.frame_ms_max && job.viewer.empty())
+    throw Error(ErrorCode::kUsage, "--max-frame-ms: no frame is drawn with --no-pictures, expected one of them");
   return Sweep(job, device, progress).run();
 }
 

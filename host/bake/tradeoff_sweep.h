@@ -24,6 +24,12 @@ struct TradeoffJob {
   int samples = 64;               // a pixel of the truth
   std::optional<double> error;    // what to pick settings for: one of both, or none
   std::optional<double> bake_seconds;
+  // Budgets: rows say whether they keep to all that are set, and only those may be chosen.
+  std::optional<std::uint64_t> bytes_max;  // of textures on the GPU
+  std::optional<double> frame_ms_max;      // needs a viewer
+  std::optional<double> bake_seconds_max;
+
+  bool has_budget() const { return bytes_max || frame_ms_max || bake_seconds_max; }
 };
 
 /// One bake, drawn in one way.
@@ -39,9 +45,11 @@ struct TradeoffRow {
   double bake_seconds = 0.0;            // fitting or averaging, and writing; reading is the same for all
   double frame_ms = -1.0;               // < 0: not drawn
   std::uint64_t file_bytes = 0, gpu_bytes = 0;
-  std::string picture;      // PNG bytes; empty: not drawn
-  bool is_measured = true;  // false: another BRDF, or a formula that only the renderer has
-  bool has_error = false;   // is `reached` known? Of a row that is not measured: the error of its own BRDF
+  std::string picture;                // PNG bytes; empty: not drawn
+  bool is_measured = true;            // false: another BRDF, or a formula that only the renderer has
+  bool has_error = false;             // is `reached` known? Of a row that is not measured: the error of its own BRDF
+  bool fits = true;                   // TradeoffJob's budgets
+  std::vector<std::string> warnings;  // of the bake, without the map's name
   bool on_time_front = false, on_frame_front = false, on_size_front = false;  // nothing is better in both
 };
 
@@ -51,7 +59,7 @@ struct TradeoffResult {
   std::string device;                 // that baked
   std::string renderer;               // that drew
   int width = 0, height = 0;          // of the map
-  std::optional<std::size_t> chosen;  // the row for the job's error or time
+  std::optional<std::size_t> chosen;  // the row for the job's error, time or budgets
   double seconds = 0.0;
 };
 

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "host/base/held_warnings.h"
 #include "host/base/shown_text.h"
 
 namespace multum {
@@ -33,6 +34,7 @@ void set_log_level(LogLevel level) { g_level = level; }
 LogLevel log_level() { return g_level; }
 
 void log_warning(const std::string& message) {
+  if (HeldWarnings::keep(message)) return;
   if (g_level != LogLevel::kQuiet) logger().warn("warning: {}", for_stderr(message));
 }
 void log_info(const std::string& message) {

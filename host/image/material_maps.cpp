@@ -5,9 +5,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <numeric>
 
 #include "host/base/error.h"
 #include "host/base/parallel.h"
@@ -23,6 +25,7 @@ struct Wanted {
   std::string path;
   const char* what;  // "a roughness map", for messages
   int width, height;
+  std::size_t checked = 4;  // channels whose values count
 };
 
 void check_size(const Wanted& wanted, const RawImageInfo& info) {
@@ -32,7 +35,7 @@ void check_size(const Wanted& wanted, const RawImageInfo& info) {
                             wanted.what, info.width, info.height, wanted.width, wanted.height));
 }
 
-// In parallel, rows of a thread's own each time.
+// In parallel, rows of a thread's own each time. Of the channels the first `wanted.checked` must hold 0 to 1.
 void read_channels(ImageReader& reader, const Wanted& wanted, const std::vector<std::size_t>& channels, int threads,
                    const UseRows& use) {
   const RawImageInfo info = reader.info();
@@ -48,7 +51,7 @@ void read_channels(ImageReader& reader, const Wanted& wanted, const std::vector<
     for (std::size_t c = 0; c < channels.size(); ++c)
       for (std::size_t i = 0; i < texels; ++i) {
         const float value = values[i * all + channels[c]];
-        if (!(value >= 0.0f && value <= 1.0f))
+        if (c < wanted.checked && !(value >= 0.0f && value <= 1.0f))
           throw Error(ErrorCode::kInput,
                       fmt::format("{}: texel ({}, {}): found {} in channel {}, expected {} with values from 0 to 1",
                                   wanted.path, i % width, band.first_row + row_begin + static_cast<int>(i / width),
@@ -85,6 +88,83 @@ std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>
   return place;
 }
 
+// Of a row of a roughness map, and of the colours that its file holds.
+struct RoughnessSums {
+  double cosine = 0.0, roughness = 0.0, least = 1.0, most = 0.0;
+  std::int64_t zeros = 0, ones = 0, mirrors = 0;
+  double difference = 0.0;           // the largest less the smallest of red, green and blue
+  std::array<double, 3> colour{};    // sums of these,
+  std::array<double, 3> squares{};   // of their squares,
+  std::array<double, 2> products{};  // and of green times red, green times blue
+
+  void add(double value, double value_cosine) {
+    cosine += value_cosine;
+    roughness += value;
+    least = std::min(least, value);
+    most = std::max(most, value);
+    zeros += value <= 0.0;
+    ones += value >= 1.0;
+    mirrors += value < kMirrorRoughness;
+  }
+  void add_colour(const std::array<float, 3>& rgb) {
+    const std::array<double, 3> c = {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]),
+                                     static_cast<double>(rgb[2])};
+    difference += std::max({c[0], c[1], c[2]}) - std::min({c[0], c[1], c[2]});
+    for (std::size_t k = 0; k < 3; ++k) colour[k] += c[k], squares[k] += c[k] * c[k];
+    products[0] += c[1] * c[0];
+    products[1] += c[1] * c[2];
+  }
+  void add(const RoughnessSums& other) {
+    cosine += other.cosine;
+    roughness += other.roughness;
+    least = std::min(least, other.least);
+    most = std::max(most, other.most);
+    zeros += other.zeros;
+    ones += other.ones;
+    mirrors += other.mirrors;
+    difference += other.difference;
+    for (std::size_t k = 0; k < 3; ++k) colour[k] += other.colour[k], squares[k] += other.squares[k];
+    for (std::size_t k = 0; k < 2; ++k) products[k] += other.products[k];
+  }
+  // The lesser correlation of green with red and with blue; 0 where a channel is the same everywhere.
+  double colour_correlation(double count) const {
+    const auto variance = [&](std::size_t k) { return squares[k] / count - colour[k] * colour[k] / (count * count); };
+    const auto with_green = [&](std::size_t k, double product) {
+      constexpr double kVarianceMin = 1e-8;  // a tenth of a step of 8 bits, squared
+      const double both = variance(1) * variance(k);
+      return both > kVarianceMin * kVarianceMin
+                 ? (product / count - colour[1] * colour[k] / (count * count)) / std::sqrt(both)
+                 : 0.0;
+    };
+    return std::min(with_green(0, products[0]), with_green(2, products[1]));
+  }
+};
+
+RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSums>& rows, double count) {
+  RoughnessSums sums;
+  for (const RoughnessSums& row : rows) sums.add(row);
+  RoughnessReport report;
+  report.mean_cosine = sums.cosine / count;
+  report.least = sums.least;
+  report.mean = sums.roughness / count;
+  report.most = sums.most;
+  report.share_zero = static_cast<double>(sums.zeros) / count;
+  report.share_one = static_cast<double>(sums.ones) / count;
+  report.share_mirror = static_cast<double>(sums.mirrors) / count;
+  if (report.share_mirror > kMirrorShareMax)
+    report.warnings.push_back(fmt::format(
+        "{}: {:.0f} % of the texels are mirrors (perceptual roughness below {:g}), where real roughness maps have next "
+        "to none: is it a specular{} map?",
+        file.path, 100.0 * report.share_mirror, kMirrorRoughness, file.is_gloss ? " or roughness" : " or gloss"));
+  const double correlation = sums.colour_correlation(count);
+  if (sums.difference / count > kColourDifferenceMin && correlation > kColourCorrelationMin)
+    report.warnings.push_back(fmt::format(
+        "{}: red, green and blue differ and go together (correlation {:.2f}), as in a picture; green was taken for {}: "
+        "is it a colour or specular map? FILE:CHANNEL names a channel",
+        file.path, correlation, file.is_gloss ? "gloss" : "roughness"));
+  return report;
+}
+
 }  // namespace
 
 double mean_cosine_of_roughness(double roughness) {
@@ -99,28 +179,42 @@ ChannelFile parse_channel_file(const std::string& text) {
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-double shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place, int threads) {
-  const Wanted wanted{file.path, "a roughness map", normals.width(), normals.height()};
+std::string RoughnessReport::to_text() const {
+  return fmt::format("perceptual roughness {:.3g} to {:.3g}, mean {:.3g}; {:.3g} % at 0, {:.3g} % at 1", least, most,
+                     mean, 100.0 * share_zero, 100.0 * share_one);
+}
+
+RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place,
+                                     int threads) {
+  const Wanted wanted{file.path, file.is_gloss ? "a gloss map" : "a roughness map", normals.width(), normals.height(),
+                      1};
   ImageReader reader(file.path, settings_of(place, threads));
   check_size(wanted, reader.info());
   const std::size_t channel = find_channel(file, reader.info().channel_names);
-  std::vector<double> sums(
+  std::vector<RoughnessSums> sums(
       static_cast<std::size_t>(normals.height()));  // by rows: no band or thread can be seen in them
-  read_channels(reader, wanted, {channel}, threads, [&](int first_row, int row_count, const auto& channels) {
-    const std::vector<float>& roughness = channels[0];
+  std::vector<std::size_t> read = {channel};
+  const bool looks_for_colours = file.channel.empty() && reader.info().channel_count >= 3;
+  if (looks_for_colours) read.insert(read.end(), {0, 1, 2});
+  read_channels(reader, wanted, read, threads, [&](int first_row, int row_count, const auto& channels) {
+    std::vector<float> roughness = channels[0];
+    if (file.is_gloss)
+      for (float& value : roughness) value = 1.0f - value;
     const auto width = static_cast<std::size_t>(normals.width());
     std::vector<float> x(roughness.size()), y(roughness.size()), z(roughness.size());
     normals.read_rows(first_row, row_count, {x.data(), y.data(), z.data()});
     for (std::size_t i = 0; i < roughness.size(); ++i) {
       const auto c = static_cast<float>(mean_cosine_of_roughness(static_cast<double>(roughness[i])));
-      sums[static_cast<std::size_t>(first_row) + i / width] += static_cast<double>(c);
+      RoughnessSums& row = sums[static_cast<std::size_t>(first_row) + i / width];
+      row.add(static_cast<double>(roughness[i]), static_cast<double>(c));
+      if (looks_for_colours) row.add_colour({channels[1][i], channels[2][i], channels[3][i]});
       x[i] *= c;
       y[i] *= c;
       z[i] *= c;
     }
     normals.write_rows(first_row, row_count, {x.data(), y.data(), z.data()});
   });
-  return std::accumulate(sums.begin(), sums.end(), 0.0) / (static_cast<double>(normals.width()) * normals.height());
+  return report_of(file, sums, static_cast<double>(normals.width()) * normals.height());
 }
 
 WeightMap read_weight_map(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {

@@ -31,13 +31,37 @@ double mean_cosine_of_roughness(double roughness);
 struct ChannelFile {
   std::string path;
   std::string channel;
+  bool is_gloss = false;  // of a roughness map: roughness = 1 - what it holds
 };
 /// "FILE" or "FILE:CHANNEL". What names a file that exists is a path, colons and all.
 ChannelFile parse_channel_file(const std::string& text);
 
-/// Multiplies unit normals by c of the roughness map, which must be of their size. Returns the mean of c. Throws
-/// Error(kInput) naming the file, what was found and what was expected.
-double shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place, int threads);
+/// What a roughness map holds, all in perceptual roughness.
+struct RoughnessReport {
+  double mean_cosine = 1.0;                    // the mean of c
+  double least = 0.0, mean = 0.0, most = 0.0;  // of a map without texels 0
+  double share_zero = 0.0, share_one = 0.0;    // of the texels, those at either end
+  double share_mirror = 0.0;                   // below kMirrorRoughness
+  std::vector<std::string> warnings;           // why it may be no roughness map; with the file's name
+  /// "perceptual roughness 0.08 to 1, mean 0.68; 0 % at 0, 1.2 % at 1".
+  std::string to_text() const;
+};
+
+/// Smoother is a mirror but for a blur that is seldom seen: alpha is 0.01.
+constexpr double kMirrorRoughness = 0.1;
+/// Specular maps are dark where a surface is dull, so that as roughness most of them is a mirror. Of shared/data's
+/// three roughness maps less than 0.1 % of the texels are below kMirrorRoughness, of its six specular maps 23 to 82 %.
+constexpr double kMirrorShareMax = 0.1;
+/// A picture's channels go together and yet differ, where those of occlusion, roughness and metalness have little in
+/// common: least correlation of green with red and blue 0.84 to 0.99 in six colour maps of shared/data, at most 0.2 in
+/// its three packed maps; the mean of what channels differ by is 0.016 or more in colour maps, and 0 in grey ones.
+constexpr double kColourCorrelationMin = 0.6;
+constexpr double kColourDifferenceMin = 0.01;
+
+/// Multiplies unit normals by c of the roughness map, which must be of their size. Throws Error(kInput) naming the
+/// file, what was found and what was expected.
+RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place,
+                                     int threads);
 
 /// Weights of 1 to 4 basis BRDFs.
 struct WeightMap {

@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 
 #include "host/scene/plan_text.h"
 
 namespace multum {
 namespace {
+
+std::string count_text(int count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
 
 class EffectRows {
  public:
@@ -101,21 +106,37 @@ class EffectRows {
       add_row("several lobes, EM", false, "nothing to share out", saved_by(one));
       return;
     }
-    std::string tried;
-    for (const BakeCandidate& c : plan_.candidates)
-      if (c.shape.representation == Representation::kMovmf)
-        tried += fmt::format("{}{} {}", tried.empty() ? "" : ", ", c.name.substr(5), parts_text(c.error));
     add_row("several lobes, EM", needed,
-            fmt::format("{} off {}: {}; {}", parts_name(), seen_texels(), tried,
+            fmt::format("{} off {}: {}", parts_name(), seen_texels(),
                         plan_.candidates.size() == 1
                             ? fmt::format("tolerance {}", percent_text(scene_.budget.tolerance))
-                            : fmt::format("the default's 4 {}; limit {}", parts_text(plan_.usual.error),
+                            : fmt::format("the default's 4 lobes {}, limit {}", parts_text(plan_.usual.error),
                                           parts_text(plan_.limit))) +
                 (needs_.exponent_max > kEstimatedExponentMax
                      ? fmt::format("; highlights as of s = {:g}", kEstimatedExponentMax)
                      : ""),
             needed ? chosen_without(one) : saved_by(one));
+    plan_.effects.back().list = lobes_tried();
     if (needed) add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
+  }
+
+  // "2 lobes", "0.21/45 %, one colour 0.4/45 %"; candidates are in the order of their textures, which takes one colour
+  // of more lobes for cheaper than a colour a lobe of fewer.
+  std::vector<PlannedItem> lobes_tried() const {
+    std::map<int, PlannedItem> by_count;
+    const auto add = [&](bool mean_colours) {
+      for (const BakeCandidate& c : plan_.candidates) {
+        if (c.shape.representation != Representation::kMovmf || c.shape.mean_colours != mean_colours) continue;
+        PlannedItem& item = by_count[c.shape.lobe_count];
+        item.name = count_text(c.shape.lobe_count, "lobe");
+        item.value += (mean_colours ? ", one colour " : "") + parts_text(c.error);
+      }
+    };
+    add(false);
+    add(true);
+    std::vector<PlannedItem> items;
+    for (auto& [count, item] : by_count) items.push_back(std::move(item));
+    return items;
   }
 
   // Why there is no candidate of it.
@@ -128,17 +149,24 @@ class EffectRows {
     return "one or several lobes do";
   }
 
+  // The candidate's name in the row of its representation.
+  static std::string name_within(const BakeCandidate& c) {
+    if (c.shape.representation == Representation::kGmm) return count_text(c.shape.lobe_count, "lobe");
+    return c.shape.representation == Representation::kSh ? fmt::format("order {}", c.shape.sh_order) : "one Gaussian";
+  }
+
   void add_other_representations() {
     for (const auto& [representation, effect] : {std::pair{Representation::kGmm, "planar Gaussians"},
                                                  std::pair{Representation::kMoments, "moments of slopes (LEAN)"},
                                                  std::pair{Representation::kSh, "spherical harmonics"}}) {
-      const bool needed = chosen_.representation == representation;
-      std::string tried;
+      const bool needed = chosen_.representation == representation && !plan_.trials;
+      std::vector<PlannedItem> tried;
       for (const BakeCandidate& c : plan_.candidates)
         if (c.shape.representation == representation)
-          tried += fmt::format("{}{} {}, {} texture{}", tried.empty() ? "" : "; ", c.name, parts_text(c.error),
-                               texture_count(c.shape), texture_count(c.shape) == 1 ? "" : "s");
-      add_row(effect, needed, tried.empty() ? why_not_tried(representation) : "off " + tried);
+          tried.push_back({name_within(c),
+                           fmt::format("{}, {}", parts_text(c.error), count_text(texture_count(c.shape), "texture"))});
+      add_row(effect, needed, tried.empty() ? why_not_tried(representation) : "off by the estimates:");
+      plan_.effects.back().list = std::move(tried);
     }
   }
 

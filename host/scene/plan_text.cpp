@@ -32,6 +32,23 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   return lines;
 }
 
+// In columns as far as there is room for them, read line by line.
+std::vector<std::string> list_lines(const std::vector<PlannedItem>& list, std::size_t width) {
+  std::size_t name = 0, value = 0;
+  for (const PlannedItem& item : list) {
+    name = std::max(name, item.name.size());
+    value = std::max(value, item.value.size());
+  }
+  const std::size_t column = name + 2 + value, columns = std::max<std::size_t>(1, (width + 3) / (column + 3));
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (i % columns == 0) lines.emplace_back();
+    else lines.back().resize((i % columns) * (column + 3), ' ');
+    lines.back() += fmt::format("{:<{}} {}", list[i].name + ":", name + 1, list[i].value);
+  }
+  return lines;
+}
+
 std::string effect_rows(const std::vector<PlannedEffect>& effects, int width) {
   constexpr int kEffect = 25, kNeeded = 4, kTime = 9, kBytes = 10;
   constexpr int kWhy = 2 + kEffect + 1 + kNeeded + 1 + kTime + 1 + kBytes + 2;
@@ -47,7 +64,9 @@ std::string effect_rows(const std::vector<PlannedEffect>& effects, int width) {
     const std::string ms = cost(e.cost.ms, time_text), bytes = cost(e.cost.bytes, bytes_text);
     std::string line = fmt::format("  {:<{}} {:<{}} {:>{}} {:>{}}", e.effect, kEffect, e.needed ? "yes" : "no", kNeeded,
                                    ms, kTime, bytes, kBytes);
-    const std::vector<std::string> why = wrapped(e.why, static_cast<std::size_t>(width - indent));
+    const auto room = static_cast<std::size_t>(width - indent);
+    std::vector<std::string> why = wrapped(e.why, room);
+    for (const std::string& items : list_lines(e.list, room)) why.push_back(items);
     if (!beside) line.erase(line.find_last_not_of(' ') + 1);
     for (std::size_t i = 0; i < why.size(); ++i)
       line += i == 0 && beside ? "  " + why[i] : "\n" + std::string(static_cast<std::size_t>(indent), ' ') + why[i];
@@ -60,6 +79,14 @@ std::string head(const std::string& last) {
   return fmt::format("  {:<25} {:<4} {:>9} {:>10}  {}\n", "effect", "need", "bake", "textures", last);
 }
 
+// "2.0 MiB"; "0.7 to 5.3 MiB" of what trials leave open.
+std::string range_text(double low, double high, std::string (*text_of)(double)) {
+  if (low == high) return text_of(low);
+  const std::string from = text_of(low), to = text_of(high);
+  const std::size_t unit = from.find(' ');
+  return (to.ends_with(from.substr(unit)) ? from.substr(0, unit) : from) + " to " + to;
+}
+
 // "35 % less", "13 % more".
 std::string saved(double from, double to) {
   const double share = from > 0.0 ? 1.0 - to / from : 0.0;
@@ -70,6 +97,7 @@ Json effects_json(const std::vector<PlannedEffect>& effects) {
   Json rows = Json::array();
   for (const PlannedEffect& e : effects) {
     Json row = {{"effect", e.effect}, {"needed", e.needed}, {"why", e.why}};
+    for (const PlannedItem& item : e.list) row["list"].push_back({{"name", item.name}, {"value", item.value}});
     if (e.has_cost) row["bake_ms"] = e.cost.ms, row["bytes"] = e.cost.bytes;
     rows.push_back(std::move(row));
   }
@@ -109,8 +137,40 @@ Json map_json(const MapPlan& map, const SceneFiles& files) {
                {"candidates", candidates},
                {"effects", effects_json(map.effects)},
                {"file", fs::path(files.baked(map)).filename().string()}};
+  if (map.trials) {
+    const BakeCandidate &low = map.trials->fewest, &high = map.trials->most;
+    json["trials"] = {{"lobes", {low.shape.lobe_count, high.shape.lobe_count}},
+                      {"bytes", {low.cost.bytes, high.cost.bytes}},
+                      {"bake_ms", {low.cost.ms, high.cost.ms}}};
+  }
   if (map.mean_colours) json["colour_file"] = fs::path(files.colours(map)).filename().string();
   return json;
+}
+
+std::string bakes_text(const MapPlan& map) {
+  const BakeCandidate& chosen = map.chosen;
+  if (!map.trials) return fmt::format("{} from level {}", chosen.name, chosen.shape.first_level);
+  return fmt::format("vmf, {} to {} lobes, to be chosen by trials, from level {}", map.trials->fewest.shape.lobe_count,
+                     map.trials->most.shape.lobe_count, chosen.shape.first_level);
+}
+
+// What the bake costs, and how near it is taken to be.
+std::string outcome_text(const MapPlan& map) {
+  const BakeCost &usual = map.usual.cost, &least = map.trials ? map.trials->fewest.cost : map.chosen.cost,
+                 &most = map.trials ? map.trials->most.cost : map.chosen.cost;
+  const auto share = [&](double BakeCost::*value) {
+    const std::string low = saved(usual.*value, least.*value), high = saved(usual.*value, most.*value);
+    return low == high ? low : low + " to " + high;
+  };
+  return fmt::format(
+      "bake {} in place of {} ({}){}, textures {} in place of {} ({}); estimated error {}{} beside {}{}, "
+      "at most {} from the default bake's pictures{}",
+      range_text(least.ms, most.ms, time_text), time_text(usual.ms), share(&BakeCost::ms),
+      map.trials ? " and the trials" : "", range_text(least.bytes, most.bytes, bytes_text), bytes_text(usual.bytes),
+      share(&BakeCost::bytes), percent_text(map.chosen.error.worst()),
+      map.trials ? " with " + map.chosen.name : std::string(), map.usual_error_is_bound ? "at most " : "",
+      percent_text(map.usual.error.worst()), percent_text(map.stated_difference),
+      map.trials ? fmt::format("; rows cost what they do with {}", map.chosen.name) : "");
 }
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
@@ -208,20 +268,11 @@ std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
     for (const std::string& line : wrapped(words, static_cast<std::size_t>(width))) text += line + "\n";
   };
   for (const MapPlan& map : plan.maps) {
-    add(fmt::format("map {}: {} x {}, levels {} to {} are seen; {} from level {} in place of {}", map.name, map.width,
-                    map.height, map.first_seen, map.last_seen, map.chosen.name, map.chosen.shape.first_level,
-                    map.usual.name));
+    add(fmt::format("map {}: {} x {}, levels {} to {} are seen; {} in place of {}", map.name, map.width, map.height,
+                    map.first_seen, map.last_seen, bakes_text(map), map.usual.name));
     text += head("why");
     text += effect_rows(map.effects, width);
-    add(
-        fmt::format("  bake {} in place of {} ({}), textures {} in place of {} ({}); estimated error {} beside {}{}, "
-                    "at most {} from "
-                    "the default bake's pictures",
-                    time_text(map.chosen.cost.ms), time_text(map.usual.cost.ms),
-                    saved(map.usual.cost.ms, map.chosen.cost.ms), bytes_text(map.chosen.cost.bytes),
-                    bytes_text(map.usual.cost.bytes), saved(map.usual.cost.bytes, map.chosen.cost.bytes),
-                    percent_text(map.chosen.error.worst()), map.usual_error_is_bound ? "at most " : "",
-                    percent_text(map.usual.error.worst()), percent_text(map.stated_difference)));
+    add(outcome_text(map));
     text += "\n";
   }
   for (const ObjectPlan& object : plan.objects) {
@@ -230,8 +281,10 @@ std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
     text += effect_rows(object.effects, width);
     text += "\n";
   }
-  add(fmt::format("in all: bake {} in place of {}, textures {} in place of {}; planned in {}{}",
-                  time_text(plan.cost.ms), time_text(plan.usual_cost.ms), bytes_text(plan.cost.bytes),
+  const bool has_trials = plan.cost_min.bytes < plan.cost_max.bytes;
+  add(fmt::format("in all: bake {}{} in place of {}, textures {} in place of {}; planned in {}{}",
+                  range_text(plan.cost_min.ms, plan.cost_max.ms, time_text), has_trials ? " and the trials" : "",
+                  time_text(plan.usual_cost.ms), range_text(plan.cost_min.bytes, plan.cost_max.bytes, bytes_text),
                   bytes_text(plan.usual_cost.bytes), time_text(1e3 * plan.plan_seconds),
                   scene.budget.bytes ? fmt::format("; budget {}", bytes_text(*scene.budget.bytes)) : ""));
   return text;
@@ -243,6 +296,7 @@ Json plan_json(const Scene& scene, const ScenePlan& plan, const SceneFiles& file
                {"default_bake_ms", plan.usual_cost.ms},
                {"bytes", plan.cost.bytes},
                {"default_bytes", plan.usual_cost.bytes},
+               {"bytes_range", {plan.cost_min.bytes, plan.cost_max.bytes}},
                {"maps", Json::array()},
                {"objects", Json::array()}};
   for (const MapPlan& map : plan.maps) json["maps"].push_back(map_json(map, files));

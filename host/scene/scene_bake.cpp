@@ -65,11 +65,6 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   return std::move(chosen.report);
 }
 
-// Of a target, several lobes are left to trials.
-bool has_trials(const Scene& scene, const MapPlan& map) {
-  return scene.budget.target_error && holds_lobes(map.job.representation) && map.job.fitting.lobe_count > 1;
-}
-
 // Other settings are estimates, that one bake holds to the target.
 bool misses_target(const Scene& scene, const BakeJob& job, const std::vector<AccuracySummary>& errors) {
   if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
@@ -98,7 +93,7 @@ SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles
   BakeJob job = map.job;
   job.output = files.baked(map);
   const bool was_by_trials = earlier.is_object() && earlier.value("by_trials", nlohmann::json()) == true;
-  report.is_by_trials = has_trials(scene, map) || (scene.budget.target_error && was_by_trials);
+  report.is_by_trials = map.trials.has_value() || (scene.budget.target_error && was_by_trials);
   if (!report.is_by_trials) {
     report.bake = bake_file(job, map.source.get(), device, progress);
     report.is_by_trials = misses_target(scene, job, report.bake.unchanged ? errors_of(earlier) : report.bake.error);
@@ -129,6 +124,7 @@ void settle(const SceneFiles& files, MapPlan& map) {
   chosen.name = fmt::format("{}, {} lobe{}", representation_info(chosen.shape.representation).option,
                             chosen.shape.lobe_count, chosen.shape.lobe_count == 1 ? "" : "s");
   chosen.cost = bake_cost(chosen.shape);
+  map.trials.reset();
 }
 
 // Rows of the maps in the report of an earlier bake, by name.
@@ -163,6 +159,7 @@ SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFil
   }
   report.plan.cost = {};
   for (const MapPlan& map : report.plan.maps) report.plan.cost += map.chosen.cost;
+  report.plan.cost_min = report.plan.cost_max = report.plan.cost;
   if (is_settled) write_text_file(files.plan(), plan_json(scene, report.plan, files).dump(2) + "\n");
   report.launches = device.launch_counts();
   report.builds = device.build_counts();

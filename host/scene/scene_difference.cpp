@@ -48,8 +48,10 @@ BakeJob usual_job(const Scene& scene, const MapPlan& map) {
   job.fitting = pattern.fitting;
   job.encoding = pattern.encoding;
   for (const SceneMap& one : scene.maps)
-    if (one.name == map.name)
+    if (one.name == map.name) {
       for (std::string BakeJob::*file : kMaterialMaps) job.*file = one.job.*file;
+      job.roughness_is_gloss = one.job.roughness_is_gloss;
+    }
   return job;
 }
 

@@ -92,7 +92,7 @@ SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJo
   const auto file_of = [](const std::string& text) { return parse_channel_file(text).path; };
   check_file(table, "normal", map.job.input);
   check_file(table, "albedo", map.job.albedo);
-  check_file(table, "roughness", file_of(map.job.roughness));
+  check_file(table, map.job.roughness_is_gloss ? "gloss" : "roughness", file_of(map.job.roughness));
   check_file(table, "weights", map.job.weights);
   return map;
 }

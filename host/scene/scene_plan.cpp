@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
@@ -15,6 +16,22 @@
 
 namespace multum {
 namespace {
+
+// Of a target, several lobes are left to trials (host/scene/scene_bake.cpp): of vMF lobes, as many as there may be.
+std::optional<TrialRange> trials_of(const SceneBudget& budget, const BakeCandidate& chosen) {
+  if (!budget.target_error || !holds_lobes(chosen.shape.representation) || chosen.shape.lobe_count < 2)
+    return std::nullopt;
+  const auto with_lobes = [&](int lobes) {
+    BakeCandidate candidate = chosen;
+    candidate.shape.representation = Representation::kMovmf;
+    candidate.shape.encoding = representation_info(Representation::kMovmf).encodings.front();
+    candidate.shape.lobe_count = lobes;
+    candidate.name = fmt::format("vmf, {} lobe{}", lobes, lobes == 1 ? "" : "s");
+    candidate.cost = bake_cost(candidate.shape);
+    return candidate;
+  };
+  return TrialRange{with_lobes(kLobeCounts.low), with_lobes(kLobeCounts.high)};
+}
 
 // The bake that a plan asks for.
 void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
@@ -39,6 +56,10 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   if (plan.is_constant) job.measure = false;  // how far normals are apart is known
   plan.stated_difference =
       as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst() + budget.tolerance;
+  // What trials choose reaches the target, and need not be nearer.
+  if (plan.trials)
+    plan.stated_difference =
+        std::max(plan.chosen.error.worst(), *budget.target_error) + plan.usual.error.worst() + budget.tolerance;
 }
 
 // Down to the scene's budgets, each time the step that adds the least error.
@@ -97,9 +118,12 @@ ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress*
   hold_to_budgets(scene.budget, plan.maps);
   for (std::size_t m = 0; m < plan.maps.size(); ++m) {
     MapPlan& map = plan.maps[m];
+    map.trials = trials_of(scene.budget, map.chosen);
     add_effect_rows(scene, *planners[m], map);
     fill_job(planners[m]->needs(), scene.budget, map);
     plan.cost += map.chosen.cost;
+    plan.cost_min += map.trials ? map.trials->fewest.cost : map.chosen.cost;
+    plan.cost_max += map.trials ? map.trials->most.cost : map.chosen.cost;
     plan.usual_cost += map.usual.cost;
   }
   for (const SceneObject& object : scene.objects)

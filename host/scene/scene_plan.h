@@ -17,13 +17,20 @@
 
 namespace multum {
 
+/// Of a row, one of the settings that were estimated.
+struct PlannedItem {
+  std::string name;   // "2 lobes"
+  std::string value;  // "0.21/45 %"
+};
+
 /// A row of the plan's table.
 struct PlannedEffect {
   std::string effect;
   bool needed = false;
-  std::string why;        // with the number that was measured
-  bool has_cost = false;  // of the bake; others are code in a shader alone
-  BakeCost cost;          // that it takes, or saves where it is not needed
+  std::string why;                     // with the number that was measured
+  bool has_cost = false;               // of the bake; others are code in a shader alone
+  BakeCost cost;                       // that it takes, or saves where it is not needed
+  std::vector<PlannedItem> list = {};  // what was tried, in the order of what it costs; may be empty
 };
 
 /// Estimated, relative L1, of diffuse light and of highlights.
@@ -42,6 +49,11 @@ struct BakeCandidate {
   BakeCost cost;
 };
 
+/// The fewest and the most lobes that trials may choose.
+struct TrialRange {
+  BakeCandidate fewest, most;
+};
+
 struct MapPlan {
   std::string name;
   BakeJob job;                // all but where the output goes
@@ -53,6 +65,7 @@ struct MapPlan {
   bool is_diffuse = false;                // some material is
   bool is_constant = false;               // every normal stands for all: the coarsest level is enough
   BakeCandidate chosen, usual;            // the default bake
+  std::optional<TrialRange> trials;       // set: the bake's trials are to choose, and `chosen` is an estimate
   bool usual_error_is_bound = false;      // of the default bake it is known that its error is no more
   PartErrors limit;                       // that candidates were held to
   std::vector<BakeCandidate> candidates;  // by textures, then time
@@ -78,6 +91,7 @@ struct ScenePlan {
   std::vector<MapPlan> maps;
   std::vector<ObjectPlan> objects;
   BakeCost cost, usual_cost;
+  BakeCost cost_min, cost_max;  // of `cost`, what trials may make of it
   double plan_seconds = 0.0;
 };
 

@@ -32,6 +32,9 @@ glm::vec3 finest_normal(const glm::vec3& mean, bool has_roughness) {
   return has_roughness ? mean / std::max(size, 1.0f) : mean / size;
 }
 
+// c = 1 - alpha^2 / 2, alpha = roughness^2 (host/image/material_maps.h), solved for the roughness.
+float roughness_of_length(float size) { return std::pow(2.0f * std::clamp(1.0f - size, 0.0f, 0.5f), 0.25f); }
+
 TexelPlane weight_plane(const NormalImage& image) {
   const auto count = static_cast<std::size_t>(image.weight_count);
   TexelPlane plane{image.width, image.height, std::vector<glm::vec4>(image.normals.size(), glm::vec4(0.0f))};
@@ -113,13 +116,20 @@ NormalMaterial::NormalMaterial(const GlFunctions& gl, const NormalImage& image, 
   const SamplerSettings sampler{image.wrap_s, image.wrap_t, sampling != Sampling::kNearest, anisotropy};
   TexelPlane normals{image.width, image.height, {}};
   TexelPlane slopes{image.width, image.height, {}};
-  for (const glm::vec3& n : image.normals) {
+  TexelPlane roughness{image.width, image.height, {}};
+  const bool has_roughness_map = mipmapped && image.has_roughness;
+  for (const glm::vec3& given : image.normals) {
+    const float size = glm::length(given);
+    const glm::vec3 n = has_roughness_map && size > 0.0f ? given / size : given;
+    if (has_roughness_map) roughness.texels.emplace_back(roughness_of_length(size), 0.0f, 0.0f, 1.0f);
     const glm::vec2 b = slope(n);
     normals.texels.emplace_back(n, b.x * b.y);
     if (mipmapped) slopes.texels.emplace_back(b.x, b.y, b.x * b.x, b.y * b.y);
   }
   normals_.emplace(upload_mips(gl, "the normals", std::move(normals), level_count, sampler));
   if (mipmapped) slopes_.emplace(upload_mips(gl, "the slopes", std::move(slopes), level_count, sampler));
+  if (has_roughness_map)
+    roughness_.emplace(upload_mips(gl, "the roughness", std::move(roughness), level_count, sampler));
   has_roughness_ = image.has_roughness;
   weight_count_ = image.weight_count;
   if (weight_count_ > 0) weights_.emplace(upload_mips(gl, "the weights", weight_plane(image), level_count, sampler));
@@ -140,7 +150,7 @@ ShaderParts NormalMaterial::shader_parts() const {
                                                          {shader_common_footprint_glsl, shader_surface_normals_glsl}}
                                            : ShaderParts{{"MULTUM_TRUTH"}, {shader_surface_normals_glsl}};
   if (albedo_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
-  if (has_roughness_) parts.flags.push_back("MULTUM_ROUGHNESS");
+  if (has_roughness_) parts.flags.push_back(roughness_.has_value() ? "MULTUM_ROUGHNESS_MAP" : "MULTUM_ROUGHNESS");
   add_basis_flag(parts);
   return parts;
 }
@@ -150,6 +160,7 @@ int NormalMaterial::bind(const ShaderProgram& shader) const {
   binder.bind("u_normals", normals_);
   binder.bind("u_slopes", slopes_);
   binder.bind("u_albedo", albedo_);
+  binder.bind("u_roughness", roughness_);
   shader.set("u_wrap_s", static_cast<int>(wrap_s_));  // in the order of WrapMode
   shader.set("u_wrap_t", static_cast<int>(wrap_t_));
   if (is_of_basis()) binder.bind("u_weights", weights_);

@@ -63,6 +63,9 @@ class NormalMaterial : public Material {
   std::optional<Texture> weights_;
   int weight_count_ = 0;
   bool has_roughness_ = false;
+  // Of what is mipmapped: (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map, beside unit
+  // normals.
+  std::optional<Texture> roughness_;
   Baseline baseline_ = Baseline::kMip;
   bool samples_footprint_;
   WrapMode wrap_s_, wrap_t_;

@@ -249,6 +249,49 @@ TEST_F(BakeManifestCommandTest, OneBadMapDoesNotStopTheOthers) {
   EXPECT_EQ(bake({"--check", "--dry-run"}).exit_code, 3) << "a source that cannot be read goes before a missing file";
 }
 
+// What a bake would refuse is not missing but failed, with the reason, whether or not it is tried; a report has it as
+// an error, and what a bake would mend as a failure.
+TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
+  bake_all();
+  fs::remove(path("out/a.ndf.exr"));
+  fs::copy_file(path("b_normal.png"), path("small.png"));
+  struct Refused {
+    std::string keys;  // of a map of a_normal.png, which has no file yet
+    std::vector<std::string> why;
+  };
+  for (const Refused& c : {Refused{"albedo = \"small.png\"\n", {"small.png", "16 x 16", "32 x 32"}},
+                           Refused{"roughness = \"small.png\"\n", {"small.png", "16 x 16", "32 x 32"}},
+                           Refused{"first_level = 9\n", {"9"}}}) {
+    SCOPED_TRACE(c.keys);
+    write_bytes(path("maps.toml"),
+                "[[map]]\ninput = \"a_normal.png\"\ngreen = \"up\"\noutput = \"out/c.ndf.exr\"\n" + c.keys +
+                    "[[map]]\ninput = \"a_normal.png\"\ngreen = \"up\"\noutput = \"out/a.ndf.exr\"\n");
+    const auto before = times();
+    const ProgramResult dry = bake({"--check", "--dry-run", "--junit", path("junit.xml")});
+    std::map<std::string, fs::file_time_type> after = times();
+    after.erase(path("junit.xml"));
+    EXPECT_EQ(after, before);
+    expect_refusal(dry, kInput,
+                   {"1 missing, 1 failed\n",
+                    "failed   out/c.ndf.exr: there is no such file, and cannot be "
+                    "baked: "});
+    expect_says(dry.err, c.why);
+    const std::string junit = read_bytes(path("junit.xml"));
+    expect_says(junit, {"failures=\"1\" errors=\"1\"", "<error type=\"failed\"", "<failure type=\"missing\""});
+    fs::remove(path("junit.xml"));
+    expect_refusal(bake({"--check"}), kInput, {"failed   out/c.ndf.exr: there is no such file, and cannot be baked: "});
+    EXPECT_FALSE(fs::exists(path("out/c.ndf.exr")));
+    fs::remove(path("out/a.ndf.exr"));
+  }
+}
+
+// What a target says is an assertion about the map: a failure, and no error.
+TEST_F(BakeManifestCommandTest, AMissedTargetIsAFailureOfTheReport) {
+  write_manifest("target_error = 0.00001\nndf = \"moments\"\n");
+  EXPECT_EQ(bake({"--junit", path("junit.xml")}).exit_code, 5);
+  expect_says(read_bytes(path("junit.xml")), {"failures=\"1\" errors=\"0\"", "<failure type=\"worse\""});
+}
+
 TEST_F(BakeManifestCommandTest, SetsAreBakedTileByTile) {
   for (const char* tile : {"1001", "1002"}) fs::copy(path("a_normal.png"), path(std::string("rock_") + tile + ".png"));
   write_bytes(path("maps.toml"),

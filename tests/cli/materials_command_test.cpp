@@ -127,6 +127,48 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
 }
 
+// Gloss is 1 - roughness, for the command line, manifests and reports; what was baked with one is not what the other
+// is.
+TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
+  TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT}, gloss = rough;
+  for (int i = 0; i < 64 * 64; ++i) {
+    rough.values.push_back(static_cast<float>(i % 64) / 64.0f);
+    gloss.values.push_back(1.0f - rough.values.back());
+  }
+  write_test_image(path("rough.exr"), rough);
+  write_test_image(path("gloss.exr"), gloss);
+  const auto hash = [&](const std::string& name) { return read_baked_header(path(name)).provenance.content_hash; };
+  const std::vector<std::string> moments = {"--ndf", "moments", "--green", "up"};
+  const auto bake_with = [&](const std::string& output, std::vector<std::string> more) {
+    more.insert(more.end(), moments.begin(), moments.end());
+    return bake(output, more);
+  };
+  const ProgramResult by_roughness =
+      bake_with("a.ndf.exr", {"--roughness", path("rough.exr"), "--report", path("a.json")});
+  ASSERT_EQ(by_roughness.exit_code, 0) << by_roughness.err;
+  const ProgramResult by_gloss = bake_with("b.ndf.exr", {"--gloss", path("gloss.exr"), "--report", path("b.json")});
+  ASSERT_EQ(by_gloss.exit_code, 0) << by_gloss.err;
+  EXPECT_EQ(hash("a.ndf.exr"), hash("b.ndf.exr"));
+  expect_says(by_roughness.err, {"rough.exr: perceptual roughness 0 to 0.984, mean 0.492; 1.56 % at 0, 0 % at 1"});
+  expect_says(by_gloss.err, {"gloss.exr: gloss", "1 - gloss", "perceptual roughness 0 to 0.984, mean 0.492"});
+  for (const char* report : {"a.json", "b.json"}) {
+    const auto json = nlohmann::json::parse(read_bytes(path(report)))["roughness"];
+    EXPECT_NEAR(json["mean"].get<double>(), 63.0 / 128.0, 1e-6);
+    EXPECT_EQ(json["share_at_0"], 1.0 / 64.0);
+    EXPECT_EQ(json["warnings"].size(), 1u) << "a tenth of it is a mirror";
+  }
+  EXPECT_FALSE(contains(bake_with("a.ndf.exr", {"--gloss", path("rough.exr")}).out, "unchanged"));
+  EXPECT_NE(hash("a.ndf.exr"), hash("b.ndf.exr"));
+  EXPECT_EQ(bake_with("a.ndf.exr", {"--gloss", path("gloss.exr"), "--roughness", path("rough.exr")}).exit_code, 2);
+  EXPECT_EQ(bake_with("gloss.exr", {"--gloss", path("gloss.exr")}).exit_code, 2) << "an input is no output";
+  std::ofstream(path("maps.toml")) << "[defaults]\nndf = \"moments\"\ngreen = \"up\"\nroughness = \"rough.exr\"\n"
+                                      "[[map]]\ninput = \"map_normal.png\"\noutput = \"c.ndf.exr\"\n"
+                                      "gloss = \"gloss.exr\"\n";
+  ASSERT_EQ(multum({"bake", "--manifest", path("maps.toml")}).exit_code, 0);
+  EXPECT_EQ(hash("c.ndf.exr"), hash("b.ndf.exr"));
+  EXPECT_TRUE(contains(bake_with("b.ndf.exr", {"--gloss", path("gloss.exr")}).out, "unchanged"));
+}
+
 // No roughness, and all of it: single directions, and the widest lobes.
 TEST_F(MaterialsCommandTest, NoneAndAllOfIt) {
   for (const char* ndf : {"gmm", "sh"})

@@ -367,12 +367,21 @@ TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
     const ProgramResult baked = multum({"bake", file, "-o", path("target")});
     ASSERT_EQ(baked.exit_code, 0) << baked.err;
     EXPECT_EQ(baked.out.find("from what the default bake shows"), std::string::npos) << baked.out;
+    for (const char* of_plan : {"map wall: ", "several lobes, EM", "object front: ", "in all: "}) {
+      const std::size_t at = baked.out.find(of_plan);
+      EXPECT_TRUE(at != std::string::npos && baked.out.find(of_plan, at + 1) == std::string::npos)
+          << of_plan << ", expected once\n"
+          << baked.out;
+    }
+    EXPECT_TRUE(contains(baked.out, "1 to 8 lobes, to be chosen by trials")) << baked.out;
     const Json plan = json("target/plan.json"), report = json("target/report.json");
     const ProgramResult info = multum({"info", path("target/wall.ndf.exr")});
     ASSERT_EQ(info.exit_code, 0) << info.err;
     const std::string lobes = fmt::format("movmf: {} von Mises-Fisher", plan["maps"][0]["chosen"]["lobes"].get<int>());
     EXPECT_NE(info.out.find(lobes), std::string::npos) << info.out << lobes;
     EXPECT_EQ(report["bytes"], plan["maps"][0]["chosen"]["bytes"]);
+    EXPECT_FALSE(plan["maps"][0].contains("trials")) << "they have been made";
+    EXPECT_EQ(plan["bytes_range"], Json::array({plan["bytes"], plan["bytes"]}));
     for (const Json& error : report["maps"][0]["bake"]["error"])
       if (error["brdf"] == "blinn-phong:100") {
         EXPECT_LE(error["relative_l1"].get<double>() + error["confidence_95"].get<double>(), 0.25);

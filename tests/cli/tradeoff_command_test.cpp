@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sweep of settings: its page, its figures, its fronts, and that nothing stays behind.
+#include <fmt/format.h>
+
+#include <cmath>
 #include <csignal>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -51,6 +55,63 @@ TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
     EXPECT_TRUE(contains(page, part)) << part;
   EXPECT_FALSE(contains(page, "http://") || contains(page, "https://")) << "the page is whole by itself";
   EXPECT_FALSE(contains(page, "nan") || contains(page, "inf\"")) << page;
+}
+
+// What keeps to all budgets is marked, in page and JSON, and the most accurate of it is chosen; more lobes fit without
+// level 0. Bakes that were only tried warn of nothing on stderr.
+TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
+  // Slopes so slight that lobes are sharper than the storage keeps: each bake of lobes has a warning.
+  TestImage slight{.width = 32, .height = 32, .channels = 3, .type = OIIO::TypeDesc::UINT16};
+  for (int i = 0; i < 32 * 32; ++i)
+    for (const double v : {0.004 * std::sin(0.7 * i), 0.004 * std::cos(1.9 * i), 1.0})
+      slight.values.push_back(static_cast<float>(0.5 + 0.5 * v));
+  write_test_image(path("slight.png"), slight);
+  // Three lobes of all levels take 3 * 8 bytes * 1365 texels.
+  const std::uint64_t bytes_max = 33000;
+  const auto sweep = [&](const std::string& map, std::vector<std::string> options) {
+    options.insert(options.begin(), {"tradeoff", path(map), "-o", path("costs.html"), "--green", "up", "--quick",
+                                     "--no-pictures", "--json", path("costs.json")});
+    return multum(options);
+  };
+  const ProgramResult swept =
+      sweep("map_normal.png", {"--max-bytes", std::to_string(bytes_max), "--max-bake-ms", "1e7"});
+  ASSERT_EQ(swept.exit_code, 0) << swept.err;
+  const nlohmann::json json = nlohmann::json::parse(read_bytes(path("costs.json")));
+  EXPECT_EQ(json["budget"], (nlohmann::json{{"gpu_bytes", bytes_max}, {"bake_seconds", 1e4}}));
+  double best = 1e9;
+  std::size_t fitting = 0;
+  std::map<std::pair<int, int>, std::uint64_t> bytes;  // by lobes and first level
+  for (const nlohmann::json& row : json["rows"]) {
+    EXPECT_EQ(row["fits"], row["gpu_bytes"].get<std::uint64_t>() <= bytes_max) << row;
+    fitting += row["fits"].get<bool>() ? 1 : 0;
+    if (row["fits"]) best = std::min(best, row["relative_l1"].get<double>());
+    const std::string bake = row["bake"];
+    for (const int lobes : {2, 4})
+      if (bake == fmt::format("--ndf vmf --lobes {} --first-level 1", lobes)) bytes[{lobes, 1}] = row["gpu_bytes"];
+      else if (bake == fmt::format("--ndf vmf --lobes {}", lobes)) bytes[{lobes, 0}] = row["gpu_bytes"];
+  }
+  EXPECT_GT(fitting, 0u);
+  EXPECT_LT(fitting, json["rows"].size());
+  EXPECT_EQ(json["rows"].at(json["chosen"].get<std::size_t>())["relative_l1"], best);
+  ASSERT_EQ(bytes.size(), 4u) << "two and four lobes, with level 0 and without";
+  EXPECT_LT((bytes[{4, 1}]), (bytes[{2, 0}]));
+  const std::string kept = fmt::format("{} of {} settings", fitting, json["rows"].size());
+  expect_says(swept.out, {"within 0.03147 MiB on the GPU, 1e+07 ms of baking: " + kept, " MiB  ", "chosen: "});
+  const std::string page = read_bytes(path("costs.html"));
+  for (const std::string& part : {kept, std::string("<s><code>--ndf vmf --lobes 6</code></s>"), std::string("GPU, MiB"),
+                                  std::string("mark over"), std::string("0.03147 MiB on the GPU")})
+    EXPECT_TRUE(contains(page, part)) << part;
+  EXPECT_FALSE(contains(page, "MB")) << "one unit of memory";
+  // Nothing keeps to it; frames that are not drawn can keep to nothing.
+  EXPECT_EQ(sweep("map_normal.png", {"--max-bytes", "10"}).exit_code, kVerification);
+  EXPECT_EQ(sweep("map_normal.png", {"--max-frame-ms", "10"}).exit_code, kUsage);
+  const ProgramResult doubtful = sweep("slight.png", {});
+  ASSERT_EQ(doubtful.exit_code, 0) << doubtful.err;
+  EXPECT_FALSE(contains(doubtful.err, "warning")) << doubtful.err;
+  std::size_t warned = 0;
+  const nlohmann::json doubts = nlohmann::json::parse(read_bytes(path("costs.json")));
+  for (const nlohmann::json& row : doubts["rows"]) warned += row.contains("warnings") ? 1 : 0;
+  EXPECT_GT(warned, 0u) << "they are in the report";
 }
 
 TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {

@@ -147,6 +147,31 @@ void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
+// The exponents of a roughness map, from mirrors to all of it, as the variances that they stand for.
+void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  constexpr double kMirrorExponent = 1e5;
+  GlslComparison c{"test_variances(a.x)", {}, {}};
+  c.variant.flags = kBlinnPhongFlags;
+  c.variant.flags.insert(c.variant.flags.end(), {"MULTUM_MIP", "MULTUM_ROUGHNESS_MAP"});
+  c.variant.formulas =
+      std::string(shader_surface_normals_glsl) +
+      "vec4 test_variances(float roughness) {\n  MultumSurface surface;\n"
+      "  surface.roughness = roughness;\n"
+      "  return vec4(1.0 / (multum_exponent(surface) + 2.0), 1.0 / multum_slope_exponent(surface), 0.0,\n"
+      "              0.0);\n}\n";
+  c.variant.set_uniforms = [](const ShaderProgram& program) {
+    set_brdf_uniforms(program);
+    program.set("u_exponent", static_cast<float>(kMirrorExponent));
+  };
+  for (const float roughness : {0.0f, 1e-6f, 1e-3f, 0.05f, 0.1f, 0.3f, 0.5f, 0.9f, 1.0f})
+    c.inputs.push_back({glm::vec4(roughness), {}});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4&) {
+    const double variance = std::max(0.5 * std::pow(a.x, 4.0), 1.0 / (kMirrorExponent + 2.0));
+    return glm::dvec4(variance, variance, 0.0, 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
 // Basis functions of the normal to order 2, as a file has them.
 constexpr char kFillHarmonics[] =
     "  vec3 n = a.xyz;\n"
@@ -338,6 +363,11 @@ std::vector<GlslCase> glsl_surface_cases() {
        {glsl_edit("float n_l = max(dot(n, l), 0.0);", "float n_l = dot(n, l);")},
        single_normals_as_means,
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
+      {{"glsl-exponents-of-roughness", "normals.glsl", "no roughness has no exponent: 1 / 0",
+        "exponents of at most the mirror's", 1e-6, unit, "6e-8 of a variance of 1/2"},
+       {glsl_edit("clamp(2.0 / max(alpha * alpha, 1e-12) - 2.0, 0.0, u_exponent)", "2.0 / (alpha * alpha) - 2.0")},
+       exponents_of_roughness,
+       {"multum_exponent", "multum_slope_exponent"}},
       {{"glsl-single-normals-as-harmonics", "sh.glsl", "light below 0 where the series rings", "clamped at 0", 2e-5,
         unit, "some products of floats"},
        {glsl_edit("return max(sum, 0.0);", "return sum;"), glsl_edit("return max(sum, vec3(0.0));", "return sum;")},

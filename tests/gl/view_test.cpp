@@ -17,6 +17,7 @@
 #include "host/base/child_process.h"
 #include "host/base/content_hash.h"
 #include "host/image/colour_map.h"
+#include "host/image/material_maps.h"
 #include "host/image/png_writer.h"
 #include "host/image/reading_settings.h"
 #include "tests/gl/sh_test_map.h"
@@ -175,8 +176,63 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   write_movmf_mipmap(path("map.ndf.exr"), with_roughness(31.0f / 32.0f).mipmap, {});
   fs::remove(path("out.png"));
   expect_refusal({"-o", path("out.png"), "--brdf", "blinn-phong:30"}, 2, {"map.ndf.exr", "BRDF's width", "--brdf"});
-  expect_refusal({"-o", path("out.png"), "--compare", "truth,mip"}, 2, {"baselines", "--compare truth"});
   expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, {"--roughness", "--source"});
+}
+
+// The baselines have the roughness map that an engine would have: one roughness everywhere is the BRDF of that width,
+// and several are averaged as perceptual roughness, level by level.
+TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
+  const auto draw = [&](const std::string& baseline, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "-o",      path("out.exr"), "--compare", "truth," + baseline, "--size", "48x32",    "--pictures",
+        path("p"), "--context",     "osmesa",    "--samples",         "4",      "--report", path("r.json")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return read_albedo_map(path("p_" + baseline + ".exr"), 48, 32, 1);
+  };
+  const auto off = [](const ColourMap& a, const ColourMap& b) {
+    double difference = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i < a.g.size(); ++i) {
+      difference += static_cast<double>(std::abs(a.g[i] - b.g[i]));
+      sum += static_cast<double>(b.g[i]);
+    }
+    return difference / sum;
+  };
+  const gl::TestMap plain = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
+  const auto write = [&](const MovmfMipmap& mipmap) { write_movmf_mipmap(path("map.ndf.exr"), mipmap, {}); };
+  // The width of LEAN's facets is alpha^2 / 2, that of s + 2.
+  for (const auto& [baseline, brdf] :
+       {std::pair{"mip", "blinn-phong:30"}, std::pair{"toksvig", "blinn-phong:30"}, std::pair{"lean", "blinn-phong:32"},
+        std::pair{"lean-jacobian", "blinn-phong:32"}}) {
+    SCOPED_TRACE(baseline);
+    write(plain.mipmap);
+    const ColourMap expected = draw(baseline, {"--brdf", brdf}), sharper = draw(baseline, {"--brdf", "blinn-phong:60"});
+    write(with_roughness(31.0f / 32.0f).mipmap);
+    const ColourMap drawn = draw(baseline, {});
+    EXPECT_LT(off(drawn, expected), 2e-3);
+    EXPECT_GT(off(drawn, sharper), 0.02);
+    std::ifstream file(path("r.json"));
+    const auto report = nlohmann::json::parse(file);
+    EXPECT_EQ(report["brdf"], "roughness-map");
+    EXPECT_FALSE(report.contains("exponent"));
+  }
+  // Far away, roughnesses of 0.3 and 0.7 by turns are 0.5, alpha^2 = 1/16, c = 31/32.
+  gl::TestMap varied = plain;
+  varied.mipmap.has_roughness = true;
+  varied.mipmap.mean_cosine = 0.94f;
+  for (auto& lobes : varied.mipmap.levels[0].lobes)
+    for (std::size_t i = 0; i < lobes.size(); ++i) {
+      const auto c = static_cast<float>(mean_cosine_of_roughness(i / 16 % 2 == 0 ? 0.3 : 0.7));
+      lobes[i] = glm::vec4(glm::vec3(lobes[i]) * c, lobes[i].w);
+    }
+  const std::vector<std::string> far = {"--repeat", "4000"};
+  for (const char* baseline : {"mip", "toksvig", "lean"}) {
+    write(varied.mipmap);
+    const ColourMap drawn = draw(baseline, far);
+    write(with_roughness(31.0f / 32.0f).mipmap);
+    EXPECT_LT(off(drawn, draw(baseline, far)), 5e-3) << baseline;
+  }
 }
 
 // Weights of 1/4 and 3/4 everywhere: what is drawn is that much of each BRDF.

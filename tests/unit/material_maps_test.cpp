@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 
 #include "tests/unit/image_test_files.h"
@@ -73,9 +74,61 @@ TEST(RoughnessMap, ZeroChangesNothingAndOneHalves) {
   image.values = {0.0f, 1.0f};
   write_test_image(folder / "a.png", image);
   PlaneStore normals = flat(2, 1);
-  EXPECT_EQ(shorten_by_roughness(normals, {folder / "a.png", ""}, {}, 1), 0.75);
+  EXPECT_EQ(shorten_by_roughness(normals, {folder / "a.png", ""}, {}, 1).mean_cosine, 0.75);
   EXPECT_EQ(normals.texel(0, 0), (std::array<float, 3>{0.6f, 0.0f, 0.8f}));
   EXPECT_EQ(normals.texel(1, 0), (std::array<float, 3>{0.3f, 0.0f, 0.4f}));
+}
+
+// Of a map of 16 x 16 texels, each as value(i) says.
+RoughnessReport report_of(int channels, const std::function<float(int i, int c)>& value, bool is_gloss = false,
+                          const std::string& channel = "") {
+  const TemporaryFolder folder;
+  TestImage image{.width = 16, .height = 16, .channels = channels, .type = TypeDesc::FLOAT};
+  for (int i = 0; i < 256; ++i)
+    for (int c = 0; c < channels; ++c) image.values.push_back(value(i, c));
+  write_test_image(folder / "map.exr", image);
+  PlaneStore normals = flat(16, 16);
+  return shorten_by_roughness(normals, {folder / "map.exr", channel, is_gloss}, {}, 2);
+}
+
+TEST(RoughnessMap, SaysWhatItHolds) {
+  const auto steps = [](int i, int) { return i < 64 ? 1.0f : 0.2f + 0.25f * static_cast<float>(i % 2); };
+  const RoughnessReport report = report_of(1, steps);
+  EXPECT_FLOAT_EQ(static_cast<float>(report.least), 0.2f);
+  EXPECT_EQ(report.most, 1.0);
+  EXPECT_NEAR(report.mean, 0.25 + 0.75 * 0.325, 1e-6);
+  EXPECT_EQ(report.share_zero, 0.0);
+  EXPECT_EQ(report.share_one, 0.25);
+  EXPECT_TRUE(report.warnings.empty());
+  expect_says(report.to_text(), {"0.2 to 1", "mean 0.494", "0 % at 0", "25 % at 1"});
+  const RoughnessReport gloss = report_of(
+      1, [&](int i, int c) { return 1.0f - steps(i, c); }, true);
+  EXPECT_NEAR(gloss.mean, report.mean, 1e-6);
+  EXPECT_NEAR(gloss.mean_cosine, report.mean_cosine, 1e-6);
+  EXPECT_EQ(gloss.share_one, 0.25);
+}
+
+// What shared/data has of each kind: specular maps are dark, pictures have channels that go together, packed maps
+// (occlusion, roughness, metalness) channels that do not, and grey files three that are the same.
+TEST(RoughnessMap, WhatSeemsToBeNoneIsWarnedOf) {
+  const auto wave = [](int i, double by) { return static_cast<float>(0.5 + 0.3 * std::sin(by * i)); };
+  const auto rough = [&](int i, int) { return wave(i, 0.7); };
+  const auto packed = [&](int i, int c) { return c == 0 ? 1.0f : c == 1 ? wave(i, 0.7) : wave(i, 1.9); };
+  const auto coloured = [&](int i, int c) { return wave(i, 0.7) * (1.0f - 0.1f * static_cast<float>(c)); };
+  const auto dark = [](int i, int) { return i % 4 == 0 ? 0.6f : 0.05f; };
+  EXPECT_TRUE(report_of(1, rough).warnings.empty());
+  EXPECT_TRUE(report_of(3, rough).warnings.empty()) << "grey";
+  EXPECT_TRUE(report_of(3, packed).warnings.empty());
+  ASSERT_EQ(report_of(3, coloured).warnings.size(), 1u);
+  expect_says(report_of(3, coloured).warnings[0], {"map.exr: ", "correlation 1.00", "specular", "FILE:CHANNEL"});
+  EXPECT_TRUE(report_of(3, coloured, false, "R").warnings.empty()) << "the channel was named";
+  ASSERT_EQ(report_of(1, dark).warnings.size(), 1u);
+  expect_says(report_of(1, dark).warnings[0], {"map.exr: ", "75 %", "0.1", "specular"});
+  EXPECT_EQ(report_of(3, dark, false, "B").warnings.size(), 1u);
+  EXPECT_TRUE(report_of(1, dark, true).warnings.empty()) << "dark gloss is rough";
+  // Of other channels any number will do.
+  const auto broken = [&](int i, int c) { return c == 1 ? rough(i, c) : c == 0 ? NAN : -5.0f; };
+  EXPECT_TRUE(report_of(3, broken).warnings.empty());
 }
 
 TEST(RoughnessMap, BandsScratchFilesAndThreadsCannotBeSeen) {
@@ -84,12 +137,12 @@ TEST(RoughnessMap, BandsScratchFilesAndThreadsCannotBeSeen) {
   for (int i = 0; i < 37 * 90 * 3; ++i) image.values.push_back(static_cast<float>(i % 251) / 250.0f);
   write_test_image(folder / "a.png", image);
   PlaneStore whole = flat(37, 90);
-  const double mean = shorten_by_roughness(whole, {folder / "a.png", "B"}, {}, 1);
+  const double mean = shorten_by_roughness(whole, {folder / "a.png", "B"}, {}, 1).mean_cosine;
   PlaneStore stored(37, 90, ::testing::TempDir());
   std::vector<float> x(37 * 90), y(x.size()), z(x.size());
   flat(37, 90).read_rows(0, 90, {x.data(), y.data(), z.data()});
   stored.write_rows(0, 90, {x.data(), y.data(), z.data()});
-  EXPECT_EQ(shorten_by_roughness(stored, {folder / "a.png", "B"}, {.band_rows = 7}, 3), mean);
+  EXPECT_EQ(shorten_by_roughness(stored, {folder / "a.png", "B"}, {.band_rows = 7}, 3).mean_cosine, mean);
   for (int row = 0; row < 90; ++row) EXPECT_EQ(stored.texel(row % 37, row), whole.texel(row % 37, row));
 }
 

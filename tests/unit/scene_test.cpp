@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes: each refusal by line, the survey of a map against sums texel by texel, estimates of lobes against maps whose
 // answer is known, levels that are seen, and what is decided of generated maps.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "host/asset/baked_file.h"
@@ -445,6 +447,57 @@ TEST_F(SceneTest, BudgetsAndTargetsAreKeptOrRefused) {
   write_map(64, noise);
   expect_error(ErrorCode::kVerification, {"wall.exr", "target_error 0.0001"},
                [&] { plan(with(kScene, "tolerance = 0.05", "target_error = 0.0001")); });
+}
+
+// Of a target, the bake's trials decide: no plan may promise a number of lobes, or its bytes.
+TEST_F(SceneTest, WhatTrialsChooseIsARange) {
+  write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
+  for (const char* target : {"0.2", "0.5", "1.9"}) {
+    SCOPED_TRACE(target);
+    const Scene scene = read(with(kScene, "tolerance = 0.05", fmt::format("target_error = {}", target)));
+    const ScenePlan found = plan_scene(scene, {1}, nullptr);
+    const MapPlan& map = found.maps[0];
+    const nlohmann::json json = plan_json(scene, found, {"."});
+    const std::string text = plan_text(scene, found, 200);
+    ASSERT_EQ(map.trials.has_value(), map.chosen.shape.lobe_count > 1);
+    EXPECT_EQ(json["maps"][0].contains("trials"), map.trials.has_value());
+    EXPECT_EQ(text.find("trials") != std::string::npos, map.trials.has_value()) << text;
+    if (!map.trials) {
+      EXPECT_EQ(found.cost_min.bytes, found.cost.bytes);
+      EXPECT_EQ(found.cost_max.bytes, found.cost.bytes);
+      continue;
+    }
+    EXPECT_EQ(json["maps"][0]["trials"]["lobes"], (std::vector<int>{kLobeCounts.low, kLobeCounts.high}));
+    EXPECT_EQ(map.trials->most.cost.bytes, 8.0 * map.trials->fewest.cost.bytes);
+    EXPECT_EQ(json["bytes_range"], (std::vector<double>{found.cost_min.bytes, found.cost_max.bytes}));
+    EXPECT_LT(found.cost_min.bytes, found.cost.bytes);
+    EXPECT_GT(found.cost_max.bytes, found.cost.bytes);
+    expect_says(text.substr(0, text.find('\n')), {"vmf, 1 to 8 lobes, to be chosen by trials"});
+    EXPECT_GE(map.stated_difference, std::stod(target)) << "what is chosen need be no nearer than the target";
+  }
+}
+
+// What was estimated of one, two, three lobes is a list in that order, whatever their textures cost; words are beside.
+TEST_F(SceneTest, WhatWasTriedIsAListInOrder) {
+  write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
+  write_bytes(folder_ / "albedo.exr", read_bytes(folder_ / "wall.exr"));
+  const std::string coloured = with(kScene, "normal = \"wall.exr\"", "normal = \"wall.exr\"\nalbedo = \"albedo.exr\"");
+  for (const std::string& scene_text : {std::string(kScene), coloured}) {
+    const Scene scene = read(scene_text);
+    const ScenePlan found = plan_scene(scene, {1}, nullptr);
+    const PlannedEffect& lobes = effect(found.maps[0].effects, "several lobes, EM");
+    ASSERT_EQ(lobes.list.size(), 4u);
+    for (std::size_t i = 0; i < lobes.list.size(); ++i) {
+      EXPECT_EQ(lobes.list[i].name, fmt::format("{} lobe{}", i + 1, i == 0 ? "" : "s"));
+      EXPECT_EQ(lobes.list[i].value.find("one colour") != std::string::npos, scene_text == coloured && i > 0);
+      EXPECT_EQ(lobes.why.find(lobes.list[i].name + ": "), std::string::npos) << lobes.why;
+    }
+    EXPECT_FALSE(effect(found.maps[0].effects, "planar Gaussians").list.empty());
+    // No item is broken at the end of a line.
+    const std::string text = plan_text(scene, found, 120);
+    for (const PlannedItem& item : lobes.list)
+      EXPECT_NE(text.find(item.name + (item.name == "1 lobe" ? ":  " : ": ") + item.value), std::string::npos) << text;
+  }
 }
 
 TEST_F(SceneTest, TheTableKeepsToItsWidth) {

@@ -91,10 +91,12 @@ void add_input_options(CLI::App& bake, MapOptions& o) {
   add_choice(bake, "--twrap", o.wrap_t, kMapWraps, "the same for t (y) alone");
   bake.add_flag("--checknan", o.check_nan, "refuse a file with NaN or Inf, naming the first");
   bake.add_option("--albedo", o.albedo, "colour map of the same size: bakes colours, per lobe or averaged");
-  bake.add_option(
+  CLI::Option* const roughness = bake.add_option(
       "--roughness", o.roughness,
       "FILE or FILE:CHANNEL, perceptual roughness 0 to 1 of the same size (default: the only channel, or G): "
       "bakes the BRDF's width into the lobes, so that none is chosen when they are drawn");
+  bake.add_option("--gloss", o.gloss, "the same of a gloss map: FILE or FILE:CHANNEL, roughness = 1 - gloss")
+      ->excludes(roughness);
   bake.add_option("--weights", o.weights,
                   "map of the same size, 1 to 4 channels of 0 to 1: weights of as many basis BRDFs, per lobe or "
                   "averaged");

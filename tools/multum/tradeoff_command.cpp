@@ -23,7 +23,7 @@ struct TradeoffOptions {
   TradeoffJob job;
   ReadingOptions reading;
   std::optional<MapWrap> wrap;
-  std::optional<double> budget_ms;
+  std::optional<double> budget_ms, bake_ms_max;
   std::string brdf = TargetBrdf().name, output, json, markdown, device;
   bool quick = false, full = false, no_pictures = false;
 };
@@ -36,6 +36,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   if (o.wrap) set_wrap_s(*o.wrap, job.bake.reading), set_wrap_t(*o.wrap, job.bake.reading);
   job.brdf = parse_target_brdf(o.brdf);
   if (o.budget_ms) job.bake_seconds = *o.budget_ms / 1e3;
+  if (o.bake_ms_max) job.bake_seconds_max = *o.bake_ms_max / 1e3;
   job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kUsual;
   if (!o.no_pictures) job.viewer = find_viewer();
   const std::vector<std::string> outputs = {o.output, o.json, o.markdown};
@@ -54,7 +55,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   if (!o.common.quiet)
     print_shown(stdout, "%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.rows.size(), result.seconds,
                 tradeoff_text(job, result).c_str());
-  const bool is_asked = job.error || job.bake_seconds;
+  const bool is_asked = job.error || job.bake_seconds || job.has_budget();
   return is_asked && !result.chosen ? exit_code(ErrorCode::kVerification) : 0;
 }
 
@@ -76,11 +77,19 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->check(CLI::PositiveNumber)
       ->excludes(error);
   command
+      ->add_option("--max-bytes", o->job.bytes_max,
+                   "mark what keeps to so many bytes on the GPU, as 33M (MiB), and pick among it; of these three as "
+                   "many as are wanted, with --target-error or without: then the most accurate is picked")
+      ->transform(CLI::AsSizeValue(false));
+  command->add_option("--max-frame-ms", o->job.frame_ms_max, "the same of a frame's time")->check(CLI::PositiveNumber);
+  command->add_option("--max-bake-ms", o->bake_ms_max, "the same of a bake's time")->check(CLI::PositiveNumber);
+  command
       ->add_option("--brdf", o->brdf,
                    "lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA or a measured BRDF's file")
       ->capture_default_str();
-  CLI::Option* quick = command->add_flag("--quick", o->quick, "ten bakes in the place of some thirty-five");
-  command->add_flag("--full", o->full, "some sixty bakes: harmonics to order 20, every number of lobes fitted longer")
+  CLI::Option* quick = command->add_flag("--quick", o->quick, "a dozen bakes in the place of some forty");
+  command
+      ->add_flag("--full", o->full, "some sixty-five bakes: harmonics to order 20, every number of lobes fitted longer")
       ->excludes(quick);
   command->add_flag("--no-pictures", o->no_pictures, "draw nothing: no frame times, no rendered errors");
   command->add_option("--context", o->job.context, "GL to draw with: auto, osmesa or egl")

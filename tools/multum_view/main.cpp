@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   if (!options->materials.empty()) return run_model(*options);
   BakedMap map = read_baked_map(options->input);
   check_options_of(*options, map.header);
+  options->brdf_is_in_map = map.header.has_roughness;
   if (map.header.has_roughness) options->scene.brdf.exponent = options->last_scene.brdf.exponent = kRoughnessExponent;
   warn_of_sources(*options, map.header);
   if (options->stored_only) keep_stored_levels(map);

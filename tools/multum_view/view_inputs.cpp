@@ -40,23 +40,27 @@ NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader&
 
 /// Lengths of normals, colours and weights, as the bake had them.
 void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::NormalImage& image) {
-  if (baked.has_roughness == options.roughness.empty())
+  ChannelFile roughness = parse_channel_file(options.gloss.empty() ? options.roughness : options.gloss);
+  roughness.is_gloss = !options.gloss.empty();
+  if (baked.has_roughness == roughness.path.empty())
     throw Error(ErrorCode::kUsage, fmt::format("{}: has {}roughness in, found {}, expected {} beside --source",
                                                options.input, baked.has_roughness ? "" : "no ",
-                                               options.roughness.empty() ? "no --roughness" : "--roughness",
+                                               roughness.path.empty() ? "no --roughness and no --gloss"
+                                               : roughness.is_gloss   ? "--gloss"
+                                                                      : "--roughness",
                                                baked.has_roughness ? "the map that it was baked with" : "none"));
   if (options.basis.size() > 1 && options.weights.empty())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: found {} of --brdf and no --weights, expected the map that it was baked with beside "
                             "--source",
                             options.input, options.basis.size()));
-  if (!options.roughness.empty()) {
+  if (!roughness.path.empty()) {
     PlaneStore normals(image.width, image.height);
     std::array<std::vector<float>, 3> planes;
     for (std::size_t p = 0; p < 3; ++p)
       for (const glm::vec3& n : image.normals) planes[p].push_back(n[static_cast<glm::length_t>(p)]);
     normals.write_rows(0, image.height, {planes[0].data(), planes[1].data(), planes[2].data()});
-    shorten_by_roughness(normals, parse_channel_file(options.roughness), {}, 1);
+    shorten_by_roughness(normals, roughness, {}, 1);
     planes = normals.take_planes();
     for (std::size_t i = 0; i < image.normals.size(); ++i)
       image.normals[i] = {planes[0][i], planes[1][i], planes[2][i]};

@@ -294,7 +294,7 @@ void finish(const RawOptions& raw, ViewOptions& options) {
   if (!raw.compare.empty()) options.compare = parse_compare(raw.compare);
   for (const auto& [option, path] :
        {std::pair{"--albedo", &options.albedo}, std::pair{"--roughness", &options.roughness},
-        std::pair{"--weights", &options.weights}})
+        std::pair{"--gloss", &options.gloss}, std::pair{"--weights", &options.weights}})
     if (!path->empty() && options.source.empty())
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} goes with --source: both describe the map that the file was baked from", option));
@@ -332,7 +332,9 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
                "of a file baked with --first-level: draw its finest level where a finer one is asked for, without "
                "--source");
   app.add_option("--albedo", o.albedo, "the source's colours");
-  app.add_option("--roughness", o.roughness, "the source's roughness, FILE or FILE:CHANNEL, as the bake had it");
+  CLI::Option* const roughness =
+      app.add_option("--roughness", o.roughness, "the source's roughness, FILE or FILE:CHANNEL, as the bake had it");
+  app.add_option("--gloss", o.gloss, "the same of a gloss map, roughness = 1 - gloss")->excludes(roughness);
   app.add_option("--weights", o.weights, "the source's weights of basis BRDFs");
   app.add_option("--mesh", o.mesh,
                  "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "

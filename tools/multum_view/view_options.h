@@ -15,21 +15,23 @@
 namespace multum {
 
 struct ViewOptions {
-  std::string input;           // *.ndf.exr
-  std::string output;          // *.png, *.exr
-  std::string pictures;        // PREFIX of a file for each picture; empty: none
-  std::string source;          // normal map that the file was baked from; empty: level 0 of the file
-  std::string albedo;          // its colours; used where `source` is
-  std::string colour_map;      // a pyramid of multum mip: the colours of all lobes; empty: the file's own
-  bool stored_only = false;    // levels finer than those that the file holds are never seen: no source for them
-  std::string roughness;       // FILE or FILE:CHANNEL; the same
-  std::string weights;         // of basis BRDFs; the same
-  ReadingOptions reading;      // how to read `source`, where it is not read as the bake read it
-  std::string mesh;            // empty: the plane
-  std::string environment;     // over latitude and longitude; empty: none
-  bool no_background = false;  // black where nothing stands, not the environment
-  std::string report;          // JSON; empty: none
-  std::string shaders;         // JSON of the variants that were drawn with; empty: none
+  std::string input;            // *.ndf.exr
+  std::string output;           // *.png, *.exr
+  std::string pictures;         // PREFIX of a file for each picture; empty: none
+  std::string source;           // normal map that the file was baked from; empty: level 0 of the file
+  std::string albedo;           // its colours; used where `source` is
+  std::string colour_map;       // a pyramid of multum mip: the colours of all lobes; empty: the file's own
+  bool stored_only = false;     // levels finer than those that the file holds are never seen: no source for them
+  std::string roughness;        // FILE or FILE:CHANNEL; the same
+  std::string gloss;            // in its place: roughness = 1 - gloss
+  bool brdf_is_in_map = false;  // each texel of the file has its own roughness, whatever `scene` says
+  std::string weights;          // of basis BRDFs; the same
+  ReadingOptions reading;       // how to read `source`, where it is not read as the bake read it
+  std::string mesh;             // empty: the plane
+  std::string environment;      // over latitude and longitude; empty: none
+  bool no_background = false;   // black where nothing stands, not the environment
+  std::string report;           // JSON; empty: none
+  std::string shaders;          // JSON of the variants that were drawn with; empty: none
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
   std::vector<Brdf> basis;  // what --brdf says, more than one: blended by the file's weights

@@ -109,7 +109,7 @@ void check_outputs(const ViewOptions& options) {
   for (const std::string& path : {options.report, options.shaders})
     if (!path.empty()) outputs.push_back(path);
   check_paths_differ({options.input, options.source, options.albedo, parse_channel_file(options.roughness).path,
-                      options.weights, options.mesh, options.environment},
+                      parse_channel_file(options.gloss).path, options.weights, options.mesh, options.environment},
                      outputs);
   for (const std::string& path : outputs) check_writable(path);
 }
@@ -170,7 +170,8 @@ void write_report(const ViewOptions& options, const std::string& context, const 
                            {"moments", moment_shading_name(options.moments.value_or(kUsualMomentShading))},
                            {"anisotropy", options.anisotropy},
                            {"pictures", pictures}};
-  report.update(brdf_json(options.scene.brdf));
+  if (options.brdf_is_in_map) report.update({{"brdf", "roughness-map"}});
+  else report.update(brdf_json(options.scene.brdf));
   if (!options.environment.empty())
     report["environment_mode"] =
         options.scene.environment_mode == gl::EnvironmentMode::kHarmonics ? "sh" : "prefiltered";

@@ -4,7 +4,8 @@
 //   MULTUM_MIP    averaged normal, normalised           MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
 // and MULTUM_FOOTPRINT (TRUTH: not the nearest texel but one that the trilinear filter averages), MULTUM_ROUGHNESS
-// (lengths of normals are a BRDF's width; TRUTH: of each its own), MULTUM_BASIS k (all is times weight k),
+// (lengths of normals are a BRDF's width; TRUTH: of each its own), MULTUM_ROUGHNESS_MAP (not TRUTH: unit normals, the
+// width from a roughness map that is averaged as it is, as in an engine), MULTUM_BASIS k (all is times weight k),
 // MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored are the normal map's, by Toksvig's rule: it has no
 // moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP, TOKSVIG
 // and LEAN read a baked file of moments, or mips of the finest map, which are the same.
@@ -17,6 +18,9 @@ uniform sampler2D u_albedo;
 #endif
 #ifdef MULTUM_BASIS
 uniform sampler2D u_weights;
+#endif
+#ifdef MULTUM_ROUGHNESS_MAP
+uniform sampler2D u_roughness;  // perceptual
 #endif
 #ifdef MULTUM_NORMAL_MAP
 uniform sampler2D u_normal_map;  // averaged normals of the levels finer than those
@@ -31,6 +35,9 @@ struct MultumSurface {
   float weight;
 #ifdef MULTUM_LEAN
   vec4 slopes;
+#endif
+#ifdef MULTUM_ROUGHNESS_MAP
+  float roughness;
 #endif
 #ifdef MULTUM_NORMAL_MAP
   vec4 finest;  // mean normal; w = its share
@@ -67,6 +74,9 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #ifdef MULTUM_BASIS
   surface.weight = texture(u_weights, st)[MULTUM_BASIS];
 #endif
+#ifdef MULTUM_ROUGHNESS_MAP
+  surface.roughness = texture(u_roughness, st).r;
+#endif
 #ifdef MULTUM_NORMAL_MAP
   vec3 mean = texture(u_normal_map, st).xyz;
   surface.finest = vec4(mean, multum_movmf_normal_map(mean, textureQueryLod(u_normals, st).y).w);
@@ -82,6 +92,26 @@ MultumSurface multum_fetch_surface(vec2 st) {
 // Beyond the border of a map that wraps black there is no material: a mean of 0, which no normals above the surface
 // have.
 const float MULTUM_MEAN_MIN = 1e-12;
+
+// Blinn-Phong's exponent of the material. Of a roughness p, alpha = p^2, the one with the peak of Beckmann's and of
+// GGX's distribution, s = 2 / alpha^2 - 2, no sharper than mirrors are drawn.
+float multum_exponent(MultumSurface surface) {
+#ifdef MULTUM_ROUGHNESS_MAP
+  float alpha = surface.roughness * surface.roughness;
+  return clamp(2.0 / max(alpha * alpha, 1e-12) - 2.0, 0.0, u_exponent);
+#else
+  return u_exponent;
+#endif
+}
+
+// The exponent whose 1 / s is the variance of the material's slopes: of a roughness alpha^2 / 2, Beckmann's.
+float multum_slope_exponent(MultumSurface surface) {
+#ifdef MULTUM_ROUGHNESS_MAP
+  return multum_exponent(surface) + 2.0;
+#else
+  return u_exponent;
+#endif
+}
 
 // max(E[n] . l, 0).
 float multum_mean_cosine(vec3 mean, vec3 l) {
@@ -114,11 +144,15 @@ MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec
   vec3 facets = vec3(0.0);
 #if defined(MULTUM_LAMBERT)
 #elif defined(MULTUM_TOKSVIG)
-  facets = u_facet_total * multum_moments_toksvig(mean, h, u_exponent);
+  facets = u_facet_total * multum_moments_toksvig(mean, h, multum_exponent(surface));
 #elif defined(MULTUM_JACOBIAN)
-  facets = u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, true);
+  facets =
+      u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, multum_slope_exponent(surface), true);
 #elif defined(MULTUM_LEAN)
-  facets = u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, u_exponent, false);
+  facets =
+      u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, multum_slope_exponent(surface), false);
+#elif defined(MULTUM_ROUGHNESS_MAP)
+  facets = u_facet_total * multum_blinn_phong(multum_exponent(surface), multum_one_minus_cosine(mean / size, h));
 #elif defined(MULTUM_ROUGHNESS)
   facets = multum_lobe_facets(vec4(mean, 1.0), h);
 #else
