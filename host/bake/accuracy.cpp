@@ -19,10 +19,24 @@ namespace {
 struct ErrorSum {
   double difference = 0.0;
   double truth = 0.0;
+  double count = 0.0;  // of values
   void operator+=(const ErrorSum& other) {
     difference += other.difference;
     truth += other.truth;
+    count += other.count;
   }
+};
+
+// What differences are in parts of: the truth, or where that is next to nothing, since no light and no eye is where the
+// highlight is, a hundredth of what a white diffuse surface reflects, 1/pi. In parts of 1e-40 nothing says anything.
+class ErrorBase {
+ public:
+  explicit ErrorBase(const ErrorSum& all) : is_floor_(all.truth < kFloor * all.count) {}
+  double of(const ErrorSum& sum) const { return is_floor_ ? kFloor * sum.count : sum.truth; }
+
+ private:
+  static constexpr double kFloor = 0.01 / M_PI;
+  const bool is_floor_;
 };
 
 // They are added up for each level, kind of point and BRDF. Of levels that are sampled, those of each point are kept
@@ -46,18 +60,19 @@ class ErrorSums {
   AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf, std::string name) const {
     AccuracyRow row{level, kind, std::move(name), 0.0, 0.0, counts_[group(level, kind)]};
     const ErrorSum& total = totals_[group(level, kind) * brdf_count_ + brdf];
-    if (!(total.truth > 0.0)) return row;
-    row.error = total.difference / total.truth;
+    if (!(total.count > 0.0)) return row;
+    const ErrorBase base(total);
+    row.error = total.difference / base.of(total);
     if (row.sample_count < 2) return row;
     double squares = 0.0;  // stays 0 where all texels are used
     for (std::size_t i = 0; i < points_.chosen_count(); ++i) {
       if (points_.samples()[i].level != level) continue;
       const ErrorSum& sum = chosen_[chosen_index(i, kind, brdf)];
-      const double residual = sum.difference - row.error * sum.truth;
+      const double residual = sum.difference - row.error * base.of(sum);
       squares += residual * residual;
     }
     const auto n = static_cast<double>(row.sample_count);
-    row.confidence = 1.96 * std::sqrt(squares / (n * (n - 1))) / (total.truth / n);
+    row.confidence = 1.96 * std::sqrt(squares / (n * (n - 1))) / (base.of(total) / n);
     return row;
   }
 
@@ -70,15 +85,16 @@ class ErrorSums {
       const ErrorSum mean = level_mean(l, brdf);
       means += mean;
       summary.sample_count += counts_[group(l, AccuracyPoint::kCentre)];
-      const double error = mean.truth > 0.0 ? mean.difference / mean.truth : 0.0;
+      const double error = mean.count > 0.0 ? mean.difference / ErrorBase(mean).of(mean) : 0.0;
       if (error > summary.worst_level_error) summary.worst_level = l;
       summary.worst_level_error = std::max(summary.worst_level_error, error);
     }
-    if (!(means.truth > 0.0)) return summary;
-    summary.error = means.difference / means.truth;
+    if (!(means.count > 0.0)) return summary;
+    const ErrorBase base(means);
+    summary.error = means.difference / base.of(means);
     double variance = 0.0;
-    for (int l = first_level; l < level_count; ++l) variance += level_variance(l, brdf, summary.error);
-    summary.confidence = 1.96 * std::sqrt(variance) / means.truth;
+    for (int l = first_level; l < level_count; ++l) variance += level_variance(l, brdf, summary.error, base);
+    summary.confidence = 1.96 * std::sqrt(variance) / base.of(means);
     return summary;
   }
 
@@ -97,17 +113,17 @@ class ErrorSums {
     ErrorSum sum;
     for (const AccuracyPoint kind : kSummaryPoints) sum += totals_[group(level, kind) * brdf_count_ + brdf];
     const auto count = static_cast<double>(std::max<std::int64_t>(1, point_count(level)));
-    return {sum.difference / count, sum.truth / count};
+    return {sum.difference / count, sum.truth / count, sum.count / count};
   }
 
-  // Of the level's mean of difference - ratio * truth: a texel's residuals at its points are one draw.
-  double level_variance(int level, std::size_t brdf, double ratio) const {
+  // Of the level's mean of difference - ratio * base: a texel's residuals at its points are one draw.
+  double level_variance(int level, std::size_t brdf, double ratio, const ErrorBase& base) const {
     double sum = 0.0, squares = 0.0, n = 0.0;
     for (std::size_t i = 0; i < points_.chosen_count(); ++i) {
       if (points_.samples()[i].level != level) continue;
       ErrorSum texel;
       for (const AccuracyPoint kind : kSummaryPoints) texel += chosen_[chosen_index(i, kind, brdf)];
-      const double residual = texel.difference - ratio * texel.truth;
+      const double residual = texel.difference - ratio * base.of(texel);
       sum += residual;
       squares += residual * residual;
       n += 1.0;
@@ -267,7 +283,7 @@ class Comparison {
             const std::size_t value =
                 is_light ? pass_half_count * highlight_count + d - pass_half_count : e * pass_half_count + d;
             const auto shaded = static_cast<double>(values[i * value_count + value]);
-            sums[i * plain_count_ + (is_light ? highlight_count : e)] += {std::abs(shaded - truth), truth};
+            sums[i * plain_count_ + (is_light ? highlight_count : e)] += {std::abs(shaded - truth), truth, 1.0};
           }
       }
     });

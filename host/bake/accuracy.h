@@ -33,7 +33,7 @@ struct AccuracyRow {
   // "lambert", "blinn-phong:20", another Highlight::name, or "roughness" where a BRDF's width is in; with " toksvig", "
   // lean", ... where there are several ways to shade it, and then with " coloured" when multiplied by the colours.
   std::string brdf;
-  double error;       // relative L1, 0.1 = 10 %
+  double error;       // relative L1, 0.1 = 10 %; of a hundredth of a white diffuse surface where the truth is less
   double confidence;  // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
   std::int64_t sample_count;  // texels
 };

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bake/bake_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 
+#include "host/base/error.h"
 #include "host/base/machine.h"
 #include "host/image/colour_map.h"
 
@@ -17,6 +20,18 @@ std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
   if (job.memory_bytes > 0) return kLittle;
   const std::int64_t much = std::max(kLittle, static_cast<std::int64_t>(machine_memory_bytes() / 32));
   return readings == MapReadings::kFew ? std::min(kUsual, much) : much;
+}
+
+// Colours are stored as halfs, but for files of floats: of these, far enough from the largest for sums of texels and
+// for what is measured of them.
+void check_range(const BakeJob& job, float largest) {
+  constexpr float kHalfMax = 65504.0f, kFloatMax = 1e15f;
+  const bool is_float = job.encoding == StorageEncoding::kFloat;
+  const float most = is_float ? kFloatMax : kHalfMax;
+  if (largest > most)
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found a colour of {:g}, expected at most {:g}{}", job.albedo, largest, most,
+                            is_float ? "" : ", the largest half float; --data-format float stores larger ones"));
 }
 
 }  // namespace
@@ -45,10 +60,12 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
 
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress) {
   const ReadingPlace place = {scratch_folder(job), map_bytes_in_memory(job, readings)};
-  BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt};
+  BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt,
+                    std::nullopt};
   const int width = source.map.normals.width(), height = source.map.normals.height();
   if (!job.albedo.empty()) {
     ColourRows albedo = read_albedo_rows(job.albedo, width, height, place, job.threads);
+    check_range(job, albedo.largest);
     source.albedo.emplace(std::move(albedo.planes));
     source.albedo_clamped = albedo.clamped_count;
     source.albedo_notes = std::move(albedo.notes);

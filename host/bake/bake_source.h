@@ -21,12 +21,12 @@ enum class MapReadings { kFew, kMany };
 struct BakeSource {
   NormalMapRows map;
   std::optional<PlaneStore> albedo;                         // where the job has one
-  std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
-  std::vector<std::string> albedo_notes = {};               // ColourRows::notes
-  std::optional<WeightMap> weights = std::nullopt;          // the same
+  std::optional<WeightMap> weights;                         // the same
   bool has_roughness = false;                               // normals are shortened by it
   double mean_cosine = 1.0;                                 // of the roughness map
   std::optional<RoughnessReport> roughness = std::nullopt;  // of the file it was read from
+  std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
+  std::vector<std::string> albedo_notes = {};               // ColourRows::notes
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }
   const WeightMap* weight_map() const { return weights ? &*weights : nullptr; }

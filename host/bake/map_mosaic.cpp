@@ -72,7 +72,7 @@ BakeSource make_mosaic(const BakeSource& source, const MosaicSettings& settings)
   MULTUM_CHECK(settings.side_max % settings.block == 0);
   const PlaneStore& normals = source.map.normals;
   const Cuts cuts = make_cuts(normals.width(), normals.height(), settings);
-  BakeSource mosaic{{cut_planes(normals, cuts), source.map.report}, std::nullopt};
+  BakeSource mosaic{{cut_planes(normals, cuts), source.map.report}, std::nullopt, std::nullopt};
   if (source.albedo) mosaic.albedo.emplace(cut_planes(*source.albedo, cuts));
   if (source.weights) {
     mosaic.weights.emplace();

@@ -5,12 +5,14 @@
 // read becomes colours at once.
 #include "host/image/colour_map.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
@@ -101,6 +103,7 @@ ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncodin
   ColourRows albedo{make_plane_store(width, height, place), info.channel_count,
                     info.format + ", " + (is_data ? "data" : transfer.name)};
   std::atomic<std::int64_t> clamped_count{0};
+  std::mutex largest_mutex;
   const auto add_rows = [&](const RawBand& band, int row_begin, int row_end) {
     const auto columns = static_cast<std::size_t>(width);
     std::vector<float> values(info.row_values());
@@ -111,6 +114,13 @@ ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncodin
       const std::size_t first = static_cast<std::size_t>(row - row_begin) * columns;
       clamped_count += separate_row(values, {&planes[0][first], &planes[1][first], &planes[2][first]},
                                     static_cast<std::size_t>(info.channel_count));
+    }
+    float largest = 0.0f;
+    for (const std::vector<float>& plane : planes)
+      for (const float value : plane) largest = std::max(largest, value);
+    {
+      const std::lock_guard lock(largest_mutex);
+      albedo.largest = std::max(albedo.largest, largest);
     }
     albedo.planes.write_rows(band.first_row + row_begin, row_end - row_begin,
                              {planes[0].data(), planes[1].data(), planes[2].data()});

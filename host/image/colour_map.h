@@ -44,6 +44,7 @@ struct ColourRows {
   int channel_count = 0;                // of the file, 1 or 3; of one all planes are the same
   std::string format;                   // "png uint8, 3 channels, sRGB"
   std::int64_t clamped_count = 0;       // as ColourMap's
+  float largest = 0.0f;                 // value of all
   std::vector<std::string> notes = {};  // RawImageInfo::notes
 };
 

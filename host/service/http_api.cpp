@@ -101,7 +101,7 @@ struct HttpApi::State {
     JobSubmission& submission = asked.job;
     const JobType& type = find_job_type(submission.type);
     if (roots.results.is_inside(submission.output)) co_await beside([&] { data.check_room(0); });
-    co_await beside([&] { look_at_files(type, asked); });
+    if (!submission.output.empty() || !type.input.empty()) co_await beside([&] { look_at_files(type, asked); });
     SubmitResult result;
     Job job;
     co_await in_ledger([&](JobQueue& queue) {

@@ -50,7 +50,7 @@ constexpr auto kStreamPulse = seconds(10);
 constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two words to one listener
 constexpr std::size_t kStreamBacklog = 8192;     // events that a slow listener may be behind, before its line is cut
 constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; when they are more, who is behind is cut
-constexpr std::size_t kStreamPieces = 256;       // events in one write
+constexpr std::size_t kStreamText = 16384;       // bytes of a write, about
 constexpr std::size_t kQueryMax = 32;            // parameters
 constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
 constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell others that it is full
@@ -408,7 +408,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         asio::detached);
   }
 
-  // On the hub's thread. Texts of events are one for all who listen: what is written is where it lies.
+  // On the hub's thread. Texts of events are one for all who listen.
   static asio::awaitable<void> send_events(Listener listener,
                                            beast::basic_stream<asio::generic::stream_protocol> stream,
                                            std::uint64_t after, std::int64_t job) {
@@ -434,30 +434,28 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       else line->waiting.push_back(event.text);
       if (std::exchange(line->is_asleep, false)) line->wake.cancel();
     });
-    const auto pulse = std::make_shared<const std::string>(": pulse\n\n");  // tells both sides that the line is up
+    std::string text = ": multum\nretry: 2000\n\n";
     try {
-      std::vector<Text> texts = {std::make_shared<const std::string>(": multum\nretry: 2000\n\n")};
-      std::vector<asio::const_buffer> pieces;
       while (!self.is_closed && !line->is_behind && !line->is_gone) {
-        for (; !line->waiting.empty() && texts.size() < kStreamPieces; line->waiting.pop_front())
-          texts.push_back(line->waiting.front());
+        for (; !line->waiting.empty() && text.size() < kStreamText; line->waiting.pop_front())
+          text += *line->waiting.front();
         boost::system::error_code error;
-        if (!texts.empty()) {
-          pieces.clear();
-          for (const Text& text : texts) pieces.push_back(asio::buffer(*text));
+        if (!text.empty()) {
           stream.expires_after(kSilence);
-          co_await asio::async_write(stream, http::make_chunk(pieces), use_awaitable);
-          texts.clear();
+          co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
+          text.clear();
+          if (!line->waiting.empty()) continue;
           // What comes soon after goes together: many listeners to many events cost little more than few.
-          line->wake.expires_after(line->waiting.empty() ? kStreamPause : kStreamPause * 0);
+          line->wake.expires_after(kStreamPause);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }
         if (!line->waiting.empty() || line->is_gone) continue;
+        text.shrink_to_fit();
         line->is_asleep = true;
         line->wake.expires_after(kStreamPulse);
         co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         line->is_asleep = false;
-        if (!error) texts.push_back(pulse);
+        if (!error) text = ": pulse\n\n";  // tells both sides that the line is up
       }
     } catch (const std::exception&) {  // gone, or no memory: it comes again
     }

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/service/ledger_schema.h"
 
@@ -62,8 +62,13 @@ void JobQueue::take_numbers() {
 
 void JobQueue::reserve(std::int64_t id) {
   if (numbers_.empty() || id <= reserved_) return;
-  write_text_file(numbers_, fmt::format("{}\n", id + kReservedAtOnce - 1));
-  reserved_ = id + kReservedAtOnce - 1;
+  // Not synced: it is of use where the ledger is lost, and who has lost power as well has other worries.
+  const std::int64_t last = id + kReservedAtOnce - 1;
+  const std::string fresh = numbers_ + ".new";
+  std::ofstream file(fresh);
+  file << last << "\n" << std::flush;
+  if (!file || std::rename(fresh.c_str(), numbers_.c_str()) != 0) fail_by_errno(numbers_, "cannot be written");
+  reserved_ = last;
 }
 
 SqliteStatement& JobQueue::statement(const char* sql) {

@@ -323,6 +323,44 @@ TEST_F(BakeCommandTest, TexelsWithoutAColourAreCounted) {
   EXPECT_EQ(nlohmann::json::parse(read_bytes(path("map.json")))["albedo_clamped"], 3);
 }
 
+TEST_F(BakeCommandTest, ColoursThatHalfsCannotHoldAreRefused) {
+  write_test_image(path("map.png"), normal_image(32, 32));
+  const auto bake = [&](float value, const char* type) {
+    TestImage albedo{.width = 32, .height = 32, .type = OIIO::TypeDesc::FLOAT};
+    albedo.values.assign(32 * 32 * 3, 0.5f);
+    albedo.at(3, 4, 1) = value;
+    write_test_image(path("albedo.exr"), albedo);
+    std::filesystem::remove(path("map.ndf.exr"));
+    return multum({"bake", path("map.png"), "--albedo", path("albedo.exr"), "-o", path("map.ndf.exr"), "-d", type,
+                   "--report", path("map.json")});
+  };
+  for (const char* type : {"snorm16", "half"}) {
+    const ProgramResult refused = bake(65536.0f, type);
+    EXPECT_EQ(refused.exit_code, exit_code(ErrorCode::kInput));
+    expect_says(refused.err, {path("albedo.exr"), "65536", "65504", "--data-format float"});
+    EXPECT_FALSE(std::filesystem::exists(path("map.ndf.exr")));
+  }
+  for (const auto& [value, type] : {std::pair{65504.0f, "snorm16"}, std::pair{1e14f, "float"}}) {
+    const ProgramResult baked = bake(value, type);
+    EXPECT_EQ(baked.exit_code, 0) << baked.err;
+    EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);
+    EXPECT_EQ(read_bytes(path("map.json")).find("null"), std::string::npos) << value << " " << type;
+  }
+  EXPECT_EQ(bake(1e16f, "float").exit_code, exit_code(ErrorCode::kInput));
+}
+
+// Its highlight is in no direction that is looked at: nothing is off by much, in parts of whatever makes sense.
+TEST_F(BakeCommandTest, AMapTiltedFarHasErrorsThatSaySomething) {
+  TestImage map{.width = 32, .height = 32};
+  for (int i = 0; i < 32 * 32; ++i) map.values.insert(map.values.end(), {0.9924f, 0.5f, 0.5868f});
+  write_test_image(path("map.png"), map);
+  const ProgramResult bake = multum({"bake", path("map.png"), "-o", path("map.ndf.exr"), "--report", path("map.json")});
+  EXPECT_EQ(bake.exit_code, 0) << bake.err;
+  const nlohmann::json report = nlohmann::json::parse(read_bytes(path("map.json")));
+  ASSERT_FALSE(report["measured_error"].empty());
+  for (const nlohmann::json& row : report["measured_error"]) EXPECT_LT(row["relative_l1"].get<double>(), 0.01) << row;
+}
+
 TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
   const ProgramResult made = multum({"testmap", path("map"), "--size", "16"});
   EXPECT_TRUE(contains(made.out, "bake with --green up")) << made.out;

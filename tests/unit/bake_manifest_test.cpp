@@ -275,7 +275,7 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
   EXPECT_EQ(maps[1].job.fitting.lobe_count, 2);
   EXPECT_EQ(maps[1].job.reading.height_scale, 8.0f);
   EXPECT_EQ(maps[1].job.reading.wrap_t, WrapMode::kClamp);
-  EXPECT_EQ(maps[1].job.reading.green, GreenAxis::kUp);
+  EXPECT_FALSE(maps[1].job.reading.green) << "an example that is copied says nothing that may be wrong";
   EXPECT_EQ(maps[2].error_max, 0.6);
 }
 

@@ -57,6 +57,7 @@ class GmmFileTest : public ::testing::TestWithParam<StorageEncoding> {
     BakedWriteOptions options;
     options.tile_size = 32;
     options.compression = "none";
+    options.is_checked = false;
     write_movmf_mipmap(path(), mipmap, options);
     return path();
   }

@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(Files, WeightsFileTest, ::testing::ValuesIn(cases_where
 TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
   const MovmfMipmap mipmap = lobes();
   const std::string path = folder_ / "a.exr";
-  write_movmf_mipmap(path, mipmap, {});
+  write_movmf_mipmap(path, mipmap, {.is_checked = false});
   const MovmfMipmap found = read_movmf_mipmap(path);
   testing::expect_same_bits(found, mipmap);
   EXPECT_EQ(found.weight_count, mipmap.weight_count);
@@ -190,7 +190,7 @@ TEST_P(AveragesFileTest, HarmonicsComeBackAsTheyWere) {
     quantize_sh(level, c.encoding, 2);
   }
   const std::string path = folder_ / "s.exr";
-  write_sh_mipmap(path, mipmap, {});
+  write_sh_mipmap(path, mipmap, {.is_checked = false});
   const ShMipmap found = read_sh_mipmap(path);
   EXPECT_EQ(found.header.weight_count, c.weight_count);
   EXPECT_EQ(found.header.has_roughness, c.has_roughness);
@@ -202,11 +202,11 @@ TEST_P(AveragesFileTest, HarmonicsComeBackAsTheyWere) {
   EXPECT_EQ(failed(path), c.has_roughness ? std::set<std::string>{} : std::set<std::string>{"level 0"});
   EXPECT_EQ(read_baked_header(path).format_version(), 2);
   mipmap.levels[0].parts[0][7] *= 0.5f;  // shorter than the roughest lobe
-  write_sh_mipmap(path, mipmap, {});
+  write_sh_mipmap(path, mipmap, {.is_checked = false});
   EXPECT_EQ(failed(path), std::set<std::string>{"level 0"});
   if (c.weight_count == 0) return;
   mipmap.levels[1].weights[3] = 1.5f;
-  write_sh_mipmap(path, mipmap, {});
+  write_sh_mipmap(path, mipmap, {.is_checked = false});
   EXPECT_EQ(failed(path), (std::set<std::string>{"level 0", "weights"}));
 }
 
@@ -228,7 +228,7 @@ TEST_P(AveragesFileTest, MomentsComeBackAsTheyWere) {
     quantize_moments(level, c.encoding, 2);
   }
   const std::string path = folder_ / "m.exr";
-  write_moment_mipmap(path, mipmap, {});
+  write_moment_mipmap(path, mipmap, {.is_checked = false});
   const MomentMipmap found = read_moment_mipmap(path);
   EXPECT_EQ(found.header.weight_count, c.weight_count);
   EXPECT_EQ(found.header.has_roughness, c.has_roughness);
@@ -241,7 +241,7 @@ TEST_P(AveragesFileTest, MomentsComeBackAsTheyWere) {
   EXPECT_EQ(read_baked_header(path).format_version(), 2);
   if (c.weight_count == 0) return;
   mipmap.levels[1].weights[3] = 1.5f;
-  write_moment_mipmap(path, mipmap, {});
+  write_moment_mipmap(path, mipmap, {.is_checked = false});
   EXPECT_EQ(failed(path), std::set<std::string>{"weights"});
 }
 
@@ -250,13 +250,13 @@ TEST_P(WeightsFileTest, VerifyNamesTheWeightThatCannotBe) {
   const std::string path = folder_ / "a.exr";
   const auto count = static_cast<std::size_t>(mipmap.weight_count);
   mipmap.levels[1].weights[2][5 * count] = -0.25f;
-  write_movmf_mipmap(path, mipmap, {});
+  write_movmf_mipmap(path, mipmap, {.is_checked = false});
   EXPECT_EQ(failed(path), std::set<std::string>{"weights"});
   mipmap.levels[1].weights[2][5 * count] = 2.0f;
-  write_movmf_mipmap(path, mipmap, {});
+  write_movmf_mipmap(path, mipmap, {.is_checked = false});
   EXPECT_EQ(failed(path), std::set<std::string>{"weights"});
   mipmap.levels[1].weights[2][5 * count] = NAN;
-  write_movmf_mipmap(path, mipmap, {});
+  write_movmf_mipmap(path, mipmap, {.is_checked = false});
   EXPECT_EQ(failed(path), std::set<std::string>{"finite"});
 }
 

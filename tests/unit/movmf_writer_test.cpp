@@ -10,6 +10,8 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <limits>
+
 #include "host/asset/movmf_reader.h"
 #include "tests/unit/movmf_test_mipmap.h"
 #include "tests/unit/test_folder.h"
@@ -181,6 +183,29 @@ TEST(MovmfWriterEndTest, CancelledNothingStays) {
     EXPECT_THROW(writer.commit("[]", &progress), Cancelled);
   }
   EXPECT_EQ(folder.names(), Names{});
+}
+
+// A file that its reader would refuse takes nobody's place.
+TEST(MovmfWriterEndTest, WhatWouldNotVerifyIsNotWritten) {
+  const TemporaryFolder folder;
+  testing::write_bytes(folder / "a.exr", "old");
+  const auto write = [&](const char* check, const auto& spoil) {
+    MovmfMipmap mipmap = rounded_mipmap({16, 16, 2, true, 0}, StorageEncoding::kSnorm16);
+    spoil(mipmap);
+    MovmfWriter writer(folder / "a.exr", without_texels(mipmap), {});
+    std::mt19937 random(2);
+    write_in_portions(writer, mipmap, random);
+    expect_error(ErrorCode::kEnvironment, {folder / "a.exr", "not verify", check}, [&] { writer.commit("[]"); });
+  };
+  write("finite", [](MovmfMipmap& m) { m.levels[2].colours[1][3].y = std::numeric_limits<float>::infinity(); });
+  write("finite", [](MovmfMipmap& m) {
+    const std::size_t lobe = m.levels[0].lobes[0][7].w > 0.5f ? 0 : 1;  // that has the texel
+    m.levels[0].colours[lobe][7].x = std::numeric_limits<float>::quiet_NaN();
+  });
+  write("sum of a", [](MovmfMipmap& m) { m.levels[1].lobes[0][5].w += 0.25f; });
+  write("|r| <= 1", [](MovmfMipmap& m) { m.levels[3].lobes[1][0] = {0.9f, 0.9f, 0.9f, m.levels[3].lobes[1][0].w}; });
+  EXPECT_EQ(testing::read_bytes(folder / "a.exr"), "old");
+  EXPECT_EQ(folder.names(), Names{"a.exr"});
 }
 
 TEST(MovmfWriterEndTest, PlacesThatCannotBeWritten) {

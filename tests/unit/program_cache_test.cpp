@@ -168,7 +168,7 @@ TEST_F(ProgramCacheTest, ABakePreparesWhatItLaunches) {
     map.z.push_back(normal.z);
   }
   const std::vector<float> grey(map.x.size(), 0.5f);
-  const ColourMap colours{kWidth, kHeight, grey, grey, grey, "", 0};
+  const ColourMap colours{kWidth, kHeight, grey, grey, grey, "", 0, {}};
   for (const bool coloured : {false, true}) {
     SCOPED_TRACE(coloured);
     const TemporaryFolder folder;
