@@ -66,18 +66,24 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   return from;
 }
 
+// What was found in the files.
+void note_source(const BakeSource& source, BakeReport& report) {
+  report.input = source.map.report;
+  report.albedo_clamped = source.albedo_clamped;
+  report.roughness = source.roughness;
+}
+
 }  // namespace
 
 BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress) {
   BakeSource source = read_bake_source(job, readings, progress);
-  const NormalMapReport& found = report.input = source.map.report;
+  note_source(source, report);
+  const NormalMapReport& found = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
   for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
-  report.albedo_clamped = source.albedo_clamped;
   for (const std::string& note : source.albedo_notes) log_warning(job.albedo + ": " + note);
   if (source.roughness) {
-    report.roughness = source.roughness;
     const ChannelFile file = roughness_file(job);
     log_info(fmt::format("{}: {}{}", file.path, file.is_gloss ? "gloss, read as roughness = 1 - gloss: " : "",
                          source.roughness->to_text()));
@@ -154,9 +160,7 @@ void bake_read_source(const BakeJob& asked, const std::string& settings, const B
 BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress) {
   BakeReport report;
   report.source = std::filesystem::path(job.input).filename().string();
-  report.input = source.map.report;
-  report.albedo_clamped = source.albedo_clamped;
-  report.roughness = source.roughness;
+  note_source(source, report);
   StageClock clock(report);
   bake_read_source(job, all_settings_json(job), source, clock, device, report, progress);
   return report;
@@ -184,9 +188,7 @@ BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device
   StageClock clock(report);
   std::optional<BakeSource> read;
   if (given == nullptr) read = read_source(job, MapReadings::kFew, report, progress);
-  else
-    report.input = given->map.report, report.albedo_clamped = given->albedo_clamped,
-    report.roughness = given->roughness;
+  else note_source(*given, report);
   clock.finish("read");
   bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);
   return report;

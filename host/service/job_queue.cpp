@@ -569,8 +569,7 @@ std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
   // job's names and times.
   static const std::string sql = fmt::format(
       "SELECT IFNULL(SUM(bytes), 0) FROM (SELECT 500 + length(CAST(parameters AS BLOB)) + length(CAST(label AS BLOB)) "
-      "+ "
-      "length(CAST(output AS BLOB)) + length(CAST(inputs AS BLOB)) + length(CAST(message AS BLOB)) + 10 * (SELECT "
+      "+ length(CAST(output AS BLOB)) + length(CAST(inputs AS BLOB)) + length(CAST(message AS BLOB)) + 10 * (SELECT "
       "COUNT(*) FROM needs WHERE needs.job = jobs.id) AS bytes FROM jobs {})",
       kFilter);
   SqliteStatement& query = bind_filter(statement(sql.c_str()), filter);
