@@ -139,8 +139,8 @@ std::string BakeReport::to_text() const {
           error_line(error, stored_only ? std::max(first_level, kSummaryLevel) : kSummaryLevel);
   if (lobe_count_total > 0)
     text += fmt::format(
-        "{} lobes: {} non-finite, {} sharper than the cap, {} without normals, {} without a direction, {} sharper than "
-        "the storage keeps\n",
+        "{} lobes: {} not finite, {} clamped at the largest kappa, {} empty (no normals fell to them), {} without a "
+        "direction (their normals cancel out), {} sharper than the data format holds\n",
         lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes, beyond_storage);
   if (slopes_limited > 0)
     text += fmt::format("{} normals nearer to the horizon than slopes go, taken at 87 degrees\n", slopes_limited);

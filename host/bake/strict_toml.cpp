@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/nearest_name.h"
 #include "host/base/shown_text.h"
 
 namespace multum {
@@ -33,21 +34,6 @@ std::string shown(const toml::node& node) {
   if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
   if (const auto* array = node.as_array()) return fmt::format("an array of {}", array->size());
   return node.is_table() ? "a table" : "a date or time";
-}
-
-// Levenshtein: the fewest letters to insert, leave out or replace.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
 }
 
 // Of a longer file, one byte more than `byte_max`.
@@ -84,21 +70,6 @@ toml::table parse_toml(const std::string& path, const std::string& expected, con
   } catch (const toml::parse_error& error) {
     refuse_at(path, error.source().begin.line, fmt::format("is no TOML: {}", error.description()));
   }
-}
-
-std::string nearest_name(const std::string& name, const std::vector<std::string>& known) {
-  std::string nearest;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // further off is another word
-  for (const std::string& candidate : known) {
-    // No less than the difference of their lengths: a name of megabytes would take minutes.
-    const auto [shorter, longer] = std::minmax({name.size(), candidate.size()});
-    if (longer - shorter > least) continue;
-    const std::size_t distance = edit_distance(name, candidate);
-    if (distance > least || (distance == least && !nearest.empty())) continue;
-    least = distance;
-    nearest = candidate;
-  }
-  return nearest;
 }
 
 StrictTable::StrictTable(const std::string& file, const toml::table& table, std::string name,

@@ -73,7 +73,4 @@ class StrictTable {
   std::string whole_;
 };
 
-/// The known name that differs least from `name`, for "did you mean"; empty when none is near.
-std::string nearest_name(const std::string& name, const std::vector<std::string>& known);
-
 }  // namespace multum

@@ -210,7 +210,7 @@ class TradeoffPage {
     if (!result_.chosen) return html + fmt::format("<p><b>No settings reach {}.</b></p>\n", asked);
     const TradeoffRow& row = result_.rows[*result_.chosen];
     return html + fmt::format(
-                      "<h2>For {}</h2>\n<p>{} in {} ms, {} MiB on the GPU: the {} of those that reach it.</p>\n"
+                      "<h2>For {}</h2>\n<p>{} in {} ms, {} MiB on the GPU: the {} settings that meet this.</p>\n"
                       "<pre>{}</pre>\n",
                       asked, html_escaped(error_text(row.reached.error, row.reached.confidence)),
                       millis(row.bake_seconds), mebi(row.gpu_bytes), job_.error ? "cheapest" : "most accurate",
@@ -504,7 +504,7 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   }
   if (job.has_budget()) text += fmt::format("within {}: {}\n", budgets_text(job), fitting_text(result));
   if (is_asked(job))
-    text += result.chosen ? "chosen: " + result.rows[*result.chosen].options + "\n" : "no settings reach it\n";
+    text += result.chosen ? "chosen: " + result.rows[*result.chosen].options + "\n" : "no settings meet this\n";
   return text;
 }
 

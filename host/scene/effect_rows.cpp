@@ -202,9 +202,10 @@ class EffectRows {
     if (plan_.is_constant) return;
     const double last = static_cast<double>(mip_level_size(plan_.width, plan_.last_seen)) *
                         mip_level_size(plan_.height, plan_.last_seen);
-    add_row("coarsest levels", plan_.last_seen >= plan_.level_count - 1,
-            fmt::format("{}: kept all the same, finer ones grow from them, and all beyond are {:.2g} of the map", why,
-                        last / 3.0 / (static_cast<double>(plan_.width) * plan_.height)));
+    add_row(
+        "coarsest levels", plan_.last_seen >= plan_.level_count - 1,
+        fmt::format("{}: kept, since the fit starts at the coarsest; all beyond the last seen are {:.2g} of the map",
+                    why, last / 3.0 / (static_cast<double>(plan_.width) * plan_.height)));
   }
 
   void add_colours() {

@@ -170,7 +170,7 @@ std::string outcome_text(const MapPlan& map) {
       share(&BakeCost::bytes), percent_text(map.chosen.error.worst()),
       map.trials ? " with " + map.chosen.name : std::string(), map.usual_error_is_bound ? "at most " : "",
       percent_text(map.usual.error.worst()), percent_text(map.stated_difference),
-      map.trials ? fmt::format("; rows cost what they do with {}", map.chosen.name) : "");
+      map.trials ? fmt::format("; the rows' costs are those of {}", map.chosen.name) : "");
 }
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
@@ -210,6 +210,12 @@ Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& 
                                       kUnits * std::cos(tilt), scene.camera.fov_degrees)},
                // What multum-view takes: beyond, no texel is to be told from the next anyway.
                {"repeat", std::clamp(kPlaneSize * object.distance_min / nearest / width, 1e-6, 1e6)}};
+  // What --compare reads the truth from.
+  view["source"] = absolute(map.job.input);
+  const char* const roughness = map.job.roughness_is_gloss ? "gloss" : "roughness";
+  for (const auto& [key, path] : {std::pair{"albedo", &map.job.albedo}, std::pair{roughness, &map.job.roughness},
+                                  std::pair{"weights", &map.job.weights}})
+    if (!path->empty()) view[key] = absolute(*path);
   if (map.mean_colours) view["colour_map"] = fs::path(files.colours(map)).filename().string();
   if (map.job.fitting.first_level > 0) view["stored_only"] = true;
   Json brdfs = Json::array();

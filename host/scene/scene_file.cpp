@@ -11,6 +11,7 @@
 
 #include "host/bake/source_keys.h"
 #include "host/bake/strict_toml.h"
+#include "host/base/nearest_name.h"
 #include "host/brdf/measured_file.h"
 #include "host/image/material_maps.h"
 

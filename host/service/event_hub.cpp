@@ -45,7 +45,7 @@ void EventHub::publish(const std::string& kind, std::int64_t job, const std::str
 
 std::uint64_t EventHub::add(std::uint64_t after, Listener listener) {
   const std::uint64_t before_kept = kept_.empty() ? first_ : kept_.front().number - 1;
-  const bool has_missed = after < before_kept || after > last_;
+  const bool has_missed = after == 0 ? before_kept > first_ : after < before_kept || after > last_;
   if (has_missed) listener(event_of(before_kept, 0, "missed", "{}"));
   for (const ServiceEvent& event : kept_)
     if (has_missed || event.number > after) listener(event);

@@ -44,8 +44,9 @@ class EventHub {
 
   /// Its thread runs this: what listeners do belongs there, and the calls below too.
   boost::asio::io_context& io() { return io_; }
-  /// Those after `number` that are still kept, then those to come, until remove(). When some in between are not kept
-  /// any more, or `number` is of another daemon's counting, first one of the kind "missed", of no job.
+  /// Hands out the events after number `after` that are still kept (0: all of this hub's), then those to come, until
+  /// remove(). Where some in between are no longer kept, or `after` was counted by another daemon, begins with an event
+  /// of the kind "missed", of no job.
   std::uint64_t add(std::uint64_t after, Listener listener);
   void remove(std::uint64_t key) { listeners_.erase(key); }
 

@@ -13,6 +13,7 @@
 #include "host/bake/animation_job.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/nearest_name.h"
 #include "host/scene/scene_file.h"
 #include "host/service/staging.h"
 
@@ -214,8 +215,13 @@ void check_parameters(const JobType& type, const Json& parameters) {
   if (!parameters.is_object()) throw Error(ErrorCode::kUsage, "parameters is no object");
   for (const auto& [name, value] : parameters.items()) {
     const JobParameter* parameter = find_parameter(type, name);
-    if (parameter == nullptr)
-      throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is none that {} has", name.substr(0, 60), type.name));
+    if (parameter == nullptr) {
+      std::vector<std::string> known;
+      for (const JobParameter& one : type.parameters) known.push_back(one.name);
+      const std::string nearest = nearest_name(name, known);
+      throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is no parameter of {}{}", name.substr(0, 60), type.name,
+                                                 nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    }
     if (!is_accepted(*parameter, value))
       throw Error(ErrorCode::kUsage,
                   fmt::format("parameters.{} is {}, expected {}", name, shortened(value), expected_text(*parameter)));

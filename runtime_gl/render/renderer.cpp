@@ -167,7 +167,8 @@ void Renderer::accumulate(const ShaderProgram& adder) const {
   gl_.Enable(GL_DEPTH_TEST);
 }
 
-Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count) {
+Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count,
+                             Progress* progress) {
   MULTUM_CHECK(sample_count > 0);
   const ShaderProgram& shader = program(material, scene);
   if (adder_ == nullptr)
@@ -187,6 +188,10 @@ Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const S
     shader.use();
     draw_once(shader, mesh, scene, material.samples_footprint() ? glm::vec2(0.0f) : jitter_offset(i));
     accumulate(*adder_);
+    if (progress == nullptr) continue;
+    // Else samples would be counted that the driver has only queued.
+    if (i % 8 == 7) gl_.Finish();
+    progress->advance(1);
   }
   gl_.Finish();
   const double time = now_ms() - begin;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/progress.h"
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/gl/shader_program.h"
@@ -50,7 +51,9 @@ class Renderer {
   Picture draw(const std::vector<SceneObject>& objects, const Scene& scene);
   /// The mean of `sample_count` pictures, each shifted by a fraction of a pixel (low-discrepancy
   /// sequence, box filter of one pixel). Of the finest map's normals: the BRDF at every sample's own normal.
-  Picture draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count);
+  /// Counts samples in `progress`.
+  Picture draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count,
+                     Progress* progress = nullptr);
   /// Of all that was drawn, but for how pictures are added up.
   std::vector<ShaderVariant> variants() const;
 

@@ -48,6 +48,48 @@ class MaterialsCommandTest : public CliTest {
   }
 };
 
+TEST_F(MaterialsCommandTest, TheViewerWarnsOfOtherMapsThanTheBakeHad) {
+  write_waves("other_orm.png", 3, 0.4);
+  write_waves("other_weights.png", 4, 0.9);
+  write_waves("colours.png", 3, 1.0);
+  const ProgramResult baked =
+      bake("a.ndf.exr", {"--roughness", path("orm.png") + ":R", "--weights", path("weights.png"), "--albedo",
+                         path("colours.png"), "--lobes", "2", "--no-rehearsal"});
+  ASSERT_EQ(baked.exit_code, 0) << baked.err;
+  const auto view = [&](const std::string& roughness, const std::string& weights, const std::string& albedo) {
+    return run_program({std::string(MULTUM_BIN_DIR) + "/multum-view",
+                        path("a.ndf.exr"),
+                        "-o",
+                        path("a.png"),
+                        "--compare",
+                        "truth",
+                        "--source",
+                        path("map_normal.png"),
+                        "--roughness",
+                        path(roughness),
+                        "--weights",
+                        path(weights),
+                        "--albedo",
+                        path(albedo),
+                        "--samples",
+                        "1",
+                        "--size",
+                        "16x12",
+                        "--context",
+                        "osmesa"});
+  };
+  ProgramResult viewed = view("orm.png:R", "weights.png", "colours.png");
+  ASSERT_EQ(viewed.exit_code, 0) << viewed.err;
+  EXPECT_FALSE(contains(viewed.err, "was baked with")) << viewed.err;
+  viewed = view("other_orm.png:R", "other_weights.png", "other_orm.png");
+  ASSERT_EQ(viewed.exit_code, 0) << viewed.err;
+  for (const char* option : {"--roughness is not what", "--weights is not what", "--albedo is not what"})
+    EXPECT_TRUE(contains(viewed.err, option)) << option << viewed.err;
+  viewed = view("orm.png:G", "weights.png", "colours.png");
+  EXPECT_TRUE(contains(viewed.err, "orm.png:G: --roughness is not what")) << "another channel" << viewed.err;
+  EXPECT_FALSE(contains(viewed.err, "--weights is not what")) << viewed.err;
+}
+
 TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   for (const char* ndf : {"vmf", "moments", "gmm", "sh"}) {
     SCOPED_TRACE(ndf);

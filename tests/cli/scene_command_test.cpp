@@ -111,12 +111,11 @@ class SceneCommandTest : public CliTest {
   }
 
   // Relative L1 of a plan's picture against normals shaded one by one.
-  double error_of_picture(const std::string& plan, double repeat, const SceneCase& c) const {
+  double error_of_picture(const std::string& plan, double repeat) const {
     std::vector<std::string> command = viewer(plan);
     command.insert(command.end(), {"-o", path("truth.exr"), "--report", path("truth.json"), "--compare", "truth"});
-    command.insert(command.end(), {"--source", path(c.normal + "_normal.png"), "--samples", "64"});
-    command.insert(command.end(), {"--repeat", fmt::format("{:.9g}", repeat)});
-    if (!c.albedo.empty()) command.insert(command.end(), {"--albedo", path(c.albedo)});
+    // The maps that the truth is drawn from are named in the plan.
+    command.insert(command.end(), {"--samples", "64", "--repeat", fmt::format("{:.9g}", repeat)});
     const ProgramResult drawn = run_program(command);
     EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
     return json("truth.json")["pictures"].back()["relative_l1"];
@@ -192,8 +191,8 @@ class SceneCommandTest : public CliTest {
     // What `stated` was measured of is these very bakes. What is not: normals shaded one by one, which the scene's may
     // not be farther from.
     if (!is_fresnel_fixed) {  // else the truth has it fixed too
-      const double own = error_of_picture(path(c.name + "/plan.json"), repeat, c),
-                   usual = error_of_picture(path(c.name + "/default.json"), repeat, c);
+      const double own = error_of_picture(path(c.name + "/plan.json"), repeat),
+                   usual = error_of_picture(path(c.name + "/default.json"), repeat);
       EXPECT_LT(own, 1.12 * usual + 0.001);  // 10.3 and 9.5 % of diffuse light, else the same
     }
     return report;

@@ -234,6 +234,9 @@ class HostileTest(ClientCase):
         _, text = self.said(b"GET /v1/events HTTP/1.1\r\n" + HOST + b"Last-Event-ID: 3\r\n\r\n", timeout=1, ends=False)
         self.assertIn(b"event: missed", text)
         last = int(text.rsplit(b"\nid: ", 1)[1].split()[0])
+        _, text = self.said(b"GET /v1/events HTTP/1.1\r\n" + HOST + b"Last-Event-ID: 0\r\n\r\n", timeout=1, ends=False)
+        self.assertNotIn(b"event: missed", text, "0 asks for all that are kept, and all are")
+        self.assertIn(b"event: job", text)
         self.assertEqual(service.stop(), 0)
         service.start()
         for number in (last, last + 10**12):

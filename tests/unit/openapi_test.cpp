@@ -59,6 +59,15 @@ TEST(JobTypes, TakeBrdfsOfFamiliesAlone) {
     EXPECT_THROW(check_parameters(bake, parameters(brdf)), Error) << brdf;
 }
 
+TEST(JobTypes, AMisspeltParameterIsAnsweredWithTheOneThatWasMeant) {
+  try {
+    check_parameters(find_job_type("bake"), {{"input", "a.png"}, {"lobs", 2}});
+    FAIL() << "took it";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "parameters.lobs is no parameter of bake; did you mean lobes?");
+  }
+}
+
 // Of labels, queues' names and texts: a terminal obeys C1, U+0080 to U+009F, as it does ESC.
 TEST(JobTypes, TextsHoldNoControlCharacters) {
   for (unsigned code = 0; code < 0x120; ++code) {

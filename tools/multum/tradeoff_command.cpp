@@ -77,12 +77,15 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->check(CLI::PositiveNumber)
       ->excludes(error);
   command
-      ->add_option("--max-bytes", o->job.bytes_max,
-                   "mark what keeps to so many bytes on the GPU, as 33M (MiB), and pick among it; of these three as "
-                   "many as are wanted, with --target-error or without: then the most accurate is picked")
+      ->add_option(
+          "--max-bytes", o->job.bytes_max,
+          "largest size on the GPU, as 33M (MiB): settings above it are struck out and not picked; may be combined "
+          "with the other two and with --target-error, without which the most accurate is picked")
       ->transform(CLI::AsSizeValue(false));
-  command->add_option("--max-frame-ms", o->job.frame_ms_max, "the same of a frame's time")->check(CLI::PositiveNumber);
-  command->add_option("--max-bake-ms", o->bake_ms_max, "the same of a bake's time")->check(CLI::PositiveNumber);
+  command->add_option("--max-frame-ms", o->job.frame_ms_max, "longest time of a frame; otherwise as --max-bytes")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--max-bake-ms", o->bake_ms_max, "longest time of a bake; otherwise as --max-bytes")
+      ->check(CLI::PositiveNumber);
   command
       ->add_option("--brdf", o->brdf,
                    "lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA or a measured BRDF's file")

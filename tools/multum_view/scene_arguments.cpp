@@ -58,6 +58,9 @@ std::vector<std::string> arguments_of(const Json& view, const fs::path& folder, 
   const auto add = [&](const std::string& option, const std::string& value) {
     if (!is_given(given, option)) arguments.push_back(option + "=" + value);
   };
+  if (is_given(given, "--compare"))
+    for (const char* key : {"source", "albedo", "roughness", "gloss", "weights"})
+      if (view.contains(key)) add(std::string("--") + key, resolved(view[key]));
   if (view.contains("colour_map")) add("--colour-map", resolved(view["colour_map"]));
   if (view.contains("environment")) {
     add("--environment", resolved(view["environment"]));

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "host/base/log.h"
+#include "host/base/progress.h"
 #include "runtime_gl/render/environment_background.h"
 
 namespace multum {
@@ -79,8 +81,11 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::Scene& scene) {
   pictures.push_back({"multum", drawn(*baked_)});
   for (const std::string& name : options_.compare) {
     if (name == "truth") {
+      const std::unique_ptr<Progress> progress = make_terminal_progress(true);
+      progress->start(static_cast<std::uint64_t>(options_.samples) * std::max<std::size_t>(options_.basis.size(), 1));
+      progress->stage("draw the truth");
       const auto draw = [&](const gl::Scene& one) {
-        return renderer_.draw_truth(mesh_, *finest_, one, options_.samples);
+        return renderer_.draw_truth(mesh_, *finest_, one, options_.samples, progress.get());
       };
       pictures.insert(pictures.begin(), {name, draw_blended(options_, scene, *finest_, draw)});
     } else {

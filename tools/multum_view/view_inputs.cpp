@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
@@ -38,6 +39,20 @@ NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader&
   return settings;
 }
 
+/// Warns of an albedo, roughness, gloss or weights map that is not the one of the bake, by what the file's settings
+/// state.
+void warn_of_another(const ViewOptions& options, const BakedHeader& baked, const char* key, const char* option,
+                     const std::string& path, const std::string& ending) {
+  const nlohmann::json settings = nlohmann::json::parse(baked.provenance.settings, nullptr, false);
+  if (!settings.is_object() || !settings.contains(key) || !settings[key].is_string()) return;
+  const std::string stated = settings[key].get<std::string>();
+  if (stated.empty() || stated == hash_file(path) + ending) return;
+  log_warning(
+      fmt::format("{}{}: {} is not what {} was baked with ({} {}): the truth and the baselines may show another "
+                  "material",
+                  path, ending, option, options.input, key, stated));
+}
+
 /// Lengths of normals, colours and weights, as the bake had them.
 void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::NormalImage& image) {
   ChannelFile roughness = parse_channel_file(options.gloss.empty() ? options.roughness : options.gloss);
@@ -55,6 +70,8 @@ void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::Nor
                             "--source",
                             options.input, options.basis.size()));
   if (!roughness.path.empty()) {
+    warn_of_another(options, baked, "roughness", roughness.is_gloss ? "--gloss" : "--roughness", roughness.path,
+                    (roughness.channel.empty() ? "" : ":" + roughness.channel) + (roughness.is_gloss ? ", gloss" : ""));
     PlaneStore normals(image.width, image.height);
     std::array<std::vector<float>, 3> planes;
     for (std::size_t p = 0; p < 3; ++p)
@@ -67,6 +84,7 @@ void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::Nor
     image.has_roughness = true;
   }
   if (!options.weights.empty()) {
+    warn_of_another(options, baked, "weights", "--weights", options.weights, "");
     WeightMap map = read_weight_map(options.weights, image.width, image.height, {}, 1);
     const auto count = static_cast<std::size_t>(map.count);
     image.weight_count = map.count;
@@ -78,6 +96,7 @@ void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::Nor
     }
   }
   if (options.albedo.empty()) return;
+  warn_of_another(options, baked, "albedo", "--albedo", options.albedo, "");
   const ColourMap colours = read_albedo_map(options.albedo, image.width, image.height, 1);
   for (std::size_t i = 0; i < colours.r.size(); ++i)
     image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);

@@ -393,7 +393,10 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
                  "how a file of moments is shaded: toksvig, lean or lean-jacobian (default: lean-jacobian)")
       ->check(CLI::IsMember(choice_names(kMomentShadings)));
   app.add_option("--size", raw.size, "of each picture, pixels")->capture_default_str();
-  app.add_option("--samples", o.samples, "a pixel of the truth")->check(CLI::Range(1, 65536))->capture_default_str();
+  app.add_option("--samples", o.samples,
+                 "a pixel of --compare truth, which is drawn so many times: seconds in software, with a progress bar")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str();
   app.add_option("--truth-of", raw.truth_of,
                  "what the truth averages over: the pixel, or the texels that a trilinear filter takes there, so that "
                  "what is off is what the baked texels do not hold")
