@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/parameters/bake_parameters.h"
+
+#include <utility>
+
+#include "host/parameters/shared_parameters.h"
+
+namespace multum {
+namespace {
+
+using Kind = ParameterKind;
+using Rows = std::vector<Parameter>;
+
+constexpr unsigned kJob = kOnCommandLine | kInManifest | kInService;
+constexpr double kLeastMemory = 288.0 * (1 << 20);  // the program's own 280 MiB and a window of 8 (bake_job.cpp)
+
+void add(Rows& rows, Rows more, const char* group) {
+  for (Parameter& row : more) {
+    row.group = group;
+    rows.push_back(std::move(row));
+  }
+}
+
+Rows source_rows() {
+  Rows rows = {{.name = "bumpformat",
+                .kind = Kind::kChoice,
+                .help = "what the file is; auto: found from its statistics",
+                .default_text = "auto",
+                .choices = {"auto", "height", "normal"},
+                .hashed_as = "bump_format",
+                .surfaces = kEverywhere},
+               {.name = "green",
+                .kind = Kind::kChoice,
+                .help = "green points up (OpenGL) or down (DirectX)",
+                .default_text = "found",
+                .choices = {"up", "down"},
+                .hashed_as = "green",
+                .surfaces = kEverywhere},
+               {.name = "signed",
+                .help = "channel values are the vector, -1 to 1",
+                .default_text = "found",
+                .hashed_as = "signed",
+                .excludes = "unsigned",
+                .surfaces = kEverywhere},
+               {.name = "unsigned",
+                .help = "channel values are encoded, 0 to 1",
+                .default_text = "found",
+                .hashed_as = "signed",
+                .excludes = "signed",
+                .surfaces = kEverywhere},
+               {.name = "two_channel",
+                .help = "only x and y are stored; z is rebuilt",
+                .default_text = "found",
+                .hashed_as = "two_channel",
+                .surfaces = kEverywhere},
+               {.name = "height_scale",
+                .kind = Kind::kNumber,
+                .help = "height field: height that a value difference of 1 stands for; negative: dents are bumps",
+                .low = -unbounded(),
+                .high = unbounded(),
+                .zero_excluded = true,
+                .unit = "texels",
+                .default_text = "1",
+                .hashed_as = "height_scale",
+                .surfaces = kEverywhere},
+               {.name = "normal_scale",
+                .kind = Kind::kNumber,
+                .help = "normal map: x and y times this, as glTF's normalTexture.scale",
+                .low = -unbounded(),
+                .high = unbounded(),
+                .default_text = "1",
+                .hashed_as = "normal_scale",
+                .surfaces = kEverywhere},
+               {.name = "fixnan",
+                .kind = Kind::kChoice,
+                .help = "how NaN and Inf are repaired: none (the file is refused), black (flat), box3 (mean of the "
+                        "neighbours)",
+                .default_text = "box3",
+                .choices = {"none", "black", "box3"},
+                .hashed_as = "fixnan",
+                .surfaces = kEverywhere},
+               {.name = "repair_max",
+                .kind = Kind::kNumber,
+                .help = "refuse a file that needs more repairs than this share of its texels",
+                .low = 0.0,
+                .high = 1.0,
+                .default_text = "0.01",
+                .surfaces = kEverywhere},
+               {.name = "checknan", .help = "refuse a file with NaN or Inf, naming the first", .surfaces = kEverywhere}};
+  for (Parameter& row : wrap_parameters(true, "periodic", kEverywhere)) rows.push_back(std::move(row));
+  return rows;
+}
+
+Rows material_rows() {
+  return {{.name = "albedo",
+           .kind = Kind::kFile,
+           .help = "colour map of the same size: bakes colours, per lobe or averaged",
+           .hashed_as = "albedo",
+           .surfaces = kEverywhere},
+          {.name = "roughness",
+           .kind = Kind::kFile,
+           .help = "perceptual roughness, 0 to 1, of the same size: bakes the width of the highlight into the lobes, so "
+                   "that no BRDF is chosen when they are drawn",
+           .unit = "FILE[:CHANNEL]",
+           .hashed_as = "roughness",
+           .excludes = "gloss",
+           .surfaces = kEverywhere},
+          {.name = "gloss",
+           .kind = Kind::kFile,
+           .help = "gloss map in the place of --roughness: roughness = 1 - gloss",
+           .unit = "FILE[:CHANNEL]",
+           .hashed_as = "roughness",
+           .excludes = "roughness",
+           .surfaces = kEverywhere},
+          {.name = "weights",
+           .kind = Kind::kFile,
+           .help = "map of the same size, 1 to 4 channels of 0 to 1: weights of as many basis BRDFs, per lobe or "
+                   "averaged",
+           .hashed_as = "weights",
+           .surfaces = kEverywhere}};
+}
+
+Rows representation_rows() {
+  return {{.name = "ndf",
+                .kind = Kind::kChoice,
+                .help = "what texels hold: vmf, lobes (Han 2007), the most accurate; gmm, planar Gaussians (Tan 2005); "
+                        "moments, slopes and their squares (LEAN); sh, spherical harmonics",
+                .default_text = "vmf",
+                .choices = {"vmf", "moments", "gmm", "sh"},
+                .hashed_as = "representation",
+                .surfaces = kJob},
+               {.name = "sh_order",
+                .kind = Kind::kInteger,
+                .help = "harmonics up to this l; 4 is for diffuse light, 8 for broad highlights",
+                .low = 1,
+                .high = 20,
+                .default_text = "4",
+                .hashed_as = "sh_order",
+                .scope = ParameterScope::kHarmonics,
+                .chosen_by_target = true,
+                .surfaces = kJob}};
+}
+
+Rows storage_rows() {
+  Rows rows = {{.name = "first_level",
+                .kind = Kind::kInteger,
+                .help = "finest level to store; renderers take finer ones from the normal map",
+                .low = 0,
+                .high = 15,  // the coarsest of a map of 32768 texels a side
+                .default_text = "0",
+                .hashed_as = "first_level",
+                .surfaces = kJob},
+               {.name = "data_format",
+                .kind = Kind::kChoice,
+                .help = "storage precision; half loses kappa above 1000 of lobes, and is the default of moments and sh",
+                .default_text = "snorm16",
+                .choices = {"snorm16", "half", "float"},
+                .hashed_as = "encoding",
+                .short_option = "-d",
+                .chosen_by_target = true,
+                .surfaces = kJob}};
+  rows.push_back(compression_parameter(kJob));
+  return rows;
+}
+
+Rows fit_rows() {
+  Rows rows = {
+      {.name = "lobes",
+       .kind = Kind::kInteger,
+       .help = "lobes per texel; more are larger, slower and usually more accurate",
+       .low = 1,
+       .high = 8,
+       .default_text = "4",
+       .hashed_as = "lobes",
+       .chosen_by_target = true,
+       .surfaces = kJob},
+      {.name = "reference",
+       .help = "fit every normal at every level, 30 iterations, none cut short: what the defaults are measured "
+               "against, slower",
+       .hashed_as = "settled_change",
+       .chosen_by_target = true,
+       .surfaces = kJob},
+      {.name = "iterations",
+       .kind = Kind::kInteger,
+       .help = "EM iterations per texel, at most",
+       .low = 1,
+       .high = 1000,
+       .default_text = "12",
+       .hashed_as = "iterations",
+       .chosen_by_target = true,
+       .surfaces = kJob},
+      {.name = "sweeps",
+       .kind = Kind::kInteger,
+       .help = "passes over a level: more than one aligns its lobes better",
+       .low = 1,
+       .high = 8,
+       .default_text = "2",
+       .hashed_as = "sweeps",
+       .chosen_by_target = true,
+       .surfaces = kJob},
+      {.name = "order",
+       .kind = Kind::kChoice,
+       .help = "order in which texels are fitted: colour (in parallel) or scanline (the paper's)",
+       .default_text = "colour",
+       .choices = {"colour", "scanline"},
+       .hashed_as = "order",
+       .surfaces = kJob},
+      {.name = "coarse_normals",
+       .kind = Kind::kChoice,
+       .help = "what EM sees of coarse texels: all normals, or condensed (bins of like normals: faster)",
+       .default_text = "condensed",
+       .choices = {"condensed", "all"},
+       .hashed_as = "coarse_normals",
+       .surfaces = kJob},
+      {.name = "no_rehearsal",
+       .help = "skip the start search: take the candidate of least error without trying them all; saves half a second",
+       .hashed_as = "rehearse_start",
+       .chosen_by_target = true,
+       .surfaces = kJob},
+      {.name = "unaligned",
+       .help = "fit every texel by itself, for comparison: filtering then mixes the lobes up",
+       .hashed_as = "aligned_start",
+       .chosen_by_target = true,
+       .surfaces = kJob},
+      {.name = "align",
+       .kind = Kind::kNumber,
+       .help = "weight of the alignment prior; 0: none",
+       .low = 0,
+       .high = 10,
+       .default_text = "0.1",
+       .hashed_as = "align",
+       .surfaces = kJob},
+      {.name = "kappa_cap",
+       .kind = Kind::kNumber,
+       .help = "sharpest lobe that EM uses on rough texels; smooth ones get sharper lobes",
+       .low = 1,
+       .high = 1e5,
+       .default_text = "500",
+       .hashed_as = "kappa_cap",
+       .surfaces = kJob},
+      // Hashed and checked, but nowhere given.
+      {.name = "iterations_coarse",
+       .kind = Kind::kInteger,
+       .help = "EM iterations of texels above 256 normals, at most; --iterations sets it, too",
+       .low = 1,
+       .high = 1000,
+       .default_text = "30",
+       .hashed_as = "iterations_coarse"},
+      {.name = "iterations_top",
+       .kind = Kind::kInteger,
+       .help = "EM iterations of the coarsest level, at most",
+       .low = 1,
+       .high = 1000,
+       .default_text = "60",
+       .hashed_as = "iterations_top"},
+      {.name = "iterations_again",
+       .kind = Kind::kInteger,
+       .help = "EM iterations in each further pass, at most",
+       .low = 1,
+       .high = 1000,
+       .default_text = "6",
+       .hashed_as = "iterations_again"},
+      {.name = "settled_change",
+       .kind = Kind::kNumber,
+       .help = "relative change of kappa, weight and direction below which a texel has converged; 0: none has",
+       .low = 0,
+       .high = 0.1,
+       .default_text = "0.01",
+       .hashed_as = "settled_change"},
+      {.name = "kappa_cap_slope",
+       .kind = Kind::kNumber,
+       .help = "kappa_cap grows by this times the kappa of all the texel's normals",
+       .low = 0,
+       .high = 1000,
+       .default_text = "10",
+       .hashed_as = "kappa_cap_slope"},
+      {.name = "start_kappa_factor",
+       .kind = Kind::kNumber,
+       .help = "kappa of a start, as a share of the parent's",
+       .low = 0.01,
+       .high = 1,
+       .default_text = "0.5",
+       .hashed_as = "start_kappa_factor"},
+      {.name = "start_amplitude_min",
+       .kind = Kind::kNumber,
+       .help = "least amplitude of a start's lobe",
+       .low = 0,
+       .high = 0.125,
+       .default_text = "0.02",
+       .hashed_as = "start_amplitude_min"}};
+  for (Parameter& row : rows) row.scope = ParameterScope::kLobes;
+  return rows;
+}
+
+Rows target_rows() {
+  return {{.name = "target_error",
+           .kind = Kind::kNumber,
+           .help = "choose the cheapest settings whose error is at most this: relative L1 against the truth, mean over "
+                   "levels 2 and up, 0.1 for 10 %; where none reach it, nothing is written and the exit code is 5",
+           .high = 2,
+           .low_excluded = true,
+           .excludes = "budget_ms",
+           .surfaces = kJob},
+          {.name = "budget_ms",
+           .kind = Kind::kNumber,
+           .help = "choose the most accurate settings that bake in this time: reading, fitting and writing",
+           .high = unbounded(),
+           .low_excluded = true,
+           .unit = "ms",
+           .excludes = "target_error",
+           .surfaces = kJob},
+          {.name = "brdf",
+           .kind = Kind::kBrdf,
+           .help = "BRDF whose error a target means: lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA, "
+                   "cook-torrance:SIGMA or, but for jobs, a measured BRDF's file",
+           .default_text = "blinn-phong:100",
+           .surfaces = kJob},
+          {.name = "best_effort",
+           .help = "where no settings reach the target, write the best; the exit code stays 5",
+           .surfaces = kJob},
+          {.name = "error_max",
+           .kind = Kind::kNumber,
+           .help = "largest measured error that passes: relative L1, 0.1 for 10 %, of the worst level and BRDF",
+           .high = unbounded(),
+           .low_excluded = true,
+           .surfaces = kInManifest}};
+}
+
+Rows run_rows() {
+  return {memory_parameter("resident memory to stay within: larger maps are baked in bands of rows, with the same result",
+                           kLeastMemory, "what makes it faster, at most a quarter of the machine's",
+                           kOnCommandLine | kInService),
+          device_parameter(kOnCommandLine | kInService),
+          {.name = "no_measure",
+           .help = "do not measure the error of what is written",
+           .surfaces = kOnCommandLine | kInService}};
+}
+
+}  // namespace
+
+const ParameterTable& bake_parameters() {
+  static const ParameterTable table = [] {
+    Rows rows = {input_parameter("input", "normal map or height field: PNG, TIFF, EXR, JPEG or WebP, sides to 32768",
+                                 kInManifest | kInService)};
+    add(rows, material_rows(), kMaterialGroup);
+    // In this order, since texts of options have it: what it is, how it is fitted, how it is stored.
+    add(rows, representation_rows(), kStorageGroup);
+    add(rows, fit_rows(), kFitGroup);
+    add(rows, storage_rows(), kStorageGroup);
+    add(rows, source_rows(), kSourceGroup);
+    add(rows, target_rows(), kTargetGroup);
+    add(rows, run_rows(), kRunGroup);
+    return ParameterTable("bake", std::move(rows));
+  }();
+  return table;
+}
+
+const ParameterTable& scene_parameters() {
+  static const ParameterTable table(
+      "scene", {input_parameter("scene", "scene.toml: maps, materials, objects, lights, camera", kInService),
+                memory_parameter("resident memory to stay within", kLeastMemory,
+                                 "what makes it faster, at most a quarter of the machine's", kInService),
+                device_parameter(kInService)});
+  return table;
+}
+
+}  // namespace multum

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/parameters/shared_parameters.h"
+
+#include <limits>
+
+namespace multum {
+
+double unbounded() { return std::numeric_limits<float>::max(); }
+
+Parameter device_parameter(unsigned surfaces) {
+  return {.name = "device",
+          .kind = ParameterKind::kText,
+          .help = "OpenCL device: its number in `multum devices`, or part of its name",
+          .surfaces = surfaces};
+}
+
+Parameter memory_parameter(const std::string& help, double low, const std::string& default_text, unsigned surfaces) {
+  return {.name = "memory",
+          .kind = ParameterKind::kBytes,
+          .help = help,
+          .low = low,
+          .high = 1e15,
+          .unit = "bytes",
+          .default_text = default_text,
+          .surfaces = surfaces};
+}
+
+Parameter compression_parameter(unsigned surfaces) {
+  return {.name = "compression",
+          .kind = ParameterKind::kText,
+          .help = "lossless compression of the file: none, rle, zips, zip, piz, or zip:1 to zip:9",
+          .default_text = "zip",
+          .hashed_as = "compression",
+          .surfaces = surfaces};
+}
+
+Parameter input_parameter(const std::string& name, const std::string& help, unsigned surfaces) {
+  return {.name = name, .kind = ParameterKind::kFile, .help = help, .surfaces = surfaces};
+}
+
+std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& default_text, unsigned surfaces) {
+  std::vector<std::string> modes = {"black", "clamp", "periodic", "mirror"};
+  if (with_auto) modes.insert(modes.begin(), "auto");
+  const Parameter both = {.name = "wrap",
+                          .kind = ParameterKind::kChoice,
+                          .help = std::string("what lies beyond the border") +
+                                  (with_auto ? "; auto: periodic where the map tiles, else clamp" : ""),
+                          .default_text = default_text,
+                          .choices = modes,
+                          .hashed_as = "wrap",
+                          .surfaces = surfaces};
+  Parameter s = both, t = both;
+  s.name = "swrap", s.help = "--wrap along s (x) alone", s.default_text = "";
+  t.name = "twrap", t.help = "--wrap along t (y) alone", t.default_text = "";
+  return {both, s, t};
+}
+
+}  // namespace multum

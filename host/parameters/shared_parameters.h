@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Makes the rows that several tables have.
+#pragma once
+
+#include "host/parameters/parameter.h"
+
+namespace multum {
+
+/// Bound of numbers that have none.
+double unbounded();
+
+/// `device`; `surfaces`: of it.
+Parameter device_parameter(unsigned surfaces);
+/// `memory`, from `low` bytes; `default_text` in words.
+Parameter memory_parameter(const std::string& help, double low, const std::string& default_text, unsigned surfaces);
+Parameter compression_parameter(unsigned surfaces);
+/// `input`, `scene` or another file that is read first.
+Parameter input_parameter(const std::string& name, const std::string& help, unsigned surfaces);
+/// `wrap`, `swrap`, `twrap`. `with_auto`: what the map itself shows may decide.
+std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& default_text, unsigned surfaces);
+
+}  // namespace multum
