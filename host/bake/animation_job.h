@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The job file of texture inference (Hakura et al. 2000, section 3): what was rendered, with which geometry, cameras
+// A job of texture inference (Hakura et al. 2000, section 3): what was rendered, with which geometry, cameras
 // and parameters, and what is to be inferred. docs/ANIMATION.md describes every key of animation.toml.
 #pragma once
 
@@ -91,14 +91,6 @@ struct AnimationJob {
   std::vector<AnimationSample> samples;  // one for each point of the parameter grid, the last parameter fastest
   bool operator==(const AnimationJob&) const = default;
 };
-
-/// Reads and validates a job: unknown keys, values out of range, names that nothing answers to, missing samples and
-/// files are refused with the file's line. Throws Error(kInput), Error(kUsage) never.
-AnimationJob read_animation_job(const std::string& path);
-
-/// The files that a job names, as resolved, each once: read without looking at them or checking anything else. Throws
-/// Error(kInput) when the job is no TOML.
-std::vector<std::string> animation_job_files(const std::string& path);
 
 /// The job as TOML, as read_animation_job() reads it; `folder`: paths are written relative to it.
 std::string animation_job_text(const AnimationJob& job, const std::string& folder);

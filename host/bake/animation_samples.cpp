@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <set>
 #include <utility>
@@ -91,6 +92,22 @@ AnimationSample read_sample(const StrictTable& table, const std::vector<std::str
 }
 
 }  // namespace
+
+void check_known(const StrictTable& table, const std::string& key, const std::string& name,
+                 const std::vector<std::string>& known, const std::string& what) {
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  table.refuse(table.has(key) ? key : "",
+               fmt::format("names \"{}\", which is no {}; there are {}", name, what, fmt::join(known, ", ")));
+}
+
+std::string existing_file(const StrictTable& table, const std::string& key, const AnimationJob& job) {
+  namespace fs = std::filesystem;
+  const std::string name = table.text(key);
+  const std::string path = (fs::path(job.path).parent_path() / name).lexically_normal().string();
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) table.refuse(key, fmt::format("is \"{}\": there is no file {}", name, path));
+  return path;
+}
 
 void read_animation_samples(const StrictTable& job_table, const std::vector<std::string>& meshes, AnimationJob& job) {
   std::size_t count = 1;

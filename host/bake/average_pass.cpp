@@ -120,7 +120,7 @@ BakedHeader AveragedMap::header(Representation representation) const {
   return header;
 }
 
-void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, BakeReport& report,
+void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, AverageReport& report,
                  Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate_box_map(inputs.first_level, normals.width(), normals.height());
@@ -128,7 +128,6 @@ void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& pl
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   AveragePass pass(device, inputs, planes, features);
   report.plan = pass.plan_text();
-  report.device = device.info().name;
   pass.run(progress);
 }
 

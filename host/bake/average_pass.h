@@ -10,7 +10,6 @@
 #include <string>
 
 #include "host/asset/baked_file.h"
-#include "host/bake/bake_report.h"
 #include "host/bake/box_pyramid.h"
 #include "host/base/progress.h"
 #include "host/image/colour_map.h"
@@ -49,6 +48,12 @@ class AveragedMap {
   AverageInputs inputs_;
 };
 
+/// What a pass of averages did and clamped: its part of a bake's report (host/bake/bake_report.h).
+struct AverageReport {
+  std::string plan;                  // bands and levels, a line
+  std::uint64_t slopes_limited = 0;  // normals nearer to the horizon than slopes of moments go (kSlopeZMin)
+};
+
 /// A representation's part in it.
 class AveragedPlanes {
  public:
@@ -67,9 +72,9 @@ class AveragedPlanes {
   virtual void add_level(const BoxRows& rows) = 0;
 };
 
-/// Fills device and plan of `report`. Throws Error(kUsage) for too little memory, Error(kEnvironment) when disk or
+/// Fills AverageReport::plan. Throws Error(kUsage) for too little memory, Error(kEnvironment) when disk or
 /// device refuse, Cancelled. Progress: a unit a texel of the map.
-void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, BakeReport& report,
+void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, AverageReport& report,
                  Progress* progress);
 
 }  // namespace multum

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole bake from file to file: read, fit or average, round, measure, write. The command line and later the service
-// call this.
+// A bake as it is asked for: the files it reads and writes, and its settings. host/bake/bake_file.h does it.
 #pragma once
 
 #include <optional>
@@ -8,18 +7,13 @@
 #include <vector>
 
 #include "host/asset/baked_file.h"
-#include "host/bake/bake_report.h"
 #include "host/bake/bake_settings.h"
+#include "host/bake/highlight.h"
 #include "host/bake/region_bake.h"
-#include "host/base/progress.h"
 #include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
-#include "host/opencl/device.h"
 
 namespace multum {
-
-struct BakeSource;
-enum class MapReadings;
 
 struct BakeJob {
   std::string input;                // a normal map or height field
@@ -60,21 +54,5 @@ ChannelFile roughness_file(const BakeJob& job);
 
 /// The files that a bake reads, the map first.
 std::vector<std::string> input_files(const BakeJob& job);
-
-/// Of an output that is left as it is. Writes BakeJob::report.
-BakeReport unchanged_report(const BakeJob& job);
-
-/// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
-/// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.
-BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
-/// The same of what read_bake_source() has read of the job already; null: it is read here.
-BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
-
-/// Reads what the job names, and says what was found. Fills BakeReport::input.
-BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress);
-/// Bakes, whatever is there, of a source that has been read (host/bake/bake_source.h).
-BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress);
-/// Throws Error(kUsage, kEnvironment) for what can be told of a job before anything is read.
-void check_job(const BakeJob& job);
 
 }  // namespace multum

@@ -10,9 +10,9 @@ namespace multum {
 
 class BakeOutput {
  public:
-  /// `header` is what the file's is; `meter` is null when nothing is measured. Fills BakeReport::beyond_storage and the
-  /// times of rounding and writing.
-  BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, BakeReport& report)
+  /// `header` is what the file's is; `meter` is null when nothing is measured. Fills OutputReport::beyond_storage and
+  /// the times of rounding and writing.
+  BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
 
   /// Rounds rows as they come from the fit to what is stored, and counts lobes that are sharper than that.
@@ -27,7 +27,7 @@ class BakeOutput {
   MovmfMeter* meter_;
   const MovmfMipmap& header_;
   const int threads_;
-  BakeReport& report_;
+  OutputReport& report_;
 };
 
 }  // namespace multum

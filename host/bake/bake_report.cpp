@@ -81,14 +81,15 @@ std::string BakeReport::to_json() const {
                          {"warnings", roughness->warnings}};
   json["stages"] = Json::array();
   for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
-  json["plan"] = plan;
+  json["plan"] = plan();
   json["rows_resumed"] = rows_resumed;
-  json["condense"] = {{"seconds", condense_seconds}, {"launches", condense_launches}};
-  json["round_seconds"] = round_seconds;
-  json["write_wait_seconds"] = write_wait_seconds;
-  json["start"] = {{"seconds", start_seconds}, {"rehearsed", starts_rehearsed}, {"launches", start_launches}};
+  json["condense"] = {{"seconds", fit.condense_seconds}, {"launches", fit.condense_launches}};
+  json["round_seconds"] = output.round_seconds;
+  json["write_wait_seconds"] = output.write_wait_seconds;
+  json["start"] = {
+      {"seconds", fit.start_seconds}, {"rehearsed", fit.starts_rehearsed}, {"launches", fit.start_launches}};
   json["levels"] = Json::array();
-  for (const LevelReport& level : levels)
+  for (const LevelReport& level : fit.levels)
     json["levels"].push_back({{"level", level.level},
                               {"width", level.width},
                               {"height", level.height},
@@ -104,14 +105,14 @@ std::string BakeReport::to_json() const {
   json["builds"] = builds;
   json["programs"] =
       std::accumulate(builds.begin(), builds.end(), 0, [](int sum, const auto& build) { return sum + build.second; });
-  json["counts"] = {{"lobes", lobe_count_total},
-                    {"nonfinite", nonfinite},
-                    {"kappa_clamped", kappa_clamped},
-                    {"dead_lobes", dead_lobes},
-                    {"undirected_lobes", undirected_lobes},
-                    {"slopes_limited", slopes_limited},
-                    {"beyond_storage", beyond_storage}};
-  json["beyond_storage_share"] = beyond_storage_share;
+  json["counts"] = {{"lobes", fit.lobe_count_total},
+                    {"nonfinite", fit.nonfinite},
+                    {"kappa_clamped", fit.kappa_clamped},
+                    {"dead_lobes", fit.dead_lobes},
+                    {"undirected_lobes", fit.undirected_lobes},
+                    {"slopes_limited", average.slopes_limited},
+                    {"beyond_storage", output.beyond_storage}};
+  json["beyond_storage_share"] = output.beyond_storage_share;
   json["error"] = error_json(error);
   json["measured_error"] = accuracy_json(accuracy);
   if (!choice.empty()) json["choice"] = choice;
@@ -137,13 +138,15 @@ std::string BakeReport::to_text() const {
   }
   text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device) +
           error_line(error, stored_only ? std::max(first_level, kSummaryLevel) : kSummaryLevel);
-  if (lobe_count_total > 0)
+  if (fit.lobe_count_total > 0)
     text += fmt::format(
         "{} lobes: {} not finite, {} clamped at the largest kappa, {} empty (no normals fell to them), {} without a "
         "direction (their normals cancel out), {} sharper than the data format holds\n",
-        lobe_count_total, nonfinite, kappa_clamped, dead_lobes, undirected_lobes, beyond_storage);
-  if (slopes_limited > 0)
-    text += fmt::format("{} normals nearer to the horizon than slopes go, taken at 87 degrees\n", slopes_limited);
+        fit.lobe_count_total, fit.nonfinite, fit.kappa_clamped, fit.dead_lobes, fit.undirected_lobes,
+        output.beyond_storage);
+  if (average.slopes_limited > 0)
+    text +=
+        fmt::format("{} normals nearer to the horizon than slopes go, taken at 87 degrees\n", average.slopes_limited);
   if (first_level > 0 && stored_only)
     text += fmt::format("levels finer than {} are never seen, and not stored\n", first_level);
   else if (first_level > 0)

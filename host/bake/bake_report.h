@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "host/bake/accuracy.h"
+#include "host/bake/average_pass.h"
+#include "host/bake/fit_report.h"
 #include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
 #include "host/opencl/device.h"
@@ -20,10 +22,15 @@ struct StageTime {
   double seconds;
 };
 
-struct LevelReport {
-  int level, width, height;
-  double seconds;
-  std::uint64_t launches;
+/// Of rounding rows to what is stored, and of handing them to the writer, while they are fitted.
+struct OutputReport {
+  double round_seconds = 0.0;
+  double write_wait_seconds = 0.0;  // waiting for the thread that compresses and writes
+  // Lobes of levels coarser than 0 whose spread the storage does not keep, and the share of those levels' normals that
+  // they stand for (host/asset/movmf_mipmap.h, SharpLobes).
+  std::uint64_t beyond_storage = 0;
+  double beyond_storage_amplitude = 0.0;
+  double beyond_storage_share = 0.0;
 };
 
 struct BakeReport {
@@ -37,36 +44,20 @@ struct BakeReport {
   std::int64_t albedo_clamped = 0;           // texels of the albedo with a negative or non-finite value, read as 0
   std::optional<RoughnessReport> roughness;  // of a bake with a roughness map
   std::vector<StageTime> stages;
-  double start_seconds = 0.0;     // of "fit": choosing where the coarsest level starts
-  double condense_seconds = 0.0;  // of "fit": condensing the normals of coarse texels
-  std::uint64_t condense_launches = 0;
-  double round_seconds = 0.0;       // of "fit": rounding rows to what is stored
-  double write_wait_seconds = 0.0;  // of "fit": waiting for the thread that compresses and writes
-  std::string plan;                 // BakePlan::to_text()
-  std::uint64_t start_launches = 0;
-  int starts_rehearsed = 0;                       // candidates whose pyramid was tried on a small likeness of the map
-  std::vector<LevelReport> levels;                // finest first
+  FitReport fit;          // of lobes
+  AverageReport average;  // of moments and harmonics
+  OutputReport output;
   std::map<std::string, std::uint64_t> launches;  // by kernel
   std::map<std::string, double> launch_seconds;   // on the device, by kernel, where launches were timed (--runstats)
   TransferCounts transfers;                       // copies between host and device
   std::uint64_t device_bytes_peak = 0;            // of buffers on the device, of all that it has done
   std::map<std::string, int> builds;              // programs built or loaded from the cache, by kernels/FILE.cl
-  // Rare numerical events, over all texels and lobes of all levels.
-  std::uint64_t lobe_count_total = 0;
-  std::uint64_t nonfinite = 0;      // must be 0
-  std::uint64_t kappa_clamped = 0;  // sharper than MovmfSettings::kappa_cap: EM may have fitted them as if less sharp
-  std::uint64_t dead_lobes = 0;     // amplitude below 1e-6; below 1e-7 (DEAD_SHARE) EM keeps its last direction
-  std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
-  std::uint64_t slopes_limited = 0;    // normals nearer to the horizon than slopes of moments go (kSlopeZMin)
-  // Lobes of levels coarser than 0 whose spread the storage does not keep, and the share of those levels' normals that
-  // they stand for (host/asset/movmf_mipmap.h, SharpLobes).
-  std::uint64_t beyond_storage = 0;
-  double beyond_storage_amplitude = 0.0;
-  double beyond_storage_share = 0.0;
   std::vector<AccuracyRow> accuracy;
   std::vector<AccuracySummary> error;  // one for each BRDF of `accuracy`
   std::string choice;                  // why these settings, where they were chosen; a line each
 
+  /// How the map was gone through: of its fit, or of its averages.
+  const std::string& plan() const { return fit.plan.empty() ? average.plan : fit.plan; }
   /// Of all stages but choosing and measuring.
   double bake_seconds() const;
   std::string to_json() const;

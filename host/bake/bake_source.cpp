@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "host/base/error.h"
+#include "host/base/log.h"
 #include "host/base/machine.h"
 #include "host/image/colour_map.h"
 
@@ -75,6 +76,29 @@ BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* 
     source.roughness = shorten_by_roughness(source.map.normals, roughness_file(job), place, job.threads);
     source.mean_cosine = source.roughness->mean_cosine;
     source.has_roughness = true;
+  }
+  return source;
+}
+
+void note_source(const BakeSource& source, BakeReport& report) {
+  report.input = source.map.report;
+  report.albedo_clamped = source.albedo_clamped;
+  report.roughness = source.roughness;
+}
+
+BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress) {
+  BakeSource source = read_bake_source(job, readings, progress);
+  note_source(source, report);
+  const NormalMapReport& found = source.map.report;
+  log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
+                       found.encoding, found.encoding_reason));
+  for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
+  for (const std::string& note : source.albedo_notes) log_warning(job.albedo + ": " + note);
+  if (source.roughness) {
+    const ChannelFile file = roughness_file(job);
+    log_info(fmt::format("{}: {}{}", file.path, file.is_gloss ? "gloss, read as roughness = 1 - gloss: " : "",
+                         source.roughness->to_text()));
+    for (const std::string& warning : source.roughness->warnings) log_warning(warning);
   }
   return source;
 }

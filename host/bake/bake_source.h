@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/bake/bake_job.h"
+#include "host/bake/bake_report.h"
 #include "host/base/progress.h"
 #include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
@@ -40,5 +41,9 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 
 /// Throws Error(kInput) for files that cannot be used.
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress);
+/// The same, and says what was found: in the log, and in `report`.
+BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress);
+/// What was found in the files.
+void note_source(const BakeSource& source, BakeReport& report);
 
 }  // namespace multum

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "host/bake/bake_file.h"
 #include "host/bake/ndf_bake.h"
 #include "host/bake/output_state.h"
 #include "host/base/atomic_file.h"

@@ -55,7 +55,7 @@ MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation
 }
 
 MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
-                       const std::vector<glm::vec3>& features, float kappa_cap, int threads, BakeReport& report) {
+                       const std::vector<glm::vec3>& features, float kappa_cap, int threads, FitReport& report) {
   const auto width = static_cast<std::size_t>(size.width), lobe_count = static_cast<std::size_t>(size.lobe_count);
   const std::size_t texels = width * static_cast<std::size_t>(size.height);
   MovmfLevel out;

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/asset/movmf_mipmap.h"
-#include "host/bake/bake_report.h"
+#include "host/bake/fit_report.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
@@ -23,7 +23,7 @@ struct LobeRowsSize {
 /// [triple][lobe][column]. Returns planes of (a r, a), of Gaussians as host/asset/gmm_quantize.h has them, whose shares
 /// sum to 1 in every texel, and counts rare numerical events in `report`. `kappa_cap`: MovmfSettings::kappa_cap.
 MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
-                       const std::vector<glm::vec3>& features, float kappa_cap, int threads, BakeReport& report);
+                       const std::vector<glm::vec3>& features, float kappa_cap, int threads, FitReport& report);
 
 /// The other way round, of one lobe.
 MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation);

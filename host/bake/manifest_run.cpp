@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 
+#include "host/bake/bake_file.h"
 #include "host/bake/bake_source.h"
 #include "host/bake/baked_check.h"
 #include "host/bake/ndf_bake.h"

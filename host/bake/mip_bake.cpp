@@ -8,13 +8,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "host/bake/output_state.h"
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
 #include "host/base/size_of.h"
+#include "host/base/version.h"
 
 namespace multum {
 namespace {
@@ -53,7 +53,7 @@ PyramidHeader make_header(const MipJob& job) {
   header.map.wrap_s = job.wrap_s;
   header.map.wrap_t = job.wrap_t;
   BakedProvenance& from = header.map.provenance;
-  from.software = bake_software();
+  from.software = software_version();
   from.source_name = std::filesystem::path(job.input).filename().string();
   from.source_hash = hash_file(job.input);
   from.settings = nlohmann::json{{"pyramid", pyramid_kind_name(job.kind)},

@@ -101,7 +101,7 @@ class MomentMipmapSink : public MomentSink {
 
 }  // namespace
 
-void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, BakeReport& report,
+void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, AverageReport& report,
                   Progress* progress) {
   MomentPlanes planes(device, inputs, sink);
   average_map(device, inputs, planes, report, progress);
@@ -109,7 +109,7 @@ void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink,
 }
 
 MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
-                          BakeReport& report, Progress* progress) {
+                          AverageReport& report, Progress* progress) {
   const AveragedMap averaged(map, albedo, inputs);
   MomentMipmap mipmap;
   mipmap.header = averaged.header(Representation::kMoments);

@@ -21,11 +21,11 @@ class MomentSink {
 
 /// Hands rows to `sink`, exact to float, not yet rounded to what the file stores (quantize_moments). Fills device, plan
 /// and counts of `report`. Throws and counts as average_map() does.
-void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, BakeReport& report,
+void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, AverageReport& report,
                   Progress* progress);
 
 /// The same as a whole, of maps in memory; `albedo` may be null. The header has sizes alone.
 MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
-                          BakeReport& report, Progress* progress);
+                          AverageReport& report, Progress* progress);
 
 }  // namespace multum

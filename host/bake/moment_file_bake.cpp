@@ -24,7 +24,7 @@ constexpr double kLimitedNoted = 0.01;
 template <typename Writer>
 using MomentFileSink = RoundingSink<MomentSink, MomentLevel, Writer, MomentMeter>;
 
-void warn_of_limited_slopes(const BakeRun& run, const BakeReport& report) {
+void warn_of_limited_slopes(const BakeRun& run, const AverageReport& report) {
   const double share = static_cast<double>(report.slopes_limited) /
                        (static_cast<double>(run.header.width) * static_cast<double>(run.header.height));
   if (share <= kLimitedNoted) return;
@@ -48,9 +48,9 @@ void bake_moment_file(const BakeRun& run, BakeReport& report, Progress* progress
   MomentFileSink<MomentWriter> sink(quantize_moments, writer, meter ? &*meter : nullptr, job);
   const auto values = static_cast<std::uint64_t>((run.header.has_colours ? 12 : 9) + run.header.weight_count);
   const AverageInputs inputs = average_inputs(run, tile_rows_bytes(run.header, writing.tile_size, values));
-  bake_moments(run.device, inputs, sink, report, progress);
+  bake_moments(run.device, inputs, sink, report.average, progress);
   run.clock.finish("average");
-  warn_of_limited_slopes(run, report);
+  warn_of_limited_slopes(run, report.average);
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
 }
 
@@ -59,7 +59,7 @@ std::unique_ptr<AccuracyMeter> rehearse_moments(const BakeRun& run, const Accura
   auto meter = std::make_unique<MomentMeter>(run.header, accuracy);
   NoFile none;
   MomentFileSink<NoFile> sink(quantize_moments, none, meter.get(), run.job);
-  bake_moments(run.device, average_inputs(run, 0), sink, report, progress);
+  bake_moments(run.device, average_inputs(run, 0), sink, report.average, progress);
   run.clock.finish("average");
   return meter;
 }

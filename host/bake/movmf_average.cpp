@@ -29,7 +29,7 @@ std::vector<glm::vec3> vectors_of(const BoxRows& from, int plane, int threads) {
 class NormalPlanes : public AveragedPlanes {
  public:
   NormalPlanes(Device& device, const AverageInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
-               BakeReport& report)
+               FitReport& report)
       : inputs_(inputs),
         features_(FeaturePlanes::of(inputs.albedo, inputs.weights)),
         kappa_cap_(settings.kappa_cap),
@@ -88,7 +88,7 @@ class NormalPlanes : public AveragedPlanes {
   const FeaturePlanes features_;
   const float kappa_cap_;
   MovmfSink& sink_;
-  BakeReport& report_;
+  FitReport& report_;
   Kernel take_normals_;
 };
 
@@ -99,7 +99,7 @@ bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settin
 }
 
 void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
-                   BakeReport& report, Progress* progress) {
+                   FitReport& report, Progress* progress) {
   MULTUM_CHECK(averages_suffice(inputs, settings));
   AverageInputs averages;
   averages.normals = inputs.normals;
@@ -110,7 +110,9 @@ void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSet
   averages.memory_bytes = inputs.memory_bytes;
   averages.threads = inputs.threads;
   NormalPlanes planes(device, averages, settings, sink, report);
-  average_map(device, averages, planes, report, progress);
+  AverageReport averaged;
+  average_map(device, averages, planes, averaged, progress);
+  report.plan = averaged.plan;
   // The pass counts as one level.
   const int width = inputs.normals->width(), height = inputs.normals->height();
   progress_advance(progress, movmf_bake_units(width, height, settings.first_level) -

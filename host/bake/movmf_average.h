@@ -3,7 +3,8 @@
 // and plain averages (host/bake/average_pass.h) give the same lobe in one pass over the map.
 #pragma once
 
-#include "host/bake/movmf_bake.h"
+#include "host/bake/fit_report.h"
+#include "host/bake/movmf_inputs.h"
 
 namespace multum {
 
@@ -12,6 +13,6 @@ bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settin
 
 /// As bake_movmf(), of settings that averages_suffice() takes. Progress advances by movmf_bake_units().
 void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
-                   BakeReport& report, Progress* progress);
+                   FitReport& report, Progress* progress);
 
 }  // namespace multum

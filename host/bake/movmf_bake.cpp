@@ -76,7 +76,7 @@ class Rehearsal {
   // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
   // them came 14th by error). 4096 normals take some 50 ms a candidate.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
-    BakeReport ignored;
+    FitReport ignored;
     MovmfMipmapSink sink(likeness_.width, likeness_.height, settings_, {}, has_roughness_);
     fit_movmf(device_, {&planes_, {}, has_roughness_, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
     const MovmfMipmap mipmap = sink.take();
@@ -113,7 +113,7 @@ class Rehearsal {
 };
 
 std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
-                                        const MipSchedule& schedule, BakeReport& report) {
+                                        const MipSchedule& schedule, FitReport& report) {
   constexpr int kLikenessSide = 64;
   const auto started = std::chrono::steady_clock::now();
   const std::uint64_t launches_before = device.launch_total();
@@ -163,7 +163,7 @@ void validate(const MovmfSettings& settings, int map_width, int map_height) {
 }
 
 void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
-                BakeReport& report, Progress* progress) {
+                FitReport& report, Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate(settings, normals.width(), normals.height());
   const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
@@ -177,7 +177,6 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(),
                                        {inputs.memory_bytes, inputs.writer_bytes}, inputs.place, device.shape());
   report.plan = plan.to_text(schedule, settings, features.triple_count());
-  report.device = device.info().name;
   MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};
   prepare_fit(device, schedule, settings, !features.empty());
   if (inputs.region == nullptr) {  // a region grows from the lobes that are there
@@ -187,7 +186,7 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   fit_movmf(device, fit, settings, schedule, plan, sink, report, progress);
 }
 
-MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, BakeReport& report,
+MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, FitReport& report,
                        Progress* progress) {
   MovmfMipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings,
                        FeaturePlanes::of(inputs.albedo, inputs.weights), inputs.has_roughness);
@@ -196,7 +195,7 @@ MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const Movm
 }
 
 MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
-                       BakeReport& report, Progress* progress) {
+                       FitReport& report, Progress* progress) {
   const PlaneStore normals = planes_of(map);
   std::optional<PlaneStore> colours;
   if (albedo != nullptr) colours = planes_of(*albedo);
@@ -204,11 +203,6 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
   inputs.normals = &normals;
   inputs.albedo = colours ? &*colours : nullptr;
   return bake_movmf(device, inputs, settings, report, progress);
-}
-
-std::uint64_t movmf_bake_units(int width, int height, int first_level) {
-  return static_cast<std::uint64_t>(mip_level_count(width, height) - first_level) * static_cast<std::uint64_t>(width) *
-         static_cast<std::uint64_t>(height);
 }
 
 }  // namespace multum

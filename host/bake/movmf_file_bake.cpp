@@ -25,7 +25,7 @@ namespace {
 // to 28 % of ordinary maps, 36 to 57 % of surfaces with slopes of 0.01 rms, which only a glossy material shows.
 constexpr double kBeyondStorageNoted = 1.0 / 3.0;
 
-void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, BakeReport& report) {
+void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
   double texels = 0.0;
   // Level 0 has single directions alone.
   for (std::size_t l = static_cast<std::size_t>(std::max(1, header.first_level)); l < header.levels.size(); ++l)
@@ -81,7 +81,7 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   if (!job.onto.empty()) {
     RegionBake region(job.onto, header, *job.region, inputs.place, output);
     inputs.region = &region;
-    bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), region, report, progress);
+    bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), region, report.fit, progress);
     region.finish();
     return;
   }
@@ -90,7 +90,7 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   inputs.checkpoint = checkpoint.get();
   BakeSink sink(output);
   try {
-    bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), sink, report, progress);
+    bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), sink, report.fit, progress);
   } catch (const Cancelled&) {
     if (job.resume && checkpoint != nullptr) checkpoint->leave();
     throw;
@@ -112,17 +112,17 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
     meter.emplace(header, run.header.has_colours, accuracy_settings(job));
     run.device.prepare({MovmfModel::program(job.representation, job.fitting.lobe_count, job.fitting.first_level)});
   }
-  BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report);
+  BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report.output);
   fit(run, header, output, report, progress);
   run.clock.finish("fit");
-  warn_of_sharp_lobes(job, header, report);
+  warn_of_sharp_lobes(job, header, report.output);
   measure_and_commit(run, meter ? &*meter : nullptr, level_units, writer, report, progress);
 }
 
 std::unique_ptr<AccuracyMeter> rehearse_lobes(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                               Progress* progress) {
   MovmfMipmap mipmap =
-      bake_movmf(run.device, fit_inputs(run), fitting_settings(run.job, run.source.map.report), report, progress);
+      bake_movmf(run.device, fit_inputs(run), fitting_settings(run.job, run.source.map.report), report.fit, progress);
   mipmap.encoding = run.header.encoding;
   mipmap.mean_cosine = run.header.mean_cosine;
   quantize_movmf(mipmap, run.job.threads);

@@ -31,7 +31,7 @@ ProgramChoice level_zero_program(const MipSchedule& schedule, const MovmfSetting
 class MovmfFitter {
  public:
   MovmfFitter(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
-              const BakePlan& plan, MovmfSink& sink, BakeReport& report, Progress* progress)
+              const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress)
       : device_(device),
         inputs_(inputs),
         settings_(settings),
@@ -287,7 +287,7 @@ class MovmfFitter {
   const MipSchedule& schedule_;
   const BakePlan& plan_;
   MovmfSink& sink_;
-  BakeReport& report_;
+  FitReport& report_;
   Progress* progress_;
   MovmfEmStep em_step_;
   Kernel level_zero_kernel_;
@@ -315,7 +315,7 @@ void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSetting
 }
 
 void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
-               const BakePlan& plan, MovmfSink& sink, BakeReport& report, Progress* progress) {
+               const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress) {
   MovmfFitter(device, inputs, settings, schedule, plan, sink, report, progress).run();
 }
 

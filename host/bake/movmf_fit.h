@@ -9,9 +9,9 @@
 #include "host/asset/movmf_mipmap.h"
 #include "host/bake/bake_checkpoint.h"
 #include "host/bake/bake_plan.h"
-#include "host/bake/bake_report.h"
 #include "host/bake/bake_settings.h"
 #include "host/bake/feature_planes.h"
+#include "host/bake/fit_report.h"
 #include "host/base/progress.h"
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
@@ -53,6 +53,6 @@ void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSetting
 
 /// Settings are valid, features are of the map's size. Progress advances by movmf_bake_units().
 void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
-               const BakePlan& plan, MovmfSink& sink, BakeReport& report, Progress* progress);
+               const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress);
 
 }  // namespace multum

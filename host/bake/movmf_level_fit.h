@@ -17,7 +17,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/bake/bake_report.h"
+#include "host/bake/fit_report.h"
 #include "host/bake/movmf_condense.h"
 #include "host/bake/movmf_em_step.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake from file to file (host/bake/bake_job.h) leaves to the representation: one row in the table of
+// What a bake from file to file (host/bake/bake_file.h) leaves to the representation: one row in the table of
 // ndf_bake.cpp each.
 #pragma once
 
@@ -46,7 +46,7 @@ std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size
 /// The same of all levels, for bakes that make them all at once.
 std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);
 /// Bytes that are left for windows and buffers beside rows of tiles of so many bytes in all. Every bake is taken to
-/// need a usual amount already (bake_job.cpp); wide maps need more. Throws Error(kUsage) naming --memory when that
+/// need a usual amount already (bake_file.cpp); wide maps need more. Throws Error(kUsage) naming --memory when that
 /// leaves too little.
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes);
 

@@ -14,6 +14,7 @@
 #include "host/bake/ndf_bake.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/version.h"
 #include "host/image/material_maps.h"
 #include "host/image/reading_settings.h"
 #include "kernels/kernel_sources.h"
@@ -77,11 +78,6 @@ std::optional<BakedProvenance> read_provenance(const std::string& path, std::str
 
 }  // namespace
 
-const std::string& bake_software() {
-  static const std::string name = std::string("multum ") + MULTUM_VERSION;
-  return name;
-}
-
 MovmfSettings fitting_settings(const BakeJob& job) {
   MovmfSettings settings = job.fitting;
   if (holds_lobes(job.representation)) settings.representation = job.representation;
@@ -133,8 +129,8 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
   }
   std::vector<std::string> reasons;
   if (there->source_hash != hash_file(job.input)) reasons.emplace_back("the source has changed");
-  if (there->software != bake_software())
-    reasons.push_back(fmt::format("it was baked by {}, this is {}", there->software, bake_software()));
+  if (there->software != software_version())
+    reasons.push_back(fmt::format("it was baked by {}, this is {}", there->software, software_version()));
   if (there->settings != settings)
     for (std::string& change : job.chosen_for.empty() ? changed_settings(there->settings, settings)
                                                       : changed_target(there->settings, settings))

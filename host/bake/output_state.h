@@ -12,9 +12,6 @@
 
 namespace multum {
 
-/// "multum 0.1.0", as files name what baked them.
-const std::string& bake_software();
-
 /// What JOB's texels are fitted with: its settings, held to its wrap modes. A map that repeats is filtered across its
 /// border, so its lobes must be alike there.
 MovmfSettings fitting_settings(const BakeJob& job);

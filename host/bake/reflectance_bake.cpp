@@ -10,12 +10,12 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/bake/output_state.h"
 #include "host/base/atomic_file.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/base/output_paths.h"
+#include "host/base/version.h"
 #include "host/image/environment_file.h"
 #include "kernels/shared/reflectance.h"
 
@@ -117,7 +117,7 @@ PyramidHeader make_header(const ReflectanceJob& job) {
   header.map.wrap_s = header.map.wrap_t = WrapMode::kClamp;
   header.map.width = header.map.height = job.size;
   BakedProvenance& from = header.map.provenance;
-  from.software = bake_software();
+  from.software = software_version();
   from.source_name = std::filesystem::path(job.environment).filename().string();
   from.source_hash = job.environment.empty() ? "" : hash_file(job.environment);
   nlohmann::json lights = nlohmann::json::array();

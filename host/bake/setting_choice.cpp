@@ -140,8 +140,8 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
   const std::unique_ptr<AccuracyMeter> meter = rehearse_levels(device_, job, mosaic_, accuracy, report, &quiet);
   meter->run(device_, mosaic_.map.normals, mosaic_.colours(), &quiet);
   const ReachedError reached = reached_error(meter->summaries(), brdf_);
-  double fixed_seconds = report.start_seconds;
-  for (const LevelReport& level : report.levels)
+  double fixed_seconds = report.fit.start_seconds;
+  for (const LevelReport& level : report.fit.levels)
     if (level.level > std::max(job.fitting.first_level, kSummaryLevel)) fixed_seconds += level.seconds;
   made_.push_back({candidate, reached, report.bake_seconds(), fixed_seconds});
   log_verbose(fmt::format("trial: {:<44} {} in {:.3f} s", candidates_[candidate].options,

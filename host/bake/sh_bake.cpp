@@ -95,7 +95,7 @@ void validate_sh_order(int order) {
     throw Error(ErrorCode::kUsage, fmt::format("--sh-order is {}, expected {} to {}", order, kShOrderMin, kShOrderMax));
 }
 
-void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, BakeReport& report,
+void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, AverageReport& report,
              Progress* progress) {
   validate_sh_order(order);
   ShPlanes planes(device, order, inputs, sink);
@@ -103,7 +103,7 @@ void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sin
 }
 
 ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
-                 BakeReport& report, Progress* progress) {
+                 AverageReport& report, Progress* progress) {
   const AveragedMap averaged(map, albedo, inputs);
   ShMipmap mipmap;
   mipmap.header = averaged.header(Representation::kSh);

@@ -21,11 +21,11 @@ void validate_sh_order(int order);
 
 /// Hands rows to `sink`, exact to float, not yet rounded to what the file stores (quantize_sh). Fills device and plan
 /// of `report`. Throws and counts as average_map() does.
-void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, BakeReport& report,
+void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, AverageReport& report,
              Progress* progress);
 
 /// The same as a whole, of maps in memory; `albedo` may be null. The header has sizes alone.
 ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
-                 BakeReport& report, Progress* progress);
+                 AverageReport& report, Progress* progress);
 
 }  // namespace multum

@@ -42,7 +42,7 @@ void bake_sh_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   if (job.measure) meter.emplace(ShMipmap{run.header, job.sh_order, {}}, accuracy_settings(job));
   ShFileSink<ShWriter> sink(quantize_sh, writer, meter ? &*meter : nullptr, job);
   const AverageInputs inputs = average_inputs(run, waiting_bytes(run, writing.tile_size, meter ? &*meter : nullptr));
-  bake_sh(run.device, job.sh_order, inputs, sink, report, progress);
+  bake_sh(run.device, job.sh_order, inputs, sink, report.average, progress);
   run.clock.finish("average");
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
 }
@@ -52,7 +52,7 @@ std::unique_ptr<AccuracyMeter> rehearse_sh(const BakeRun& run, const AccuracySet
   auto meter = std::make_unique<ShMeter>(ShMipmap{run.header, run.job.sh_order, {}}, accuracy);
   NoFile none;
   ShFileSink<NoFile> sink(quantize_sh, none, meter.get(), run.job);
-  bake_sh(run.device, run.job.sh_order, average_inputs(run, 0), sink, report, progress);
+  bake_sh(run.device, run.job.sh_order, average_inputs(run, 0), sink, report.average, progress);
   run.clock.finish("average");
   return meter;
 }

@@ -6,22 +6,12 @@
 
 #include <vector>
 
-#include <glm/mat4x4.hpp>
-
 #include "host/asset/texture_mapping.h"
 #include "host/bake/animation_job.h"
-#include "host/bake/item_buffer.h"
+#include "host/bake/mapping_view.h"
 #include "host/mesh/object_mesh.h"
 
 namespace multum {
-
-/// One picture in which the object is seen.
-struct MappingView {
-  glm::dmat4 object_to_camera;
-  glm::dmat4 projection;
-  const ItemBuffer* items;
-  int object;  // its number in the item buffer
-};
 
 /// Width and height 0 when the object is visible in no view. `texture` gives wrap, stretch_max, resolution_scale,
 /// power_of_two and side_max.

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "host/asset/mip_layout.h"
+#include "host/bake/inference_problem.h"
 #include "host/bake/pyramid_tables.h"
-#include "host/bake/texture_inference.h"
 #include "host/opencl/device.h"
 
 namespace multum {

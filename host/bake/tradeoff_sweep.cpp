@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "host/asset/gpu_bytes.h"
+#include "host/bake/bake_file.h"
 #include "host/bake/viewer_process.h"
 #include "host/base/error.h"
 #include "host/base/held_warnings.h"

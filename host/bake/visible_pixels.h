@@ -14,7 +14,8 @@
 #include <glm/vec2.hpp>
 
 #include "host/bake/isometric_map.h"
-#include "host/bake/texture_coordinates.h"
+#include "host/bake/mapping_view.h"
+#include "host/mesh/object_mesh.h"
 
 namespace multum {
 

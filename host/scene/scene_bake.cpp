@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/asset/movmf_reader.h"
-#include "host/bake/bake_job.h"
+#include "host/bake/bake_file.h"
 #include "host/bake/chosen_bake.h"
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"

@@ -10,7 +10,7 @@
 #include <regex>
 
 #include "host/asset/representation.h"
-#include "host/bake/animation_job.h"
+#include "host/bake/animation_job_reading.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"
 #include "host/base/nearest_name.h"

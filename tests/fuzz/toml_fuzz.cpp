@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "host/bake/animation_job.h"
+#include "host/bake/animation_job_reading.h"
 #include "host/bake/bake_checkpoint.h"
 #include "host/bake/bake_manifest.h"
 #include "host/scene/scene_file.h"

@@ -19,7 +19,7 @@ using testing::make_map;
 
 struct Baked {
   MovmfMipmap mipmap;
-  BakeReport report;
+  FitReport report;
 };
 
 enum class Variant { kVector, kScalar, kReference };

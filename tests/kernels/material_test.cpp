@@ -158,7 +158,7 @@ MovmfMipmap bake(const NormalMap& map, const WeightMap* weights, bool has_roughn
   inputs.albedo = colours ? &*colours : nullptr;
   inputs.weights = weights;
   inputs.has_roughness = has_roughness;
-  BakeReport report;
+  FitReport report;
   return bake_movmf(test_device(), inputs, settings, report, nullptr);
 }
 
@@ -220,7 +220,7 @@ TEST(Weights, MomentsAndHarmonicsAverageThem) {
       weights_of(50, 37, 4, [&](int i, int k) { return values[static_cast<std::size_t>(4 * i + k)]; });
   AverageInputs inputs;
   inputs.weights = &weights;
-  BakeReport report;
+  AverageReport report;
   const MomentMipmap mipmap = bake_moments(test_device(), map, nullptr, inputs, report, nullptr);
   for (int k = 0; k < 4; ++k) {
     double mean = 0.0;
@@ -309,7 +309,7 @@ TEST(Roughness, NoneAndFullOfIt) {
 TEST(Roughness, MomentsHoldTheFacetsSlopes) {
   const NormalMap unit = bumpy_map(40, 24, 42), map = shortened(unit, 43);
   AverageInputs inputs;
-  BakeReport report;
+  AverageReport report;
   const MomentMipmap plain = bake_moments(test_device(), unit, nullptr, inputs, report, nullptr);
   inputs.has_roughness = true;
   const MomentMipmap rough = bake_moments(test_device(), map, nullptr, inputs, report, nullptr);
@@ -335,7 +335,7 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   for (std::vector<float>* plane : {&map.x, &map.y, &map.z})
     for (float& value : *plane) value *= 0.999f;  // kappa up to 1000, which the quadrature resolves
   AverageInputs inputs;
-  BakeReport report;
+  AverageReport report;
   inputs.has_roughness = true;
   const ShMipmap rough = bake_sh(test_device(), kOrder, map, nullptr, inputs, report, nullptr);
   std::vector<double> means(static_cast<std::size_t>(sh_coefficient_count(kOrder)), 0.0);
@@ -372,7 +372,7 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
       for (float& value : *plane) value *= static_cast<float>(c);
     AverageInputs inputs;
     inputs.has_roughness = true;
-    BakeReport report;
+    AverageReport report;
     ShMipmap mipmap = bake_sh(test_device(), 4, map, nullptr, inputs, report, nullptr);
     mipmap.header.mean_cosine = static_cast<float>(c);
     AccuracySettings settings;

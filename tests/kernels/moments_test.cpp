@@ -24,7 +24,7 @@ using testing::random_map;
 using testing::test_device;
 
 MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const AverageInputs& inputs = {}) {
-  BakeReport report;
+  AverageReport report;
   return bake_moments(test_device(), map, albedo, inputs, report, nullptr);
 }
 
@@ -198,7 +198,7 @@ TEST(MomentClosedFormTest, AHemispheresCapHasItsIntegrals) {
 
 // Slopes have no bound, their moments have: |b| <= 20, products <= 400, and every one is counted.
 TEST(MomentHardCaseTest, NormalsAtTheRimAreBoundedAndCounted) {
-  BakeReport report;
+  AverageReport report;
   const NormalMap map = make_map(8, 4, [](int x, int y) {
     if (y > 0) return glm::dvec3(0.0, 0.0, 1.0);
     constexpr double kZ[] = {0.0, 1.0 / 512.0, 1e-30, 0.0499, 0.0501, 0.06, 0.5, 1.0};
@@ -228,7 +228,7 @@ TEST(MomentHardCaseTest, CancellingIsHeard) {
     done = event.units_done;
     return ++calls < 4;
   });
-  BakeReport report;
+  AverageReport report;
   EXPECT_THROW(bake_moments(test_device(), map, nullptr, inputs, report, &cancels), Cancelled);
   EXPECT_LT(done, 32u * 64u);
   Progress listens([&](const ProgressEvent& event) {

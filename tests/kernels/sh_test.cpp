@@ -28,7 +28,7 @@ using testing::random_map;
 using testing::test_device;
 
 ShMipmap bake(int order, const NormalMap& map, const ColourMap* albedo = nullptr, const AverageInputs& inputs = {}) {
-  BakeReport report;
+  AverageReport report;
   return bake_sh(test_device(), order, map, albedo, inputs, report, nullptr);
 }
 
@@ -194,7 +194,7 @@ TEST(ShHardCaseTest, CancellingIsHeardAndOrdersAreChecked) {
     done = event.units_done;
     return ++calls < 4;
   });
-  BakeReport report;
+  AverageReport report;
   EXPECT_THROW(bake_sh(test_device(), 4, map, nullptr, inputs, report, &cancels), Cancelled);
   EXPECT_LT(done, 32u * 64u);
   for (const int order : {-1, 0, 21}) EXPECT_THROW(bake(order, map), Error) << order;

@@ -105,7 +105,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
   }
 
   MovmfMipmap bake() {
-    report_ = BakeReport();
+    report_ = FitReport();
     return bake_movmf(test_device(), inputs_, settings_, report_, nullptr);
   }
 
@@ -128,7 +128,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
   WeightMap weights_;
   MovmfBakeInputs inputs_;
   MovmfSettings settings_;
-  BakeReport report_;
+  FitReport report_;
 };
 
 INSTANTIATE_TEST_SUITE_P(

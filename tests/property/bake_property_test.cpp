@@ -38,7 +38,7 @@ ColourMap grey_albedo(const NormalMap& map) {
 }
 
 MovmfMipmap bake(const NormalMap& map, const MovmfSettings& settings, const ColourMap* albedo = nullptr) {
-  BakeReport report;
+  FitReport report;
   MovmfMipmap mipmap = bake_movmf(test_device(), map, albedo, settings, report, nullptr);
   EXPECT_EQ(report.nonfinite, 0u);
   return mipmap;

@@ -48,7 +48,7 @@ std::map<std::string, double> errors_of(const NormalMap& map, Representation rep
   settings.representation = representation;
   settings.lobe_count = 2;
   settings.rehearse_start = false;  // two bumps are found from anywhere
-  BakeReport report;
+  FitReport report;
   MovmfMipmap mipmap = bake_movmf(test_device(), map, nullptr, settings, report, nullptr);
   EXPECT_EQ(report.nonfinite, 0u);
   quantize_movmf(mipmap, 1);
@@ -92,7 +92,7 @@ TEST(GmmAgainstVmfTest, IsAlikeOnTopAndWorseNearTheRim) {
 // Coordinates' first and second moments are the texels' own, whatever the prior does.
 TEST(GmmMomentsTest, FirstAndSecondMomentsAreThoseOfTheNormals) {
   const NormalMap map = tilted_map(50.0);
-  BakeReport report;
+  FitReport report;
   MovmfSettings settings;
   settings.representation = Representation::kGmm;
   settings.rehearse_start = false;

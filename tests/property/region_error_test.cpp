@@ -9,7 +9,7 @@
 
 #include "host/asset/movmf_reader.h"
 #include "host/bake/accuracy.h"
-#include "host/bake/bake_job.h"
+#include "host/bake/bake_file.h"
 #include "host/base/split_mix.h"
 #include "host/image/png_writer.h"
 #include "tests/reference/test_maps.h"

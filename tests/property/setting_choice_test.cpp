@@ -212,7 +212,7 @@ TEST(AccuracySummary, IntervalHoldsTheErrorOfAllTexels) {
     MovmfSettings fitting;
     fitting.lobe_count = 2;
     fitting.first_level = kSummaryLevel;
-    BakeReport report;
+    FitReport report;
     MovmfMipmap mipmap = bake_movmf(test_device(), map, nullptr, fitting, report, nullptr);
     quantize_movmf(mipmap, 2);
     const PlaneStore normals = planes_of(map);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Jobs of texture inference: written and read back equal, made from folders, and each refusal by line, key, what was
 // found and what was expected.
-#include "host/bake/animation_job.h"
+#include "host/bake/animation_job_reading.h"
 
 #include <gtest/gtest.h>
 

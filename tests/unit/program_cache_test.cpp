@@ -176,7 +176,7 @@ TEST_F(ProgramCacheTest, ABakePreparesWhatItLaunches) {
     Device device = Device::open(DeviceChoice{"", coloured});  // one of them as an accelerator
     MovmfSettings settings;
     settings.lobe_count = 2;
-    BakeReport report;
+    FitReport report;
     bake_movmf(device, map, coloured ? &colours : nullptr, settings, report, nullptr);
     EXPECT_EQ(device.unprepared_count(), 0);
     EXPECT_EQ(static_cast<std::size_t>(device.program_count()), folder.names().size()) << "built and never asked for";

@@ -312,7 +312,7 @@ double measured_error(const PlaneStore& normals, double exponent) {
   inputs.normals = &normals;
   MovmfSettings settings;
   settings.lobe_count = 4;
-  BakeReport report;
+  FitReport report;
   const MovmfMipmap mipmap = bake_movmf(device, inputs, settings, report, nullptr);
   AccuracySettings accuracy;
   accuracy.exponents = {exponent};

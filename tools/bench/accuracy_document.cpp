@@ -70,7 +70,7 @@ struct Variant {
 };
 
 MovmfMipmap bake_stored(Device& device, const NormalMap& map, const ColourMap* albedo, const Variant& variant,
-                        int threads, BakeReport& report) {
+                        int threads, FitReport& report) {
   MovmfMipmap mipmap = bake_movmf(device, map, albedo, variant.settings, report, nullptr);
   mipmap.encoding = variant.encoding;
   quantize_movmf(mipmap, threads);
@@ -85,7 +85,7 @@ AccuracySettings every_texel(int threads) {
 }
 
 Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, const Variant& variant, int threads) {
-  BakeReport report;
+  FitReport report;
   const MovmfMipmap mipmap = bake_stored(device, map, albedo, variant, threads, report);
   double fit_seconds = report.start_seconds;
   for (const LevelReport& level : report.levels) fit_seconds += level.seconds;
@@ -211,7 +211,7 @@ std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptio
 // on are those of the other rows.
 std::string first_level_section(Device& device, const AccuracyDocumentOptions& options) {
   const FourQuarterMap map = make_four_quarter_map(options.size, 7);
-  BakeReport report;
+  FitReport report;
   MovmfMipmap mipmap = bake_stored(device, map.normals, nullptr, {"", with_lobes(4)}, options.threads, report);
   const auto usual = static_cast<double>(usual_gpu_bytes(options.size, options.size));
   std::string rows;

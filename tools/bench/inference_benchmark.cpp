@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "host/bake/texture_inference.h"
 #include "host/bake/texture_system.h"
 #include "host/base/content_hash.h"
 #include "host/base/error.h"

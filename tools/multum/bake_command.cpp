@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "host/bake/bake_batch.h"
-#include "host/bake/bake_job.h"
+#include "host/bake/bake_file.h"
 #include "host/bake/chosen_bake.h"
 #include "host/base/error.h"
 #include "host/base/log.h"

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "host/bake/animation_infer.h"
+#include "host/bake/animation_job_reading.h"
 #include "host/bake/inference_comparison.h"
 #include "host/bake/inference_frames.h"
 #include "host/bake/inference_page.h"

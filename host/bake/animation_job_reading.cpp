@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A job is read in the order in which its parts name one another: parameters, layers, objects of the geometry file,
 // cameras, samples; so that each refusal has the line at hand. Samples are read by host/bake/animation_samples.
-#include "host/bake/animation_job.h"
+#include "host/bake/animation_job_reading.h"
 
 #include <algorithm>
 #include <cmath>
@@ -199,22 +199,6 @@ void check_geometry_channels(const StrictTable& job_table, const AnimationJob& j
 }
 
 }  // namespace
-
-void check_known(const StrictTable& table, const std::string& key, const std::string& name,
-                 const std::vector<std::string>& known, const std::string& what) {
-  if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  table.refuse(table.has(key) ? key : "",
-               fmt::format("names \"{}\", which is no {}; there are {}", name, what, fmt::join(known, ", ")));
-}
-
-std::string existing_file(const StrictTable& table, const std::string& key, const AnimationJob& job) {
-  namespace fs = std::filesystem;
-  const std::string name = table.text(key);
-  const std::string path = (fs::path(job.path).parent_path() / name).lexically_normal().string();
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) table.refuse(key, fmt::format("is \"{}\": there is no file {}", name, path));
-  return path;
-}
 
 std::vector<std::string> animation_job_files(const std::string& path) {
   const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it", kTomlLimits);

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bake/bake_file.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "host/bake/ndf_bake.h"
+#include "host/bake/output_state.h"
+#include "host/base/atomic_file.h"
+#include "host/base/content_hash.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/base/machine.h"
+#include "host/base/output_paths.h"
+#include "host/base/version.h"
+
+namespace multum {
+namespace {
+
+// Programs choose a reader by the extension: a baked file named .png would be taken for a broken picture.
+void check_output_name(const std::string& path) {
+  if (!path.ends_with(".exr"))
+    throw Error(ErrorCode::kUsage,
+                path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
+}
+
+// What has been counted since `before`, by kernel.
+template <typename Count>
+std::map<std::string, Count> counted_since(const std::map<std::string, Count>& before,
+                                           const std::map<std::string, Count>& now) {
+  std::map<std::string, Count> counts;
+  for (const auto& [kernel, count] : now) {
+    const auto earlier = before.find(kernel);
+    const Count more = count - (earlier == before.end() ? 0 : earlier->second);
+    if (more > 0) counts[kernel] = more;
+  }
+  return counts;
+}
+
+// What the process takes whatever the map: the program, the OpenCL driver with its compiler, and the rows that wait to
+// be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
+constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
+constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
+
+std::uint64_t window_bytes(const BakeJob& job) {
+  // A quarter of the machine, of which three maps may take 3/32 (host/bake/bake_source.cpp).
+  const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : machine_memory_bytes() / 32 * 5;
+  constexpr std::uint64_t kTaken = kProcessBytes + kQueueBytes, kLeast = std::uint64_t{8} << 20;
+  if (memory < kTaken + kLeast)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--memory is {} MiB, expected at least {} MiB: {} of them are the program's own, with its "
+                            "OpenCL driver and what waits to be written",
+                            memory >> 20, (kTaken + kLeast) >> 20, kTaken >> 20));
+  return memory - kTaken;
+}
+
+BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings) {
+  BakedProvenance from;
+  from.software = software_version();
+  from.source_name = source;
+  from.source_hash = hash_file(job.input);
+  from.settings = settings;
+  from.settings_hash = hash_text(settings);
+  return from;
+}
+
+}  // namespace
+
+void check_job(const BakeJob& job) {
+  std::error_code error;
+  if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder, error))
+    throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected one for scratch files");
+  check_encoding(job.representation, job.encoding);
+  ndf_bake(job.representation).check_settings(job);
+  validate(job.writing);
+  check_paths_differ(input_files(job), {job.output, job.report});
+  check_output_name(job.output);
+  check_writable(job.output);
+  if (!job.report.empty()) check_writable(job.report);
+}
+
+namespace {
+
+// With the region that is baked again, where one is.
+BakeJob with_region(BakeJob job, const BakeSource& source) {
+  if (job.onto.empty()) return job;
+  const MovmfMipmap header = empty_movmf_mipmap(baked_header_of(job, source), job.fitting.lobe_count);
+  job.region = resolve_region(job.region, job.input, job.onto, header, source.map.normals,
+                              FeaturePlanes::of(source.colours(), source.weight_map()), job.threads);
+  return job;
+}
+
+// Source and settings are known; its time so far is in the report. Writes BakeJob::report.
+void bake_read_source(const BakeJob& asked, const std::string& settings, const BakeSource& source, StageClock& clock,
+                      Device& device, BakeReport& report, Progress* progress) {
+  const BakeJob job = with_region(asked, source);
+  ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
+  const std::uint64_t memory_bytes = window_bytes(job);
+  const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
+  const std::map<std::string, int> builds_before = device.build_counts();
+  const std::map<std::string, double> seconds_before = device.launch_seconds();
+  const TransferCounts transfers_before = device.transfers();
+  BakedHeader header = baked_header_of(job, source);
+  header.provenance =
+      make_provenance(job, report.source, job.region == asked.region ? settings : all_settings_json(job));
+  report.first_level = header.first_level;
+  report.stored_only = job.stored_only;
+  report.device = device.info().name;
+  ndf_bake(job.representation).bake({job, device, source, header, memory_bytes, clock}, report, progress);
+  report.launches = counted_since(launches_before, device.launch_counts());
+  report.builds = counted_since(builds_before, device.build_counts());
+  report.launch_seconds = counted_since(seconds_before, device.launch_seconds());
+  report.transfers = device.transfers() - transfers_before;
+  report.device_bytes_peak = device.buffer_bytes_peak();
+  if (!job.report.empty()) write_text_file(job.report, report.to_json());
+  progress_finish(progress);
+}
+
+}  // namespace
+
+BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress) {
+  BakeReport report;
+  report.source = std::filesystem::path(job.input).filename().string();
+  note_source(source, report);
+  StageClock clock(report);
+  bake_read_source(job, all_settings_json(job), source, clock, device, report, progress);
+  return report;
+}
+
+BakeReport unchanged_report(const BakeJob& job) {
+  BakeReport report;
+  report.source = std::filesystem::path(job.input).filename().string();
+  report.unchanged = true;
+  if (!job.report.empty()) write_text_file(job.report, report.to_json());
+  return report;
+}
+
+BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
+  return bake_file(job, nullptr, device, progress);
+}
+
+BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device, Progress* progress) {
+  window_bytes(job);  // too little memory is told first
+  check_job(job);
+  BakeReport report;
+  report.source = std::filesystem::path(job.input).filename().string();
+  const std::string settings = all_settings_json(job);
+  if (!job.force && find_output_state(job, settings).finding == OutputFinding::kInPlace) return unchanged_report(job);
+  StageClock clock(report);
+  std::optional<BakeSource> read;
+  if (given == nullptr) read = read_source(job, MapReadings::kFew, report, progress);
+  else note_source(*given, report);
+  clock.finish("read");
+  bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);
+  return report;
+}
+
+}  // namespace multum

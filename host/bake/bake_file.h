@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes from file to file: reads, fits or averages, rounds, measures, writes. The command line and the service call
+// this.
+#pragma once
+
+#include "host/bake/bake_job.h"
+#include "host/bake/bake_report.h"
+#include "host/bake/bake_source.h"
+#include "host/base/progress.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+/// Throws Error(kUsage, kEnvironment) for what can be told of a job before anything is read.
+void check_job(const BakeJob& job);
+
+/// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
+/// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.
+BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
+/// The same of what read_bake_source() has read of the job already; null: it is read here.
+BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
+
+/// Bakes, whatever is there, of a source that has been read (host/bake/bake_source.h).
+BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress);
+
+/// Of an output that is left as it is. Writes BakeJob::report.
+BakeReport unchanged_report(const BakeJob& job);
+
+}  // namespace multum
