@@ -12,8 +12,8 @@
 #include <map>
 
 #include "host/bake/bake_batch.h"
-#include "host/bake/map_options.h"
-#include "host/bake/source_keys.h"
+#include "host/bake/job_parameters.h"
+#include "host/bake/parameter_keys.h"
 #include "host/bake/strict_toml.h"
 #include "host/base/error.h"
 #include "host/brdf/brdf_text.h"
@@ -25,36 +25,16 @@ namespace fs = std::filesystem;
 
 constexpr char kWhole[] = "the manifest";
 
-const std::vector<std::string> kDefaultKeys = {
-    "error_max",      "ndf",        "lobes",       "reference",   "iterations", "sweeps",       "order",
-    "align",          "kappa_cap",  "first_level", "data_format", "wrap",       "swrap",        "twrap",
-    "coarse_normals", "green",      "signed",      "unsigned",    "bumpformat", "height_scale", "two_channel",
-    "no_rehearsal",   "sh_order",   "fixnan",      "checknan",    "repair_max", "albedo",       "compression",
-    "normal_scale",   "roughness",  "gloss",       "weights",     "unaligned",  "target_error", "budget_ms",
-    "brdf",           "best_effort"};
-
-std::vector<std::string> map_keys() {
-  std::vector<std::string> keys = kDefaultKeys;
-  keys.insert(keys.end(), {"input", "output"});
+std::vector<std::string> default_keys() {
+  std::vector<std::string> keys = bake_parameters().names(kInManifest);
+  std::erase(keys, "input");
   return keys;
 }
 
-// What [defaults] and a [[map]] may both say.
-struct ManifestOptions {
-  MapOptions map;
-  std::optional<double> error_max;
-  BakeTarget target;  // of an error, a time or nothing
-  bool has_target() const { return target.error || target.seconds; }
-};
-
-void read_whole(const StrictTable& table, const std::string& key, const SettingRange<int>& range,
-                std::optional<int>& value) {
-  if (table.has(key)) value = table.whole(key, range.low, range.high);
-}
-
-NumberRange number_range(const SettingRange<float>& range) {
-  return {static_cast<double>(range.low), static_cast<double>(range.high), false, false,
-          fmt::format("a number from {} to {}", range.low, range.high)};
+std::vector<std::string> map_keys() {
+  std::vector<std::string> keys = bake_parameters().names(kInManifest);
+  keys.emplace_back("output");
+  return keys;
 }
 
 // The material's maps: keys and where they go.
@@ -66,66 +46,40 @@ std::string resolved(const std::string& manifest, const std::string& path) {
   return path.empty() ? "" : (fs::path(manifest).parent_path() / path).lexically_normal().string();
 }
 
-// What is said of a map itself goes before what is said of all: a target takes settings away, a setting the target.
-void read_target(const StrictTable& table, const std::string& manifest, ManifestOptions& options) {
-  BakeTarget& target = options.target;
-  if (table.has("target_error") && table.has("budget_ms"))
-    table.refuse("budget_ms", "is given beside target_error: expected one of them");
-  if (table.has("target_error") || table.has("budget_ms")) {
-    options.map = without_options_of_target(options.map);
-    target.error.reset(), target.seconds.reset();
-  }
-  if (table.has("target_error"))
-    target.error = table.number("target_error", {0.0, 2.0, true, false, "a number above 0, at most 2"}, 0.0);
-  if (table.has("budget_ms")) target.seconds = 1e-3 * table.number("budget_ms", kAboveZero, 0.0);
-  target.best_effort = table.boolean("best_effort", target.best_effort);
-  if (!table.has("brdf")) return;
-  const std::string text = table.text("brdf");
-  try {
-    target.brdf = parse_target_brdf(is_brdf_file(text) ? resolved(manifest, text) : text, "is");
-  } catch (const Error& error) {
-    table.refuse("brdf", error.what());
-  }
-}
+bool has_target(const ParameterValues& values) { return values.has("target_error") || values.has("budget_ms"); }
 
-void check_target_keys(const StrictTable& table, ManifestOptions& options) {
-  if (const char* option = option_of_target(options.map); option != nullptr && options.has_target()) {
-    std::string key = option + 2;  // "--sh-order"
-    std::replace(key.begin(), key.end(), '-', '_');
-    if (table.has("target_error") || table.has("budget_ms"))
-      table.refuse(key, fmt::format("is chosen by {}: expected one of the two",
-                                    table.has("target_error") ? "target_error" : "budget_ms"));
-    options.target.error.reset(), options.target.seconds.reset();
+// What is said of a map itself goes before what is said of all: its target takes settings away, its setting the target.
+void read_values(const StrictTable& table, ParameterValues& values) {
+  if (table.has("target_error") || table.has("budget_ms")) values = without_those_of_target(values);
+  read_parameters(table, kInManifest, values);
+  if (const Parameter* chosen = given_of_target(values); chosen != nullptr && has_target(values)) {
+    for (const char* target : {"target_error", "budget_ms"}) {
+      if (table.has(target))
+        table.refuse(chosen->name, fmt::format("is chosen by {}: expected one of the two", target));
+      values.erase(target);
+    }
   }
   for (const char* key : {"brdf", "best_effort"})
-    if (table.has(key) && !options.has_target()) table.refuse(key, "is of target_error and budget_ms, found neither");
-  if (options.has_target() && options.target.brdf.is_sum() && options.map.ndf == Representation::kGmm)
-    table.refuse("", "has ndf = \"gmm\", which the BRDF of its target cannot be shaded with");
+    if (table.has(key) && !has_target(values)) table.refuse(key, "is of target_error and budget_ms, found neither");
 }
 
-void read_options(const StrictTable& table, const std::string& manifest, ManifestOptions& options) {
-  MapOptions& map = options.map;
-  read_target(table, manifest, options);
-  if (table.has("error_max")) options.error_max = table.number("error_max", kAboveZero, 0.0);
-  read_source_keys(table, map);
-  read_choice(table, "ndf", kNdfs, map.ndf);
-  read_whole(table, "lobes", kLobeCounts, map.lobes);
-  read_whole(table, "sh_order", {kShOrderMin, kShOrderMax}, map.sh_order);
-  read_whole(table, "iterations", kIterationCounts, map.iterations);
-  read_whole(table, "sweeps", kSweepCounts, map.sweeps);
-  read_whole(table, "first_level", kFirstLevels, map.first_level);
-  read_number(table, "align", number_range(kAlignments), map.alignment);
-  read_number(table, "kappa_cap", number_range(kKappaCaps), map.kappa_cap);
-  map.reference = table.boolean("reference", map.reference);
-  map.no_rehearsal = table.boolean("no_rehearsal", map.no_rehearsal);
-  map.unaligned = table.boolean("unaligned", map.unaligned);
-  read_choice(table, "order", kFitOrders, map.order);
-  read_choice(table, "coarse_normals", kCoarseNormals, map.coarse_normals);
-  read_choice(table, "data_format", kStorageEncodings, map.data_format);
-  if (table.has("compression")) map.compression = table.text("compression");
-  if (map.compression && !is_compression(*map.compression))
-    table.refuse("compression", fmt::format("is \"{}\", expected {}", *map.compression, kCompressionsInWords));
-  check_target_keys(table, options);
+// Of an error, a time or nothing.
+BakeTarget target_of(const StrictTable& table, const std::string& manifest, const ParameterValues& values) {
+  BakeTarget target;
+  target.error = values.number("target_error");
+  if (const auto budget = values.number("budget_ms")) target.seconds = 1e-3 * *budget;
+  target.best_effort = values.flag("best_effort");
+  target.only = given_representation(values);
+  if (const auto text = values.text("brdf")) {
+    try {
+      target.brdf = parse_target_brdf(is_brdf_file(*text) ? resolved(manifest, *text) : *text, "is");
+    } catch (const Error& error) {
+      table.refuse(table.has("brdf") ? "brdf" : "", error.what());
+    }
+  }
+  if (has_target(values) && target.brdf.is_sum() && target.only == Representation::kGmm)
+    table.refuse("", "has ndf = \"gmm\", which the BRDF of its target cannot be shaded with");
+  return target;
 }
 
 // What make_bake_jobs() would refuse, and what it would take for a name, with the line.
@@ -157,17 +111,16 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
 }
 
 // [defaults] may say how lobes are fitted for all maps that have any; a map that has none may not.
-void check_keys_of_ndf(const StrictTable& table, const MapOptions& map) {
-  const Representation representation = map.ndf.value_or(Representation::kMovmf);
-  if (table.has("sh_order") && representation != Representation::kSh)
-    table.refuse("sh_order",
-                 fmt::format("is for ndf = \"sh\", found ndf = \"{}\"", representation_info(representation).option));
-  if (holds_lobes(representation)) return;
-  for (const char* key : {"lobes", "iterations", "sweeps", "align", "kappa_cap", "reference", "no_rehearsal",
-                          "unaligned", "order", "coarse_normals"})
-    if (table.has(key))
-      table.refuse(key, fmt::format("is for ndf = \"vmf\" and \"gmm\", found ndf = \"{}\", which fits no lobes",
-                                    representation_info(representation).option));
+void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
+  ParameterValues own = values;
+  for (const Parameter& row : bake_parameters().rows())
+    if (row.name != "ndf" && !table.has(row.name)) own.erase(row.name);
+  const Parameter* const other = given_of_another_ndf(own);
+  if (other == nullptr) return;
+  const bool is_of_lobes = other->scope == ParameterScope::kLobes;
+  table.refuse(other->name,
+               fmt::format("is for ndf = {}, found ndf = \"{}\"{}", is_of_lobes ? "\"vmf\" and \"gmm\"" : "\"sh\"",
+                           values.text("ndf").value_or("vmf"), is_of_lobes ? ", which fits no lobes" : ""));
 }
 
 struct ManifestEntry {
@@ -175,23 +128,23 @@ struct ManifestEntry {
   std::vector<ManifestMap> maps;
 };
 
-ManifestEntry read_entry(const std::string& path, const toml::table& toml, const ManifestOptions& defaults,
+ManifestEntry read_entry(const std::string& path, const toml::table& toml, const ParameterValues& defaults,
                          const BakeJob& pattern) {
   ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWhole), {}};
-  ManifestOptions options = defaults;
-  read_options(entry.table, path, options);
-  check_keys_of_ndf(entry.table, options.map);
+  ParameterValues values = defaults;
+  read_values(entry.table, values);
+  check_own_scopes(entry.table, values);
   BakeJob job = pattern;
-  apply(options.map, job);
+  apply(values, job);
   job.input = resolved(path, entry.table.text("input"));
   job.output = resolved(path, entry.table.text("output"));
   for (std::string BakeJob::*map : kMaterialMaps) job.*map = resolved(path, job.*map);
   check_paths(entry.table, job);
+  const BakeTarget target = target_of(entry.table, path, values);
   for (BakeJob& one : jobs_of(job)) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();
-    options.target.only = options.map.ndf;
     entry.maps.push_back(
-        {name, std::move(one), options.error_max, options.has_target() ? std::optional(options.target) : std::nullopt});
+        {name, std::move(one), values.number("error_max"), has_target(values) ? std::optional(target) : std::nullopt});
   }
   return entry;
 }
@@ -227,8 +180,10 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
 std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJob& pattern) {
   const toml::table root = parse_toml(path, "a manifest as docs/CI.md describes it");
   const StrictTable table(path, root, "", {"defaults", "map"}, kWhole);
-  ManifestOptions defaults;
-  read_options(StrictTable(path, table.table("defaults"), "defaults", kDefaultKeys, kWhole), path, defaults);
+  ParameterValues defaults(bake_parameters());
+  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWhole);
+  read_values(of_all, defaults);
+  target_of(of_all, path, defaults);  // what is wrong with it is wrong here
   std::vector<ManifestEntry> entries;
   for (const toml::table* toml : table.tables("map")) entries.push_back(read_entry(path, *toml, defaults, pattern));
   check_apart(entries);

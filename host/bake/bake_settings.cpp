@@ -4,19 +4,45 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "host/base/error.h"
+#include "host/parameters/bake_parameters.h"
 
 namespace multum {
 namespace {
 
-template <typename Value>
-void check_range(const char* name, Value value, SettingRange<Value> range) {
-  if (!(value >= range.low && value <= range.high))
-    throw Error(ErrorCode::kUsage, fmt::format("{} is {}, expected {} to {}", name, value, range.low, range.high));
+// Members that are numbers, and their rows of bake_parameters().
+struct Field {
+  const char* name;
+  std::variant<int MovmfSettings::*, float MovmfSettings::*> member;
+};
+constexpr Field kFields[] = {{"lobes", &MovmfSettings::lobe_count},
+                             {"iterations", &MovmfSettings::iteration_count},
+                             {"iterations_coarse", &MovmfSettings::iteration_count_coarse},
+                             {"iterations_top", &MovmfSettings::iteration_count_top},
+                             {"sweeps", &MovmfSettings::sweep_count},
+                             {"iterations_again", &MovmfSettings::iteration_count_again},
+                             {"settled_change", &MovmfSettings::settled_change},
+                             {"align", &MovmfSettings::alignment},
+                             {"first_level", &MovmfSettings::first_level},
+                             {"kappa_cap", &MovmfSettings::kappa_cap},
+                             {"kappa_cap_slope", &MovmfSettings::kappa_cap_slope},
+                             {"start_kappa_factor", &MovmfSettings::start_kappa_factor},
+                             {"start_amplitude_min", &MovmfSettings::start_amplitude_min}};
+
+// A float is held against the bounds as floats: 0.1f is a little above 0.1.
+bool is_legal(const Parameter& row, int value) { return multum::is_legal(row, std::int64_t{value}); }
+bool is_legal(const Parameter& row, float value) {
+  return value >= static_cast<float>(row.low) && value <= static_cast<float>(row.high);
 }
 
 }  // namespace
+
+LobeCounts lobe_counts() {
+  const Parameter& row = bake_parameters().at("lobes");
+  return {static_cast<int>(row.low), static_cast<int>(row.high)};
+}
 
 void make_reference(MovmfSettings& settings) {
   settings.coarse_normals = CoarseNormals::kAll;
@@ -31,43 +57,29 @@ void make_unaligned(MovmfSettings& settings) {
   settings.sweep_count = 1;
 }
 
-void validate(const MovmfSettings& s) {
-  check_range("--lobes", s.lobe_count, kLobeCounts);
-  check_range("--iterations", s.iteration_count, kIterationCounts);
-  check_range("the iteration count of coarse levels", s.iteration_count_coarse, kIterationCounts);
-  check_range("the iteration count of the coarsest level", s.iteration_count_top, kIterationCounts);
-  check_range("--sweeps", s.sweep_count, kSweepCounts);
-  check_range("the iteration count of further sweeps", s.iteration_count_again, kIterationCounts);
-  check_range("the change at which texels are settled", s.settled_change, {0.0f, 0.1f});
-  check_range("--align", s.alignment, kAlignments);
-  check_range("--first-level", s.first_level, kFirstLevels);
-  check_range("--kappa-cap", s.kappa_cap, kKappaCaps);
-  check_range("the slope of the kappa cap", s.kappa_cap_slope, {0.0f, 1000.0f});
-  check_range("the kappa factor of starts", s.start_kappa_factor, {0.01f, 1.0f});
-  check_range("the least amplitude of starts", s.start_amplitude_min, {0.0f, 0.125f});
+void validate(const MovmfSettings& settings) {
+  for (const Field& field : kFields)
+    std::visit(
+        [&](auto member) {
+          const Parameter& row = bake_parameters().at(field.name);
+          const auto value = settings.*member;
+          if (!is_legal(row, value))
+            throw Error(ErrorCode::kUsage,
+                        fmt::format("{} is {}, expected {}", row.option(), value, expected_text(row)));
+        },
+        field.member);
 }
 
 std::string settings_json(const MovmfSettings& s) {
   nlohmann::json json;  // an object: keys are sorted
   json["representation"] = representation_info(s.representation).name;
-  json["lobes"] = s.lobe_count;
-  json["iterations"] = s.iteration_count;
-  json["iterations_coarse"] = s.iteration_count_coarse;
-  json["iterations_top"] = s.iteration_count_top;
-  json["sweeps"] = s.sweep_count;
-  json["iterations_again"] = s.iteration_count_again;
-  json["settled_change"] = s.settled_change;
+  for (const Field& field : kFields)
+    std::visit([&](auto member) { json[bake_parameters().at(field.name).hashed_as] = s.*member; }, field.member);
   json["coarse_normals"] = s.coarse_normals == CoarseNormals::kCondensed ? "condensed" : "all";
   json["order"] = s.order == FitOrder::kColour ? "colour" : "scanline";
-  json["align"] = s.alignment;
   json["rehearse_start"] = s.rehearse_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json["aligned_start"] = s.aligned_start;
-  json["first_level"] = s.first_level;
-  json["kappa_cap"] = s.kappa_cap;
-  json["kappa_cap_slope"] = s.kappa_cap_slope;
-  json["start_kappa_factor"] = s.start_kappa_factor;
-  json["start_amplitude_min"] = s.start_amplitude_min;
   return json.dump();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings of the bakes: defaults, units and legal ranges. Validated once, by the bake.
+// Holds the settings of a fit of lobes. Ranges, and the names that people and the settings hash know them by, are rows
+// of bake_parameters(). Validated once, by the bake.
 #pragma once
 
 #include <string>
@@ -14,17 +15,11 @@ enum class FitOrder { kColour, kScanline };
 /// (movmf_condense.cl), or every one of them, which costs each level as much as the finest.
 enum class CoarseNormals { kCondensed, kAll };
 
-/// Legal values, ends and all, of the settings that a person may choose.
-template <typename Value>
-struct SettingRange {
-  Value low, high;
+/// How many lobes a texel may have.
+struct LobeCounts {
+  int fewest, most;
 };
-constexpr SettingRange<int> kLobeCounts = {1, 8};
-constexpr SettingRange<int> kIterationCounts = {1, 1000};
-constexpr SettingRange<int> kSweepCounts = {1, 8};
-constexpr SettingRange<int> kFirstLevels = {0, 15};  // up to the coarsest of a map of 32768 texels a side
-constexpr SettingRange<float> kAlignments = {0.0f, 10.0f};
-constexpr SettingRange<float> kKappaCaps = {1.0f, 1.0e5f};
+LobeCounts lobe_counts();
 
 struct MovmfSettings {
   Representation representation = Representation::kMovmf;  // what a lobe is: kMovmf or kGmm

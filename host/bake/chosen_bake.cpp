@@ -128,7 +128,9 @@ class TimeGuess {
   }
 
  private:
-  bool is_fit(const SettingTrial& trial) const { return holds_lobes(*trials_.candidates()[trial.candidate].map.ndf); }
+  bool is_fit(const SettingTrial& trial) const {
+    return holds_lobes(trials_.candidates()[trial.candidate].representation());
+  }
   double raw(const SettingTrial& trial) const {
     const double grows = (trial.seconds - trial.fixed_seconds) * trials_.scale() * (is_fit(trial) ? 5.0 : 1.0);
     return trial.fixed_seconds + grows;
@@ -150,7 +152,7 @@ std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_se
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const bool is_too_slow = std::any_of(trials.made().begin(), trials.made().end(), [&](const SettingTrial& made) {
       const SettingCandidate& other = candidates[made.candidate];
-      return other.map.ndf == candidates[i].map.ndf && other.effort <= candidates[i].effort &&
+      return other.representation() == candidates[i].representation() && other.effort <= candidates[i].effort &&
              guess.seconds(made) > kGuessMargin * *target.seconds;
     });
     if (!is_too_slow) trials.at(i, progress);

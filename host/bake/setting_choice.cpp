@@ -23,39 +23,32 @@ constexpr int kOrders[] = {2, 3, 4, 6, 8, 10, 13, 16, 20};
 // Of candidates with as many textures, in the order of their bakes' times (docs/ACCURACY.md).
 enum Effort { kAveraged, kQuickFit, kUsualFit, kLongFit };
 
-SettingCandidate candidate(const MapOptions& map, int texture_count, Effort effort) {
-  return {map, options_text(map), texture_count, effort};
+SettingCandidate candidate(const ParameterValues& values, int texture_count, Effort effort) {
+  return {values, options_text(values), texture_count, effort};
 }
 
-SettingCandidate lobe_candidate(Representation representation, int lobes, Effort effort) {
-  MapOptions map;
-  map.ndf = representation;
-  map.lobes = lobes;
+SettingCandidate lobe_candidate(const char* ndf, int lobes, Effort effort) {
+  ParameterValues values = bake_values({{"ndf", ndf}, {"lobes", lobes}});
   if (effort == kQuickFit) {
-    map.sweeps = 1;
-    map.no_rehearsal = true;
+    values.set("sweeps", 1);
+    values.set("no_rehearsal", true);
   }
-  map.reference = effort == kLongFit;
-  return candidate(map, lobes, effort);
+  if (effort == kLongFit) values.set("reference", true);
+  return candidate(values, lobes, effort);
 }
 
 std::vector<SettingCandidate> all_candidates() {
   std::vector<SettingCandidate> all;
-  MapOptions averaged;
-  averaged.ndf = Representation::kMoments;
-  all.push_back(candidate(averaged, 2, kAveraged));
-  averaged.ndf = Representation::kSh;
-  for (const int order : kOrders) {
-    averaged.sh_order = order;
-    all.push_back(candidate(averaged, sh_part_count(order), kAveraged));
-  }
-  for (int lobes = kLobeCounts.low; lobes <= kLobeCounts.high; ++lobes) {
-    for (const Effort effort : {kQuickFit, kUsualFit})
-      all.push_back(lobe_candidate(Representation::kMovmf, lobes, effort));
-    all.push_back(lobe_candidate(Representation::kGmm, lobes, kUsualFit));
+  all.push_back(candidate(bake_values({{"ndf", "moments"}}), 2, kAveraged));
+  for (const int order : kOrders)
+    all.push_back(candidate(bake_values({{"ndf", "sh"}, {"sh_order", order}}), sh_part_count(order), kAveraged));
+  const LobeCounts counts = lobe_counts();
+  for (int lobes = counts.fewest; lobes <= counts.most; ++lobes) {
+    for (const Effort effort : {kQuickFit, kUsualFit}) all.push_back(lobe_candidate("vmf", lobes, effort));
+    all.push_back(lobe_candidate("gmm", lobes, kUsualFit));
   }
   // Of fewer lobes, another lobe does more than the long fit, in less time.
-  all.push_back(lobe_candidate(Representation::kMovmf, kLobeCounts.high, kLongFit));
+  all.push_back(lobe_candidate("vmf", counts.most, kLongFit));
   std::stable_sort(all.begin(), all.end(), [](const SettingCandidate& a, const SettingCandidate& b) {
     return std::pair(a.texture_count, a.effort) < std::pair(b.texture_count, b.effort);
   });
@@ -68,7 +61,7 @@ std::vector<SettingCandidate> setting_candidates(std::optional<Representation> o
   std::vector<SettingCandidate> candidates = all_candidates();
   // Gaussians of as many lobes are never nearer than vMFs (docs/ACCURACY.md), and cost as much.
   std::erase_if(candidates, [&](const SettingCandidate& one) {
-    return only ? *one.map.ndf != *only : *one.map.ndf == Representation::kGmm;
+    return only ? one.representation() != *only : one.representation() == Representation::kGmm;
   });
   return candidates;
 }
@@ -108,7 +101,7 @@ ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const 
 
 BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate) {
   BakeJob chosen = job;
-  apply(candidate.map, chosen);
+  apply(candidate.values, chosen);
   return chosen;
 }
 
@@ -157,8 +150,8 @@ std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error,
   const auto is_hopeless = [&](const SettingCandidate& one) {
     return std::any_of(trials.made().begin(), trials.made().end(), [&](const SettingTrial& made) {
       const SettingCandidate& other = candidates[made.candidate];
-      return other.map.ndf == one.map.ndf && other.texture_count == one.texture_count && other.effort < one.effort &&
-             made.reached.error * correction * (1.0 - kEffortGain) > error;
+      return other.representation() == one.representation() && other.texture_count == one.texture_count &&
+             other.effort < one.effort && made.reached.error * correction * (1.0 - kEffortGain) > error;
     });
   };
   for (std::size_t i = first; i < candidates.size(); ++i) {

@@ -10,17 +10,18 @@
 
 #include "host/bake/bake_job.h"
 #include "host/bake/bake_source.h"
-#include "host/bake/map_options.h"
+#include "host/bake/job_parameters.h"
 
 namespace multum {
 
 /// Settings that may be chosen. What it costs, the most important first: textures that are read for a texel, which is
 /// memory and frame time; of as many, the bake's time.
 struct SettingCandidate {
-  MapOptions map;       // representation, lobes, order, effort; all else is the job's
-  std::string options;  // the same for people: "--ndf vmf --lobes 3"
-  int texture_count;    // of four channels of 16 bits
-  int effort;           // of as many textures: less bakes faster
+  ParameterValues values;  // representation, lobes, order, effort; all else is the job's
+  std::string options;     // the same for people: "--ndf vmf --lobes 3"
+  int texture_count;       // of four channels of 16 bits
+  int effort;              // of as many textures: less bakes faster
+  Representation representation() const { return *given_representation(values); }
 };
 
 /// All that `only` allows (empty: every representation), cheapest first.

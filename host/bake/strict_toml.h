@@ -9,10 +9,13 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 #include <glm/mat4x4.hpp>
 
 #include "host/bake/toml_limits.h"
+#include "host/base/choices.h"
 
 namespace multum {
 
@@ -47,6 +50,9 @@ class StrictTable {
   bool boolean(const std::string& key, bool fallback) const;
   int whole(const std::string& key, int low, int high, std::optional<int> fallback = {}) const;
   double number(const std::string& key, const NumberRange& range, double fallback) const;
+  /// One of the choices' names; unset where the key is missing.
+  template <typename Value>
+  std::optional<Value> choice(const std::string& key, const Choices<Value>& choices) const;
   /// One number, or a list of at most `count_max`; none where the key is missing.
   std::vector<double> numbers(const std::string& key, const NumberRange& range, std::size_t count_max) const;
   std::vector<std::string> texts(const std::string& key, bool is_required) const;
@@ -72,5 +78,14 @@ class StrictTable {
   std::string name_;
   std::string whole_;
 };
+
+template <typename Value>
+std::optional<Value> StrictTable::choice(const std::string& key, const Choices<Value>& choices) const {
+  if (!has(key)) return std::nullopt;
+  const std::string name = text(key, "");
+  const std::optional<Value> value = find_choice(choices, name);
+  if (!value) refuse(key, fmt::format("is \"{}\", expected one of {}", name, fmt::join(choice_names(choices), ", ")));
+  return value;
+}
 
 }  // namespace multum

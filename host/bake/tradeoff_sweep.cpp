@@ -37,23 +37,18 @@ struct View {
   std::optional<Highlight> highlight = std::nullopt;  // another that it is measured for
 };
 
+using Given = std::initializer_list<std::pair<const char*, ParameterValue>>;
+
 struct SweptBake {
-  MapOptions map;
+  ParameterValues values;
   std::vector<View> views;
 };
 
-MapOptions lobes_of(Representation representation, int count) {
-  MapOptions map;
-  map.ndf = representation;
-  map.lobes = count;
-  return map;
-}
-
-// With four lobes of the default, one setting changed.
-SweptBake changed(const std::string& group, const std::function<void(MapOptions&)>& change) {
-  MapOptions map = lobes_of(Representation::kMovmf, kUsualLobes);
-  change(map);
-  return {map, {{group, "", "", true}}};
+// With four lobes of the default, some settings changed.
+SweptBake changed(const std::string& group, Given changes) {
+  SweptBake swept{bake_values({{"ndf", "vmf"}, {"lobes", kUsualLobes}}), {{group, "", "", true}}};
+  for (const auto& [name, value] : changes) swept.values.set(name, value);
+  return swept;
 }
 
 // GGX as wide as Blinn-Phong of that exponent: alpha^2 = 2 / (s + 2), and glTF's roughness is its root.
@@ -73,7 +68,7 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
 
 // The default's bake is drawn by every formula and every sum of terms.
 SweptBake usual_bake(const TargetBrdf& brdf, SweepLength length) {
-  SweptBake usual = changed("lobes", [](MapOptions&) {});
+  SweptBake usual = changed("lobes", {});
   if (length == SweepLength::kQuick) return usual;
   if (brdf.brdf.kind == BrdfKind::kBlinnPhong) usual.views.push_back({"shading formula", "--formula paper", "", false});
   if (brdf.has_highlight()) add_term_views(brdf, usual.views);
@@ -82,55 +77,49 @@ SweptBake usual_bake(const TargetBrdf& brdf, SweepLength length) {
 }
 
 void add_representations(const TargetBrdf& brdf, SweepLength length, std::vector<SweptBake>& sweep) {
-  SweptBake moments;
-  moments.map.ndf = Representation::kMoments;
+  SweptBake moments{bake_values({{"ndf", "moments"}}), {}};
   for (const char* shading : kMomentShadings)
     moments.views.push_back({"moments", fmt::format("--moments {}", shading), "", true});
   sweep.push_back(moments);
   for (const int order : length == SweepLength::kQuick   ? std::vector<int>{4, 8}
                          : length == SweepLength::kUsual ? std::vector<int>{2, 4, 6, 8, 12}
                                                          : std::vector<int>{2, 3, 4, 6, 8, 10, 13, 16, 20}) {
-    SweptBake sh{{}, {{"harmonics", "", "", true}}};
-    sh.map.ndf = Representation::kSh;
-    sh.map.sh_order = order;
-    sweep.push_back(sh);
+    sweep.push_back({bake_values({{"ndf", "sh"}, {"sh_order", order}}), {{"harmonics", "", "", true}}});
   }
   if (brdf.is_sum()) return;
   for (const int count : length == SweepLength::kQuick   ? std::vector<int>{4}
                          : length == SweepLength::kUsual ? std::vector<int>{1, 2, 4, 6}
                                                          : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    sweep.push_back({lobes_of(Representation::kGmm, count), {{"Gaussians", "", "", true}}});
+    sweep.push_back({bake_values({{"ndf", "gmm"}, {"lobes", count}}), {{"Gaussians", "", "", true}}});
 }
 
 void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
-  const auto add = [&](const std::string& group, const std::function<void(MapOptions&)>& change) {
-    sweep.push_back(changed(group, change));
-  };
-  add("iterations", [](MapOptions& m) { m.sweeps = 1, m.no_rehearsal = true; });
-  add("storage", [](MapOptions& m) { m.data_format = StorageEncoding::kHalf; });
+  const auto add = [&](const std::string& group, Given changes) { sweep.push_back(changed(group, changes)); };
+  add("iterations", {{"sweeps", 1}, {"no_rehearsal", true}});
+  add("storage", {{"data_format", "half"}});
   // Without level 0 lobes take a quarter of the memory: more of them fit into as much.
   for (const int lobes : length == SweepLength::kQuick   ? std::vector<int>{2, 4}
                          : length == SweepLength::kUsual ? std::vector<int>{1, 2, 3, 4, 6, 8}
                                                          : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    add("first level", [=](MapOptions& m) { m.lobes = lobes, m.first_level = 1; });
+    add("first level", {{"lobes", lobes}, {"first_level", 1}});
   if (length == SweepLength::kQuick) return;
-  for (const int iterations : {3, 6}) add("iterations", [=](MapOptions& m) { m.iterations = iterations; });
-  for (const int sweeps : {1, 3}) add("iterations", [=](MapOptions& m) { m.sweeps = sweeps; });
-  add("iterations", [](MapOptions& m) { m.no_rehearsal = true; });
-  add("iterations", [](MapOptions& m) { m.reference = true; });
-  add("iterations", [](MapOptions& m) { m.coarse_normals = CoarseNormals::kAll; });
-  SweptBake unaligned = changed("hierarchy", [](MapOptions& m) { m.unaligned = true; });
+  for (const int iterations : {3, 6}) add("iterations", {{"iterations", iterations}});
+  for (const int sweeps : {1, 3}) add("iterations", {{"sweeps", sweeps}});
+  add("iterations", {{"no_rehearsal", true}});
+  add("iterations", {{"reference", true}});
+  add("iterations", {{"coarse_normals", "all"}});
+  SweptBake unaligned = changed("hierarchy", {{"unaligned", true}});
   unaligned.views.push_back({"hierarchy", "--shade-first", "", false});
   sweep.push_back(unaligned);
-  for (const float alignment : {0.0f, 1.0f}) add("hierarchy", [=](MapOptions& m) { m.alignment = alignment; });
-  add("hierarchy", [](MapOptions& m) { m.order = FitOrder::kScanline; });
-  add("storage", [](MapOptions& m) { m.data_format = StorageEncoding::kFloat; });
-  add("first level", [](MapOptions& m) { m.first_level = 2; });
-  for (const char* compression : {"none", "piz"}) add("storage", [=](MapOptions& m) { m.compression = compression; });
+  for (const double alignment : {0.0, 1.0}) add("hierarchy", {{"align", alignment}});
+  add("hierarchy", {{"order", "scanline"}});
+  add("storage", {{"data_format", "float"}});
+  add("first level", {{"first_level", 2}});
+  for (const char* compression : {"none", "piz"}) add("storage", {{"compression", compression}});
   if (length != SweepLength::kFull) return;
   for (const int lobes : {1, 2, 3, 5, 6, 7, 8}) {
-    add("iterations", [=](MapOptions& m) { m.lobes = lobes, m.sweeps = 1, m.no_rehearsal = true; });
-    add("iterations", [=](MapOptions& m) { m.lobes = lobes, m.reference = true; });
+    add("iterations", {{"lobes", lobes}, {"sweeps", 1}, {"no_rehearsal", true}});
+    add("iterations", {{"lobes", lobes}, {"reference", true}});
   }
 }
 
@@ -138,9 +127,7 @@ std::vector<SweptBake> make_sweep(const TargetBrdf& brdf, SweepLength length) {
   std::vector<SweptBake> sweep;
   for (const int count :
        length == SweepLength::kQuick ? std::vector<int>{1, 2, 4, 6} : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    sweep.push_back(count == kUsualLobes
-                        ? usual_bake(brdf, length)
-                        : SweptBake{lobes_of(Representation::kMovmf, count), {{"lobes", "", "", true}}});
+    sweep.push_back(count == kUsualLobes ? usual_bake(brdf, length) : changed("lobes", {{"lobes", count}}));
   add_representations(brdf, length, sweep);
   add_changes(length, sweep);
   return sweep;
@@ -196,7 +183,8 @@ class Sweep {
     // Levels that a map has not got cannot be its first.
     std::vector<SweptBake> sweep = make_sweep(job_.brdf, job_.length);
     const int level_count = static_cast<int>(std::log2(std::max(result_.width, result_.height)));
-    std::erase_if(sweep, [&](const SweptBake& one) { return one.map.first_level.value_or(0) > level_count; });
+    std::erase_if(sweep,
+                  [&](const SweptBake& one) { return one.values.integer("first_level").value_or(0) > level_count; });
     std::uint64_t units = 0;
     for (const SweptBake& one : sweep) units += one.views.size() + 1;
     progress_start(progress_, units);
@@ -211,10 +199,10 @@ class Sweep {
 
  private:
   void run_bake(const SweptBake& swept, const BakeSource& source) {
-    const std::string options = options_text(swept.map);
+    const std::string options = options_text(swept.values);
     progress_stage(progress_, "bake " + options);
     BakeJob bake = job_.bake;
-    apply(swept.map, bake);
+    apply(swept.values, bake);
     bake.output = scratch_ / "swept.ndf.exr";
     bake.report.clear();
     bake.force = true;

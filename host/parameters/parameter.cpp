@@ -15,8 +15,6 @@
 namespace multum {
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<float>::max();
-
 template <typename Number>
 std::optional<Number> parse_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -33,7 +31,8 @@ std::optional<std::int64_t> parse_bytes(const std::string& text) {
   if (unit.ends_with("IB")) unit.resize(unit.size() - 2);
   else if (unit.ends_with("B")) unit.resize(unit.size() - 1);
   constexpr std::pair<const char*, int> kUnits[] = {{"", 0}, {"K", 10}, {"M", 20}, {"G", 30}, {"T", 40}};
-  const auto found = std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& one) { return unit == one.first; });
+  const auto found =
+      std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& one) { return unit == one.first; });
   const std::optional<std::int64_t> number = parse_number<std::int64_t>(std::string_view(text).substr(0, digits));
   if (found == std::end(kUnits) || !number) return std::nullopt;
   if (*number > std::numeric_limits<std::int64_t>::max() >> found->second) return std::nullopt;
@@ -47,13 +46,12 @@ std::string number_text(const Parameter& parameter) {
     return is_number ? fmt::format("{:g}", value) : fmt::format("{}", static_cast<std::int64_t>(value));
   };
   std::string text;
-  if (parameter.low <= -kUnbounded && parameter.high >= kUnbounded) text = what;
-  else if (parameter.high >= kUnbounded)
+  if (!parameter.has_low() && !parameter.has_high()) text = what;
+  else if (!parameter.has_high())
     text = fmt::format("{} {} {}", what, parameter.low_excluded ? "above" : "of at least", bound(parameter.low));
   else if (parameter.low_excluded)
     text = fmt::format("{} above {}, at most {}", what, bound(parameter.low), bound(parameter.high));
-  else
-    text = fmt::format("{} from {} to {}", what, bound(parameter.low), bound(parameter.high));
+  else text = fmt::format("{} from {} to {}", what, bound(parameter.low), bound(parameter.high));
   if (parameter.kind == ParameterKind::kBytes) text += " bytes";
   return text + (parameter.zero_excluded ? " other than 0" : "");
 }
@@ -61,7 +59,7 @@ std::string number_text(const Parameter& parameter) {
 bool is_in_range(const Parameter& parameter, double value) {
   return std::isfinite(value) && value <= parameter.high &&
          (parameter.low_excluded ? value > parameter.low : value >= parameter.low) &&
-         !(parameter.zero_excluded && value == 0.0);
+         !(parameter.zero_excluded && static_cast<float>(value) == 0.0f);
 }
 
 }  // namespace

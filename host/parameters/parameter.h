@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -34,27 +35,34 @@ constexpr unsigned kEverywhere = kOnCommandLine | kInManifest | kInScene | kInSe
 /// What a bake must store for the parameter to mean anything.
 enum class ParameterScope { kAll, kLobes, kHarmonics };
 
+/// Bound of numbers that have none: all that a float holds.
+constexpr double kUnbounded = std::numeric_limits<float>::max();
+
 struct Parameter {
   std::string name;  // snake case: the key of files and JSON; "--first-level" on a command line
   ParameterKind kind = ParameterKind::kFlag;
   std::string help;  // what it does, in words that need neither its range nor its default
   double low = 0.0, high = 0.0;
   bool low_excluded = false, zero_excluded = false;
-  std::string unit;                       // "texels", "ms"; empty: none
-  std::string default_text;               // as a command line has it; empty: none
+  std::string unit = {};                  // "texels", "ms"; empty: none
+  std::string default_text = {};          // as a command line has it; empty: none
   std::vector<std::string> choices = {};  // in the order in which they are shown
-  std::string group;                      // heading of help texts
-  std::string hashed_as;                  // key of multum:settings (docs/FORMAT.md); empty: changes no content
-  std::string short_option;               // "-d"
-  std::string excludes;                   // name of another that cannot be given beside it
+  std::string group = {};                 // heading of help texts
+  std::string hashed_as = {};             // key of multum:settings (docs/FORMAT.md); empty: changes no content
+  std::string short_option = {};          // "-d"
+  std::string excludes = {};              // name of another that cannot be given beside it
   ParameterScope scope = ParameterScope::kAll;
   bool chosen_by_target = false;  // target_error and budget_ms choose it
+  bool is_repeatable = false;     // on a command line; the values are joined by ";"
   unsigned surfaces = 0;
 
   bool is_on(unsigned surface) const { return (surfaces & surface) != 0; }
   bool is_numeric() const {
     return kind == ParameterKind::kInteger || kind == ParameterKind::kNumber || kind == ParameterKind::kBytes;
   }
+  /// Are numbers bounded there?
+  bool has_low() const { return low > -kUnbounded; }
+  bool has_high() const { return high < kUnbounded; }
   /// "--first-level".
   std::string option() const;
 };

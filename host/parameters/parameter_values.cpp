@@ -20,6 +20,13 @@ void ParameterValues::set(const std::string& name, ParameterValue value) {
   values_[name] = std::move(value);
 }
 
+bool ParameterValues::is_given(const std::string& name) const {
+  const auto found = values_.find(table_->at(name).name);
+  if (found == values_.end()) return false;
+  const auto* const flag = std::get_if<bool>(&found->second);
+  return flag == nullptr || *flag;
+}
+
 const ParameterValue* ParameterValues::find(const std::string& name, ParameterKind kind) const {
   const Parameter& parameter = table_->at(name);
   const bool is_text = !parameter.is_numeric() && parameter.kind != ParameterKind::kFlag;
@@ -75,9 +82,9 @@ std::string ParameterValues::options_text(const std::vector<std::string>& groups
 
 void check_exclusions(const ParameterValues& values) {
   for (const Parameter& row : values.table().rows())
-    if (!row.excludes.empty() && values.has(row.name) && values.has(row.excludes))
-      throw Error(ErrorCode::kUsage, fmt::format("{} excludes {}, found both", row.option(),
-                                                 values.table().at(row.excludes).option()));
+    if (!row.excludes.empty() && values.is_given(row.name) && values.is_given(row.excludes))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} excludes {}, found both", row.option(), values.table().at(row.excludes).option()));
 }
 
 }  // namespace multum

@@ -20,9 +20,12 @@ class ParameterValues {
 
   const ParameterTable& table() const { return *table_; }
   bool has(const std::string& name) const { return values_.contains(table_->at(name).name); }
+  /// Is there a value, and not the false of a flag?
+  bool is_given(const std::string& name) const;
 
   /// Throws Error(kUsage) for a value that is not legal: "--lobes is 9, expected an integer from 1 to 8".
   void set(const std::string& name, ParameterValue value);
+  void set(const std::string& name, bool value) { set(name, ParameterValue(value)); }
   void set(const std::string& name, int value) { set(name, ParameterValue(std::int64_t{value})); }
   void set(const std::string& name, const char* value) { set(name, ParameterValue(std::string(value))); }
   void erase(const std::string& name) { values_.erase(table_->at(name).name); }
@@ -36,8 +39,8 @@ class ParameterValues {
   template <typename Value>
   std::optional<Value> choice(const std::string& name, const Choices<Value>& choices) const;
 
-  /// As a command line has them, in the table's order: "--ndf vmf --lobes 3". `groups`: of these groups alone; empty: of
-  /// all.
+  /// As a command line has them, in the table's order: "--ndf vmf --lobes 3". `groups`: of these groups alone; empty:
+  /// of all.
   std::string options_text(const std::vector<std::string>& groups = {}) const;
 
  private:

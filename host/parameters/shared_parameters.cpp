@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/parameters/shared_parameters.h"
 
-#include <limits>
-
 namespace multum {
 
-double unbounded() { return std::numeric_limits<float>::max(); }
+namespace {
+
+std::vector<std::string> compressions() {
+  std::vector<std::string> names = {"none", "rle", "zips", "zip", "piz"};
+  for (const char* name : {"zip:", "zips:"})
+    for (int level = 1; level <= 9; ++level) names.push_back(name + std::to_string(level));
+  return names;
+}
+
+}  // namespace
 
 Parameter device_parameter(unsigned surfaces) {
   return {.name = "device",
@@ -27,9 +34,11 @@ Parameter memory_parameter(const std::string& help, double low, const std::strin
 
 Parameter compression_parameter(unsigned surfaces) {
   return {.name = "compression",
-          .kind = ParameterKind::kText,
-          .help = "lossless compression of the file: none, rle, zips, zip, piz, or zip:1 to zip:9",
-          .default_text = "zip",
+          .kind = ParameterKind::kChoice,
+          .help = "lossless compression of the file; zip:1 is the quickest zip, zip:9 the smallest",
+          .unit = "none|rle|piz|zip[:1-9]|zips[:1-9]",
+          .default_text = "zip:1",
+          .choices = compressions(),
           .hashed_as = "compression",
           .surfaces = surfaces};
 }

@@ -6,9 +6,6 @@
 
 namespace multum {
 
-/// Bound of numbers that have none.
-double unbounded();
-
 /// `device`; `surfaces`: of it.
 Parameter device_parameter(unsigned surfaces);
 /// `memory`, from `low` bytes; `default_text` in words.

@@ -9,7 +9,8 @@
 #include <limits>
 #include <map>
 
-#include "host/bake/source_keys.h"
+#include "host/bake/job_parameters.h"
+#include "host/bake/parameter_keys.h"
 #include "host/bake/strict_toml.h"
 #include "host/base/nearest_name.h"
 #include "host/brdf/measured_file.h"
@@ -75,7 +76,7 @@ void check_file(const StrictTable& table, const std::string& key, const std::str
 }
 
 StrictTable map_table(const std::string& path, const toml::table& toml) {
-  std::vector<std::string> keys = source_keys();
+  std::vector<std::string> keys = bake_parameters().names(kInScene);
   keys.insert(keys.end(), {"name", "normal"});
   return {path, toml, "map", keys, kWhole};
 }
@@ -84,9 +85,9 @@ SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJo
                   bool reads_files) {
   const StrictTable table = map_table(path, toml);
   SceneMap map{names.add(table), pattern};
-  MapOptions options;
-  read_source_keys(table, options);
-  apply(options, map.job);
+  ParameterValues values(bake_parameters());
+  read_parameters(table, kInScene, values);
+  apply(values, map.job);
   map.job.input = resolved(path, table.text("normal"));
   for (std::string BakeJob::*file : kMaterialMaps) map.job.*file = resolved(path, map.job.*file);
   if (!reads_files) return map;
@@ -163,9 +164,8 @@ SceneMaterial read_material(const std::string& path, const toml::table& toml, Na
                           kWhole);
   SceneMaterial material;
   material.name = names.add(table);
-  std::optional<BrdfFamily> family;
   const std::string name = table.text("brdf");
-  read_choice(table, "brdf", kFamilies, family);
+  const std::optional<BrdfFamily> family = table.choice("brdf", kFamilies);
   check_keys_of_family(table, *family, name);
   Brdf brdf;
   brdf.kind = family->kind;

@@ -30,7 +30,7 @@ std::optional<TrialRange> trials_of(const SceneBudget& budget, const BakeCandida
     candidate.cost = bake_cost(candidate.shape);
     return candidate;
   };
-  return TrialRange{with_lobes(kLobeCounts.low), with_lobes(kLobeCounts.high)};
+  return TrialRange{with_lobes(lobe_counts().fewest), with_lobes(lobe_counts().most)};
 }
 
 // The bake that a plan asks for.

@@ -115,8 +115,8 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   const JobType& type = find_job_type(s.type);
   Json parameters = json.value("parameters", Json::object());
   check_parameters(type, parameters);
-  for (const JobParameter& parameter : type.parameters)
-    if (parameter.kind == ParameterKind::kInputFile && parameters.contains(parameter.name))
+  for (const Parameter& parameter : type.table->rows())
+    if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
       parameters[parameter.name] = roots.inputs.input(parameters[parameter.name].get<std::string>());
   check_is_one_map(type, parameters);
   s.parameters = parameters.dump();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one list of what jobs can be. Each type is a table of parameters: what the web interface accepts, what
-// `multum submit` takes as options, which command line a worker runs, and which files the idempotency key is of, all
-// follow from it.
+// Lists the types of jobs. What the web interface accepts, what `multum submit` takes as options, which command line a
+// worker runs and which files the idempotency key is of follow from each type's table of parameters.
 #pragma once
 
 #include <cstdint>
@@ -9,29 +8,24 @@
 #include <string>
 #include <vector>
 
+#include "host/parameters/parameter.h"
+
 namespace multum {
-
-enum class ParameterKind { kFlag, kWhole, kNumber, kChoice, kText, kBrdf, kInputFile };
-
-struct JobParameter {
-  std::string name;  // in JSON, "first_level"; as an option "--first-level"
-  ParameterKind kind;
-  std::string help;
-  double least = 0.0, most = 0.0;  // of numbers
-  std::vector<std::string> choices = {};
-};
 
 struct JobType {
   std::string name;  // "bake"
   std::string summary;
-  std::string command;  // of multum, that does it; empty: the worker itself does
-  std::string input;    // name of the parameter that is the first argument; empty: none
+  std::string command = {};  // of multum, that does it; empty: the worker itself does
+  std::string input = {};    // name of the parameter that is the first argument; empty: none
   bool has_output = true;
   bool needs_output = true;
   bool output_is_folder = false;
-  std::string output_extension;   // "" any
-  std::int64_t memory_bytes = 0;  // that a job is taken to need when it does not say
-  std::vector<JobParameter> parameters;
+  std::string output_extension = {};      // "" any
+  std::int64_t memory_bytes = 0;          // that a job is taken to need when it does not say
+  const ParameterTable* table = nullptr;  // of which a job takes those that are kInService
+
+  /// Null: a job takes none of this name.
+  const Parameter* find(const std::string& parameter) const;
 };
 
 /// bake, scene, infer, and drill: a job that does nothing, or fails as asked, for trying out a set-up.

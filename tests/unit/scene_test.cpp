@@ -467,7 +467,7 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
       EXPECT_EQ(found.cost_max.bytes, found.cost.bytes);
       continue;
     }
-    EXPECT_EQ(json["maps"][0]["trials"]["lobes"], (std::vector<int>{kLobeCounts.low, kLobeCounts.high}));
+    EXPECT_EQ(json["maps"][0]["trials"]["lobes"], (std::vector<int>{lobe_counts().fewest, lobe_counts().most}));
     EXPECT_EQ(map.trials->most.cost.bytes, 8.0 * map.trials->fewest.cost.bytes);
     EXPECT_EQ(json["bytes_range"], (std::vector<double>{found.cost_min.bytes, found.cost_max.bytes}));
     EXPECT_LT(found.cost_min.bytes, found.cost.bytes);

@@ -9,7 +9,7 @@
 #include "host/base/output_paths.h"
 #include "host/base/progress.h"
 #include "host/base/shown_text.h"
-#include "tools/multum/map_options.h"
+#include "host/parameters/bake_parameters.h"
 
 namespace multum {
 namespace {
@@ -93,9 +93,10 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
     const std::string name = option->get_name();
     if (std::find(kOfNamedMaps.begin(), kOfNamedMaps.end(), name) != kOfNamedMaps.end())
       throw Error(ErrorCode::kUsage, name + " is given beside --manifest, which names the maps itself");
-    if (option->get_group() != kMapOptionGroup) continue;
-    std::string key = option->get_lnames().front();
+    std::string key = option->get_lnames().empty() ? name : option->get_lnames().front();
     std::replace(key.begin(), key.end(), '-', '_');
+    const Parameter* const parameter = bake_parameters().find(key);
+    if (parameter == nullptr || !parameter->is_on(kInManifest)) continue;
     throw Error(ErrorCode::kUsage, name + " is given beside --manifest, expected " + key +
                                        " under [[map]] or [defaults] in " + o.manifest);
   }

@@ -102,23 +102,22 @@ struct SubmitOptions {
   std::map<std::string, bool> flags;
 };
 
-Json value_of(const JobParameter& parameter, const std::string& text) {
-  switch (parameter.kind) {
-    case ParameterKind::kWhole:
-    case ParameterKind::kNumber: {
-      const Json number = Json::parse(text, nullptr, false);
-      return number.is_number() ? number : Json(text);  // the service says what it expected
-    }
-    case ParameterKind::kInputFile: return fs::absolute(text).lexically_normal().string();
-    default: return text;
+// As JSON; what is not of the parameter's type goes as it is, and the service says what it expected.
+Json value_of(const Parameter& parameter, const std::string& text) {
+  if (parameter.kind == ParameterKind::kFile) {
+    // FILE:CHANNEL too: the channel follows the last colon of the absolute path as well.
+    return fs::absolute(text).lexically_normal().string();
   }
+  const std::optional<ParameterValue> value = parse_value(parameter, text);
+  if (!value) return text;
+  return std::visit([](const auto& one) { return Json(one); }, *value);
 }
 
 int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> ids);
 
 int run_submit(const JobType& type, SubmitOptions& o) {
   Json parameters = Json::object();
-  for (const JobParameter& parameter : type.parameters) {
+  for (const Parameter& parameter : type.table->rows()) {
     if (o.flags[parameter.name]) parameters[parameter.name] = true;
     if (const auto found = o.values.find(parameter.name); found != o.values.end() && !found->second.empty())
       parameters[parameter.name] = value_of(parameter, found->second);
@@ -147,15 +146,15 @@ void add_submit(CLI::App& app, int* exit_code) {
   for (const JobType& type : job_types()) {
     auto o = std::make_shared<SubmitOptions>();
     CLI::App* command = submit->add_subcommand(type.name, type.summary);
-    for (const JobParameter& parameter : type.parameters) {
-      std::string option = "--" + parameter.name;
-      std::replace(option.begin(), option.end(), '_', '-');
+    for (const Parameter& parameter : type.table->rows()) {
+      if (!parameter.is_on(kInService)) continue;
       if (parameter.kind == ParameterKind::kFlag) {
-        command->add_flag(option, o->flags[parameter.name], parameter.help);
+        command->add_flag(parameter.option(), o->flags[parameter.name], parameter.help);
       } else if (parameter.name == type.input) {
         command->add_option(parameter.name, o->values[parameter.name], parameter.help)->required();
       } else {
-        CLI::Option* added = command->add_option(option, o->values[parameter.name], parameter.help);
+        CLI::Option* added = command->add_option(parameter.option(), o->values[parameter.name], parameter.help);
+        if (!parameter.default_text.empty()) added->default_str(parameter.default_text);
         if (parameter.kind == ParameterKind::kChoice) added->check(CLI::IsMember(parameter.choices));
       }
     }

@@ -15,7 +15,9 @@
 #include "host/base/machine.h"
 #include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
+#include "host/parameters/infer_parameters.h"
 #include "tools/command_line/decoding_option.h"
+#include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -24,11 +26,18 @@ namespace {
 struct InferOptions {
   CommonOptions common;
   AnimationInferSettings settings;
+  ParameterValues values{infer_parameters()};
   std::string job;
-  std::string report_sample;  // empty: the middle one
-  bool no_frames = false;
-  bool no_comparison = false;
 };
+
+void apply(const ParameterValues& values, AnimationInferSettings& settings) {
+  settings.device = values.text("device").value_or(settings.device);
+  settings.context = values.text("context").value_or(settings.context);
+  settings.gradient_tolerance = values.number("tolerance").value_or(settings.gradient_tolerance);
+  settings.iteration_max = values.integer("iterations").value_or(settings.iteration_max);
+  settings.hold_out = values.integer("hold_out").value_or(settings.hold_out);
+  if (values.flag("force")) settings.force = true;
+}
 
 std::vector<int> all_samples(const AnimationJob& job) {
   std::vector<int> samples(job.samples.size());
@@ -53,27 +62,26 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
 
 int run_infer(InferOptions& o) {
   o.settings.threads = apply(o.common);
+  apply(o.values, o.settings);
   o.settings.viewer = find_viewer();
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const AnimationField field(read_animation_job(o.job));
   make_folder(o.settings.output);
-  const int sample = o.report_sample.empty() ? middle_sample(field.job()) : sample_named(field.job(), o.report_sample);
+  const std::string shown = o.values.text("report_sample").value_or("");
+  const int sample = shown.empty() ? middle_sample(field.job()) : sample_named(field.job(), shown);
+  const bool has_frames = !o.values.flag("no_frames"), has_comparison = !o.values.flag("no_comparison");
   AnimationInferResult result = infer_animation(field, o.settings, progress.get());
   InferenceFrames frames;
-  if (!o.no_frames) {
+  if (has_frames) {
     frames = render_frames(field, {o.settings.output, o.settings.viewer, o.settings.context}, all_samples(field.job()),
                            progress.get());
     result.seconds.rendering = frames.seconds;
   }
   InferenceComparison comparison;
-  if (!o.no_comparison) comparison = compare_inference(field, sample, result.mappings, o.settings, progress.get());
+  if (has_comparison) comparison = compare_inference(field, sample, result.mappings, o.settings, progress.get());
   progress_finish(progress.get());
-  const InferenceReport report = {field.job(),
-                                  o.settings,
-                                  result,
-                                  sample,
-                                  o.no_frames ? nullptr : &frames,
-                                  o.no_comparison ? nullptr : &comparison};
+  const InferenceReport report = {
+      field.job(), o.settings, result, sample, has_frames ? &frames : nullptr, has_comparison ? &comparison : nullptr};
   write_inference_report(field, report);
   if (!o.common.quiet) print_results(o, report);
   return 0;
@@ -91,28 +99,9 @@ void add_infer_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<InferOptions>();
   InferOptions& o = *options;
   CLI::App* infer = app.add_subcommand("infer", "infer textures from ray-traced pictures (docs/ANIMATION.md)");
-  infer->add_option("job", o.job, "animation.toml, as `multum animation` writes it")->required();
+  infer->add_option("job", o.job, infer_parameters().at("job").help)->required();
   infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
-  infer->add_option("--device", o.settings.device, "OpenCL device: a number of `multum devices` or part of a name");
-  infer->add_option("--context", o.settings.context, "GL to infer for: auto, osmesa (software) or egl")
-      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
-      ->capture_default_str();
-  infer->add_option("--tolerance", o.settings.gradient_tolerance, "relative gradient at which a texture is solved")
-      ->check(CLI::Range(1e-7, 1.0))
-      ->capture_default_str();
-  infer->add_option("--iterations", o.settings.iteration_max, "of conjugate gradient a texture, at most")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  infer
-      ->add_option("--hold-out", o.settings.hold_out,
-                   "leave every Nth view out of layers that do not depend on views, and report the error there")
-      ->check(CLI::Range(2, 1000));
-  infer->add_flag("--no-frames", o.no_frames, "draw no frames to measure and show");
-  infer->add_flag("--no-comparison", o.no_comparison,
-                  "do not compare samplers, regularisation and forward mapping at the report's sample");
-  infer->add_option("--report-sample", o.report_sample,
-                    "index along each parameter, or a name, of the sample that the report shows (default: the middle)");
-  infer->add_flag("--force", o.settings.force, "infer again what is there already");
+  add_parameter_options(*infer, o.values);
   add_common_options(*infer, o.common);
   add_decoding_option(*infer);
   infer->callback([options, exit_code] { *exit_code = run_infer(*options); });

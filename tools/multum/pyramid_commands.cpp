@@ -6,14 +6,14 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/bake/map_options.h"
 #include "host/bake/mip_bake.h"
 #include "host/bake/reflectance_bake.h"
 #include "host/base/error.h"
 #include "host/base/machine.h"
 #include "host/base/shown_text.h"
-#include "tools/command_line/choices.h"
+#include "host/parameters/pyramid_parameters.h"
 #include "tools/command_line/decoding_option.h"
+#include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -28,41 +28,32 @@ const Choices<StorageEncoding> kPyramidEncodings = {{"half", StorageEncoding::kH
 const Choices<PyramidKind> kSurfaceKinds = {{"heights", PyramidKind::kHeight}, {"positions", PyramidKind::kPosition}};
 
 struct MipOptions {
+  explicit MipOptions(const ParameterTable& table) : values(table) {}
   CommonOptions common;
-  std::string device;
+  ParameterValues values;
   MipJob job;
-  std::optional<WrapMode> wrap, wrap_s, wrap_t;
 };
 
 struct ReflectanceOptions {
   CommonOptions common;
-  std::string device;
+  ParameterValues values{reflectance_parameters()};
   ReflectanceJob job;
-  std::vector<std::string> lights;
-  std::string viewer, up, brdf = "blinn-phong:100", diffuse = "0.5", specular = "0.1";
 };
 
-void add_output_options(CLI::App& command, std::string& output, std::string& report, BakedWriteOptions& writing) {
+// What the three jobs have in common.
+template <typename Job>
+void apply_shared(const ParameterValues& values, Job& job) {
+  job.report = values.text("report").value_or(job.report);
+  job.writing.compression = values.text("compression").value_or(job.writing.compression);
+  job.encoding = values.choice("data_format", kPyramidEncodings).value_or(job.encoding);
+  if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
+  job.force = values.flag("force");
+}
+
+DeviceChoice device_of(const ParameterValues& values) { return {values.text("device").value_or("")}; }
+
+void add_output_option(CLI::App& command, std::string& output) {
   command.add_option("-o,--output", output, "file to write, *.exr: tiled, mip-mapped, linear")->required();
-  command.add_option("--report", report, "write times, counts and the content's hash as JSON");
-  command.add_option("--compression", writing.compression, "none, rle, zips, zip or piz, zip:1..9")
-      ->capture_default_str();
-}
-
-void add_device_options(CLI::App& command, std::string& device, std::uint64_t& memory_bytes, bool& force) {
-  command.add_option("--device", device, "OpenCL device: a number of `multum devices` or part of a name");
-  command
-      .add_option("--memory", memory_bytes,
-                  "for buffers and the image, as 64M or 1G; larger images go by way of a scratch file (256M)")
-      ->transform(CLI::AsSizeValue(false));
-  command.add_flag("--force", force, "write even if the output is from the same file with the same settings");
-}
-
-void add_wrap_options(CLI::App& command, MipOptions& o, const char* usual) {
-  add_choice(command, "--wrap", o.wrap, kWrapModes,
-             std::string("beyond the border: black, clamp, periodic or mirror (default: ") + usual + ")");
-  add_choice(command, "--swrap", o.wrap_s, kWrapModes, "the same for s (x) alone");
-  add_choice(command, "--twrap", o.wrap_t, kWrapModes, "the same for t (y) alone");
 }
 
 int print_result(const CommonOptions& common, const std::string& output, PyramidKind kind, const MipReport& report) {
@@ -89,12 +80,19 @@ int print_result(const CommonOptions& common, const std::string& output, Pyramid
 int run_mip(MipOptions& o) {
   o.job.threads = o.job.writing.threads = apply(o.common);
   keep_freed_memory();
-  if (o.wrap) o.job.wrap_s = o.job.wrap_t = *o.wrap;
-  if (o.wrap_s) o.job.wrap_s = *o.wrap_s;
-  if (o.wrap_t) o.job.wrap_t = *o.wrap_t;
-  if (!(std::isfinite(o.job.scale) && o.job.scale != 0.0f))
-    throw Error(ErrorCode::kUsage, fmt::format("--scale is {}, expected a number that is not 0", o.job.scale));
-  Device device = Device::when_needed(DeviceChoice{o.device});
+  const ParameterValues& values = o.values;
+  apply_shared(values, o.job);
+  for (const char* name : {"wrap", "swrap"})
+    if (const auto mode = values.text(name)) o.job.wrap_s = *parse_wrap_mode(*mode);
+  for (const char* name : {"wrap", "twrap"})
+    if (const auto mode = values.text(name)) o.job.wrap_t = *parse_wrap_mode(*mode);
+  if (&values.table() == &lod_parameters()) {
+    o.job.kind = values.choice("of", kSurfaceKinds).value_or(o.job.kind);
+    o.job.scale = static_cast<float>(values.number("scale").value_or(1.0));
+  } else {
+    o.job.colours = values.choice("colours", kColourEncodings).value_or(o.job.colours);
+  }
+  Device device = Device::when_needed(device_of(values));
   const auto progress = make_progress(o.common);
   return print_result(o.common, o.job.output, o.job.kind, bake_mip(o.job, device, progress.get()));
 }
@@ -128,34 +126,42 @@ ReflectanceLight parse_light(const std::string& text) {
 }
 
 int run_reflectance(ReflectanceOptions& o) {
-  o.job.threads = o.job.writing.threads = apply(o.common);
-  for (const std::string& text : o.lights) o.job.lights.push_back(parse_light(text));
-  if (!o.viewer.empty()) o.job.viewer = three_numbers("--viewer", o.viewer, false);
-  if (!o.up.empty()) o.job.up = three_numbers("--up", o.up, false);
-  o.job.diffuse = three_numbers("--diffuse", o.diffuse, true);
-  o.job.specular = three_numbers("--specular", o.specular, true);
+  const ParameterValues& values = o.values;
+  ReflectanceJob& job = o.job;
+  job.threads = job.writing.threads = apply(o.common);
+  apply_shared(values, job);
+  for (const std::string& text : CLI::detail::split(values.text("light").value_or(""), ';'))
+    if (!text.empty()) job.lights.push_back(parse_light(text));
+  job.environment = values.text("environment").value_or("");
+  if (const auto scale = values.number("environment_scale")) job.environment_scale = static_cast<float>(*scale);
+  const auto numbers = [&](const char* name, bool one_will_do, glm::dvec3& value) {
+    const auto text = values.text(name);
+    if (text) value = three_numbers(values.table().at(name).option(), *text, one_will_do);
+  };
+  numbers("viewer", false, job.viewer);
+  numbers("up", false, job.up);
+  numbers("diffuse", true, job.diffuse);
+  numbers("specular", true, job.specular);
+  job.size = values.integer("size").value_or(job.size);
+  job.sample_side = values.integer("texel_samples").value_or(job.sample_side);
+  const std::string brdf = values.text("brdf").value_or(values.table().at("brdf").default_text);
   char rest = 0;
-  if (std::sscanf(o.brdf.c_str(), "blinn-phong:%f%c", &o.job.exponent, &rest) != 1)
-    throw Error(ErrorCode::kUsage, "--brdf is '" + o.brdf + "', expected blinn-phong:S with S 1..100000");
+  if (std::sscanf(brdf.c_str(), "blinn-phong:%f%c", &job.exponent, &rest) != 1)
+    throw Error(ErrorCode::kUsage, "--brdf is '" + brdf + "', expected blinn-phong:S with S 1..100000");
   validate(o.job);  // before a device is looked for
-  Device device = Device::when_needed(DeviceChoice{o.device});
+  Device device = Device::when_needed(device_of(values));
   const auto progress = make_progress(o.common);
   return print_result(o.common, o.job.output, PyramidKind::kReflectance,
                       bake_reflectance(o.job, device, progress.get()));
 }
 
 void add_mip(CLI::App& app, int* exit_code) {
-  auto o = std::make_shared<MipOptions>();
+  auto o = std::make_shared<MipOptions>(mip_parameters());
   CLI::App* mip =
       app.add_subcommand("mip", "make a mip pyramid of colours, or of other data, filtered in linear light");
   mip->add_option("image", o->job.input, "PNG, TIFF, EXR, JPEG or WebP")->required();
-  add_output_options(*mip, o->job.output, o->job.report, o->job.writing);
-  add_choice(*mip, "--colours", o->job.colours, kColourEncodings,
-             "how the numbers are meant: auto (integers sRGB unless the file says otherwise, floats linear), srgb, "
-             "linear, or data (no colours: may be negative)");
-  add_choice(*mip, "-d,--data-format", o->job.encoding, kPyramidEncodings, "what is stored is rounded to");
-  add_wrap_options(*mip, *o, "periodic");
-  add_device_options(*mip, o->device, o->job.memory_bytes, o->job.force);
+  add_output_option(*mip, o->job.output);
+  add_parameter_options(*mip, o->values);
   add_common_options(*mip, o->common);
   add_decoding_option(*mip);
   mip->callback([o, exit_code] { *exit_code = run_mip(*o); });
@@ -165,40 +171,22 @@ void add_reflectance(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<ReflectanceOptions>();
   CLI::App* command = app.add_subcommand(
       "reflectance", "bake lights into a mip-mapped map over normals, which antialiases highlights on curved surfaces");
-  ReflectanceJob& job = o->job;
-  add_output_options(*command, job.output, job.report, job.writing);
-  command->add_option("--light", o->lights, "towards a distant light: x,y,z[,irradiance, grey or r,g,b]; repeatable");
-  command->add_option("--environment", job.environment,
-                      "latitude-longitude image of light from everywhere; +Y on top, -Z in the middle");
-  command->add_option("--environment-scale", job.environment_scale, "its radiance times this")->capture_default_str();
-  command->add_option("--viewer", o->viewer, "x,y,z towards the distant viewer (default: 0,0,1)");
-  command->add_option("--up", o->up, "x,y,z that is up in the map (default: 0,1,0)");
-  command->add_option("--brdf", o->brdf, "of the surface: blinn-phong:S")->capture_default_str();
-  command->add_option("--diffuse", o->diffuse, "diffuse reflectance, grey or r,g,b")->capture_default_str();
-  command->add_option("--specular", o->specular, "specular factor, grey or r,g,b")->capture_default_str();
-  command->add_option("--size", job.size, "texels a side, 4 to 8192")->capture_default_str();
-  command->add_option("--texel-samples", job.sample_side, "normals averaged along a side of a texel, 1 to 16")
-      ->capture_default_str();
-  add_choice(*command, "-d,--data-format", job.encoding, kPyramidEncodings, "what is stored is rounded to");
-  add_device_options(*command, o->device, job.memory_bytes, job.force);
+  add_output_option(*command, o->job.output);
+  add_parameter_options(*command, o->values);
   add_common_options(*command, o->common);
   add_decoding_option(*command);
   command->callback([o, exit_code] { *exit_code = run_reflectance(*o); });
 }
 
 void add_lod(CLI::App& app, int* exit_code) {
-  auto o = std::make_shared<MipOptions>();
+  auto o = std::make_shared<MipOptions>(lod_parameters());
   o->job.kind = PyramidKind::kHeight;
   o->job.encoding = StorageEncoding::kFloat;
   o->job.wrap_s = o->job.wrap_t = WrapMode::kClamp;
   CLI::App* lod = app.add_subcommand("lod", "make a level-of-detail pyramid of a height field or a grid of positions");
   lod->add_option("image", o->job.input, "heights (integers: 0 to 1), or x, y, z of a grid of points")->required();
-  add_output_options(*lod, o->job.output, o->job.report, o->job.writing);
-  add_choice(*lod, "--of", o->job.kind, kSurfaceKinds, "heights (the first channel) or positions (three channels)");
-  lod->add_option("--scale", o->job.scale, "every number times this")->capture_default_str();
-  add_choice(*lod, "-d,--data-format", o->job.encoding, kPyramidEncodings, "what is stored is rounded to");
-  add_wrap_options(*lod, *o, "clamp");
-  add_device_options(*lod, o->device, o->job.memory_bytes, o->job.force);
+  add_output_option(*lod, o->job.output);
+  add_parameter_options(*lod, o->values);
   add_common_options(*lod, o->common);
   add_decoding_option(*lod);
   lod->callback([o, exit_code] { *exit_code = run_mip(*o); });

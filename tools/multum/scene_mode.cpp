@@ -6,19 +6,19 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
+#include "host/parameters/bake_parameters.h"
 #include "host/scene/scene_bake.h"
 #include "tools/command_line/decoding_option.h"
-#include "tools/multum/map_options.h"
 
 namespace multum {
 namespace {
@@ -75,14 +75,16 @@ void check_outputs(const std::string& scene_file, const Scene& scene, const Scen
 }  // namespace
 
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene) {
-  static const std::array<std::string, 8> kOfOneMap = {"--report",       "--region",    "--onto", "--no-measure",
-                                                       "--target-error", "--budget-ms", "--brdf", "--best-effort"};
+  // What of a bake is said for all maps at once.
+  static const std::set<std::string> kOfTheScene = {"memory", "device", "scalar",  "scratch",
+                                                    "force",  "resume", "runstats"};
   for (const CLI::Option* option : bake.get_options()) {
-    if (option->count() == 0) continue;
-    const std::string name = option->get_name();
-    if (option->get_group() == kMapOptionGroup ||
-        std::find(kOfOneMap.begin(), kOfOneMap.end(), name) != kOfOneMap.end())
-      throw Error(ErrorCode::kUsage, name + " is given beside " + scene + ", which says itself how its maps are baked");
+    if (option->count() == 0 || option->get_lnames().empty()) continue;
+    std::string key = option->get_lnames().front();
+    std::replace(key.begin(), key.end(), '-', '_');
+    if (bake_parameters().find(key) != nullptr && !kOfTheScene.contains(key))
+      throw Error(ErrorCode::kUsage,
+                  option->get_name() + " is given beside " + scene + ", which says itself how its maps are baked");
   }
 }
 

@@ -10,9 +10,8 @@
 #include "host/base/machine.h"
 #include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
-#include "tools/command_line/choices.h"
 #include "tools/command_line/decoding_option.h"
-#include "tools/command_line/reading_options.h"
+#include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -21,19 +20,25 @@ namespace {
 struct TradeoffOptions {
   CommonOptions common;
   TradeoffJob job;
-  ReadingOptions reading;
-  std::optional<MapWrap> wrap;
+  ParameterValues values{bake_parameters()};
   std::optional<double> budget_ms, bake_ms_max;
-  std::string brdf = TargetBrdf().name, output, json, markdown, device;
+  std::string brdf = TargetBrdf().name, output, json, markdown;
   bool quick = false, full = false, no_pictures = false;
 };
+
+// What the map is; the sweep says how it is baked.
+std::vector<std::string> parameters_of_the_map() {
+  std::vector<std::string> names = {"device"};
+  for (const Parameter& row : bake_parameters().rows())
+    if (row.group == kSourceGroup || row.group == kMaterialGroup) names.push_back(row.name);
+  return names;
+}
 
 int run_tradeoff_command(TradeoffOptions& o) {
   TradeoffJob& job = o.job;
   job.bake.threads = job.bake.writing.threads = apply(o.common);
   keep_freed_memory();
-  apply(o.reading, job.bake.reading);
-  if (o.wrap) set_wrap_s(*o.wrap, job.bake.reading), set_wrap_t(*o.wrap, job.bake.reading);
+  apply(o.values, job.bake);
   job.brdf = parse_target_brdf(o.brdf);
   if (o.budget_ms) job.bake_seconds = *o.budget_ms / 1e3;
   if (o.bake_ms_max) job.bake_seconds_max = *o.bake_ms_max / 1e3;
@@ -46,7 +51,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   job.scratch = o.output + ".sweep";
   if (std::filesystem::exists(job.scratch))
     throw Error(ErrorCode::kEnvironment, job.scratch + ": is there already, expected no file or folder of that name");
-  Device device = Device::when_needed(DeviceChoice{o.device});
+  Device device = Device::when_needed(DeviceChoice{o.values.text("device").value_or("")});
   const auto progress = make_progress(o.common);
   const TradeoffResult result = run_tradeoff(job, device, progress.get());
   write_text_file(o.output, tradeoff_page(job, result));
@@ -98,9 +103,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command->add_option("--context", o->job.context, "GL to draw with: auto, osmesa or egl")
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
       ->capture_default_str();
-  command->add_option("--device", o->device, "OpenCL device: a number of `multum devices` or part of a name");
-  add_choice(*command, "--wrap", o->wrap, kMapWraps, "beyond the border (default: periodic)");
-  add_reading_options(*command, o->reading);
+  add_parameter_options(*command, o->values, parameters_of_the_map());
   add_decoding_option(*command, &o->job.decode);
   add_common_options(*command, o->common);
   command->callback([o, exit_code] { *exit_code = run_tradeoff_command(*o); });

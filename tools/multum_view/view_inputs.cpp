@@ -15,6 +15,7 @@
 #include "host/image/environment_file.h"
 #include "host/image/material_maps.h"
 #include "host/image/normal_map.h"
+#include "host/image/reading_parameters.h"
 #include "host/image/reading_settings.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/render/camera.h"
@@ -35,7 +36,7 @@ NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader&
         options.input, baked.provenance.source_name, baked.provenance.source_hash,
         baked.first_level > 0 ? "the finest levels, the truth and the baselines" : "the truth and the baselines"));
   }
-  apply(options.reading, settings);
+  apply_reading(options.reading, settings);
   return settings;
 }
 

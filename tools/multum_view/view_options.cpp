@@ -16,6 +16,7 @@
 #include "host/base/error.h"
 #include "host/brdf/brdf_text.h"
 #include "tools/command_line/decoding_option.h"
+#include "tools/command_line/parameter_options.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/write_image.h"
 
@@ -434,8 +435,10 @@ void add_options(CLI::App& app, ViewOptions& o, RawOptions& raw) {
       "--shaders", o.shaders,
       "of a baked map: write the shader variants that were drawn with as JSON: flags, text, and the uniforms "
       "that the driver kept");
-  app.option_defaults()->group("How --source is read (default: as the baked file says that the bake read it)");
-  add_reading_options(app, o.reading);
+  add_parameter_options(app, o.reading,
+                        {"bumpformat", "green", "signed", "unsigned", "two_channel", "height_scale", "normal_scale",
+                         "fixnan", "repair_max"},
+                        false);
   add_decoding_option(app);
 }
 

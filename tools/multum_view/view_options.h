@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "host/parameters/bake_parameters.h"
+#include "host/parameters/parameter_values.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/render/scene.h"
-#include "tools/command_line/reading_options.h"
 
 namespace multum {
 
@@ -26,12 +27,12 @@ struct ViewOptions {
   std::string gloss;            // in its place: roughness = 1 - gloss
   bool brdf_is_in_map = false;  // each texel of the file has its own roughness, whatever `scene` says
   std::string weights;          // of basis BRDFs; the same
-  ReadingOptions reading;       // how to read `source`, where it is not read as the bake read it
-  std::string mesh;             // empty: the plane
-  std::string environment;      // over latitude and longitude; empty: none
-  bool no_background = false;   // black where nothing stands, not the environment
-  std::string report;           // JSON; empty: none
-  std::string shaders;          // JSON of the variants that were drawn with; empty: none
+  ParameterValues reading{bake_parameters()};  // how to read `source`, where it is not read as the bake read it
+  std::string mesh;                            // empty: the plane
+  std::string environment;                     // over latitude and longitude; empty: none
+  bool no_background = false;                  // black where nothing stands, not the environment
+  std::string report;                          // JSON; empty: none
+  std::string shaders;                         // JSON of the variants that were drawn with; empty: none
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   gl::Scene scene;
   std::vector<Brdf> basis;  // what --brdf says, more than one: blended by the file's weights
