@@ -39,15 +39,15 @@ struct BakeOptions {
 
 void add_target_options(CLI::App& bake, BakeOptions& o) {
   CLI::Option* error = bake.add_option("--target-error", o.target_error,
-                                       "choose the cheapest settings that come so near to the truth: relative L1 of "
-                                       "levels 2 and up, 0.1 for 10 %; where "
+                                       "choose the cheapest settings that come so near to the truth: relative L1, "
+                                       "0.1 for 10 %, in the mean over levels 2 and up (a level may be worse); where "
                                        "none do, nothing is written and the exit code is 5");
   bake.add_option("--budget-ms", o.budget_ms,
                   "choose the most accurate settings that bake in so many milliseconds: reading, fitting and writing")
       ->excludes(error);
   bake.add_option("--brdf", o.brdf,
-                  "of --target-error and --budget-ms: lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA or "
-                  "a measured BRDF's file (default: blinn-phong:100)");
+                  "of --target-error and --budget-ms: lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA, "
+                  "cook-torrance:SIGMA or a measured BRDF's file (default: blinn-phong:100)");
   bake.add_flag("--best-effort", o.best_effort,
                 "of the two: write the best that was reached, too; the exit code stays 5");
   for (const char* option : {"--target-error", "--budget-ms", "--brdf", "--best-effort"})

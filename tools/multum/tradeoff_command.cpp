@@ -24,6 +24,7 @@ struct TradeoffOptions {
   ReadingOptions reading;
   std::optional<MapWrap> wrap;
   std::optional<double> budget_ms, bake_ms_max;
+  std::optional<std::string> roughness, gloss;
   std::string brdf = TargetBrdf().name, output, json, markdown, device;
   bool quick = false, full = false, no_pictures = false;
 };
@@ -35,12 +36,15 @@ int run_tradeoff_command(TradeoffOptions& o) {
   apply(o.reading, job.bake.reading);
   if (o.wrap) set_wrap_s(*o.wrap, job.bake.reading), set_wrap_t(*o.wrap, job.bake.reading);
   job.brdf = parse_target_brdf(o.brdf);
+  if (o.gloss) job.bake.roughness = *o.gloss, job.bake.roughness_is_gloss = true;
+  if (o.roughness) job.bake.roughness = *o.roughness;
+  if (job.has_roughness()) job.brdf.name = "roughness";
   if (o.budget_ms) job.bake_seconds = *o.budget_ms / 1e3;
   if (o.bake_ms_max) job.bake_seconds_max = *o.bake_ms_max / 1e3;
   job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kUsual;
   if (!o.no_pictures) job.viewer = find_viewer();
   const std::vector<std::string> outputs = {o.output, o.json, o.markdown};
-  check_paths_differ({job.bake.input}, outputs);
+  check_paths_differ(input_files(job.bake), outputs);
   for (const std::string& path : outputs)
     if (!path.empty()) check_writable(path);
   job.scratch = o.output + ".sweep";
@@ -53,8 +57,8 @@ int run_tradeoff_command(TradeoffOptions& o) {
   if (!o.json.empty()) write_text_file(o.json, tradeoff_json(job, result));
   if (!o.markdown.empty()) write_text_file(o.markdown, tradeoff_markdown(result));
   if (!o.common.quiet)
-    print_shown(stdout, "%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.rows.size(), result.seconds,
-                tradeoff_text(job, result).c_str());
+    print_shown(stdout, "%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.setting_count(),
+                result.seconds, tradeoff_text(job, result).c_str());
   const bool is_asked = job.error || job.bake_seconds || job.has_budget();
   return is_asked && !result.chosen ? exit_code(ErrorCode::kVerification) : 0;
 }
@@ -71,7 +75,8 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command->add_option("--markdown", o->markdown, "write the table here too");
   CLI::Option* error =
       command
-          ->add_option("--target-error", o->job.error, "pick the cheapest settings that come within this relative L1")
+          ->add_option("--target-error", o->job.error,
+                       "pick the cheapest settings that come within this relative L1, in the mean over levels 2 and up")
           ->check(CLI::PositiveNumber);
   command->add_option("--budget-ms", o->budget_ms, "pick the most accurate settings that bake in this time")
       ->check(CLI::PositiveNumber)
@@ -83,10 +88,20 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->transform(CLI::AsSizeValue(false));
   command->add_option("--max-frame-ms", o->job.frame_ms_max, "the same of a frame's time")->check(CLI::PositiveNumber);
   command->add_option("--max-bake-ms", o->bake_ms_max, "the same of a bake's time")->check(CLI::PositiveNumber);
-  command
-      ->add_option("--brdf", o->brdf,
-                   "lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA or a measured BRDF's file")
-      ->capture_default_str();
+  CLI::Option* brdf = command
+                          ->add_option("--brdf", o->brdf,
+                                       "lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA, "
+                                       "cook-torrance:SIGMA or a measured BRDF's file")
+                          ->capture_default_str();
+  CLI::Option* roughness =
+      command
+          ->add_option(
+              "--roughness", o->roughness,
+              "FILE or FILE:CHANNEL, perceptual roughness of the same size, baked in: takes the place of --brdf")
+          ->excludes(brdf);
+  command->add_option("--gloss", o->gloss, "the same of a gloss map: roughness = 1 - gloss")
+      ->excludes(brdf)
+      ->excludes(roughness);
   CLI::Option* quick = command->add_flag("--quick", o->quick, "a dozen bakes in the place of some forty");
   command
       ->add_flag("--full", o->full, "some sixty-five bakes: harmonics to order 20, every number of lobes fitted longer")
