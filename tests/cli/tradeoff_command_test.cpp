@@ -118,7 +118,9 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
 
 // The measured error begins at level 2: where there are pictures, which see all levels, settings are ranked by these.
 // With a roughness map both are drawn with it, and measured as "roughness".
-TEST_F(TradeoffCommandTest, RanksByPicturesWithRoughnessToo) {
+using TradeoffPictureTest = TradeoffCommandTest;  // slow: two pictures a setting
+
+TEST_F(TradeoffPictureTest, RanksByPicturesWithRoughnessToo) {
   TestImage gloss{.width = 32, .height = 32, .channels = 1, .type = OIIO::TypeDesc::UINT8};
   for (int i = 0; i < 32 * 32; ++i) gloss.values.push_back(0.4f + 0.2f * std::sin(0.3f * static_cast<float>(i)));
   write_test_image(path("map_gloss.png"), gloss);

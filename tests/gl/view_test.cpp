@@ -347,6 +347,7 @@ TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
 // An environment sees one lobe of the mean normal, of Toksvig and of LEAN: the pictures are the same, and a line says
 // so.
 TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
+  write_sky();
   const auto drawn = [&](const std::vector<std::string>& light) {
     std::vector<std::string> arguments = {"-o",       path("out.png"), "--compare", "truth,toksvig,lean,lean-jacobian",
                                           "--size",   "32x24",         "--samples", "4",
