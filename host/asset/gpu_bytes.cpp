@@ -14,6 +14,18 @@ std::uint64_t texture_bytes(const BakedHeader& header, unsigned texture_count) {
   return texels * texture_count * 4 * value_bytes;
 }
 
+constexpr std::uint64_t kBc5BlockBytes = 16, kBc4BlockBytes = 8;
+
+// Of 4 x 4 texels, of levels [0, level_end).
+std::uint64_t block_count(int width, int height, int level_end) {
+  std::uint64_t blocks = 0;
+  for (int l = 0; l < level_end; ++l) {
+    const auto across = static_cast<std::uint64_t>((mip_level_size(width, l) + 3) / 4);
+    blocks += across * static_cast<std::uint64_t>((mip_level_size(height, l) + 3) / 4);
+  }
+  return blocks;
+}
+
 }  // namespace
 
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap) {
@@ -42,14 +54,12 @@ std::uint64_t baked_gpu_bytes(const std::string& path) {
   return 0;
 }
 
+std::uint64_t finest_normals_gpu_bytes(int width, int height, int first_level) {
+  return block_count(width, height, first_level) * kBc5BlockBytes;
+}
+
 std::uint64_t usual_gpu_bytes(int width, int height) {
-  constexpr std::uint64_t kBlockBytes = 16 + 8;
-  std::uint64_t blocks = 0;
-  for (int l = 0; l < mip_level_count(width, height); ++l) {
-    const auto across = static_cast<std::uint64_t>((mip_level_size(width, l) + 3) / 4);
-    blocks += across * static_cast<std::uint64_t>((mip_level_size(height, l) + 3) / 4);
-  }
-  return blocks * kBlockBytes;
+  return block_count(width, height, mip_level_count(width, height)) * (kBc5BlockBytes + kBc4BlockBytes);
 }
 
 }  // namespace multum

@@ -24,6 +24,10 @@ std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap);
 /// Of a baked file of any representation, colours and weights with it. Throws as read_baked_header() does.
 std::uint64_t baked_gpu_bytes(const std::string& path);
 
+/// Levels finer than `first_level` of a width x height map as a BC5 normal: what renderers have beside a file that
+/// leaves these levels to the normal map.
+std::uint64_t finest_normals_gpu_bytes(int width, int height, int first_level);
+
 /// All levels of a width x height map as a BC5 normal, 16 bytes a block of 4 x 4 texels, and a BC4 roughness, 8 bytes.
 /// Blocks are whole: a level of 1 x 1 takes one as well.
 std::uint64_t usual_gpu_bytes(int width, int height);

@@ -66,6 +66,29 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   return from;
 }
 
+// Lobes that roughness has shortened are as wide for diffuse light. The shader divides the mean of c out
+// (kernels/device/ vmf_shading.clh, without_roughness), which leaves what a texel's c differs from it by: nothing where
+// roughness varies little, and of a map with polished and dull parts more than averaged normals have at fine levels
+// (docs/READING.md has the measurements).
+constexpr double kDiffuseErrorNoted = 0.02;
+constexpr int kFineLevels = 2;
+
+void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
+  if (!report.roughness) return;
+  double error = 0.0;
+  for (const AccuracyRow& row : report.accuracy)
+    if (row.level < kFineLevels && row.point == AccuracyPoint::kCentre && row.brdf.starts_with("lambert") &&
+        !row.brdf.ends_with(" coloured"))
+      error = std::max(error, row.error);
+  if (error <= kDiffuseErrorNoted) return;
+  report.roughness->warnings.push_back(fmt::format(
+      "{}: with roughness baked in, diffuse light is up to {:.3g} % off at levels 0 and 1, where averaged "
+      "normals are nearly exact, since roughness varies much over the map. Where diffuse light matters, take "
+      "it from the normal map, or bake without --{} (docs/READING.md)",
+      job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
+  log_warning(report.roughness->warnings.back());
+}
+
 }  // namespace
 
 void check_job(const BakeJob& job) {
@@ -114,6 +137,7 @@ void bake_read_source(const BakeJob& asked, const std::string& settings, const B
   report.launch_seconds = counted_since(seconds_before, device.launch_seconds());
   report.transfers = device.transfers() - transfers_before;
   report.device_bytes_peak = device.buffer_bytes_peak();
+  warn_of_diffuse_error(job, report);
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);
 }

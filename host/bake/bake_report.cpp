@@ -37,12 +37,12 @@ Json error_json(const std::vector<AccuracySummary>& summaries) {
   return list;
 }
 
-// "error, levels 2 and up: 0.12 +- 0.01 % lambert, ...": a line.
+// "error, mean over levels 2 and up, 0.12 +- 0.01 % lambert, ...": a line.
 std::string error_line(const std::vector<AccuracySummary>& summaries, int first_level) {
   std::string text;
   for (const AccuracySummary& one : summaries)
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf, error_text(one.error, one.confidence));
-  return text.empty() ? "" : fmt::format("error of levels {} and up, 95 % interval: {}\n", first_level, text);
+  return text.empty() ? "" : fmt::format("error, mean over levels {} and up, 95 % interval: {}\n", first_level, text);
 }
 
 // One line when anything was repaired, else nothing.

@@ -201,7 +201,8 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
       text +=
           fmt::format("  cheaper settings reach {} at best ({})\n", in_percent(below->reached.error), options(*below));
   }
-  text += fmt::format("  worst level {}\n", chosen.reached.worst_level);
+  text += fmt::format("  in the mean over levels 2 and up; the worst is level {} with {}\n", chosen.reached.worst_level,
+                      in_percent(chosen.reached.worst_level_error));
   return text;
 }
 

@@ -166,9 +166,10 @@ std::string manifest_summary(const ManifestOutcome& outcome) {
   std::string text = fmt::format("**{}**\n\n", markdown(manifest_verdict(outcome)));
   text += "| map | state | error | stated | allowed | seconds | bytes |\n|---|---|---:|---:|---:|---:|---:|\n";
   for (const MapResult& result : outcome.results)
-    text += fmt::format("| {} | {} | {} | {} | {} | {:.2f} | {} |\n", markdown(result.name),
-                        map_state_name(result.state), percent_or_dash(result.error), percent_or_dash(result.stated),
-                        percent_or_dash(result.allowed), result.seconds, result.bytes);
+    text +=
+        fmt::format("| {} | {} | {} | {} | {} | {:.2f} | {} |\n", markdown(result.name), map_state_name(result.state),
+                    percent_or_dash(result.error), percent_or_dash(result.stated), percent_or_dash(result.allowed),
+                    result.seconds, result.bytes > 0 ? fmt::format("{}", result.bytes) : "-");
   text += "\nErrors: relative L1, the largest over levels, points and BRDFs.\n";
   if (failure_count(outcome) > 0) text += "\n";
   for (const MapResult& result : outcome.results)

@@ -11,9 +11,12 @@
 #include "host/bake/baked_check.h"
 #include "host/bake/ndf_bake.h"
 #include "host/bake/output_state.h"
+#include "host/base/output_paths.h"
 
 namespace multum {
 namespace {
+
+namespace fs = std::filesystem;
 
 void add_reason(MapResult& result, const std::string& reason) {
   result.why += (result.why.empty() ? "" : "; ") + reason;
@@ -47,8 +50,16 @@ void note_finding(const OutputState& found, MapResult& result) {
   result.why = found.why;
 }
 
+// 0 without one.
+std::uint64_t file_bytes(const std::string& path) {
+  std::error_code none;
+  const auto bytes = fs::file_size(path, none);
+  return none ? 0 : bytes;
+}
+
 void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapResult& result) {
   BakeJob job = map.job;
+  if (const fs::path folder = fs::path(job.output).parent_path(); !folder.empty()) make_folder(folder.string());
   job.force = true;  // that it must be baked is known
   if (!map.target) {
     result.report = bake_file(job, device, progress);
@@ -65,12 +76,17 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
   if (result.report) result.error = worst_error(result.report->accuracy);
 }
 
-// As far as a bake goes before it fits anything. Throws what the bake would.
+// As far as a bake goes before it fits anything. Throws what the bake would. A folder that the bake would make is stood
+// in for by the nearest one above it.
 void check_can_be_baked(const ManifestMap& map, Progress* progress) {
-  if (map.target) check_target(*map.target, map.job);
-  check_job(map.job);
-  const BakeSource source = read_bake_source(map.job, MapReadings::kFew, progress);
-  ndf_bake(map.job.representation).check_map(map.job, source.map.normals.width(), source.map.normals.height());
+  BakeJob job = map.job;
+  fs::path folder = fs::absolute(fs::path(job.output)).parent_path();
+  while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
+  job.output = (folder / fs::path(job.output).filename()).string();
+  if (map.target) check_target(*map.target, job);
+  check_job(job);
+  const BakeSource source = read_bake_source(job, MapReadings::kFew, progress);
+  ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
 }
 
 // A map that is missing since its bake is refused is not told to be missing alone: that could be mended by a bake.
@@ -124,9 +140,7 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
     else if (settings.check && result.report) add_reason(result, "baked now");
   }
   hold_to_allowed(result);
-  std::error_code none;
-  const auto bytes = std::filesystem::file_size(map.job.output, none);
-  result.bytes = none ? 0 : bytes;
+  result.bytes = file_bytes(map.job.output);
   return result;
 }
 
@@ -136,6 +150,7 @@ MapResult failed_map(const ManifestMap& map, const Error& error) {
   result.state = MapState::kFailed;
   result.why = error.what();
   result.allowed = map.error_max;
+  result.bytes = file_bytes(map.job.output);
   // A setting that does not fit its map is the manifest's, and that is a file, not the command line.
   result.failure = error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code();
   return result;

@@ -93,7 +93,7 @@ ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const 
     const std::size_t space = name.find(' ');
     const std::string shading = space == std::string::npos ? "" : name.substr(space + 1);
     if (name.substr(0, space) != brdf.name || (best && !(one.error < best->error))) continue;
-    best = {one.error, one.confidence, one.worst_level, shading};
+    best = {one.error, one.confidence, one.worst_level, one.worst_level_error, shading};
   }
   MULTUM_CHECK(best.has_value());
   return *best;

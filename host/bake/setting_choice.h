@@ -42,11 +42,13 @@ struct TargetBrdf {
 /// As parse_brdf() reads it; the highlight alone counts. Throws Error(kUsage) naming `option`, Error(kInput).
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
-/// The least error of `brdf` among the ways to shade a file; with colours where the file has them.
+/// The least error of `brdf`, in the mean over levels, among the ways to shade a file; with colours where the file has
+/// them.
 struct ReachedError {
   double error = 0.0;
   double confidence = 0.0;  // half width of the 95 % interval
   int worst_level = 0;
+  double worst_level_error = 0.0;
   std::string shading;  // "lean", of moments; else empty
 
   /// Below `error`, its interval and all?

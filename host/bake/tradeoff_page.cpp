@@ -76,6 +76,12 @@ std::string millis(double seconds) { return fmt::format("{:.0f}", 1e3 * seconds)
 constexpr double kMiB = 1 << 20;
 std::string mebi(std::uint64_t bytes) { return fmt::format("{:.2f}", static_cast<double>(bytes) / kMiB); }
 
+// "12.3 +- 0.1 %, 14.1 % in its picture".
+std::string errors_text(const TradeoffRow& row) {
+  return error_text(row.reached.error, row.reached.confidence) +
+         (row.rendered < 0.0 ? "" : fmt::format(", {} % in its picture", percent(row.rendered)));
+}
+
 // "33 MiB on the GPU, 20 ms a frame": the budgets that are set.
 std::string budgets_text(const TradeoffJob& job) {
   std::vector<std::string> parts;
@@ -86,11 +92,10 @@ std::string budgets_text(const TradeoffJob& job) {
 }
 
 std::string fitting_text(const TradeoffResult& result) {
-  const auto measured = [](const TradeoffRow& row) { return row.is_measured; };
   return fmt::format("{} of {} settings",
                      std::count_if(result.rows.begin(), result.rows.end(),
                                    [](const TradeoffRow& row) { return row.is_measured && row.fits; }),
-                     std::count_if(result.rows.begin(), result.rows.end(), measured));
+                     result.setting_count());
 }
 
 bool is_asked(const TradeoffJob& job) { return job.error || job.bake_seconds || job.has_budget(); }
@@ -112,6 +117,9 @@ std::string bake_command(const TradeoffJob& job, const TradeoffRow& row) {
   const std::string name = map_name(job), stem = std::filesystem::path(name).stem().string();
   std::string command =
       fmt::format("multum bake {} {} -o {}", shell_word(name), row.options, shell_word(stem + ".ndf.exr"));
+  if (job.has_roughness())
+    command += std::string(job.bake.roughness_is_gloss ? " --gloss " : " --roughness ") +
+               shell_word(std::filesystem::path(job.bake.roughness).filename().string());
   // What the map was read with, where that was said.
   if (job.bake.reading.green) command += *job.bake.reading.green == GreenAxis::kUp ? " --green up" : " --green down";
   if (!row.view.empty())
@@ -195,10 +203,12 @@ class TradeoffPage {
 
   std::string summary() const {
     std::string html = fmt::format(
-        "<p>{} ways to bake and draw <b>{}</b>, {} &times; {} texels, measured for {} on {}{}. Errors are relative L1, "
-        "in %, of mip levels 2 and up.</p>\n",
-        result_.rows.size(), html_escaped(map_name(job_)), result_.width, result_.height, html_escaped(job_.brdf.name),
-        html_escaped(result_.device), result_.renderer.empty() ? "" : ", drawn by " + html_escaped(result_.renderer));
+        "<p>{} settings for <b>{}</b>, {} &times; {} texels, measured for {} on {}{}. Errors are relative L1, "
+        "in %, in the mean over mip levels 2 and up{}.</p>\n",
+        result_.setting_count(), html_escaped(map_name(job_)), result_.width, result_.height,
+        html_escaped(job_.brdf.name), html_escaped(result_.device),
+        result_.renderer.empty() ? "" : ", drawn by " + html_escaped(result_.renderer),
+        result_.renderer.empty() ? "" : "; settings are ranked by the error of their pictures, which see all levels");
     if (job_.has_budget())
       html += fmt::format("<p>Budget: {}. {} keep to it; the others are struck out.</p>\n", budgets_text(job_),
                           fitting_text(result_));
@@ -210,11 +220,12 @@ class TradeoffPage {
     if (!result_.chosen) return html + fmt::format("<p><b>No settings reach {}.</b></p>\n", asked);
     const TradeoffRow& row = result_.rows[*result_.chosen];
     return html + fmt::format(
-                      "<h2>For {}</h2>\n<p>{} in {} ms, {} MiB on the GPU: the {} settings that meet this.</p>\n"
+                      "<h2>For {}</h2>\n<p>{} (mean over levels; the worst is level {} with {} %) in {} ms, {} MiB on "
+                      "the GPU: the {} settings that meet this.</p>\n"
                       "<pre>{}</pre>\n",
-                      asked, html_escaped(error_text(row.reached.error, row.reached.confidence)),
-                      millis(row.bake_seconds), mebi(row.gpu_bytes), job_.error ? "cheapest" : "most accurate",
-                      html_escaped(bake_command(job_, row)));
+                      asked, html_escaped(errors_text(row)), row.reached.worst_level,
+                      percent(row.reached.worst_level_error), millis(row.bake_seconds), mebi(row.gpu_bytes),
+                      job_.error ? "cheapest" : "most accurate", html_escaped(bake_command(job_, row)));
   }
 
   std::string shape_of(const std::string& group) const {
@@ -253,7 +264,7 @@ class TradeoffPage {
   std::string plot(const Cost& cost) const {
     std::vector<const TradeoffRow*> rows;
     for (const TradeoffRow& row : result_.rows)
-      if (row.is_measured && cost.of(row) > 0.0 && row.reached.error > 0.0) rows.push_back(&row);
+      if (row.is_measured && cost.of(row) > 0.0 && row.ranked_error() > 0.0) rows.push_back(&row);
     if (rows.empty()) return "";
     std::sort(rows.begin(), rows.end(),
               [&](const TradeoffRow* a, const TradeoffRow* b) { return cost.of(*a) < cost.of(*b); });
@@ -261,7 +272,7 @@ class TradeoffPage {
     double x_low = HUGE_VAL, x_high = 0.0, y_low = HUGE_VAL, y_high = 0.0;
     for (const TradeoffRow* row : rows) {
       x_low = std::min(x_low, cost.of(*row) / 1.2), x_high = std::max(x_high, cost.of(*row) * 1.2);
-      y_low = std::min(y_low, row->reached.error / 1.15), y_high = std::max(y_high, row->reached.error * 1.15);
+      y_low = std::min(y_low, row->ranked_error() / 1.15), y_high = std::max(y_high, row->ranked_error() * 1.15);
     }
     const auto place = [](double value, double low, double high) {
       return (std::log(value) - std::log(low)) / (std::log(high) - std::log(low));
@@ -294,14 +305,14 @@ class TradeoffPage {
     for (const TradeoffRow* row : rows) {
       if (!(row->*cost.front)) continue;
       if (!line.empty()) line += fmt::format(" {:.1f},{:.1f}", x(cost.of(*row)), last_y);
-      last_y = y(row->reached.error);
+      last_y = y(row->ranked_error());
       line += fmt::format(" {:.1f},{:.1f}", x(cost.of(*row)), last_y);
     }
     svg += fmt::format("<polyline class=\"front\" points=\"{}\"/>", line);
     for (const TradeoffRow* row : rows)
-      svg += mark(shape_of(row->group), x(cost.of(*row)), y(row->reached.error),
+      svg += mark(shape_of(row->group), x(cost.of(*row)), y(row->ranked_error()),
                   std::string(row->*cost.front ? "mark onfront" : "mark") + (row->fits ? "" : " over"),
-                  html_escaped(fmt::format("{}: {} %, {:.4g} {}", name_of(*row), percent(row->reached.error),
+                  html_escaped(fmt::format("{}: {} %, {:.4g} {}", name_of(*row), percent(row->ranked_error()),
                                            cost.of(*row), cost.axis)));
     return svg + "</svg></figure>\n";
   }
@@ -314,16 +325,16 @@ class TradeoffPage {
     for (const TradeoffRow& row : result_.rows)
       if (row.on_time_front || row.on_size_front || row.on_frame_front) rows.push_back(&row);
     std::sort(rows.begin(), rows.end(),
-              [](const auto* a, const auto* b) { return a->reached.error < b->reached.error; });
+              [](const auto* a, const auto* b) { return a->ranked_error() < b->ranked_error(); });
     for (const TradeoffRow* row : rows) {
       std::string fronts_text;
       for (const Cost& cost : costs())
         if (row->*cost.front) fronts_text += (fronts_text.empty() ? "" : ", ") + std::string(cost.title);
       html += fmt::format(
-          "<p class=\"soft\"><b>{} %</b> &plusmn; {}; {} ms to bake, {} MiB on the GPU{}; front of: {}{}</p>\n"
+          "<p class=\"soft\"><b>{}</b>; {} ms to bake, {} MiB on the GPU{}; front of: {}{}</p>\n"
           "<pre>{}</pre>\n",
-          percent(row->reached.error), percent(row->reached.confidence), millis(row->bake_seconds),
-          mebi(row->gpu_bytes), row->frame_ms < 0.0 ? "" : fmt::format(", {:.1f} ms a frame", row->frame_ms),
+          html_escaped(errors_text(*row)), millis(row->bake_seconds), mebi(row->gpu_bytes),
+          row->frame_ms < 0.0 ? "" : fmt::format(", {:.1f} ms a frame", row->frame_ms),
           fronts_text + (row->fits ? "" : "; beyond the budget"), warnings_html(*row),
           html_escaped(bake_command(job_, *row)));
     }
@@ -416,7 +427,7 @@ class TradeoffPage {
         "and y, levels 2 and up, each level weighing the same. &plusmn;: 95 % interval over the texels that were "
         "looked at, at most about 2048 a level (stratified standard error of a ratio, Cochran 1977).</li>\n<li>Memory: "
         "of the baked file's textures. With --first-level the finest levels are the normal map's, which a renderer has "
-        "beside them: a byte a texel as BC5, and not counted here.</li>\n<li>Bake "
+        "beside them: they are counted as BC5, a byte a texel.</li>\n<li>Bake "
         "time: fitting or averaging, rounding and writing, without reading and measuring, once each. Frame time: one "
         "picture of {} &times; {} pixels, the quicker of two. Times are this machine's and move with what else it "
         "does.</li>\n<li>The "
@@ -457,12 +468,14 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) 
                                   {"bake_seconds", row.bake_seconds},
                                   {"file_bytes", row.file_bytes},
                                   {"gpu_bytes", row.gpu_bytes}};
+    if (row.normals_bytes > 0) one["normal_map_bytes"] = row.normals_bytes;
     if (job.has_budget()) one["fits"] = row.fits;
     if (!row.warnings.empty()) one["warnings"] = row.warnings;
     if (row.has_error)
       one.update({{"relative_l1", row.reached.error},
                   {"confidence_95", row.reached.confidence},
-                  {"worst_level", row.reached.worst_level}});
+                  {"worst_level", row.reached.worst_level},
+                  {"worst_level_relative_l1", row.reached.worst_level_error}});
     if (row.is_measured)
       one.update(
           {{"centre", row.centre},
@@ -497,14 +510,16 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   std::string text = "on a front of error against bake time, memory or frame time:\n";
   for (const TradeoffRow& row : result.rows) {
     if ((!row.on_time_front && !row.on_size_front && !row.on_frame_front) || !row.fits) continue;
-    text +=
-        fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", error_text(row.reached.error, row.reached.confidence),
-                    millis(row.bake_seconds), mebi(row.gpu_bytes),
-                    row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms a frame", row.frame_ms), row.options, row.view);
+    text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake_seconds),
+                        mebi(row.gpu_bytes), row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms a frame", row.frame_ms),
+                        row.options, row.view);
   }
   if (job.has_budget()) text += fmt::format("within {}: {}\n", budgets_text(job), fitting_text(result));
-  if (is_asked(job))
-    text += result.chosen ? "chosen: " + result.rows[*result.chosen].options + "\n" : "no settings meet this\n";
+  if (!is_asked(job)) return text;
+  if (!result.chosen) return text + "no settings meet this\n";
+  const TradeoffRow& chosen = result.rows[*result.chosen];
+  text += fmt::format("chosen: {}; mean over levels 2 and up, the worst is level {} with {} %\n", chosen.options,
+                      chosen.reached.worst_level, percent(chosen.reached.worst_level_error));
   return text;
 }
 

@@ -67,12 +67,14 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
 }
 
 // The default's bake is drawn by every formula and every sum of terms.
-SweptBake usual_bake(const TargetBrdf& brdf, SweepLength length) {
+SweptBake usual_bake(const TradeoffJob& job) {
+  const TargetBrdf& brdf = job.brdf;
   SweptBake usual = changed("lobes", {});
-  if (length == SweepLength::kQuick) return usual;
+  if (job.length == SweepLength::kQuick) return usual;
+  usual.views.push_back({"shading formula", "--shade-first", "", false});
+  if (job.has_roughness()) return usual;  // the BRDF is the map's, and its formula the product's
   if (brdf.brdf.kind == BrdfKind::kBlinnPhong) usual.views.push_back({"shading formula", "--formula paper", "", false});
   if (brdf.has_highlight()) add_term_views(brdf, usual.views);
-  usual.views.push_back({"shading formula", "--shade-first", "", false});
   return usual;
 }
 
@@ -123,12 +125,13 @@ void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
   }
 }
 
-std::vector<SweptBake> make_sweep(const TargetBrdf& brdf, SweepLength length) {
+std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
+  const SweepLength length = job.length;
   std::vector<SweptBake> sweep;
   for (const int count :
        length == SweepLength::kQuick ? std::vector<int>{1, 2, 4, 6} : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    sweep.push_back(count == kUsualLobes ? usual_bake(brdf, length) : changed("lobes", {{"lobes", count}}));
-  add_representations(brdf, length, sweep);
+    sweep.push_back(count == kUsualLobes ? usual_bake(job) : changed("lobes", {{"lobes", count}}));
+  add_representations(job.brdf, length, sweep);
   add_changes(length, sweep);
   return sweep;
 }
@@ -181,7 +184,7 @@ class Sweep {
     result_.width = source.map.normals.width();
     result_.height = source.map.normals.height();
     // Levels that a map has not got cannot be its first.
-    std::vector<SweptBake> sweep = make_sweep(job_.brdf, job_.length);
+    std::vector<SweptBake> sweep = make_sweep(job_);
     const int level_count = static_cast<int>(std::log2(std::max(result_.width, result_.height)));
     std::erase_if(sweep,
                   [&](const SweptBake& one) { return one.values.integer("first_level").value_or(0) > level_count; });
@@ -206,7 +209,7 @@ class Sweep {
     bake.output = scratch_ / "swept.ndf.exr";
     bake.report.clear();
     bake.force = true;
-    bake.highlights = job_.brdf.more_highlights();
+    if (!job_.has_roughness()) bake.highlights = job_.brdf.more_highlights();
     for (const View& view : swept.views)
       if (view.highlight) bake.highlights.push_back(*view.highlight);
     Progress quiet = cancel_only(progress_);
@@ -224,7 +227,8 @@ class Sweep {
       row.is_measured = view.is_measured;
       row.bake_seconds = report.bake_seconds();
       row.file_bytes = std::filesystem::file_size(bake.output);
-      row.gpu_bytes = baked_gpu_bytes(bake.output);
+      row.normals_bytes = finest_normals_gpu_bytes(result_.width, result_.height, bake.fitting.first_level);
+      row.gpu_bytes = baked_gpu_bytes(bake.output) + row.normals_bytes;
       row.warnings = warnings;
       if (view.is_measured) add_errors(report, view, row);
       if (view.highlight) add_errors_of(report, *view.highlight, row);
@@ -292,10 +296,13 @@ class Sweep {
                                         "-o",        scratch_ / "sheet.png",
                                         "--report",  scratch_ / "view.json",
                                         "--source",  job_.bake.input,
-                                        "--brdf",    view.brdf.empty() ? job_.brdf.text : view.brdf,
                                         "--context", job_.context,
                                         "--decode",  job_.decode,
                                         "--size",    fmt::format("{}x{}", job_.width, job_.height)};
+    const std::string& brdf = view.brdf.empty() ? job_.brdf.text : view.brdf;
+    if (job_.has_roughness())
+      command.insert(command.end(), {job_.bake.roughness_is_gloss ? "--gloss" : "--roughness", job_.bake.roughness});
+    else command.insert(command.end(), {"--brdf", brdf});
     command.insert(command.end(), more.begin(), more.end());
     std::stringstream words(view.arguments);
     for (std::string word; words >> word;) command.push_back(word);
@@ -309,8 +316,8 @@ class Sweep {
       if (!row.is_measured || cost(row) < 0.0) continue;
       row.*flag = std::none_of(result_.rows.begin(), result_.rows.end(), [&](const TradeoffRow& other) {
         return other.is_measured && cost(other) >= 0.0 && cost(other) <= cost(row) &&
-               other.reached.error <= row.reached.error &&
-               (cost(other) < cost(row) || other.reached.error < row.reached.error);
+               other.ranked_error() <= row.ranked_error() &&
+               (cost(other) < cost(row) || other.ranked_error() < row.ranked_error());
       });
     }
   }
@@ -340,7 +347,7 @@ class Sweep {
       if (!fits) continue;
       const auto rank = [&](const TradeoffRow& one) {
         return job_.error ? std::pair(static_cast<double>(one.gpu_bytes), one.bake_seconds)
-                          : std::pair(one.reached.error, one.bake_seconds);
+                          : std::pair(one.ranked_error(), one.bake_seconds);
       };
       if (!result_.chosen || rank(row) < rank(result_.rows[*result_.chosen])) result_.chosen = i;
     }
@@ -354,6 +361,11 @@ class Sweep {
 };
 
 }  // namespace
+
+std::size_t TradeoffResult::setting_count() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const TradeoffRow& row) { return row.is_measured; }));
+}
 
 TradeoffResult run_tradeoff(const TradeoffJob& job, Device& device, Progress* progress) {
   if (job.error && job.bake_seconds) throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected one");

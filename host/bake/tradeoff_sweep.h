@@ -13,8 +13,8 @@ namespace multum {
 enum class SweepLength { kQuick, kUsual, kFull };
 
 struct TradeoffJob {
-  BakeJob bake;  // its input and how to read it; settings that are swept do not count
-  TargetBrdf brdf;
+  BakeJob bake;     // its input, roughness and how to read them; settings that are swept do not count
+  TargetBrdf brdf;  // "roughness" with a roughness map
   SweepLength length = SweepLength::kUsual;
   std::string viewer;             // multum-view; empty: nothing is drawn
   std::string context = "auto";   // of multum-view
@@ -29,6 +29,7 @@ struct TradeoffJob {
   std::optional<double> frame_ms_max;      // needs a viewer
   std::optional<double> bake_seconds_max;
 
+  bool has_roughness() const { return !bake.roughness.empty(); }
   bool has_budget() const { return bytes_max || frame_ms_max || bake_seconds_max; }
 };
 
@@ -42,9 +43,14 @@ struct TradeoffRow {
   ReachedError reached;                 // centres and midway together, with its interval
   std::vector<AccuracySummary> errors;  // the same of every BRDF that bakes measure, as it is drawn here
   double rendered = -1.0;               // of the picture, against one of the same filter's truth; < 0: not drawn
-  double bake_seconds = 0.0;            // fitting or averaging, and writing; reading is the same for all
-  double frame_ms = -1.0;               // < 0: not drawn
-  std::uint64_t file_bytes = 0, gpu_bytes = 0;
+  /// What rows are ranked by: `reached` does not see levels 0 and 1, and so not what --first-level leaves to the normal
+  /// map; pictures do.
+  double ranked_error() const { return rendered >= 0.0 ? rendered : reached.error; }
+  double bake_seconds = 0.0;  // fitting or averaging, and writing; reading is the same for all
+  double frame_ms = -1.0;     // < 0: not drawn
+  std::uint64_t file_bytes = 0;
+  std::uint64_t normals_bytes = 0;    // on the GPU, of the normal map that has the levels finer than the file's first
+  std::uint64_t gpu_bytes = 0;        // with these
   std::string picture;                // PNG bytes; empty: not drawn
   bool is_measured = true;            // false: another BRDF, or a formula that only the renderer has
   bool has_error = false;             // is `reached` known? Of a row that is not measured: the error of its own BRDF
@@ -61,6 +67,9 @@ struct TradeoffResult {
   int width = 0, height = 0;          // of the map
   std::optional<std::size_t> chosen;  // the row for the job's error, time or budgets
   double seconds = 0.0;
+
+  /// Rows whose error for the job's BRDF is measured: those that are ranked and chosen from.
+  std::size_t setting_count() const;
 };
 
 /// Throws Error, Cancelled; TradeoffJob::scratch is gone after, whatever happens. Progress: a unit a row.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -160,22 +161,31 @@ std::string suggested_scale(const RawImageInfo& info, double slope_rms, bool is_
   return text;
 }
 
+constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // surfaces that a bake is for: 3 to 79 degrees
+
+bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlopeMax; }
+
 // A height's scale is not in the file, and a grey image may be none: both show in the slopes.
 void warn_of_doubts(NormalMapReport& report, const RawImageInfo& info, double slope_rms,
                     const NormalMapSettings& settings) {
-  constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // surfaces that a bake is for: 3 to 79 degrees
-  const bool is_slope_odd = slope_rms < kSlopeMin || slope_rms > kSlopeMax;
+  const bool is_scale_said = settings.height_scale != 1.0f;  // nobody says the default
   std::string text;
   if (settings.bump_format == BumpFormat::kAuto)
     text = fmt::format(
         "a grey image, taken for a height field at --height-scale {:g} (--bumpformat height says that "
         "it is one)",
         settings.height_scale);
-  if (is_slope_odd)
-    text += fmt::format("{}its rms slope {:.3g} is too {}, expected {:g} to {:g}: --height-scale {:g} may be wrong",
-                        text.empty() ? "" : "; ", slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin,
-                        kSlopeMax, settings.height_scale);
-  const std::string suggestion = suggested_scale(info, slope_rms, is_slope_odd, settings);
+  if (!text.empty() && is_odd(slope_rms)) text += "; ";
+  if (slope_rms > kSlopeMax && !is_scale_said)
+    text += fmt::format(
+        "no --height-scale is given, so heights are taken in texels, which is almost certainly wrong: the surface "
+        "would be {:.1f} degrees steep (rms slope {:.3g} is too steep, expected {:g} to {:g})",
+        std::atan(slope_rms) * 180.0 / std::numbers::pi, slope_rms, kSlopeMin, kSlopeMax);
+  else if (is_odd(slope_rms))
+    text +=
+        fmt::format("its rms slope {:.3g} is too {}, expected {:g} to {:g}: --height-scale {:g} may be wrong",
+                    slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin, kSlopeMax, settings.height_scale);
+  const std::string suggestion = suggested_scale(info, slope_rms, is_odd(slope_rms), settings);
   if (text.empty() && !suggestion.empty())
     text = fmt::format("--height-scale {:g} may be wrong", settings.height_scale);
   text += suggestion;
@@ -242,7 +252,8 @@ NormalMapRows normals_from_heights(const std::string& path, const RawImage& imag
   warn_of_doubts(map.report, image.info(), slope_rms, settings);
   map.report.nonfinite_repaired = nonfinite_count;
   map.report.below_horizon_repaired = total.lifted;
-  check_repair_share(path, map, settings);
+  // Slopes beyond the horizon are most often a matter of the scale.
+  check_repair_share(path, map, settings, suggested_scale(image.info(), slope_rms, is_odd(slope_rms), settings));
   return map;
 }
 

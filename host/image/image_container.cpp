@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -185,6 +186,8 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
   container.texel_metres = tiff.texel_metres;
 }
 
+constexpr std::size_t kHeadBytes = 16;  // enough to know any of the formats
+
 std::string format_of(std::string_view head) {
   using namespace std::string_view_literals;
   if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return "png";
@@ -205,11 +208,18 @@ void check_image_size(const std::string& path, std::int64_t width, std::int64_t 
     refuse_file(path, fmt::format("found {} x {} texels, expected at most {} in all", width, height, texel_count_max));
 }
 
+std::string image_format(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kHeadBytes> head{};
+  file.read(head.data(), head.size());
+  return format_of({head.data(), static_cast<std::size_t>(file.gcount())});
+}
+
 ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max) {
   ByteFile file(path);
   ImageContainer container;
   container.file_size = file.size();
-  const std::string head = file.bytes(0, std::min<std::int64_t>(16, file.size()), "the first bytes");
+  const std::string head = file.bytes(0, std::min<std::int64_t>(kHeadBytes, file.size()), "the first bytes");
   container.format = format_of(head);
   if (container.format.empty())
     refuse_file(path, fmt::format("found an unknown format ({} bytes), expected PNG, JPEG, WebP, TIFF or OpenEXR",

@@ -28,6 +28,9 @@ struct ImageContainer {
   std::vector<ByteRange> byte_words = {};  // TIFF: 16-bit words v * 256 of a colour map, meant as v * 257
 };
 
+/// ImageContainer::format by the first bytes alone; empty: of none of these formats, or not there.
+std::string image_format(const std::string& path);
+
 /// Throws Error(kInput) when the file is missing, of another format, cut, or declares a size that is not within
 /// 1..texel_count_max texels or that its bytes cannot hold.
 ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max);

@@ -140,6 +140,81 @@ struct RoughnessSums {
   }
 };
 
+// The words of a file's name in lower case: parted by what is no letter, and before capitals that follow small letters.
+std::vector<std::string> words_of_name(const std::string& path) {
+  std::vector<std::string> words(1);
+  bool was_lower = false;
+  for (const char c : std::filesystem::path(path).stem().string()) {
+    const bool is_upper = c >= 'A' && c <= 'Z', is_lower = c >= 'a' && c <= 'z';
+    if ((!is_upper && !is_lower) || (is_upper && was_lower)) words.emplace_back();
+    if (is_upper || is_lower) words.back() += static_cast<char>(is_upper ? c - 'A' + 'a' : c);
+    was_lower = is_lower;
+  }
+  std::erase_if(words, [](const std::string& word) { return word.empty(); });
+  return words;
+}
+
+// Single letters, as in "floor_s.png", count at the end alone; so does metal, which is a material too.
+NamedMap map_of_word(const std::string& word, bool is_last) {
+  struct Word {
+    const char* text;
+    NamedMap map;
+  };
+  static constexpr Word kWords[] = {{"rough", NamedMap::kRoughness},    {"roughness", NamedMap::kRoughness},
+                                    {"gloss", NamedMap::kGloss},        {"glossiness", NamedMap::kGloss},
+                                    {"smoothness", NamedMap::kGloss},   {"spec", NamedMap::kSpecular},
+                                    {"specular", NamedMap::kSpecular},  {"specularity", NamedMap::kSpecular},
+                                    {"metallic", NamedMap::kMetalness}, {"metalness", NamedMap::kMetalness}};
+  static constexpr Word kLastWords[] = {{"r", NamedMap::kRoughness},
+                                        {"metal", NamedMap::kMetalness},
+                                        {"g", NamedMap::kGloss},
+                                        {"s", NamedMap::kSpecular},
+                                        {"m", NamedMap::kMetalness}};
+  constexpr std::size_t kLong = 8;  // letters of a word that is told at another's end: "metallicroughness"
+  for (const Word& one : kWords) {
+    const std::string_view text = one.text;
+    if (word == text || word == std::string(text) + "map" || (text.size() >= kLong && word.ends_with(text)))
+      return one.map;
+  }
+  for (const Word& one : kLastWords)
+    if (is_last && word == one.text) return one.map;
+  return NamedMap::kUnknown;
+}
+
+const char* name_of(NamedMap map) {
+  switch (map) {
+    case NamedMap::kRoughness: return "roughness";
+    case NamedMap::kGloss: return "gloss";
+    case NamedMap::kSpecular: return "specular";
+    case NamedMap::kMetalness: return "metalness";
+    case NamedMap::kUnknown: break;
+  }
+  return "";
+}
+
+// Name and numbers together: what a name says is no proof, and neither are numbers.
+void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
+  const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
+  const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;
+  // A channel that was named may well be another thing than the file: gloss in the alpha of a specular map.
+  if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
+    report.warnings.push_back(fmt::format(
+        "{}: its name says {} map, but it was given as --{}: {}", file.path, name_of(named), name_of(taken),
+        is_opposite ? fmt::format("--{} reads it the other way round", name_of(named)) : "is it what was meant?"));
+    return;  // one doubt is enough
+  }
+  if (report.share_mirror > (named == taken ? kMirrorShareMaxNamed : kMirrorShareMax))
+    report.warnings.push_back(fmt::format(
+        "{}: {:.0f} % of the texels are mirrors (perceptual roughness below {:g}), where real roughness maps have next "
+        "to none: is it a specular{} map?",
+        file.path, 100.0 * report.share_mirror, kMirrorRoughness, file.is_gloss ? " or roughness" : " or gloss"));
+  if (file.is_gloss && report.share_one > kDullShareMax)
+    report.warnings.push_back(
+        fmt::format("{}: {:.0f} % of the texels have no gloss at all (roughness 1), where real gloss maps have next to "
+                    "none: is it a specular map?",
+                    file.path, 100.0 * report.share_one));
+}
+
 RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSums>& rows, double count) {
   RoughnessSums sums;
   for (const RoughnessSums& row : rows) sums.add(row);
@@ -151,11 +226,7 @@ RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSu
   report.share_zero = static_cast<double>(sums.zeros) / count;
   report.share_one = static_cast<double>(sums.ones) / count;
   report.share_mirror = static_cast<double>(sums.mirrors) / count;
-  if (report.share_mirror > kMirrorShareMax)
-    report.warnings.push_back(fmt::format(
-        "{}: {:.0f} % of the texels are mirrors (perceptual roughness below {:g}), where real roughness maps have next "
-        "to none: is it a specular{} map?",
-        file.path, 100.0 * report.share_mirror, kMirrorRoughness, file.is_gloss ? " or roughness" : " or gloss"));
+  warn_of_doubts(file, report);
   const double correlation = sums.colour_correlation(count);
   if (sums.difference / count > kColourDifferenceMin && correlation > kColourCorrelationMin)
     report.warnings.push_back(fmt::format(
@@ -170,6 +241,18 @@ RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSu
 double mean_cosine_of_roughness(double roughness) {
   const double alpha = roughness * roughness;
   return 1.0 - 0.5 * alpha * alpha;
+}
+
+NamedMap map_by_name(const std::string& path) {
+  const std::vector<std::string> words = words_of_name(path);
+  NamedMap found = NamedMap::kUnknown;
+  for (std::size_t i = words.size(); i-- > 0;) {
+    const NamedMap map = map_of_word(words[i], i + 1 == words.size());
+    if (map == NamedMap::kUnknown) continue;
+    if (map != NamedMap::kMetalness) return map;
+    found = map;
+  }
+  return found;
 }
 
 ChannelFile parse_channel_file(const std::string& text) {

@@ -154,7 +154,8 @@ void check_unused_share(const std::string& path, NormalMapRows& map, const Norma
 
 }  // namespace
 
-void check_repair_share(const std::string& path, const NormalMapRows& map, const NormalMapSettings& settings) {
+void check_repair_share(const std::string& path, const NormalMapRows& map, const NormalMapSettings& settings,
+                        const std::string& hint) {
   const NormalMapReport& report = map.report;
   const std::int64_t repaired = report.nonfinite_repaired + report.zero_length_repaired + report.below_horizon_repaired;
   const auto texel_count = static_cast<double>(map.normals.width()) * map.normals.height();
@@ -164,9 +165,9 @@ void check_repair_share(const std::string& path, const NormalMapRows& map, const
       ErrorCode::kInput,
       fmt::format(
           "{}: {} of {:.0f} texels ({:.2f} %) hold no usable normal: {} not finite, {} of zero length, {} below "
-          "the horizon; expected at most {:.2f} % (raise --repair-max to repair them all the same)",
+          "the horizon; expected at most {:.2f} % (raise --repair-max to repair them all the same){}",
           path, repaired, texel_count, 100.0 * share, report.nonfinite_repaired, report.zero_length_repaired,
-          report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max)));
+          report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max), hint));
 }
 
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,

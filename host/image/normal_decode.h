@@ -62,8 +62,10 @@ NormalMapRows decode_normals(const std::string& path, const RawImage& image, con
                              const NormalMapSettings& settings, const ReadingPlace& place, int threads,
                              Progress* progress);
 
-/// Throws Error(kInput) with the counts when they exceed settings.repair_share_max of all texels.
-void check_repair_share(const std::string& path, const NormalMapRows& map, const NormalMapSettings& settings);
+/// Throws Error(kInput) with the counts when they exceed settings.repair_share_max of all texels; `hint` ends its
+/// message.
+void check_repair_share(const std::string& path, const NormalMapRows& map, const NormalMapSettings& settings,
+                        const std::string& hint = "");
 
 /// A normal of any length to a unit normal with z >= kHorizonZ. Returns false where z was lifted.
 inline bool normalise_above_horizon(glm::dvec3& n) {

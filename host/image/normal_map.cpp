@@ -54,27 +54,42 @@ struct Direction {
   WrapOrigin origin;
 };
 
-// The mode of one direction, `said` where it is not to be found; and what there is to say of it.
+// Nobody said that it repeats, and it does not seem to.
+bool is_doubtful(const Direction& direction, WrapMode said) {
+  return direction.step.is_seam() && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic;
+}
+
+// The mode of one direction, `said` where it is not to be found; and what was found.
 WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncoding& found) {
-  const bool is_seam = direction.step.is_seam();
-  if (direction.origin == WrapOrigin::kFound) {
-    const WrapMode mode = is_seam ? WrapMode::kClamp : WrapMode::kPeriodic;
-    found.reason += fmt::format("; {} along {}: {}", wrap_mode_name(mode), direction.name, step_text(direction.step));
-    return mode;
-  }
-  if (is_seam && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic)
-    found.warnings.push_back(
-        fmt::format("it is taken to repeat along {}, but does not seem to: {}. {} clamp ends it at "
-                    "its border, {} auto lets the map decide, {} periodic says that it repeats",
-                    direction.name, step_text(direction.step), direction.option, direction.option, direction.option));
-  return said;
+  if (direction.origin != WrapOrigin::kFound) return said;
+  const WrapMode mode = direction.step.is_seam() ? WrapMode::kClamp : WrapMode::kPeriodic;
+  found.reason += fmt::format("; {} along {}: {}", wrap_mode_name(mode), direction.name, step_text(direction.step));
+  return mode;
+}
+
+// Of one direction or of both, in one warning.
+void warn_of_seams(const std::vector<Direction>& doubtful, DetectedEncoding& found) {
+  if (doubtful.empty()) return;
+  std::string text = "it is taken to repeat, but does not seem to:";
+  for (const Direction& one : doubtful)
+    text += fmt::format("{} along {} {}", &one == &doubtful.front() ? "" : ";", one.name, step_text(one.step));
+  text +=
+      fmt::format(". {0} clamp ends it at its border, {0} auto lets the map decide, {0} periodic says that it repeats",
+                  doubtful.size() > 1 ? "--wrap" : doubtful.front().option);
+  found.warnings.push_back(text);
 }
 
 // The settings with the wrap modes that hold.
 NormalMapSettings with_wrap(NormalMapSettings settings, const RawImage& image, DetectedEncoding& found) {
   const MapSeams seams = measure_seams(image);
-  settings.wrap_s = resolved_wrap(settings.wrap_s, {"s (x)", "--swrap", seams.s, settings.wrap_s_origin}, found);
-  settings.wrap_t = resolved_wrap(settings.wrap_t, {"t (y)", "--twrap", seams.t, settings.wrap_t_origin}, found);
+  const Direction s{"s (x)", "--swrap", seams.s, settings.wrap_s_origin};
+  const Direction t{"t (y)", "--twrap", seams.t, settings.wrap_t_origin};
+  std::vector<Direction> doubtful;
+  if (is_doubtful(s, settings.wrap_s)) doubtful.push_back(s);
+  if (is_doubtful(t, settings.wrap_t)) doubtful.push_back(t);
+  warn_of_seams(doubtful, found);
+  settings.wrap_s = resolved_wrap(settings.wrap_s, s, found);
+  settings.wrap_t = resolved_wrap(settings.wrap_t, t, found);
   return settings;
 }
 

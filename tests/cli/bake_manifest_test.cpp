@@ -285,6 +285,24 @@ TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
   }
 }
 
+// Folders of outputs are made; a dry run makes none, and says that the file is missing. Of a map that failed, the bytes
+// of the file that is there are told all the same.
+TEST_F(BakeManifestCommandTest, MakesTheFoldersOfItsOutputs) {
+  write_bytes(path("maps.toml"),
+              "[[map]]\ninput = \"b_normal.png\"\ngreen = \"up\"\noutput = \"new/deep/b.ndf.exr\"\n");
+  const ProgramResult dry = bake({"--check", "--dry-run"});
+  expect_refusal(dry, kVerification, {"1 missing\n  missing  new/deep/b.ndf.exr: there is no such file\n"});
+  EXPECT_FALSE(fs::exists(path("new")));
+  EXPECT_EQ(bake().exit_code, 0);
+  const auto bytes = fs::file_size(path("new/deep/b.ndf.exr"));
+  write_bytes(path("b_normal.png"), "no picture");
+  EXPECT_EQ(bake({"--check", "--dry-run", "--summary", path("summary.md")}).exit_code, kInput);
+  expect_says(read_bytes(path("summary.md")), {fmt::format(" | {} |\n", bytes)});
+  fs::remove(path("new/deep/b.ndf.exr"));
+  EXPECT_EQ(bake({"--check", "--dry-run", "--summary", path("summary.md")}).exit_code, kInput);
+  expect_says(read_bytes(path("summary.md")), {" | - |\n"});
+}
+
 // What a target says is an assertion about the map: a failure, and no error.
 TEST_F(BakeManifestCommandTest, AMissedTargetIsAFailureOfTheReport) {
   write_manifest("target_error = 0.00001\nndf = \"moments\"\n");

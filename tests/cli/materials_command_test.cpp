@@ -211,6 +211,24 @@ TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
   EXPECT_TRUE(contains(bake_with("b.ndf.exr", {"--gloss", path("gloss.exr")}).out, "unchanged"));
 }
 
+// Diffuse light is seen through lobes that roughness has widened, by more than the mean of the map where that varies.
+TEST_F(MaterialsCommandTest, AnErrorOfDiffuseLightIsWarnedOf) {
+  const auto warned = [&](float rougher) {
+    TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT};
+    for (int i = 0; i < 64 * 64; ++i) rough.values.push_back(i % 64 < 32 ? 0.5f : rougher);
+    write_test_image(path("rough.exr"), rough);
+    const ProgramResult result =
+        bake("a.ndf.exr", {"--roughness", path("rough.exr"), "--lobes", "1", "--report", path("a.json")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto warnings = nlohmann::json::parse(read_bytes(path("a.json")))["roughness"]["warnings"];
+    if (warnings.empty()) return std::string();
+    EXPECT_TRUE(contains(result.err, "warning: " + warnings[0].get<std::string>())) << result.err;
+    return warnings[0].get<std::string>();
+  };
+  EXPECT_EQ(warned(0.5f), "");
+  expect_says(warned(1.0f), {"map_normal.png: ", "diffuse light", "levels 0 and 1", "--roughness"});
+}
+
 // No roughness, and all of it: single directions, and the widest lobes.
 TEST_F(MaterialsCommandTest, NoneAndAllOfIt) {
   for (const char* ndf : {"gmm", "sh"})

@@ -337,6 +337,12 @@ TEST_F(SceneCommandTest, PlansArePrintedAndWritten) {
   EXPECT_EQ(json("plan.json")["maps"][0]["chosen"], Json::parse(printed.out)["maps"][0]["chosen"]);
 }
 
+TEST_F(SceneCommandTest, AMapAloneIsNoScene) {
+  make_map("alone", 16);
+  expect_refusal(multum({"plan", path("alone_normal.png")}), kUsage,
+                 {"alone_normal.png: is an image", "scene.toml", "multum tradeoff "});
+}
+
 TEST_F(SceneCommandTest, ABudgetOfTimeIsKeptOrRefused) {
   SceneCase scene{.name = "quick"};
   scene.material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\nbake_ms = ";

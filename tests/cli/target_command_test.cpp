@@ -34,6 +34,18 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
     found = found || one["relative_l1"].get<double>() + one["confidence_95"].get<double>() <= 0.3;
   }
   EXPECT_TRUE(found) << report["error"];
+  // The target is a mean over levels: what the worst of them has is told beside it.
+  std::smatch worst;
+  ASSERT_TRUE(std::regex_search(met.out, worst,
+                                std::regex("mean over levels 2 and up; the worst is level (\\d+) with (\\S+) %")))
+      << met.out;
+  bool is_worst = false;
+  for (const nlohmann::json& one : report["error"])
+    is_worst =
+        is_worst ||
+        (one["brdf"].get<std::string>().starts_with("blinn-phong:100") && one["worst_level"] == std::stoi(worst[1]) &&
+         std::abs(100.0 * one["worst_level_relative_l1"].get<double>() - std::stod(worst[2])) < 0.01);
+  EXPECT_TRUE(is_worst) << met.out << report["error"];
   EXPECT_TRUE(contains(report["choice"], "chosen")) << report["choice"];
   // The file states what every other does: a second bake with the settings that it names is of the same texels.
   const std::string options = std::regex_replace(met.out, std::regex("[^]*chosen: (.*?): [0-9][^]*"), "$1");
@@ -119,7 +131,7 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
   const ProgramResult plain = bake({"--lobes", "2"});
   ASSERT_EQ(plain.exit_code, 0) << plain.err;
   EXPECT_TRUE(std::regex_search(
-      plain.out, std::regex("error of levels 2 and up, 95 % interval: blinn-phong:20 [0-9.]+ \\+- [0-9.]+ %")))
+      plain.out, std::regex("error, mean over levels 2 and up, 95 % interval: blinn-phong:20 [0-9.]+ \\+- [0-9.]+ %")))
       << plain.out;
 }
 

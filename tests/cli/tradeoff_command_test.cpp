@@ -95,6 +95,8 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   EXPECT_EQ(json["rows"].at(json["chosen"].get<std::size_t>())["relative_l1"], best);
   ASSERT_EQ(bytes.size(), 4u) << "two and four lobes, with level 0 and without";
   EXPECT_LT((bytes[{4, 1}]), (bytes[{2, 0}]));
+  // Of 32 x 32 texels, level 0 is the normal map's: 64 blocks of BC5; four lobes of the others, 8 bytes a texel each.
+  EXPECT_EQ((bytes[{4, 1}]), 64u * 16u + 4u * 8u * (256u + 64u + 16u + 4u + 1u));
   const std::string kept = fmt::format("{} of {} settings", fitting, json["rows"].size());
   expect_says(swept.out, {"within 0.03147 MiB on the GPU, 1e+07 ms of baking: " + kept, " MiB  ", "chosen: "});
   const std::string page = read_bytes(path("costs.html"));
@@ -112,6 +114,41 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   const nlohmann::json doubts = nlohmann::json::parse(read_bytes(path("costs.json")));
   for (const nlohmann::json& row : doubts["rows"]) warned += row.contains("warnings") ? 1 : 0;
   EXPECT_GT(warned, 0u) << "they are in the report";
+}
+
+// The measured error begins at level 2: where there are pictures, which see all levels, settings are ranked by these.
+// With a roughness map both are drawn with it, and measured as "roughness".
+using TradeoffPictureTest = TradeoffCommandTest;  // slow: two pictures a setting
+
+TEST_F(TradeoffPictureTest, RanksByPicturesWithRoughnessToo) {
+  TestImage gloss{.width = 32, .height = 32, .channels = 1, .type = OIIO::TypeDesc::UINT8};
+  for (int i = 0; i < 32 * 32; ++i) gloss.values.push_back(0.4f + 0.2f * std::sin(0.3f * static_cast<float>(i)));
+  write_test_image(path("map_gloss.png"), gloss);
+  const ProgramResult swept =
+      multum({"tradeoff", path("map_normal.png"), "-o", path("costs.html"), "--green", "up", "--quick", "--gloss",
+              path("map_gloss.png"), "--json", path("costs.json"), "--context", "osmesa", "--max-bytes", "1G"});
+  ASSERT_EQ(swept.exit_code, 0) << swept.err;
+  const nlohmann::json json = nlohmann::json::parse(read_bytes(path("costs.json")));
+  const nlohmann::json& rows = json["rows"];
+  EXPECT_EQ(json["brdf"], "roughness");
+  EXPECT_TRUE(contains(rows[0]["command"], " --gloss map_gloss.png")) << rows[0]["command"];
+  double best = 1e9;
+  for (const nlohmann::json& one : rows) {
+    bool is_beaten = false;
+    for (const nlohmann::json& other : rows)
+      is_beaten =
+          is_beaten ||
+          (other["gpu_bytes"] <= one["gpu_bytes"] && other["rendered_relative_l1"] <= one["rendered_relative_l1"] &&
+           (other["gpu_bytes"] < one["gpu_bytes"] || other["rendered_relative_l1"] < one["rendered_relative_l1"]));
+    EXPECT_NE(one["fronts"]["gpu_bytes"].get<bool>(), is_beaten) << one;
+    best = std::min(best, one["rendered_relative_l1"].get<double>());
+  }
+  EXPECT_EQ(rows.at(json["chosen"].get<std::size_t>())["rendered_relative_l1"], best);
+  const std::string count = fmt::format("{} settings", rows.size());
+  EXPECT_TRUE(contains(swept.out, count + " in ")) << swept.out;
+  EXPECT_TRUE(contains(read_bytes(path("costs.html")), "<p>" + count + " for ")) << "one number everywhere";
+  EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--brdf", "lambert"})).exit_code, kUsage);
+  EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--json", path("map_gloss.png")})).exit_code, kUsage);
 }
 
 TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {

@@ -344,6 +344,30 @@ TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
   EXPECT_EQ(row({"--brdf", "ggx:0.6", "--environment", path("sky.hdr"), "--environment-mode", "sh"}), "ggx");
 }
 
+// An environment sees one lobe of the mean normal, of Toksvig and of LEAN: the pictures are the same, and a line says
+// so.
+TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
+  write_sky();
+  const auto drawn = [&](const std::vector<std::string>& light) {
+    std::vector<std::string> arguments = {"-o",       path("out.png"), "--compare", "truth,toksvig,lean,lean-jacobian",
+                                          "--size",   "32x24",         "--samples", "4",
+                                          "--report", path("r.json"),  "--context", "osmesa",
+                                          "--camera", "0,10,12,0,20,0"};
+    arguments.insert(arguments.end(), light.begin(), light.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    const nlohmann::json pictures = nlohmann::json::parse(file)["pictures"];
+    const bool is_same = pictures[2]["relative_l1"] == pictures[3]["relative_l1"] &&
+                         pictures[2]["relative_l1"] == pictures[4]["relative_l1"];
+    const bool is_said = result.output.find("lean and lean-jacobian are the same as toksvig") != std::string::npos;
+    EXPECT_EQ(is_same, is_said) << pictures << result.output;
+    return is_said;
+  };
+  EXPECT_TRUE(drawn({"--environment", path("sky.hdr")}));
+  EXPECT_FALSE(drawn({"--light", "0.2,0.4,1"}));
+}
+
 TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
   const ChildResult result = view({"--animate",  path("frames"), "--frames",     "3",           "--brdf",
                                    "ggx:0.5",    "--to-brdf",    "ggx:0.1",      "--light",     "0,0.5,1",

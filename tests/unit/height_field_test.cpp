@@ -176,8 +176,25 @@ TEST(HeightField, DoubtsAreWarnedOf) {
   for (const BumpFormat format : {BumpFormat::kAuto, BumpFormat::kHeight}) {
     const std::string flat = warnings(0.01, format), steep = warnings(10.0, format);
     testing::expect_says(flat, {"flat", "0.05 to 5", "--height-scale 1"});
-    testing::expect_says(steep, {"steep", "0.05 to 5"});
+    testing::expect_says(
+        steep, {"no --height-scale is given", "84.2 degrees", "steep", "0.05 to 5", "--height-scale 0.051 would"});
   }
+}
+
+// A scale that somebody gave is doubted in other words; a refusal for too steep slopes names a scale, too.
+TEST(HeightField, ASteepScaleIsDoubtedWhoeverGaveIt) {
+  NormalMapSettings settings;
+  settings.bump_format = BumpFormat::kHeight;
+  settings.wrap_s = WrapMode::kClamp;
+  settings.height_scale = 100.0f;
+  const TestImage image = height_image(64, 8, [](int x, int) { return 0.1 * x; });
+  const std::vector<std::string> found = read_heights(image, settings).report.warnings;
+  ASSERT_EQ(found.size(), 1u);
+  testing::expect_says(found[0], {"steep", "--height-scale 100 may be wrong", "--height-scale 5.1 would"});
+  EXPECT_EQ(found[0].find("no --height-scale"), std::string::npos) << found[0];
+  settings.height_scale = 1.0f;
+  expect_error(ErrorCode::kInput, {"horizon", "; --height-scale 1.4e-05", " would make it 0.5"},
+               [&] { read_heights(height_image(64, 8, [](int x, int) { return 500.0 * x * x; }), settings); });
 }
 
 // The scale that the warning names is one of which no warning comes.

@@ -81,14 +81,14 @@ TEST(RoughnessMap, ZeroChangesNothingAndOneHalves) {
 
 // Of a map of 16 x 16 texels, each as value(i) says.
 RoughnessReport report_of(int channels, const std::function<float(int i, int c)>& value, bool is_gloss = false,
-                          const std::string& channel = "") {
+                          const std::string& channel = "", const std::string& name = "map.exr") {
   const TemporaryFolder folder;
   TestImage image{.width = 16, .height = 16, .channels = channels, .type = TypeDesc::FLOAT};
   for (int i = 0; i < 256; ++i)
     for (int c = 0; c < channels; ++c) image.values.push_back(value(i, c));
-  write_test_image(folder / "map.exr", image);
+  write_test_image(folder / name, image);
   PlaneStore normals = flat(16, 16);
-  return shorten_by_roughness(normals, {folder / "map.exr", channel, is_gloss}, {}, 2);
+  return shorten_by_roughness(normals, {folder / name, channel, is_gloss}, {}, 2);
 }
 
 TEST(RoughnessMap, SaysWhatItHolds) {
@@ -126,9 +126,52 @@ TEST(RoughnessMap, WhatSeemsToBeNoneIsWarnedOf) {
   expect_says(report_of(1, dark).warnings[0], {"map.exr: ", "75 %", "0.1", "specular"});
   EXPECT_EQ(report_of(3, dark, false, "B").warnings.size(), 1u);
   EXPECT_TRUE(report_of(1, dark, true).warnings.empty()) << "dark gloss is rough";
+  const auto black = [](int i, int) { return i % 4 == 0 ? 0.6f : 0.0f; };
+  ASSERT_EQ(report_of(1, black, true).warnings.size(), 1u);
+  expect_says(report_of(1, black, true).warnings[0], {"map.exr: ", "75 %", "no gloss", "specular"});
   // Of other channels any number will do.
   const auto broken = [&](int i, int c) { return c == 1 ? rough(i, c) : c == 0 ? NAN : -5.0f; };
   EXPECT_TRUE(report_of(3, broken).warnings.empty());
+}
+
+TEST(RoughnessMap, ANameSaysWhatTheMapIs) {
+  const std::pair<const char*, NamedMap> names[] = {{"bricks_gloss.png", NamedMap::kGloss},
+                                                    {"a/BricksRoughness2K.png", NamedMap::kRoughness},
+                                                    {"rough_wood_gloss_1k.png", NamedMap::kGloss},
+                                                    {"floor_s.png", NamedMap::kSpecular},
+                                                    {"floor_r.jpg", NamedMap::kRoughness},
+                                                    {"r_floor.png", NamedMap::kUnknown},
+                                                    {"pipe_specularMap.png", NamedMap::kSpecular},
+                                                    {"steel-metallicRoughness.png", NamedMap::kRoughness},
+                                                    {"steel_metallicroughness.png", NamedMap::kRoughness},
+                                                    {"steel_roughness_metallic.png", NamedMap::kRoughness},
+                                                    {"steel_metallic.png", NamedMap::kMetalness},
+                                                    {"metal_plate.png", NamedMap::kUnknown},
+                                                    {"rough/plate.png", NamedMap::kUnknown},
+                                                    {"special_glossary.png", NamedMap::kUnknown}};
+  for (const auto& [name, map] : names) EXPECT_EQ(map_by_name(name), map) << name;
+}
+
+TEST(RoughnessMap, ANameThatSaysAnotherMapIsWarnedOf) {
+  const auto rough = [](int i, int) { return static_cast<float>(0.5 + 0.3 * std::sin(0.7 * i)); };
+  const auto warning = [&](bool is_gloss, const std::string& name, const std::string& channel = "") {
+    const std::vector<std::string> found = report_of(1, rough, is_gloss, channel, name).warnings;
+    EXPECT_LE(found.size(), 1u);
+    return found.empty() ? "" : found[0];
+  };
+  EXPECT_EQ(warning(true, "a_gloss.exr"), "");
+  EXPECT_EQ(warning(false, "a_roughness.exr"), "");
+  expect_says(warning(false, "a_gloss.exr"),
+              {"a_gloss.exr: ", "gloss map", "given as --roughness", "--gloss reads it"});
+  expect_says(warning(true, "a_r.exr", "R"),
+              {"a_r.exr: ", "roughness map", "given as --gloss", "--roughness reads it"});
+  expect_says(warning(true, "a_s.exr"), {"a_s.exr: ", "specular map", "given as --gloss"});
+  expect_says(warning(false, "a_metallic.exr"), {"metalness map", "given as --roughness"});
+  EXPECT_EQ(warning(true, "a_s.exr", "R"), "") << "the channel was named";
+  // A polished surface: the name settles what the numbers leave open.
+  const auto polished = [](int i, int) { return i % 2 == 0 ? 0.6f : 0.95f; };
+  EXPECT_TRUE(report_of(1, polished, true, "", "a_gloss.exr").warnings.empty());
+  EXPECT_EQ(report_of(1, polished, true).warnings.size(), 1u);
 }
 
 TEST(RoughnessMap, BandsScratchFilesAndThreadsCannotBeSeen) {

@@ -473,6 +473,10 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     EXPECT_LT(found.cost_min.bytes, found.cost.bytes);
     EXPECT_GT(found.cost_max.bytes, found.cost.bytes);
     expect_says(text.substr(0, text.find('\n')), {"vmf, 1 to 8 lobes, to be chosen by trials"});
+    // The time that is said is without them: both places say how many there may be, and how long they take.
+    const std::string in_all = text.substr(text.rfind("in all: "));
+    for (const std::string& part : {text, in_all})
+      expect_says(part, {"and the trials (up to 17 a map, seconds in all)"});
     EXPECT_GE(map.stated_difference, std::stod(target)) << "what is chosen need be no nearer than the target";
   }
 }

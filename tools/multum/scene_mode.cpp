@@ -16,6 +16,7 @@
 #include "host/base/error.h"
 #include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
+#include "host/image/image_container.h"
 #include "host/parameters/bake_parameters.h"
 #include "host/scene/scene_bake.h"
 #include "tools/command_line/decoding_option.h"
@@ -41,7 +42,16 @@ struct PlanOptions {
   int width = 0;
 };
 
+// A map alone is what many would plan first.
+void check_is_scene(const std::string& path) {
+  if (!image_format(path).empty())
+    throw Error(ErrorCode::kUsage,
+                path + ": is an image; plan takes a scene.toml (docs/SCENE.md). For one map alone: multum tradeoff " +
+                    path + " -o costs.html");
+}
+
 int run_plan(const PlanOptions& o) {
+  check_is_scene(o.scene);
   BakeJob pattern;
   pattern.threads = pattern.writing.threads = apply(o.common);
   const Scene scene = read_scene(o.scene, pattern);

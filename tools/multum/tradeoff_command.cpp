@@ -40,12 +40,13 @@ int run_tradeoff_command(TradeoffOptions& o) {
   keep_freed_memory();
   apply(o.values, job.bake);
   job.brdf = parse_target_brdf(o.brdf);
+  if (job.has_roughness()) job.brdf.name = "roughness";
   if (o.budget_ms) job.bake_seconds = *o.budget_ms / 1e3;
   if (o.bake_ms_max) job.bake_seconds_max = *o.bake_ms_max / 1e3;
   job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kUsual;
   if (!o.no_pictures) job.viewer = find_viewer();
   const std::vector<std::string> outputs = {o.output, o.json, o.markdown};
-  check_paths_differ({job.bake.input}, outputs);
+  check_paths_differ(input_files(job.bake), outputs);
   for (const std::string& path : outputs)
     if (!path.empty()) check_writable(path);
   job.scratch = o.output + ".sweep";
@@ -58,8 +59,8 @@ int run_tradeoff_command(TradeoffOptions& o) {
   if (!o.json.empty()) write_text_file(o.json, tradeoff_json(job, result));
   if (!o.markdown.empty()) write_text_file(o.markdown, tradeoff_markdown(result));
   if (!o.common.quiet)
-    print_shown(stdout, "%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.rows.size(), result.seconds,
-                tradeoff_text(job, result).c_str());
+    print_shown(stdout, "%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.setting_count(),
+                result.seconds, tradeoff_text(job, result).c_str());
   const bool is_asked = job.error || job.bake_seconds || job.has_budget();
   return is_asked && !result.chosen ? exit_code(ErrorCode::kVerification) : 0;
 }
@@ -76,7 +77,8 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command->add_option("--markdown", o->markdown, "write the table here too");
   CLI::Option* error =
       command
-          ->add_option("--target-error", o->job.error, "pick the cheapest settings that come within this relative L1")
+          ->add_option("--target-error", o->job.error,
+                       "pick the cheapest settings that come within this relative L1, in the mean over levels 2 and up")
           ->check(CLI::PositiveNumber);
   command->add_option("--budget-ms", o->budget_ms, "pick the most accurate settings that bake in this time")
       ->check(CLI::PositiveNumber)
@@ -91,10 +93,11 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->check(CLI::PositiveNumber);
   command->add_option("--max-bake-ms", o->bake_ms_max, "longest time of a bake; otherwise as --max-bytes")
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--brdf", o->brdf,
-                   "lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA or a measured BRDF's file")
-      ->capture_default_str();
+  CLI::Option* const brdf = command
+                                ->add_option("--brdf", o->brdf,
+                                             "lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA, "
+                                             "cook-torrance:SIGMA or a measured BRDF's file")
+                                ->capture_default_str();
   CLI::Option* quick = command->add_flag("--quick", o->quick, "a dozen bakes in the place of some forty");
   command
       ->add_flag("--full", o->full, "some sixty-five bakes: harmonics to order 20, every number of lobes fitted longer")
@@ -104,6 +107,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
       ->capture_default_str();
   add_parameter_options(*command, o->values, parameters_of_the_map());
+  for (const char* option : {"--roughness", "--gloss"}) command->get_option(option)->excludes(brdf);
   add_decoding_option(*command, &o->job.decode);
   add_common_options(*command, o->common);
   command->callback([o, exit_code] { *exit_code = run_tradeoff_command(*o); });

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "host/asset/pyramid_file.h"
 #include "host/base/error.h"
 #include "runtime_gl/materials/gmm_material.h"
@@ -123,6 +125,15 @@ void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
   if (!holds_lobes(baked.representation) && options.shade_first) refuse("--shade-first", "lobes");
   if (options.shade_first && baked.first_level > 0)
     refuse("--shade-first", "files that hold every level, baked without --first-level");
+}
+
+std::string environment_note(const ViewOptions& options, const BakedHeader& baked) {
+  const bool compares_lean = std::any_of(options.compare.begin(), options.compare.end(),
+                                         [](const std::string& name) { return name.starts_with("lean"); });
+  const bool draws_lean = baked.representation == Representation::kMoments &&
+                          options.moments.value_or(kUsualMomentShading) != gl::MomentShading::kToksvig;
+  if (options.environment.empty() || (!compares_lean && !draws_lean)) return "";
+  return "--environment: lean and lean-jacobian are the same as toksvig in its light, one lobe of the mean normal";
 }
 
 }  // namespace multum

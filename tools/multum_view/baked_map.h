@@ -36,6 +36,10 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
 /// Throws Error(kUsage): an option is for files of another representation.
 void check_options_of(const ViewOptions& options, const BakedHeader& baked);
 
+/// A line where moments and LEAN are drawn in an environment, which sees no more of them than of Toksvig's normals;
+/// else empty.
+std::string environment_note(const ViewOptions& options, const BakedHeader& baked);
+
 /// Of files of moments, when no option says it: the one of least error on most maps, by the bakes' own measurements
 /// (docs/ALGORITHMS.md, "Moments").
 constexpr gl::MomentShading kUsualMomentShading = gl::MomentShading::kLeanJacobian;

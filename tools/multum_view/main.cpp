@@ -49,6 +49,7 @@ int run(int argc, char** argv) {
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options->context);
   log_info(context->description());
   warn_of_wrong_anisotropy(*options, map.header, context->description());
+  if (const std::string note = environment_note(*options, map.header); !note.empty()) log_info(note);
   const gl::Mesh mesh(context->functions(), mesh_data);
   PictureDrawer drawer(*options, context->functions(), mesh, map, source);
   nlohmann::json rows;
