@@ -6,7 +6,7 @@ warned of is, and the message says why.
   odd_inputs_test.py MULTUM [--seed N] [--only WORD] [--keep FOLDER]
 
 Nothing of multum is used to read. Pictures are decoded by odd_images, odd_tiff and exr_reading (the formats' rules)
-and turned into normals by odd_maps (the rules of docs/READING.md); baked files are read by exr_reading (docs/FORMAT.md).
+and turned into normals by odd_maps (the rules of docs/READING.md); exr_reading reads baked files (docs/FORMAT.md).
 Most are baked as moments of floats, which hold level 0 as it was read; some as lobes.
 """
 import argparse
