@@ -7,8 +7,12 @@
 
 namespace multum {
 
-FileRanges::FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words)
-    : IOProxy(path, Read), stream_(path, std::ios::binary), byte_words_(std::move(byte_words)) {
+FileRanges::FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words,
+                       std::vector<BytePatch> patches)
+    : IOProxy(path, Read),
+      stream_(path, std::ios::binary),
+      byte_words_(std::move(byte_words)),
+      patches_(std::move(patches)) {
   for (const ByteRange& range : ranges) {
     pieces_.push_back({size_, range});
     size_ += range.end - range.begin;
@@ -36,6 +40,7 @@ std::size_t FileRanges::pread(void* data, std::size_t byte_count, std::int64_t o
     stream_.read(to, count);
     const std::int64_t got = stream_.gcount();
     fill_words(begin, begin + got, to);
+    apply_patches(begin, begin + got, to);
     to += got;
     offset += got;
     byte_count -= static_cast<std::size_t>(got);
@@ -59,6 +64,15 @@ void FileRanges::fill_words(std::int64_t begin, std::int64_t end, char* data) {
       }
       if (data[at - begin] == 0) data[at - begin] = byte;
     }
+  }
+}
+
+// Bytes [begin, end) of the file lie at `data`.
+void FileRanges::apply_patches(std::int64_t begin, std::int64_t end, char* data) const {
+  for (const BytePatch& patch : patches_) {
+    const auto patch_end = patch.position + static_cast<std::int64_t>(patch.bytes.size());
+    for (std::int64_t at = std::max(begin, patch.position); at < std::min(end, patch_end); ++at)
+      data[at - begin] = patch.bytes[static_cast<std::size_t>(at - patch.position)];
   }
 }
 

@@ -20,7 +20,9 @@ namespace multum {
 class FileRanges : public OIIO::Filesystem::IOProxy {
  public:
   /// `byte_words`: 16-bit words v * 256 of the file, presented as v * 257: both bytes are the larger of the two.
-  FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words = {});
+  /// `patches`: presented in place of what the file has there.
+  FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words = {},
+             std::vector<BytePatch> patches = {});
 
   const char* proxytype() const override { return "file ranges"; }
   std::size_t read(void* data, std::size_t byte_count) override;
@@ -29,6 +31,7 @@ class FileRanges : public OIIO::Filesystem::IOProxy {
 
  private:
   void fill_words(std::int64_t begin, std::int64_t end, char* data);
+  void apply_patches(std::int64_t begin, std::int64_t end, char* data) const;
 
   struct Piece {
     std::int64_t offset;  // where it is presented
@@ -39,6 +42,7 @@ class FileRanges : public OIIO::Filesystem::IOProxy {
   std::vector<Piece> pieces_;
   std::int64_t size_ = 0;
   std::vector<ByteRange> byte_words_;
+  std::vector<BytePatch> patches_;
 };
 
 }  // namespace multum

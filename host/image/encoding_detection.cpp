@@ -21,6 +21,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/image/number_type.h"
 #include "host/image/vector_statistics.h"
 
 namespace multum {
@@ -138,13 +139,20 @@ bool is_blue_constant(const Evidence& evidence, const VectorStatistics& s) {
   return range <= (is_short ? 0.0 : kNoise);
 }
 
-// Whether a constant blue is further from the z of unit vectors than its rounding and compression put it: filler, as in
-// two-channel maps that were saved with three. With 8 bits up to 0.02, which 11 degrees reach; there (x, y, 1) and the
-// rebuilt vector are 0.2 degrees apart, half a code. Flat maps have no say: they are flat either way.
+// By how much the z of unit vectors may differ from a constant blue by its rounding and compression alone: with 8 bits,
+// signed ones too, up to 0.02, with half two steps below 1.
+double filler_noise(const RawImageInfo& info) {
+  if (info.base_type == number_type::kUint8 || info.base_type == number_type::kInt8) return 2 * 2.5 / 255.0;
+  return info.base_type == number_type::kHalf ? 1.0 / 512.0 : 2 * 2.5 / 65535.0;
+}
+
+// Whether a constant blue is further from the z of unit vectors than that: filler, as in two-channel maps that were
+// saved with three. 0.02 are what 11 degrees reach; there (x, y, 1) and the rebuilt vector are 0.2 degrees apart, half
+// a code of 8 bits. Flat maps have no say: they are flat either way.
 bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.tilted_share == 0.0) return false;
-  const double noise = evidence.info().sample_type == SampleType::kUint8 ? 2 * 2.5 / 255.0 : 2 * 2.5 / 65535.0;
+  const double noise = filler_noise(evidence.info());
   const auto z_of = [&](double blue) { return reading.encoding.is_signed ? blue : 2.0 * blue - 1.0; };
   return s.rebuilt_z_min < z_of(s.blue_min) - noise || s.rebuilt_z_mean > z_of(s.blue_max) + noise;
 }

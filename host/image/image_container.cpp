@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/base/byte_file.h"
 #include "host/base/error.h"
@@ -42,6 +43,7 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
   constexpr std::array<std::string_view, 7> kPicture = {"IHDR", "PLTE", "tRNS", "gAMA", "sRGB", "IDAT", "IEND"};
   keep(container, 0, 8);
   std::int64_t position = 8;
+  bool is_srgb = false;
   for (bool ended = false; !ended;) {
     const std::int64_t length = file.big_endian(position, 4, "a PNG chunk");
     const std::string type = file.bytes(position + 4, 4, "a PNG chunk");
@@ -60,10 +62,16 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
       container.has_metadata = true;
     }
     if (type == "eXIf") add_orientation(container, exif_orientation(file, position + 8, length));
+    if (type == "sRGB") is_srgb = true;
+    if (type == "gAMA" && length == 4) {
+      const std::int64_t value = file.big_endian(position + 8, 4, "a gamma");
+      container.gamma = value > 0 ? 100000.0 / static_cast<double>(value) : 0.0;
+    }
     if (type == "acTL") container.notes.emplace_back(kFirstFrame);
     ended = type == "IEND";
     position = end;
   }
+  if (is_srgb) container.gamma = 0.0;
 }
 
 // Segments FF marker [length 2][data] up to the first start of scan; APP0 (JFIF) and APP14 (Adobe: which colour model)
@@ -148,16 +156,70 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   keep(container, 0, file.size());
 }
 
-// Whether all words of a colour map are v * 256, as some programs write them, and some are not 0.
-bool has_byte_words(ByteFile& file, const ByteRange& words, bool is_big_endian) {
+// Whether all words of a colour map are v * unit, and some are not 0. Some programs write v * 256 for v * 257.
+bool have_unit(ByteFile& file, const ByteRange& words, bool is_big_endian, int unit) {
   bool has_any = false;
   for (std::int64_t at = words.begin; at < words.end; at += 2) {
     const std::int64_t value =
         is_big_endian ? file.big_endian(at, 2, "a colour map") : file.little_endian(at, 2, "a colour map");
-    if (value % 256 != 0) return false;
+    if (value % unit != 0) return false;
     has_any |= value != 0;
   }
   return has_any;
+}
+
+constexpr int kWhiteIsZero = 0, kPalette = 3;
+constexpr int kUnsigned = 1, kSigned = 2, kFloats = 3;
+
+std::string either(const std::vector<int>& numbers) { return fmt::format("{}", fmt::join(numbers, ", ")); }
+
+// What OpenImageIO 2.4.7 reads, but wrongly and without a word; each has a case in tests/cli/odd_cases.py. Colours of
+// inks and of Lab are numbers that mean neither vectors nor light; it mixes up the bytes of 24 bits, takes signed
+// integers of few bits for unsigned ones, and 8 bits where none are said, though one is meant.
+void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
+  if (!tiff.is_whole) return;                                   // the library says what is wrong
+  const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic
+  if (std::find(kOtherColours.begin(), kOtherColours.end(), tiff.photometric) != kOtherColours.end())
+    refuse_file(path, fmt::format("found a TIFF of CMYK, Lab or a colour filter array (PhotometricInterpretation {}), "
+                                  "expected grey, RGB or a palette",
+                                  tiff.photometric));
+  if (tiff.bits == 0)
+    refuse_file(path, "found a TIFF that does not say its bits a sample (BitsPerSample), expected one that does");
+  const std::vector<int> bits = tiff.sample_format == kFloats     ? std::vector{16, 32, 64}
+                                : tiff.sample_format == kSigned   ? std::vector{8, 16, 32}
+                                : tiff.sample_format == kUnsigned ? std::vector{1, 2, 4, 6, 8, 10, 12, 14, 16, 32}
+                                                                  : std::vector<int>{};
+  if (!bits.empty() && std::find(bits.begin(), bits.end(), tiff.bits) == bits.end())
+    refuse_file(path, fmt::format("found a TIFF of {} bits a sample, expected {} of {}", tiff.bits, either(bits),
+                                  tiff.sample_format == kFloats   ? "floats"
+                                  : tiff.sample_format == kSigned ? "signed integers"
+                                                                  : "unsigned integers"));
+  if (tiff.photometric == kPalette && tiff.samples > 1)
+    refuse_file(path, fmt::format("found a TIFF with a palette and {} channels, expected one", tiff.samples));
+  if (tiff.photometric == kWhiteIsZero && tiff.bits <= 8 && tiff.samples > 1)
+    refuse_file(path, fmt::format("found a TIFF of {} bits with 0 for white (MinIsWhite) and {} channels, all of which "
+                                  "would be turned round; expected one channel, or 0 for black",
+                                  tiff.bits, tiff.samples));
+  if (tiff.bits == 64 && tiff.is_tiled && (tiff.samples == 1 || !tiff.is_planar))
+    refuse_file(path,
+                "found a TIFF of 64-bit floats in tiles, which OpenImageIO leaves unread; expected 32-bit floats, or "
+                "strips");
+  if (tiff.bits == 64 && tiff.compression != 1 && !tiff.is_tiled && tiff.rows_per_strip == 0)
+    refuse_file(path,
+                "found a compressed TIFF of 64-bit floats that does not say the rows of a strip (RowsPerStrip), which "
+                "OpenImageIO leaves unread; expected 32-bit floats, or the rows");
+}
+
+// Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows of a strip, which may be as many as the number
+// holds: it then runs for ever, or leaves doubles unread. More than the picture has are as many as it has.
+void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& container) {
+  if (tiff.height < 1 || tiff.rows_per_strip <= tiff.height) return;
+  const bool is_big_endian = file.bytes(0, 1, "the first byte") == "M";
+  const std::int64_t size = tiff.rows_per_strip_at.end - tiff.rows_per_strip_at.begin;
+  std::string bytes;
+  for (std::int64_t i = 0; i < size; ++i)
+    bytes += static_cast<char>(tiff.height >> 8 * (is_big_endian ? size - 1 - i : i) & 255);
+  container.patches.push_back({tiff.rows_per_strip_at.begin, bytes});
 }
 
 // Workaround "TIFF white": OpenImageIO 2.4.7 turns round what has 0 for white up to 8 bits, and leaves more bits as
@@ -165,18 +227,24 @@ bool has_byte_words(ByteFile& file, const ByteRange& words, bool is_big_endian) 
 // Workaround "TIFF palette": it divides words of a colour map by 257, which loses a code of those that are v * 256
 // (ImageReaderTest.PalettesOfTiff).
 void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& container) {
-  constexpr int kWhiteIsZero = 0, kPalette = 3, kUnsigned = 1;
   keep(container, 0, file.size());
   const TiffSurvey tiff = survey_tiff(file, 0);
   if (tiff.photometric == kWhiteIsZero && tiff.sample_format != kUnsigned)
     refuse_file(path,
                 "found a TIFF of signed integers or floats with 0 for white (MinIsWhite), expected unsigned "
                 "integers, whose black is known, or 0 for black");
+  refuse_misread_tiff(path, tiff);
+  limit_strip_rows(file, tiff, container);
   container.inverts_integers = tiff.photometric == kWhiteIsZero && tiff.bits > 8;
   const std::int64_t words = (tiff.colour_map.end - tiff.colour_map.begin) / 2;
   const bool is_palette = tiff.photometric == kPalette && words > 0 && words <= 3 * 65536;
-  if (is_palette && has_byte_words(file, tiff.colour_map, file.bytes(0, 1, "the first byte") == "M"))
-    container.byte_words.push_back(tiff.colour_map);
+  if (is_palette) {
+    const bool is_big_endian = file.bytes(0, 1, "the first byte") == "M";
+    if (have_unit(file, tiff.colour_map, is_big_endian, 256)) container.byte_words.push_back(tiff.colour_map);
+    else if (!have_unit(file, tiff.colour_map, is_big_endian, 257))
+      container.notes.emplace_back(
+          "its palette has colours of 16 bits, of which the upper 8 are read: what is lost is up to 1 of 255");
+  }
   add_orientation(container, tiff.orientation);
   if (tiff.page_count > 1)
     container.notes.push_back(

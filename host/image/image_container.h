@@ -15,6 +15,11 @@ struct ByteRange {
   std::int64_t end;
 };
 
+struct BytePatch {
+  std::int64_t position;
+  std::string bytes;
+};
+
 struct ImageContainer {
   std::string format;  // OpenImageIO's reader: "png", "jpeg", "webp", "tiff" or "openexr"
   std::int64_t file_size = 0;
@@ -26,6 +31,8 @@ struct ImageContainer {
   double texel_metres = 0.0;               // GeoTIFF's ModelPixelScale where its unit is the metre; 0: not said
   bool inverts_integers = false;           // TIFF: 0 is white, which OpenImageIO 2.4.7 leaves so beyond 8 bits
   std::vector<ByteRange> byte_words = {};  // TIFF: 16-bit words v * 256 of a colour map, meant as v * 257
+  std::vector<BytePatch> patches = {};     // TIFF: what OpenImageIO 2.4.7 takes otherwise than it is meant
+  double gamma = 0.0;                      // PNG: exponent from number to light (1 / gAMA); 0: none, or sRGB
 };
 
 /// ImageContainer::format by the first bytes alone; empty: of none of these formats, or not there.

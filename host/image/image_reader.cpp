@@ -37,6 +37,15 @@ void check_flat(const std::string& path, const ImagePart& part) {
   if (part.depth > 1) refuse_file(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
 }
 
+// Brightness with differences of colour, as OpenEXR's own programs write them: neither vectors nor red, green, blue.
+void check_no_luminance(const std::string& path, const ImagePart& part) {
+  for (const std::string& name : part.channel_names)
+    if (const std::string last = name.substr(name.rfind('.') + 1); last == "RY" || last == "BY")
+      refuse_file(path, fmt::format("found a channel {}, of brightness and differences of colour (Y, RY, BY), expected "
+                                    "red, green and blue",
+                                    name));
+}
+
 constexpr int kColourChannelCountMax = 64;
 
 // How many leading channels are colour: all but alpha, 1 to 3; or the first three of many when their names say so.
@@ -98,6 +107,7 @@ int stored_type(const ImagePart& part) { return part.channel_types.empty() ? par
 RawImageInfo image_info(const std::string& path, const ImagePart& part, const std::string& container_format,
                         bool all_channels) {
   check_flat(path, part);
+  if (container_format == "openexr") check_no_luminance(path, part);
   if (part.channel_count() > kColourChannelCountMax)
     refuse_file(path,
                 fmt::format("found {} channels, expected at most {}", part.channel_count(), kColourChannelCountMax));

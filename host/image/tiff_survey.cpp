@@ -95,12 +95,22 @@ void survey_first(Directories& directories, int tag, const Value& value, TiffSur
                   std::optional<Value>& geo_keys) {
   switch (tag) {
     case 254: survey.is_reduced = (directories.integer(value) & 1) == 1; break;
+    case 257: survey.height = directories.integer(value); break;
     case 258: survey.bits = directories.integer(value); break;
+    case 259: survey.compression = directories.integer(value); break;
     case 262: survey.photometric = directories.integer(value); break;
     case 274: survey.orientation = directories.integer(value); break;
+    case 277: survey.samples = directories.integer(value); break;
+    case 278:
+      if (value.type != 3 && value.type != 4) break;
+      survey.rows_per_strip_at = {value.position, value.position + (value.type == 3 ? 2 : 4)};
+      survey.rows_per_strip = directories.number(value.position, value.type == 3 ? 2 : 4);
+      break;
+    case 284: survey.is_planar = directories.integer(value) == 2; break;
     case 320:
       if (value.type == 3) survey.colour_map = {value.position, value.position + 2 * value.count};
       break;
+    case 322: survey.is_tiled = true; break;
     case 339: survey.sample_format = directories.integer(value); break;
     case 33550: survey.texel_metres = directories.real(value); break;
     case 34735: geo_keys = value; break;
@@ -118,6 +128,7 @@ TiffSurvey survey_tiff(ByteFile& file, std::int64_t base) {
     std::int64_t next = directories.walk(directories.first(), [&](int tag, const Value& value) {
       survey_first(directories, tag, value, survey, geo_keys);
     });
+    survey.is_whole = true;
     if (!geo_keys || !directories.is_in_metres(*geo_keys)) survey.texel_metres = 0.0;
     std::set<std::int64_t> seen;  // a chain may bite its tail
     while (next > base && survey.page_count < kPageCountMax && seen.insert(next).second) {

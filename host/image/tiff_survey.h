@@ -15,12 +15,19 @@ namespace multum {
 /// Of the first directory, but for the counts. What is missing or damaged stays at its default: the library that reads
 /// the picture refuses what it cannot do without.
 struct TiffSurvey {
-  int orientation = 1;  // 1: as stored; 2 to 8: to be mirrored or turned
+  bool is_whole = false;  // the first directory could be read to its end
+  int orientation = 1;    // 1: as stored; 2 to 8: to be mirrored or turned
   int photometric = -1;
-  int bits = 1;
+  int bits = 0;         // 0: not said
+  int samples = 1;      // of a texel
+  int compression = 1;  // 1: none
+  int height = 0;
   int sample_format = 1;    // 1 unsigned, 2 signed, 3 floats
   bool is_reduced = false;  // a smaller version of another page
   int page_count = 1;       // directories of the chain
+  bool is_tiled = false, is_planar = false;
+  std::int64_t rows_per_strip = 0;       // 0: not said
+  ByteRange rows_per_strip_at = {0, 0};  // its bytes
   ByteRange colour_map = {0, 0};
   double texel_metres = 0.0;  // along x; 0: not said, or not in metres
 };
