@@ -47,6 +47,8 @@ void add_testmap_command(CLI::App& app, int* exit_code);
 void add_plan_command(CLI::App& app, int* exit_code);
 /// mip, reflectance, lod.
 void add_pyramid_commands(CLI::App& app, int* exit_code);
+/// The table of all parameters.
+void add_parameters_command(CLI::App& app, int* exit_code);
 void add_materials_command(CLI::App& app, int* exit_code);
 /// serve, the worker that it starts, and rescue.
 void add_serve_commands(CLI::App& app, int* exit_code);

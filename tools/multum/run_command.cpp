@@ -65,6 +65,7 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   add_testmap_command(app, &exit_code);
   add_pyramid_commands(app, &exit_code);
   add_materials_command(app, &exit_code);
+  add_parameters_command(app, &exit_code);
   add_animation_command(app, &exit_code);
   add_infer_command(app, &exit_code);
   add_serve_commands(app, &exit_code);
