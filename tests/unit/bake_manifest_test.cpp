@@ -271,12 +271,12 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
   ASSERT_EQ(maps.size(), 3u);
   EXPECT_EQ(maps[0].job.fitting.lobe_count, 4);
   EXPECT_EQ(maps[0].job.albedo, folder_ / "source/bricks_albedo.png");
-  EXPECT_EQ(maps[0].error_max, 0.6);
+  EXPECT_EQ(maps[0].error_max, 0.95);
   EXPECT_EQ(maps[1].job.fitting.lobe_count, 2);
   EXPECT_EQ(maps[1].job.reading.height_scale, 8.0f);
   EXPECT_EQ(maps[1].job.reading.wrap_t, WrapMode::kClamp);
   EXPECT_FALSE(maps[1].job.reading.green) << "an example that is copied says nothing that may be wrong";
-  EXPECT_EQ(maps[2].error_max, 0.6);
+  EXPECT_EQ(maps[2].error_max, 0.95);
 }
 
 // The page has a row for every key that is read, in backquotes.
