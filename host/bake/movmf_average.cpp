@@ -8,6 +8,7 @@
 #include "host/bake/average_pass.h"
 #include "host/bake/feature_planes.h"
 #include "host/bake/lobe_rows.h"
+#include "host/base/error.h"
 #include "host/base/parallel.h"
 #include "host/base/size_of.h"
 

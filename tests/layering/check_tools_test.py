@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tools/check_layering and tools/check_style.py find each kind of planted violation, and pass a clean tree."""
+"""tools/check_layering, tools/check_style.py and tools/check_paths find each kind of planted violation, and pass a
+clean tree."""
 import pathlib
 import subprocess
 import sys
@@ -115,6 +116,23 @@ class CheckToolsTest(unittest.TestCase):
     def test_unlisted_folder(self):
         self.write("tests/surprise/x.h", LICENCE + "// x\n")
         self.expect_violation("check_style.py", "tests/surprise: has no row")
+
+    def test_dead_paths(self):
+        self.write("docs/ARCHITECTURE.md", "`host/bake`, `host/base/error.h`, `host/bake/bake`: `movmf_mipmap.h`.\n")
+        self.write("host/base/good.h", LICENCE + "// As asset/movmf_mipmap.h and kernels/FILE.cl.\n"
+                   'const char* text = "host/gone";\n')
+        self.assertEqual(self.run_tool("check_paths"), (0, ""))
+        for file, text, name in (("docs/PAGE.md", "See `host/gone/error.h`.\n", "host/gone/error.h"),
+                                 ("docs/PAGE.md", "See `host/gone`: a folder.\n", "host/gone"),
+                                 ("docs/PAGE.md", "host/base/errors has it.\n", "host/base/errors"),
+                                 ("README.md", "The file `gone_file.h`.\n", "gone_file.h"),
+                                 ("host/base/bad.h", LICENCE + "int x;  // host/base/gone.h\n", "host/base/gone.h"),
+                                 ("host/base/bad.h", LICENCE + "// As bake/error.h has it.\n", "bake/error.h"),
+                                 ("tools/bad.py", "# Reads tools/gone.py.\n", "tools/gone.py")):
+            with self.subTest(name=name):
+                self.write(file, text)
+                self.expect_violation("check_paths", f"{file}:", f"names {name}, which does not exist")
+                (self.root / file).unlink()
 
 
 if __name__ == "__main__":
