@@ -55,7 +55,8 @@ struct BakedWriteOptions {
   int tile_size = 128;
   int threads = 2;
   // Room in the header for provenance.measured_error, which is known when all rows are written (MovmfWriter::commit()).
-  // That of 16 levels, the most that a bake makes, with colours, takes 25 KiB.
+  // That of 16 levels, the most that a bake makes, with colours, takes 28 KiB (test
+  // AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
   int measured_error_bytes = 32 * 1024;
   bool is_checked = true;  // false: what `multum verify` would refuse is written all the same, as its tests need it
 };

@@ -13,7 +13,7 @@
 namespace multum {
 
 /// What BakedWriteOptions::measured_error_bytes is to be: of 16 levels with colours, three ways to shade four BRDFs
-/// take 82 KiB (test AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
+/// take 94 KiB (test AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
 constexpr int kMomentErrorBytes = 112 * 1024;
 
 /// As MovmfWriter (host/asset/movmf_writer.h), but that level 0 is one as the others.

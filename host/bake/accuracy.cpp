@@ -25,6 +25,7 @@ struct ErrorSum {
     truth += other.truth;
     count += other.count;
   }
+  ErrorSum times(double weight) const { return {weight * difference, weight * truth, weight * count}; }
 };
 
 // What differences are in parts of: the truth, or where that is next to nothing, since no light and no eye is where the
@@ -39,8 +40,17 @@ class ErrorBase {
   const bool is_floor_;
 };
 
-// They are added up for each level, kind of point and BRDF. Of levels that are sampled, those of each point are kept
-// too: the spread among them is the confidence.
+// They are added up for each level, kind of point and BRDF, each sample for all texels of its cell. Of levels that are
+// sampled, those of each point are kept too: the spread among them is the confidence.
+//
+// Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i with w_i the texels of cell i (Cochran 1977, section
+// 9A.7); the error is their ratio R. Its variance is that of sum_i w_i e_i with e_i = d_i - R t_i (the delta method,
+// Cochran section 6.4; where a texel has no such point, e_i = 0, section 5A.14), over the sum of truth squared:
+//
+//   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
+//
+// (1 - 1 / w_i) is the finite population correction of a cell. One sample a cell has no variance of its own, so the
+// spread among all cells stands in for that within cells, which is wider wherever neighbours are alike (section 5A.12).
 class ErrorSums {
  public:
   ErrorSums(const AccuracyPoints& points, std::size_t brdf_count)
@@ -48,31 +58,33 @@ class ErrorSums {
         brdf_count_(brdf_count),
         totals_(points.texels().sizes().size() * kAccuracyPointKinds * brdf_count),
         counts_(points.texels().sizes().size() * kAccuracyPointKinds),
+        weights_(counts_.size()),
         chosen_(points.chosen_count() * kAccuracyPointKinds * brdf_count) {}
 
-  void count(const SamplePoint& point) { ++counts_[group(points_.samples()[point.sample].level, point.kind)]; }
+  void count(const SamplePoint& point) {
+    const AccuracySample& sample = points_.samples()[point.sample];
+    ++counts_[group(sample.level, point.kind)];
+    weights_[group(sample.level, point.kind)] += static_cast<double>(sample.cell_texels);
+  }
   void add(const SamplePoint& point, std::size_t brdf, const ErrorSum& sum) {
-    totals_[group(points_.samples()[point.sample].level, point.kind) * brdf_count_ + brdf] += sum;
+    const AccuracySample& sample = points_.samples()[point.sample];
+    totals_[group(sample.level, point.kind) * brdf_count_ + brdf] += sum.times(sample.cell_texels);
     if (point.sample < points_.chosen_count()) chosen_[chosen_index(point.sample, point.kind, brdf)] += sum;
   }
 
-  // Ratio of sums, and the half width of its 95 % interval by the delta method.
+  // Ratio of sums, and the half width of its 95 % interval.
   AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf, std::string name) const {
     AccuracyRow row{level, kind, std::move(name), 0.0, 0.0, counts_[group(level, kind)]};
     const ErrorSum& total = totals_[group(level, kind) * brdf_count_ + brdf];
     if (!(total.count > 0.0)) return row;
     const ErrorBase base(total);
     row.error = total.difference / base.of(total);
-    if (row.sample_count < 2) return row;
-    double squares = 0.0;  // stays 0 where all texels are used
-    for (std::size_t i = 0; i < points_.chosen_count(); ++i) {
-      if (points_.samples()[i].level != level) continue;
-      const ErrorSum& sum = chosen_[chosen_index(i, kind, brdf)];
-      const double residual = sum.difference - row.error * base.of(sum);
-      squares += residual * residual;
-    }
-    const auto n = static_cast<double>(row.sample_count);
-    row.confidence = 1.96 * std::sqrt(squares / (n * (n - 1))) / (base.of(total) / n);
+    if (!is_sampled(level)) return row;
+    const double variance = total_variance(level, [&](std::size_t sample) {
+      const ErrorSum& sum = chosen_[chosen_index(sample, kind, brdf)];
+      return sum.difference - row.error * base.of(sum);
+    });
+    row.confidence = std::max(kIntervalMin, 1.96 * std::sqrt(variance) / base.of(total));
     return row;
   }
 
@@ -93,8 +105,13 @@ class ErrorSums {
     const ErrorBase base(means);
     summary.error = means.difference / base.of(means);
     double variance = 0.0;
-    for (int l = first_level; l < level_count; ++l) variance += level_variance(l, brdf, summary.error, base);
-    summary.confidence = 1.96 * std::sqrt(variance) / base.of(means);
+    bool any_sampled = false;
+    for (int l = first_level; l < level_count; ++l) {
+      if (!is_sampled(l)) continue;
+      any_sampled = true;
+      variance += level_variance(l, brdf, summary.error, base);
+    }
+    if (any_sampled) summary.confidence = std::max(kIntervalMin, 1.96 * std::sqrt(variance) / base.of(means));
     return summary;
   }
 
@@ -102,9 +119,14 @@ class ErrorSums {
   static constexpr AccuracyPoint kSummaryPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX,
                                                      AccuracyPoint::kMidY};
 
-  std::int64_t point_count(int level) const {
-    std::int64_t count = 0;
-    for (const AccuracyPoint kind : kSummaryPoints) count += counts_[group(level, kind)];
+  bool is_sampled(int level) const {
+    return points_.chosen_count() > 0 && level <= points_.samples()[points_.chosen_count() - 1].level;
+  }
+
+  // How many points the level has, as far as the samples say.
+  double point_count(int level) const {
+    double count = 0.0;
+    for (const AccuracyPoint kind : kSummaryPoints) count += weights_[group(level, kind)];
     return count;
   }
 
@@ -112,28 +134,40 @@ class ErrorSums {
   ErrorSum level_mean(int level, std::size_t brdf) const {
     ErrorSum sum;
     for (const AccuracyPoint kind : kSummaryPoints) sum += totals_[group(level, kind) * brdf_count_ + brdf];
-    const auto count = static_cast<double>(std::max<std::int64_t>(1, point_count(level)));
-    return {sum.difference / count, sum.truth / count, sum.count / count};
+    return sum.times(1.0 / std::max(1.0, point_count(level)));
   }
 
   // Of the level's mean of difference - ratio * base: a texel's residuals at its points are one draw.
   double level_variance(int level, std::size_t brdf, double ratio, const ErrorBase& base) const {
-    double sum = 0.0, squares = 0.0, n = 0.0;
-    for (std::size_t i = 0; i < points_.chosen_count(); ++i) {
-      if (points_.samples()[i].level != level) continue;
+    const double variance = total_variance(level, [&](std::size_t sample) {
       ErrorSum texel;
-      for (const AccuracyPoint kind : kSummaryPoints) texel += chosen_[chosen_index(i, kind, brdf)];
-      const double residual = texel.difference - ratio * base.of(texel);
-      sum += residual;
-      squares += residual * residual;
+      for (const AccuracyPoint kind : kSummaryPoints) texel += chosen_[chosen_index(sample, kind, brdf)];
+      return texel.difference - ratio * base.of(texel);
+    });
+    const double count = point_count(level);
+    return variance / (count * count);
+  }
+
+  // Of the sum of residual(sample) over all texels of a sampled level: v above.
+  template <typename Residual>
+  double total_variance(int level, const Residual& residual) const {
+    double sum = 0.0, n = 0.0;
+    const auto for_each_sample = [&](const auto& body) {
+      for (std::size_t i = 0; i < points_.chosen_count(); ++i) {
+        const AccuracySample& sample = points_.samples()[i];
+        if (sample.level == level) body(static_cast<double>(sample.cell_texels), residual(i));
+      }
+    };
+    for_each_sample([&](double weight, double value) {
+      sum += weight * value;
       n += 1.0;
-    }
-    if (n < 2.0) return 0.0;  // measured whole
-    const PlaneSize size = points_.texels().sizes()[static_cast<std::size_t>(level)];
-    const double unseen = 1.0 - n / (static_cast<double>(size.width) * size.height);
-    const double points_a_texel = static_cast<double>(point_count(level)) / n;
-    const double spread = std::max(0.0, squares - sum * sum / n) / (n - 1.0);
-    return spread / n * unseen / (points_a_texel * points_a_texel);
+    });
+    double squares = 0.0;
+    for_each_sample([&](double weight, double value) {
+      const double off = weight * value - sum / n;
+      squares += (1.0 - 1.0 / weight) * off * off;
+    });
+    return squares * n / (n - 1.0);  // AccuracyPoints gives a sampled level two samples at least
   }
 
   std::size_t group(int level, AccuracyPoint kind) const {
@@ -147,6 +181,7 @@ class ErrorSums {
   std::size_t brdf_count_;
   std::vector<ErrorSum> totals_;      // [level][kind][brdf]
   std::vector<std::int64_t> counts_;  // [level][kind]
+  std::vector<double> weights_;       // [level][kind]
   std::vector<ErrorSum> chosen_;      // [sample][kind][brdf]
 };
 
@@ -427,10 +462,11 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual
         if (is_light ? !takes_lights : channel >= 0) continue;
         LevelDifference& sum =
             sums[index(points_.samples()[points[i].sample].level, is_light ? highlight_count : v / half_count)];
+        const double weight = points_.samples()[points[i].sample].cell_texels;
         const auto a = static_cast<double>(own[i * value_count + v]),
                    b = static_cast<double>(other[i * value_count + v]);
-        sum.difference += std::abs(a - b);
-        sum.usual += b;
+        sum.difference += weight * std::abs(a - b);
+        sum.usual += weight * b;
       }
   }
   return sums;

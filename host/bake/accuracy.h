@@ -33,10 +33,15 @@ struct AccuracyRow {
   // "lambert", "blinn-phong:20", another Highlight::name, or "roughness" where a BRDF's width is in; with " toksvig", "
   // lean", ... where there are several ways to shade it, and then with " coloured" when multiplied by the colours.
   std::string brdf;
-  double error;       // relative L1, 0.1 = 10 %; of a hundredth of a white diffuse surface where the truth is less
-  double confidence;  // half width of the 95 % interval of `error` over the sampled texels; 0 when all were used
-  std::int64_t sample_count;  // texels
+  double error;  // relative L1, 0.1 = 10 %; of a hundredth of a white diffuse surface where the truth is less
+  // Half width of the 95 % interval of `error`: 0 where all texels were measured, at least kIntervalMin where they were
+  // sampled, kIntervalUnstated in rows of a file whose header has none.
+  double confidence;
+  std::int64_t sample_count;  // texels; 0 in rows of a file
 };
+/// Errors are stated to the sixth digit behind the point: a narrower interval would be none of what is stated.
+constexpr double kIntervalMin = 1e-6;
+constexpr double kIntervalUnstated = -1.0;
 
 /// One figure for a BRDF: relative L1 over texel centres and midpoints, in x and in y, of levels kSummaryLevel and up
 /// (of smaller maps: the coarsest). Each level weighs the same, since each is what some distance shows; within a level
@@ -46,7 +51,7 @@ struct AccuracySummary {
   double error;
   // Half width of the 95 % interval: 1.96 standard errors of the combined ratio estimate over the strata, which are the
   // levels (Cochran 1977, section 6.11), with the finite population correction. Texels are the sampling units: a texel
-  // and its midpoints go together. Levels that are measured whole add nothing.
+  // and its midpoints go together. Levels that are measured whole add nothing: 0 where all are.
   double confidence;
   std::int64_t sample_count;  // texels
   int worst_level;
@@ -74,7 +79,7 @@ AccuracyDirections accuracy_directions();
 struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
   std::vector<Highlight> highlights;                     // more of them, after those
-  std::int64_t samples_per_level = 2048;                 // texels, spread evenly at random; 0: every texel
+  std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0: every texel
   std::uint64_t seed = 1;
   int first_level = 0;  // finer ones are not measured
   AccuracyDirections directions = accuracy_directions();

@@ -10,25 +10,32 @@ namespace multum {
 namespace {
 
 bool is_whole(PlaneSize size, std::int64_t wanted) {
-  return wanted <= 0 || std::int64_t{size.width} * size.height <= wanted;
+  return wanted <= 0 || std::int64_t{size.width} * size.height <= kWholeLevelFactor * wanted;
+}
+
+// Sides of the grid's cells: so that there are about as many as are wanted, and at least two.
+int cell_side(PlaneSize size, std::int64_t wanted) {
+  if (is_whole(size, wanted)) return 1;
+  const auto count = static_cast<double>(std::int64_t{size.width} * size.height);
+  const int side = static_cast<int>(std::ceil(std::sqrt(count / static_cast<double>(wanted))));
+  return std::min(side, (std::max(size.width, size.height) + 1) / 2);
 }
 
 // One texel at random in each cell of a regular grid: spread evenly, no two alike. All texels when they are few enough.
-std::vector<int> sampled_texels(PlaneSize size, std::int64_t wanted, SplitMix64& random) {
-  const std::int64_t count = std::int64_t{size.width} * size.height;
-  const int stride =
-      is_whole(size, wanted)
-          ? 1
-          : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count) / static_cast<double>(wanted))));
-  std::vector<int> texels;
-  for (int y = 0; y < size.height; y += stride)
-    for (int x = 0; x < size.width; x += stride) {
-      const int cell_width = std::min(stride, size.width - x), cell_height = std::min(stride, size.height - y);
+// Cells at the right and the lower border are cut off, and their texels more likely drawn:
+//
+//      7 rows, cells of 4 x 4:   | 16 | 16 | .. | 4 |      the number that a sample stands for; without it the lower
+//                                | 12 | 12 | .. | 3 |      rows of a thin level would weigh too much
+void append_samples(int level, PlaneSize size, std::int64_t wanted, SplitMix64& random,
+                    std::vector<AccuracySample>& samples) {
+  const int side = cell_side(size, wanted);
+  for (int y = 0; y < size.height; y += side)
+    for (int x = 0; x < size.width; x += side) {
+      const int cell_width = std::min(side, size.width - x), cell_height = std::min(side, size.height - y);
       const int dx = static_cast<int>(random.next() % static_cast<unsigned>(cell_width));
       const int dy = static_cast<int>(random.next() % static_cast<unsigned>(cell_height));
-      texels.push_back((y + dy) * size.width + x + dx);
+      samples.push_back({level, (y + dy) * size.width + x + dx, cell_width * cell_height});
     }
-  return texels;
 }
 
 // The two texels of `size` around the point that is the centre of texel i of `fine_size`, along one axis, clamped.
@@ -74,8 +81,7 @@ std::vector<AccuracySample> choose_samples(const std::vector<PlaneSize>& levels,
   std::vector<AccuracySample> samples;
   SplitMix64 random(settings.seed);
   for (int l = settings.first_level; l < static_cast<int>(levels.size()); ++l)
-    for (const int texel : sampled_texels(levels[static_cast<std::size_t>(l)], settings.samples_per_level, random))
-      samples.push_back({l, texel});
+    append_samples(l, levels[static_cast<std::size_t>(l)], settings.samples_per_level, random, samples);
   return samples;
 }
 

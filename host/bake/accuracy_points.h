@@ -23,6 +23,7 @@ const char* accuracy_point_name(AccuracyPoint point);
 struct AccuracySample {
   int level;
   int texel;
+  int cell_texels;  // that it stands for, itself included: its weight in sums over the level; 1 where all are samples
 };
 
 /// A point as weighted texels: one for a centre, two midway, up to five between levels.
@@ -34,9 +35,14 @@ struct SamplePoint {
   int tap_count;
 };
 
+/// A grid of cells of 2 x 2 texels, which thin levels cut off, would save too little to be worth an interval: a bake
+/// takes 0.04 s of processor time more at most (docs/ALGORITHMS.md, "Measured error").
+constexpr int kWholeLevelFactor = 4;
+
 struct SampleSettings {
-  int first_level = 0;                    // finer ones have no samples
-  std::int64_t samples_per_level = 2048;  // about; 0: every texel
+  int first_level = 0;  // finer ones have no samples
+  // About; 0: every texel. Levels of at most kWholeLevelFactor times as many texels have all of them as samples.
+  std::int64_t samples_per_level = 2048;
   std::uint64_t seed = 1;
 };
 

@@ -10,14 +10,16 @@
 
 namespace multum {
 
-/// A line a level and a column a BRDF; a table for each way of shading, and when there are coloured rows, tables with
-/// those. Empty without rows.
+/// A line per level and a column per BRDF, with intervals where texels were sampled; a table for each way of shading,
+/// and when there are coloured rows, tables with those. Empty without rows.
 std::string accuracy_table(const std::vector<AccuracyRow>& rows);
 
-/// JSON array of [level, point, BRDF, error to six digits behind the point].
+/// JSON array of [level, point, BRDF, error, half width of its 95 % interval], numbers to six digits behind the point.
+/// Half widths are rounded up, so that 0 says "all texels"; rows whose interval is unstated have none.
 std::string measured_error_json(const std::vector<AccuracyRow>& rows);
 
-/// What measured_error_json() wrote, without confidences and sample counts; nullopt for any other text.
+/// What measured_error_json() wrote, without sample counts, or programs before it, without intervals; nullopt for any
+/// other text.
 std::optional<std::vector<AccuracyRow>> parse_measured_error(const std::string& json);
 
 }  // namespace multum

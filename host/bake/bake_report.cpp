@@ -21,7 +21,8 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
                     {"brdf", row.brdf},
                     {"relative_l1", row.error},
                     {"confidence_95", row.confidence},
-                    {"samples", row.sample_count}});
+                    {"samples", row.sample_count},
+                    {"all_texels", row.confidence == 0.0}});
   return list;
 }
 
@@ -32,6 +33,7 @@ Json error_json(const std::vector<AccuracySummary>& summaries) {
                     {"relative_l1", one.error},
                     {"confidence_95", one.confidence},
                     {"samples", one.sample_count},
+                    {"all_texels", one.confidence == 0.0},
                     {"worst_level", one.worst_level},
                     {"worst_level_relative_l1", one.worst_level_error}});
   return list;
@@ -40,9 +42,14 @@ Json error_json(const std::vector<AccuracySummary>& summaries) {
 // "error, mean over levels 2 and up, 0.12 +- 0.01 % lambert, ...": a line.
 std::string error_line(const std::vector<AccuracySummary>& summaries, int first_level) {
   std::string text;
+  bool is_whole = true;
+  for (const AccuracySummary& one : summaries) is_whole = is_whole && one.confidence == 0.0;
   for (const AccuracySummary& one : summaries)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf, error_text(one.error, one.confidence));
-  return text.empty() ? "" : fmt::format("error, mean over levels {} and up, 95 % interval: {}\n", first_level, text);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf,
+                        is_whole ? fmt::format("{:.2f} %", 100.0 * one.error) : error_text(one.error, one.confidence));
+  if (text.empty()) return "";
+  return fmt::format("error, mean over levels {} and up, {}: {}\n", first_level, is_whole ? "all texels" : "95 % interval",
+                     text);
 }
 
 // One line when anything was repaired, else nothing.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string>
 
 namespace multum {
 namespace {
@@ -51,13 +52,39 @@ TEST(AccuracyPointsTest, SamplesAreSpreadAndReadFewTexels) {
   std::size_t chosen = 0;
   for (const AccuracySample& sample : points.samples()) {
     const PlaneSize size = levels[static_cast<std::size_t>(sample.level)];
-    if (size.width * size.height > 100) ++chosen;
+    if (size.width * size.height > 100 * kWholeLevelFactor) ++chosen;
     if (sample.level == 0) cells[sample.texel / 300 / 25].insert(sample.texel % 300 / 25);
   }
   EXPECT_EQ(points.chosen_count(), chosen);
   ASSERT_EQ(cells.size(), 8u);
   for (const auto& [row, columns] : cells) EXPECT_EQ(columns.size(), 12u);
   EXPECT_LT(points.texels().slot_count(), 7 * points.samples().size());
+}
+
+// Each sample stands for the texels of its cell: together for all texels of the level, also where the grid's cells are
+// cut off at thin levels' borders. Few texels are all samples.
+TEST(AccuracyPointsTest, CellsCoverEveryLevel) {
+  for (const PlaneSize map : {PlaneSize{4097, 7}, {7, 4097}, {9000, 1}, {300, 200}, {3, 3}, {1, 1}})
+    for (const std::int64_t wanted : {1, 2, 50, 2048}) {
+      const std::vector<PlaneSize> levels = levels_of(map.width, map.height);
+      const AccuracyPoints points(levels, {0, wanted, 3});
+      std::vector<std::int64_t> covered(levels.size()), counts(levels.size());
+      for (const AccuracySample& sample : points.samples()) {
+        covered[static_cast<std::size_t>(sample.level)] += sample.cell_texels;
+        ++counts[static_cast<std::size_t>(sample.level)];
+      }
+      for (std::size_t l = 0; l < levels.size(); ++l) {
+        const std::int64_t texel_count = std::int64_t{levels[l].width} * levels[l].height;
+        const std::string where = std::to_string(levels[l].width) + " x " + std::to_string(levels[l].height);
+        EXPECT_EQ(covered[l], texel_count) << where;
+        if (texel_count <= kWholeLevelFactor * wanted) {
+          EXPECT_EQ(counts[l], texel_count) << where;
+        } else {
+          EXPECT_LT(counts[l], texel_count) << where;
+          EXPECT_GE(counts[l], 2) << where << ": one sample has no spread";
+        }
+      }
+    }
 }
 
 TEST(AccuracyPointsTest, WeightsOfEachPointSumToOne) {

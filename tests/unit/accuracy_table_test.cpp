@@ -13,7 +13,7 @@ namespace {
 std::vector<AccuracyRow> some_rows() {
   std::vector<AccuracyRow> rows;
   for (const char* brdf : {"blinn-phong:500", "lambert", "blinn-phong:500 coloured", "lambert coloured"}) {
-    rows.push_back({0, AccuracyPoint::kCentre, brdf, 0.0123456, 0.001, 4});
+    rows.push_back({0, AccuracyPoint::kCentre, brdf, 0.0123456, 0.0010000004, 4});
     rows.push_back({0, AccuracyPoint::kMidX, brdf, 0.02, 0.001, 4});
     rows.push_back({0, AccuracyPoint::kMidY, brdf, 0.03, 0.001, 4});
     rows.push_back({0, AccuracyPoint::kBetween, brdf, 0.9, 0.001, 4});
@@ -23,24 +23,28 @@ std::vector<AccuracyRow> some_rows() {
 }
 
 TEST(AccuracyTable, OneForWhiteAndOneForColours) {
-  EXPECT_EQ(accuracy_table(some_rows()),
-            "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n"
-            "  level     blinn-phong:500             lambert\n"
-            "      0         1.23 | 3.00         1.23 | 3.00\n"
-            "      1            5.00 | -            5.00 | -\n"
-            "measured error with colours, relative L1 in %, at texel centres | midway between texels (the worse of x "
-            "and y)\n"
-            "  level     blinn-phong:500             lambert\n"
-            "      0         1.23 | 3.00         1.23 | 3.00\n"
-            "      1            5.00 | -            5.00 | -\n");
+  EXPECT_EQ(
+      accuracy_table(some_rows()),
+      "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y); +- 95 % "
+      "interval\n"
+      "  level    texels                 blinn-phong:500                         lambert\n"
+      "      0   sampled     1.23 +- 0.11 | 3.00 +- 0.10     1.23 +- 0.11 | 3.00 +- 0.10\n"
+      "      1       all                        5.00 | -                        5.00 | -\n"
+      "measured error with colours, relative L1 in %, at texel centres | midway between texels (the worse of x "
+      "and y); +- 95 % interval\n"
+      "  level    texels                 blinn-phong:500                         lambert\n"
+      "      0   sampled     1.23 +- 0.11 | 3.00 +- 0.10     1.23 +- 0.11 | 3.00 +- 0.10\n"
+      "      1       all                        5.00 | -                        5.00 | -\n");
   EXPECT_EQ(accuracy_table({}), "");
 }
 
 TEST(AccuracyTable, TheAttributeGivesBackTheTable) {
   const std::string json = measured_error_json(some_rows());
-  EXPECT_EQ(json.substr(0, 46), "[[0,\"centre\",\"blinn-phong:500\",0.012346],[0,\"m");
+  EXPECT_EQ(json.substr(0, 55), "[[0,\"centre\",\"blinn-phong:500\",0.012346,0.001001],[0,\"m");
+  EXPECT_EQ(json.substr(json.size() - 39), "[1,\"centre\",\"lambert coloured\",0.05,0]]") << "all texels";
   const auto parsed = parse_measured_error(json);
   ASSERT_TRUE(parsed.has_value());
+  EXPECT_EQ(measured_error_json(*parsed), json);
   EXPECT_EQ(accuracy_table(*parsed), accuracy_table(some_rows()));
   EXPECT_EQ(parse_measured_error("[]")->size(), 0u);
 }
@@ -56,7 +60,7 @@ TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
         for (const std::string& way : ways)
           for (const std::string brdf : {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert"})
             for (const char* coloured : {"", " coloured"})
-              rows.push_back({level, point, brdf + way + coloured, 0.123456, 0.0, 1});
+              rows.push_back({level, point, brdf + way + coloured, 0.123456, 0.012345, 1});
     return measured_error_json(rows).size();
   };
   EXPECT_LE(longest({""}), static_cast<std::size_t>(BakedWriteOptions().measured_error_bytes));
@@ -84,11 +88,40 @@ TEST(AccuracyTable, RoundsAlikeFromBakeAndFile) {
   EXPECT_EQ(accuracy_table(*parse_measured_error(measured_error_json(rows))), accuracy_table(rows));
 }
 
+// Files of earlier programs have four fields an entry.
+TEST(AccuracyTable, IntervalsMayBeUnstated) {
+  const std::string json = "[[0,\"centre\",\"lambert\",0.125]]";
+  const auto rows = parse_measured_error(json);
+  ASSERT_TRUE(rows.has_value());
+  EXPECT_EQ(rows->front().confidence, kIntervalUnstated);
+  EXPECT_EQ(measured_error_json(*rows), json);
+  EXPECT_EQ(accuracy_table(*rows),
+            "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n"
+            "  level    texels             lambert\n"
+            "      0  unstated           12.50 | -\n");
+}
+
+// However narrow, an interval of a sample is no 0, which says that all texels were measured.
+TEST(AccuracyTable, IntervalsAreRoundedUp) {
+  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert", 0.0, kIntervalMin, 9},
+                                         {1, AccuracyPoint::kCentre, "lambert", 0.1, 0.0012, 9},
+                                         {2, AccuracyPoint::kCentre, "lambert", 0.1, 0.00120001, 9},
+                                         {3, AccuracyPoint::kCentre, "lambert", 0.1, 0.0, 9}};
+  EXPECT_EQ(measured_error_json(rows),
+            "[[0,\"centre\",\"lambert\",0.0,1e-06],[1,\"centre\",\"lambert\",0.1,0.0012],"
+            "[2,\"centre\",\"lambert\",0.1,0.001201],[3,\"centre\",\"lambert\",0.1,0]]");
+  const std::string table = accuracy_table(rows);
+  for (const char* part : {" 0.00 +- 0.01 | -", "10.00 +- 0.12 | -", "10.00 +- 0.13 | -", " 10.00 | -"})
+    EXPECT_NE(table.find(part), std::string::npos) << part << " is missing in\n" << table;
+  EXPECT_EQ(table, accuracy_table(*parse_measured_error(measured_error_json(rows))));
+}
+
 TEST(AccuracyTable, OtherTextsAreNoErrors) {
-  for (const char* text :
-       {"", "{}", "nonsense", "[1]", "[[0,\"centre\",\"lambert\"]]", "[[0,\"middle\",\"lambert\",0.1]]",
-        "[[1000000000,\"centre\",\"lambert\",0.1]]", "[[-1,\"centre\",\"lambert\",0.1]]",
-        "[[0.5,\"centre\",\"lambert\",0.1]]", "[[0,\"centre\",\"lambert\",\"0.1\"]]"})
+  for (const char* text : {"", "{}", "nonsense", "[1]", "[[0,\"centre\",\"lambert\"]]",
+                           "[[0,\"middle\",\"lambert\",0.1]]", "[[1000000000,\"centre\",\"lambert\",0.1]]",
+                           "[[-1,\"centre\",\"lambert\",0.1]]", "[[0.5,\"centre\",\"lambert\",0.1]]",
+                           "[[0,\"centre\",\"lambert\",0.1,-0.1]]", "[[0,\"centre\",\"lambert\",0.1,\"all\"]]",
+                           "[[0,\"centre\",\"lambert\",0.1,0,0]]", "[[0,\"centre\",\"lambert\",\"0.1\"]]"})
     EXPECT_FALSE(parse_measured_error(text).has_value()) << text;
 }
 

@@ -28,6 +28,15 @@ TEST(BakedCheck, RoundingIsNoFinding) {
   EXPECT_NE(worse_than_stated({row(1, 0.506)}, stated), "");
 }
 
+// Earlier programs stated no intervals, and looked at other texels.
+TEST(BakedCheck, WithoutAnIntervalThereIsRoom) {
+  std::vector<AccuracyRow> stated = {row(0, 0.426)};
+  EXPECT_NE(worse_than_stated({row(0, 0.609)}, stated), "");
+  stated.front().confidence = kIntervalUnstated;
+  EXPECT_EQ(worse_than_stated({row(0, 0.609)}, stated), "");
+  EXPECT_NE(worse_than_stated({row(0, 0.65)}, stated), "");
+}
+
 TEST(BakedCheck, TheFurthestOffIsNamed) {
   const std::vector<AccuracyRow> stated = {row(0, 0.1), row(1, 0.1), row(1, 0.1, "blinn-phong:20"), row(2, 0.1)};
   const std::vector<AccuracyRow> measured = {row(0, 0.1), row(1, 0.2), row(1, 0.4, "blinn-phong:20"), row(2, 0.3)};
