@@ -48,8 +48,8 @@ std::string error_line(const std::vector<AccuracySummary>& summaries, int first_
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf,
                         is_whole ? fmt::format("{:.2f} %", 100.0 * one.error) : error_text(one.error, one.confidence));
   if (text.empty()) return "";
-  return fmt::format("error, mean over levels {} and up, {}: {}\n", first_level, is_whole ? "all texels" : "95 % interval",
-                     text);
+  return fmt::format("error, mean over levels {} and up, {}: {}\n", first_level,
+                     is_whole ? "all texels" : "95 % interval", text);
 }
 
 // One line when anything was repaired, else nothing.

@@ -12,11 +12,12 @@ namespace {
 
 constexpr char kHead[] =
     "# Parameters\n\n"
-    "All parameters of the commands below, of manifests ([CI](CI.md)), scenes ([SCENE](SCENE.md)) and jobs of the service "
-    "([SERVICE](SERVICE.md)).\nThis page is written by `tools/parameter_documents` from `host/parameters`, where each is one "
-    "row. On a command line `first_level` is\n`--first-level`. *Where*: c, the command line; m, a manifest's `[defaults]` "
-    "and `[[map]]`; s, a scene's `[[map]]`; j, a job's `parameters`. *Hashed as*:\nthe key of `multum:settings` "
-    "([FORMAT](FORMAT.md)) that holds it; parameters without change no content.\n";
+    "All parameters of the commands below, of manifests ([CI](CI.md)), scenes ([SCENE](SCENE.md)) and jobs of the "
+    "service ([SERVICE](SERVICE.md)).\n"
+    "This page is written by `tools/parameter_documents` from `host/parameters`, where each is one row.\n\n"
+    "On a command line `first_level` is `--first-level`. *Where*: c, the command line; m, a manifest's `[defaults]` "
+    "and `[[map]]`; s, a scene's\n`[[map]]`; j, a job's `parameters`. *Hashed as*: the key of `multum:settings` "
+    "([FORMAT](FORMAT.md)) that holds it; parameters\nwithout one change no content.\n";
 
 // What ends a cell of a Markdown table.
 std::string escaped(std::string text) {

@@ -68,7 +68,8 @@ std::string tables_text(const std::string& command) {
     if (!command.empty() && table->command() != command) continue;
     text += (text.empty() ? "" : "\n") + table->command() + "\n";
     for (const Parameter& row : table->rows())
-      if (row.surfaces != 0) text += fmt::format("  {:<18} {}\n  {:<18} {}\n", row.name, values_text(row), "", row.help);
+      if (row.surfaces != 0)
+        text += fmt::format("  {:<18} {}\n  {:<18} {}\n", row.name, values_text(row), "", row.help);
   }
   return text;
 }
