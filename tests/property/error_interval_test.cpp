@@ -37,7 +37,7 @@ Baked bake(NormalMap map) {
   fitting.lobe_count = 1;
   fitting.sweep_count = 1;
   fitting.rehearse_start = false;
-  BakeReport report;
+  FitReport report;
   Baked baked{std::move(map), {}};
   baked.mipmap = bake_movmf(test_device(), baked.map, nullptr, fitting, report, nullptr);
   quantize_movmf(baked.mipmap, 2);
