@@ -61,8 +61,7 @@ struct BakedWriteOptions {
   bool is_checked = true;  // false: what `multum verify` would refuse is written all the same, as its tests need it
 };
 
-/// Is it a compression that BakedWriteOptions may name? kCompressionsInWords says which are.
-bool is_compression(const std::string& text);
+/// What BakedWriteOptions may name, in words.
 constexpr char kCompressionsInWords[] =
     "none, rle, zips, zip or piz (every one is lossless), and for zip and zips an optional level such as zip:4";
 

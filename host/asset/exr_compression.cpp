@@ -37,8 +37,6 @@ ExrCompression parse_compression(const std::string& text) {
   return *found;
 }
 
-bool is_compression(const std::string& text) { return find_compression(text).has_value(); }
-
 void validate(const BakedWriteOptions& options) { parse_compression(options.compression); }
 
 }  // namespace multum

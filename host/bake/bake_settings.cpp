@@ -65,7 +65,8 @@ void validate(const MovmfSettings& settings) {
           const auto value = settings.*member;
           if (!is_legal(row, value))
             throw Error(ErrorCode::kUsage,
-                        fmt::format("{} is {}, expected {}", row.option(), value, expected_text(row)));
+                        fmt::format("{} is {}, expected {}", row.surfaces == 0 ? row.name : row.option(), value,
+                                    expected_text(row)));
         },
         field.member);
 }

@@ -76,7 +76,9 @@ std::string expected_text(const Parameter& parameter) {
     case ParameterKind::kInteger:
     case ParameterKind::kNumber:
     case ParameterKind::kBytes: return number_text(parameter);
-    case ParameterKind::kChoice: return fmt::format("one of {}", fmt::join(parameter.choices, ", "));
+    case ParameterKind::kChoice:
+      return "one of " +
+             (parameter.unit.empty() ? fmt::format("{}", fmt::join(parameter.choices, ", ")) : parameter.unit);
     case ParameterKind::kText: return "a text";
     case ParameterKind::kBrdf:
       return "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA or ggx:ROUGHNESS";

@@ -38,16 +38,16 @@ TEST(BakeSettingsTest, RefusalsNameTheSettingItsValueAndItsRange) {
   expect_refused({"--lobes", "0", "1 to 8"}, [](auto& s) { s.lobe_count = 0; });
   expect_refused({"--iterations", "0", "1 to 1000"}, [](auto& s) { s.iteration_count = 0; });
   expect_refused({"settled", "0.2", "0 to 0.1"}, [](auto& s) { s.settled_change = 0.2f; });
-  expect_refused({"coarsest level", "1001", "1 to 1000"}, [](auto& s) { s.iteration_count_top = 1001; });
+  expect_refused({"iterations_top", "1001", "1 to 1000"}, [](auto& s) { s.iteration_count_top = 1001; });
   expect_refused({"--align", "-1", "0 to 10"}, [](auto& s) { s.alignment = -1.0f; });
   expect_refused({"--align", "nan"}, [](auto& s) { s.alignment = std::nanf(""); });
   expect_refused({"--kappa-cap", "0.5", "1 to 100000"}, [](auto& s) { s.kappa_cap = 0.5f; });
   expect_refused({"--kappa-cap", "inf"}, [](auto& s) { s.kappa_cap = HUGE_VALF; });
   expect_refused({"slope", "1001"}, [](auto& s) { s.kappa_cap_slope = 1001.0f; });
-  expect_refused({"kappa factor", "0.01 to 1"}, [](auto& s) { s.start_kappa_factor = 0.0f; });
+  expect_refused({"start_kappa_factor", "0.01 to 1"}, [](auto& s) { s.start_kappa_factor = 0.0f; });
   expect_refused({"--first-level", "-1", "0 to 15"}, [](auto& s) { s.first_level = -1; });
   expect_refused({"--first-level", "16"}, [](auto& s) { s.first_level = 16; });
-  expect_refused({"least amplitude", "0 to 0.125"}, [](auto& s) { s.start_amplitude_min = 0.2f; });
+  expect_refused({"start_amplitude_min", "0 to 0.125"}, [](auto& s) { s.start_amplitude_min = 0.2f; });
 }
 
 TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
