@@ -123,24 +123,25 @@ Rows material_rows() {
 }
 
 Rows representation_rows() {
-  return {{.name = "ndf",
-           .kind = Kind::kChoice,
-           .help = "what texels hold: vmf, lobes (Han 2007), the most accurate; gmm, planar Gaussians (Tan 2005); "
-                   "moments, slopes and their squares (LEAN); sh, spherical harmonics",
-           .default_text = "vmf",
-           .choices = {"vmf", "moments", "gmm", "sh"},
-           .hashed_as = "representation",
-           .surfaces = kJob},
-          {.name = "sh_order",
-           .kind = Kind::kInteger,
-           .help = "harmonics up to this l; 4 is for diffuse light, 8 for broad highlights",
-           .low = 1,
-           .high = 20,
-           .default_text = "4",
-           .hashed_as = "sh_order",
-           .scope = ParameterScope::kHarmonics,
-           .chosen_by_target = true,
-           .surfaces = kJob}};
+  return {
+      {.name = "ndf",
+       .kind = Kind::kChoice,
+       .help = "what texels hold. vmf: lobes (Han 2007), the most accurate; moments: slopes and their squares (LEAN); "
+               "gmm: planar Gaussians (Tan 2005); sh: spherical harmonics",
+       .default_text = "vmf",
+       .choices = {"vmf", "moments", "gmm", "sh"},
+       .hashed_as = "representation",
+       .surfaces = kJob},
+      {.name = "sh_order",
+       .kind = Kind::kInteger,
+       .help = "harmonics up to this l; 4 is for diffuse light, 8 for broad highlights",
+       .low = 1,
+       .high = 20,
+       .default_text = "4",
+       .hashed_as = "sh_order",
+       .scope = ParameterScope::kHarmonics,
+       .chosen_by_target = true,
+       .surfaces = kJob}};
 }
 
 Rows storage_rows() {

@@ -39,9 +39,15 @@ std::optional<std::int64_t> parse_bytes(const std::string& text) {
   return *number << found->second;
 }
 
+std::string size_text(std::int64_t bytes) {
+  return bytes % (1 << 20) == 0 ? fmt::format("{} MiB", bytes >> 20) : fmt::format("{} bytes", bytes);
+}
+
 std::string number_text(const Parameter& parameter) {
+  if (parameter.kind == ParameterKind::kBytes)
+    return "a size of at least " + size_text(static_cast<std::int64_t>(parameter.low));
   const bool is_number = parameter.kind == ParameterKind::kNumber;
-  const std::string what = is_number ? "a number" : parameter.kind == ParameterKind::kBytes ? "a size" : "an integer";
+  const std::string what = is_number ? "a number" : "an integer";
   const auto bound = [&](double value) {
     return is_number ? fmt::format("{:g}", value) : fmt::format("{}", static_cast<std::int64_t>(value));
   };
@@ -52,7 +58,6 @@ std::string number_text(const Parameter& parameter) {
   else if (parameter.low_excluded)
     text = fmt::format("{} above {}, at most {}", what, bound(parameter.low), bound(parameter.high));
   else text = fmt::format("{} from {} to {}", what, bound(parameter.low), bound(parameter.high));
-  if (parameter.kind == ParameterKind::kBytes) text += " bytes";
   return text + (parameter.zero_excluded ? " other than 0" : "");
 }
 
@@ -85,6 +90,11 @@ std::string expected_text(const Parameter& parameter) {
     case ParameterKind::kFile: return "a file's path";
   }
   return "";
+}
+
+std::string value_text(const Parameter& parameter, const ParameterValue& value) {
+  const auto* const bytes = std::get_if<std::int64_t>(&value);
+  return bytes != nullptr && parameter.kind == ParameterKind::kBytes ? size_text(*bytes) : value_text(value);
 }
 
 std::string value_text(const ParameterValue& value) {

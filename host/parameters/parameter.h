@@ -76,6 +76,8 @@ std::string expected_text(const Parameter& parameter);
 
 /// The value in words: 9, true, "waves".
 std::string value_text(const ParameterValue& value);
+/// The same of a parameter's value: sizes in MiB where they are whole ones.
+std::string value_text(const Parameter& parameter, const ParameterValue& value);
 
 /// Is the value of the parameter's type, and legal?
 bool is_legal(const Parameter& parameter, const ParameterValue& value);

@@ -15,8 +15,8 @@ void ParameterValues::set(const std::string& name, ParameterValue value) {
       integer != nullptr && parameter.kind == ParameterKind::kNumber)
     value = static_cast<double>(*integer);
   if (!is_legal(parameter, value))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} is {}, expected {}", parameter.option(), value_text(value), expected_text(parameter)));
+    throw Error(ErrorCode::kUsage, fmt::format("{} is {}, expected {}", parameter.option(),
+                                               value_text(parameter, value), expected_text(parameter)));
   values_[name] = std::move(value);
 }
 

@@ -70,7 +70,7 @@ TEST_F(LimitsTest, ADiskThatIsFull) {
 }
 
 TEST_F(LimitsTest, TooLittleMemoryNamesWhatIsNeeded) {
-  expect_failed(run_program(bake({"--memory", "100M"})), {"--memory", "100 MiB", "expected at least"});
+  expect_failed(run_program(bake({"--memory", "100M"})), {"--memory", "100 MiB", "at least 288 MiB"});
   expect_failed(run_program(bake({"--memory", "much"})), {"--memory", "much"});
 }
 

@@ -94,7 +94,7 @@ TEST_F(TargetCommandTest, CountsForTheBrdfThatIsNamed) {
   const ProgramResult met = bake({"--target-error", "0.2", "--brdf", "ggx:0.5"});
   ASSERT_EQ(met.exit_code, 0) << met.err;
   EXPECT_TRUE(std::regex_search(met.out, std::regex("chosen: .* % for ggx:0.5, asked for 20 %"))) << met.out;
-  EXPECT_TRUE(std::regex_search(met.out, std::regex("95 % interval: .*, ggx:0.5 [0-9.]+ \\+- [0-9.]+ %"))) << met.out;
+  EXPECT_TRUE(std::regex_search(met.out, std::regex("all texels: .*, ggx:0.5 [0-9.]+ %"))) << met.out;
   const ProgramResult missing = bake({"--target-error", "0.2", "--brdf", path("none.brdf")});
   expect_refusal(missing, kUsage, {"none.brdf'", "lambert", "blinn-phong:S"});
 }
@@ -127,12 +127,36 @@ TEST_F(TargetCommandTest, RefusesWhatDoesNotGoTogether) {
   }
 }
 
+// As text, in the report and in the file's header; small maps are measured whole, without an interval.
 TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
-  const ProgramResult plain = bake({"--lobes", "2"});
-  ASSERT_EQ(plain.exit_code, 0) << plain.err;
-  EXPECT_TRUE(std::regex_search(
-      plain.out, std::regex("error, mean over levels 2 and up, 95 % interval: blinn-phong:20 [0-9.]+ \\+- [0-9.]+ %")))
-      << plain.out;
+  for (const int size : {32, 512}) {
+    make_map("map", size);
+    const ProgramResult plain =
+        bake({"--lobes", "1", "--sweeps", "1", "--no-rehearsal", "--force", "--report", path("map.json")});
+    ASSERT_EQ(plain.exit_code, 0) << plain.err;
+    const bool is_sampled = size > 32;
+    const std::string interval = is_sampled ? " \\+- [0-9.]+" : "";
+    const std::string line = std::string("error, mean over levels 2 and up, ") +
+                             (is_sampled ? "95 % interval" : "all texels") + ": blinn-phong:20 [0-9.]+" + interval +
+                             " %";
+    EXPECT_TRUE(std::regex_search(plain.out, std::regex(line))) << plain.out;
+    const std::string table = "\n      0 +" + std::string(is_sampled ? "sampled" : "all") + " +[0-9.]+" + interval +
+                              " \\| [0-9.]+" + interval + " ";
+    EXPECT_TRUE(std::regex_search(plain.out, std::regex(table))) << plain.out;
+    EXPECT_TRUE(std::regex_search(multum({"info", path("map.ndf.exr")}).out, std::regex(table)));
+    const nlohmann::json report = nlohmann::json::parse(read_bytes(path("map.json")));
+    const std::string stated = read_baked_header(path("map.ndf.exr")).provenance.measured_error;
+    const nlohmann::json header = nlohmann::json::parse(stated);
+    ASSERT_EQ(header.size(), report["measured_error"].size());
+    for (std::size_t i = 0; i < header.size(); ++i) {
+      const nlohmann::json& row = report["measured_error"][i];
+      const bool all_texels = (size >> row["level"].get<int>()) <= 64;  // 8192 texels at most
+      EXPECT_EQ(row["all_texels"], all_texels) << row;
+      EXPECT_EQ(row["confidence_95"] == 0.0, all_texels) << row;
+      EXPECT_NEAR(header[i][4].get<double>(), row["confidence_95"].get<double>(), 1e-6) << row;
+      EXPECT_EQ(header[i][4] == 0, all_texels) << row;
+    }
+  }
 }
 
 }  // namespace
