@@ -98,7 +98,7 @@ class PicturesTest(ServiceCase):
         drill = service.submit(type="drill", parameters={"seconds": 0})
         service.wait_for(drill)
         self.refused(drill, "render", "drill")
-        bad = service.submit(type="bake", parameters={"input": self.path("q_normal.png"), "compression": "x"},
+        bad = service.submit(type="bake", parameters={"input": self.path("q_normal.png"), "first_level": 15},
                              output=self.path("c.ndf.exr"))
         self.assertEqual(service.wait_for(bad)["state"], "dead")
         self.refused(bad, "input", "dead")
