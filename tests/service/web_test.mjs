@@ -441,12 +441,12 @@ const steps = {
     assert.match(await page.locator("#submit-output").inputValue(), /\/results\/rock_normal-[0-9a-f]{8}\.ndf\.exr$/);
     await page.getByText(/^Parameters/).click();
     await page.locator("#parameter-lobes").fill("2");
-    await page.locator("#parameter-compression").fill("brotli");
+    await page.locator("#parameter-first_level").fill("15");
     page.expectsRefusal = true;
     await page.getByRole("button", { name: "Submit", exact: true }).click();
     await page.waitForURL((url) => url.hash !== "" && url.hash !== `#job-${id}`);
     await page.locator("#detail .badge[data-state=dead]").waitFor();
-    assert.match(await page.locator("#detail .why").innerText(), /brotli/);
+    assert.match(await page.locator("#detail .why").innerText(), /first-level/);
     await page.locator("#new-job").click();
     await page.locator("#submit-type").selectOption("bake");
     await page.locator("#parameter-input").fill("/nowhere/at/all.png");
