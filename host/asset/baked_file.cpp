@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <iterator>
 
+#include "host/asset/averages/moment_verify.h"
+#include "host/asset/averages/sh_verify.h"
 #include "host/asset/baked_reader.h"
-#include "host/asset/moment_verify.h"
-#include "host/asset/movmf_verify.h"
-#include "host/asset/pyramid_file.h"
-#include "host/asset/sh_verify.h"
+#include "host/asset/lobes/movmf_verify.h"
+#include "host/asset/pyramid/pyramid_file.h"
 
 namespace multum {
 namespace {

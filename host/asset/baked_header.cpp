@@ -9,8 +9,8 @@
 #include <ImfStringAttribute.h>
 #include <fmt/format.h>
 
-#include "host/asset/exr_compression.h"
-#include "host/asset/exr_rows.h"
+#include "host/asset/exr/exr_compression.h"
+#include "host/asset/exr/exr_rows.h"
 #include "host/asset/header_hash.h"
 #include "host/base/error.h"
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <thread>
 
-#include "host/asset/exr_rows.h"
-#include "host/base/exr_survey.h"
+#include "host/asset/exr/exr_rows.h"
+#include "host/base/files/exr_survey.h"
 
 namespace multum {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "host/asset/baked_header.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
 
 namespace multum {
 

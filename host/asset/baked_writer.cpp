@@ -21,13 +21,13 @@
 #include <mutex>
 #include <thread>
 
-#include "host/asset/exr_output.h"
-#include "host/asset/exr_rows.h"
+#include "host/asset/exr/exr_output.h"
+#include "host/asset/exr/exr_rows.h"
+#include "host/asset/exr/zlib_compress.h"
 #include "host/asset/header_hash.h"
-#include "host/asset/zlib_compress.h"
-#include "host/base/atomic_file.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/content_hash.h"
 
 namespace multum {
 namespace {

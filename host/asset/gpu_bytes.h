@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "host/asset/movmf_mipmap.h"
-#include "host/asset/sh_mipmap.h"
+#include "host/asset/averages/sh_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 
 namespace multum {
 

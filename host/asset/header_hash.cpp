@@ -13,9 +13,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/base/byte_file.h"
-#include "host/base/content_hash.h"
-#include "host/base/exr_survey.h"
+#include "host/base/files/byte_file.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/files/exr_survey.h"
 
 namespace multum {
 namespace {

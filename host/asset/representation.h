@@ -9,10 +9,10 @@
 namespace multum {
 
 enum class Representation {
-  kMovmf,    // mixtures of von Mises-Fisher lobes (host/asset/movmf_mipmap.h)
-  kGmm,      // mixtures of planar Gaussians, lobes too (the same file, host/asset/gmm_quantize.h)
-  kMoments,  // first and second moments of slopes, and the mean normal (host/asset/moment_mipmap.h)
-  kSh,       // spherical harmonics of the normals, to an order (host/asset/sh_mipmap.h)
+  kMovmf,    // mixtures of von Mises-Fisher lobes (host/asset/lobes/movmf_mipmap.h)
+  kGmm,      // mixtures of planar Gaussians, lobes too (the same file, host/asset/lobes/gmm_quantize.h)
+  kMoments,  // first and second moments of slopes, and the mean normal (host/asset/averages/moment_mipmap.h)
+  kSh,       // spherical harmonics of the normals, to an order (host/asset/averages/sh_mipmap.h)
 };
 
 /// How channel values are rounded when stored; docs/FORMAT.md states what each loses.

@@ -8,12 +8,12 @@
 
 #include "host/bake/ndf_bake.h"
 #include "host/bake/output_state.h"
-#include "host/base/atomic_file.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/log.h"
-#include "host/base/machine.h"
-#include "host/base/output_paths.h"
+#include "host/base/processes/machine.h"
 #include "host/base/version.h"
 
 namespace multum {

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "host/accuracy/highlight.h"
 #include "host/asset/baked_file.h"
-#include "host/bake/bake_settings.h"
-#include "host/bake/highlight.h"
 #include "host/bake/region_bake.h"
 #include "host/image/material_maps.h"
-#include "host/image/normal_map.h"
+#include "host/image/normals/normal_map.h"
+#include "host/movmf/bake_settings.h"
 
 namespace multum {
 

@@ -2,8 +2,8 @@
 // Where rows go that are as the file has them: kept where the measurement looks, and into the file.
 #pragma once
 
-#include "host/asset/movmf_writer.h"
-#include "host/bake/accuracy.h"
+#include "host/accuracy/accuracy.h"
+#include "host/asset/lobes/movmf_writer.h"
 #include "host/bake/bake_report.h"
 
 namespace multum {

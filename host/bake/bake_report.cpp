@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "host/bake/accuracy_table.h"
+#include "host/accuracy/accuracy_table.h"
 
 namespace multum {
 namespace {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "host/bake/accuracy.h"
-#include "host/bake/average_pass.h"
-#include "host/bake/fit_report.h"
+#include "host/accuracy/accuracy.h"
 #include "host/image/material_maps.h"
-#include "host/image/normal_map.h"
+#include "host/image/normals/normal_map.h"
+#include "host/movmf/fit_report.h"
 #include "host/opencl/device.h"
+#include "host/pyramid/average_pass.h"
 
 namespace multum {
 
@@ -27,7 +27,7 @@ struct OutputReport {
   double round_seconds = 0.0;
   double write_wait_seconds = 0.0;  // waiting for the thread that compresses and writes
   // Lobes of levels coarser than 0 whose spread the storage does not keep, and the share of those levels' normals that
-  // they stand for (host/asset/movmf_mipmap.h, SharpLobes).
+  // they stand for (host/asset/lobes/movmf_mipmap.h, SharpLobes).
   std::uint64_t beyond_storage = 0;
   double beyond_storage_amplitude = 0.0;
   double beyond_storage_share = 0.0;

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host/bake/bake_output.h"
-#include "host/bake/movmf_fit.h"
+#include "host/movmf/movmf_fit.h"
 
 namespace multum {
 

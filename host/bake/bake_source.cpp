@@ -8,7 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/base/log.h"
-#include "host/base/machine.h"
+#include "host/base/processes/machine.h"
 #include "host/image/colour_map.h"
 
 namespace multum {

@@ -11,7 +11,7 @@
 #include "host/bake/bake_report.h"
 #include "host/base/progress.h"
 #include "host/image/material_maps.h"
-#include "host/image/normal_map.h"
+#include "host/image/normals/normal_map.h"
 #include "host/image/plane_store.h"
 
 namespace multum {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/bake/accuracy.h"
+#include "host/accuracy/accuracy.h"
 #include "host/bake/bake_job.h"
 #include "host/base/progress.h"
 #include "host/opencl/device.h"

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "host/accuracy/accuracy_table.h"
 #include "host/asset/baked_verify.h"
-#include "host/bake/accuracy_table.h"
-#include "host/bake/average_pass.h"
 #include "host/bake/ndf_bake.h"
+#include "host/pyramid/average_pass.h"
 
 namespace multum {
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/image/reading_parameters.h"
+#include "host/image/normals/reading_parameters.h"
 
 namespace multum {
 namespace {

@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "host/asset/moment_file.h"
-#include "host/asset/moment_verify.h"
-#include "host/bake/box_pyramid.h"
+#include "host/asset/averages/moment_file.h"
+#include "host/asset/averages/moment_verify.h"
+#include "host/averages/moment_bake.h"
 #include "host/bake/file_bake_steps.h"
-#include "host/bake/moment_bake.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/pyramid/box_pyramid.h"
 
 namespace multum {
 namespace {

@@ -6,16 +6,16 @@
 #include <memory>
 #include <optional>
 
-#include "host/asset/movmf_verify.h"
-#include "host/asset/movmf_writer.h"
+#include "host/accuracy/movmf_model.h"
+#include "host/asset/lobes/movmf_verify.h"
+#include "host/asset/lobes/movmf_writer.h"
 #include "host/bake/bake_sink.h"
 #include "host/bake/file_bake_steps.h"
-#include "host/bake/movmf_bake.h"
-#include "host/bake/movmf_model.h"
 #include "host/bake/output_state.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
 #include "host/base/log.h"
+#include "host/movmf/movmf_bake.h"
 
 namespace multum {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "host/base/error.h"
-#include "host/base/machine.h"
+#include "host/base/processes/machine.h"
 
 namespace multum {
 

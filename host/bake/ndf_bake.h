@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "host/accuracy/accuracy.h"
 #include "host/asset/baked_verify.h"
-#include "host/bake/accuracy.h"
 #include "host/bake/bake_job.h"
 #include "host/bake/bake_source.h"
 

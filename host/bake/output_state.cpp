@@ -10,13 +10,13 @@
 #include <optional>
 #include <set>
 
-#include "host/bake/accuracy_table.h"
+#include "host/accuracy/accuracy_table.h"
 #include "host/bake/ndf_bake.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
 #include "host/base/version.h"
 #include "host/image/material_maps.h"
-#include "host/image/reading_settings.h"
+#include "host/image/normals/reading_settings.h"
 #include "kernels/kernel_sources.h"
 
 namespace multum {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/bake/accuracy.h"
+#include "host/accuracy/accuracy.h"
 #include "host/bake/bake_job.h"
 
 namespace multum {

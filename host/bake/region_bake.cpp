@@ -7,10 +7,10 @@
 #include <cmath>
 #include <utility>
 
-#include "host/bake/finest_rows.h"
-#include "host/bake/lobe_rows.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/movmf/lobe_rows.h"
+#include "host/pyramid/finest_rows.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "host/asset/movmf_reader.h"
+#include "host/asset/lobes/movmf_reader.h"
 #include "host/bake/bake_output.h"
-#include "host/bake/feature_planes.h"
-#include "host/bake/movmf_fit.h"
+#include "host/movmf/movmf_fit.h"
+#include "host/pyramid/feature_planes.h"
 
 namespace multum {
 

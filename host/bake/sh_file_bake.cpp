@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "host/asset/sh_file.h"
-#include "host/asset/sh_verify.h"
+#include "host/asset/averages/sh_file.h"
+#include "host/asset/averages/sh_verify.h"
+#include "host/averages/sh_bake.h"
 #include "host/bake/file_bake_steps.h"
-#include "host/bake/sh_bake.h"
 #include "host/base/error.h"
 
 namespace multum {

@@ -12,7 +12,7 @@
 #include <cstdio>
 
 #include "host/base/error.h"
-#include "host/base/interrupt.h"
+#include "host/base/processes/interrupt.h"
 #include "host/base/shown_text.h"
 
 namespace multum {

@@ -13,7 +13,7 @@
 
 #include <OpenImageIO/filesystem.h>
 
-#include "host/image/image_container.h"
+#include "host/image/files/image_container.h"
 
 namespace multum {
 

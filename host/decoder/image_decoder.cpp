@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/decoder/image_decoder.h"
 
-#include "host/base/byte_message.h"
 #include "host/base/error.h"
-#include "host/image/decoding_messages.h"
+#include "host/image/files/decoding_messages.h"
+#include "host/sandbox/byte_message.h"
 
 namespace multum {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The child's side of host/image/decoding_messages.h.
+// The child's side of host/image/files/decoding_messages.h.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <string_view>
 
-#include "host/base/shared_memory.h"
 #include "host/decoder/library_image_file.h"
+#include "host/sandbox/shared_memory.h"
 
 namespace multum {
 

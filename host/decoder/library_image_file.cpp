@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One reader named by the file's first bytes is opened (never "try all of them"), after
-// host/image/image_container has looked at the sizes; PNG and JPEG are read without their metadata.
+// host/image/files/image_container has looked at the sizes; PNG and JPEG are read without their metadata.
 #include "host/decoder/library_image_file.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -12,15 +12,15 @@
 #include <fstream>
 #include <utility>
 
-#include "host/base/damaged_file.h"
 #include "host/base/error.h"
 #include "host/decoder/file_ranges.h"
-#include "host/image/number_type.h"
+#include "host/image/files/number_type.h"
+#include "host/sandbox/damaged_file.h"
 
 namespace multum {
 namespace {
 
-// The codes of host/image/number_type.h are OpenImageIO's.
+// The codes of host/image/files/number_type.h are OpenImageIO's.
 static_assert(number_type::kUint8 == OIIO::TypeDesc::UINT8 && number_type::kInt8 == OIIO::TypeDesc::INT8);
 static_assert(number_type::kUint16 == OIIO::TypeDesc::UINT16 && number_type::kInt16 == OIIO::TypeDesc::INT16);
 static_assert(number_type::kUint32 == OIIO::TypeDesc::UINT32 && number_type::kInt32 == OIIO::TypeDesc::INT32);

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "host/image/image_file.h"
+#include "host/image/files/image_file.h"
 
 namespace multum {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/decoder/mesh_decoder.h"
 
-#include "host/base/damaged_file.h"
 #include "host/decoder/mesh_readers.h"
+#include "host/sandbox/damaged_file.h"
 
 namespace multum {
 

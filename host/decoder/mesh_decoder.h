@@ -6,8 +6,8 @@
 #include <string_view>
 #include <variant>
 
-#include "host/base/shared_memory.h"
 #include "host/mesh/mesh_messages.h"
+#include "host/sandbox/shared_memory.h"
 
 namespace multum {
 

@@ -10,8 +10,8 @@
 #include <exception>
 #include <mutex>
 
-#include "host/base/damaged_file.h"
 #include "host/mesh/gltf_check.h"
+#include "host/sandbox/damaged_file.h"
 
 namespace multum {
 namespace {

@@ -18,7 +18,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/base/parallel.h"
+#include "host/base/processes/parallel.h"
 #include "host/image/image_reader.h"
 
 namespace multum {

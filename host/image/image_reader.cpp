@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "host/base/damaged_file.h"
 #include "host/base/error.h"
-#include "host/image/image_file.h"
-#include "host/image/number_type.h"
+#include "host/image/files/image_file.h"
+#include "host/image/files/number_type.h"
+#include "host/sandbox/damaged_file.h"
 
 namespace multum {
 namespace {

@@ -12,7 +12,7 @@
 #include <functional>
 
 #include "host/base/error.h"
-#include "host/base/parallel.h"
+#include "host/base/processes/parallel.h"
 #include "host/image/image_reader.h"
 
 namespace multum {

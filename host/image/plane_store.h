@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/scratch_file.h"
+#include "host/base/files/scratch_file.h"
 
 namespace multum {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host/base/error.h"
-#include "host/base/machine.h"
+#include "host/base/processes/machine.h"
 
 namespace multum {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/scratch_file.h"
+#include "host/base/files/scratch_file.h"
 #include "host/image/reading_place.h"
 #include "host/image/sample_converter.h"
 
@@ -26,7 +26,7 @@ struct RawImageInfo {
   int height = 0;
   int channel_count = 0;  // colour channels, 1 to 3, and no alpha; or all of them
   SampleType sample_type = SampleType::kFloat;
-  int base_type = 0;                       // of the stored samples, host/image/number_type.h
+  int base_type = 0;                       // of the stored samples, host/image/files/number_type.h
   std::size_t row_bytes = 0;               // of the stored samples
   std::string colour_space;                // as the file says: "sRGB", "Linear", "Gamma2.2", or empty
   bool has_alpha = false;                  // in the file; never read

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "host/base/error.h"
-#include "host/image/number_type.h"
+#include "host/image/files/number_type.h"
 
 namespace multum {
 namespace {

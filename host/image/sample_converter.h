@@ -11,7 +11,7 @@ namespace multum {
 
 class SampleConverter {
  public:
-  /// `base_type`: of host/image/number_type.h. `then` is evaluated once for each code of 8 and 16 bits.
+  /// `base_type`: of host/image/files/number_type.h. `then` is evaluated once for each code of 8 and 16 bits.
   explicit SampleConverter(int base_type, std::function<float(float)> then = {});
 
   /// `values` holds `count` floats. Any number of threads may convert at once.

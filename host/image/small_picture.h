@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "host/image/png_writer.h"
+#include "host/image/files/png_writer.h"
 
 namespace multum {
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
 #include "host/mesh/gltf_document.h"
 
 namespace multum {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "host/base/decoding_answer.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/object_mesh.h"
+#include "host/sandbox/decoding_answer.h"
 
 namespace multum {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a child may take (host/base/decoding_child.h). A corner of a triangle, 20 bytes of an OBJ file, becomes about a
-// kilobyte: assimp's vertex, its copy where a node is placed, ours, and its entry in the table that joins vertices.
+// What a child may take (host/sandbox/decoding_child.h). A corner of a triangle, 20 bytes of an OBJ file, becomes about
+// a kilobyte: assimp's vertex, its copy where a node is placed, ours, and its entry in the table that joins vertices.
 //   memory   memory_base + 64 sizes of the file and of the buffers that a glTF file names
 //   time     time_base + 1 s a MiB of them
 #include "host/mesh/mesh_source.h"

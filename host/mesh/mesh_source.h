@@ -2,7 +2,7 @@
 // Meshes are read in a child process, since assimp dies on some files or takes minutes and gigabytes.
 #pragma once
 
-#include "host/base/decoding_child.h"
+#include "host/sandbox/decoding_child.h"
 
 namespace multum {
 

@@ -33,7 +33,7 @@ struct LaunchShape {
   std::size_t strip_local_size;       // of these
   std::size_t staging_bytes;          // of one copy; 0: there are no copies
   std::uint64_t window_bytes_max;     // for rows that are fitted at once; 0: what --memory leaves
-  std::uint64_t window_bytes_useful;  // more is no faster; 0: as caches have it (host/bake/bake_plan.h)
+  std::uint64_t window_bytes_useful;  // more is no faster; 0: as caches have it (host/movmf/bake_plan.h)
 
   bool has_teams() const { return team_texels_max > 0; }
   /// Whether teams fit so many texels at once, of at most so many samples each.

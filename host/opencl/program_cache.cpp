@@ -11,11 +11,11 @@
 #include <optional>
 #include <vector>
 
-#include "host/base/atomic_file.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
-#include "host/base/interrupt.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/content_hash.h"
 #include "host/base/log.h"
+#include "host/base/processes/interrupt.h"
 #include "host/opencl/cl_error.h"
 #include "host/opencl/device_state.h"
 #include "kernels/kernel_sources.h"

@@ -5,7 +5,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/image/normal_map.h"
+#include "host/image/normals/normal_map.h"
 
 namespace multum::reference {
 

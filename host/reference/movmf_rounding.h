@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounding of a texel's lobes, written for obviousness: every way to round is tried in the words of docs/FORMAT.md
-// ("Rounding"). The oracle of host/asset/movmf_quantize.cpp. No bake uses it.
+// ("Rounding"). The oracle of host/asset/lobes/movmf_quantize.cpp. No bake uses it.
 #pragma once
 
 #include <vector>
 
 #include <glm/vec4.hpp>
 
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 
 namespace multum::reference {
 

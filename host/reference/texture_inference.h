@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The objective of texture inference in double precision, as host/bake/texture_inference.h states it, one colour.
+// The objective of texture inference in double precision, as host/texture_inference/solver/texture_inference.h states
+// it, one colour.
 #pragma once
 
 #include <vector>
 
-#include "host/asset/filter_matrix.h"
+#include "host/asset/inferred/filter_matrix.h"
 
 namespace multum::reference {
 

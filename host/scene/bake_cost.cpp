@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "host/asset/averages/spherical_harmonics.h"
 #include "host/asset/baked_file.h"
-#include "host/asset/spherical_harmonics.h"
 
 namespace multum {
 namespace {

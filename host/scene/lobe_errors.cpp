@@ -9,13 +9,13 @@
 #include <numbers>
 #include <utility>
 
-#include "host/asset/moment_mipmap.h"
-#include "host/asset/spherical_harmonics.h"
-#include "host/bake/mip_schedule.h"
-#include "host/bake/movmf_start.h"
+#include "host/asset/averages/moment_mipmap.h"
+#include "host/asset/averages/spherical_harmonics.h"
 #include "host/base/mean_cosine.h"
-#include "host/base/parallel.h"
+#include "host/base/processes/parallel.h"
 #include "host/base/split_mix.h"
+#include "host/movmf/mip_schedule.h"
+#include "host/movmf/movmf_start.h"
 
 namespace multum {
 namespace {

@@ -13,7 +13,7 @@
 #include <optional>
 
 #include "host/asset/baked_file.h"
-#include "host/base/parallel.h"
+#include "host/base/processes/parallel.h"
 #include "host/base/size_of.h"
 #include "host/base/split_mix.h"
 

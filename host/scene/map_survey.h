@@ -9,9 +9,9 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/bake/normal_mixture.h"
 #include "host/image/material_maps.h"
 #include "host/image/plane_store.h"
+#include "host/movmf/normal_mixture.h"
 
 namespace multum {
 

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "host/bake/setting_choice.h"
 #include "host/brdf/fresnel.h"
+#include "host/target/setting_choice.h"
 
 namespace multum {
 namespace {

@@ -10,11 +10,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/asset/movmf_reader.h"
+#include "host/asset/lobes/movmf_reader.h"
 #include "host/bake/bake_file.h"
-#include "host/bake/chosen_bake.h"
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/target/chosen_bake.h"
 
 namespace multum {
 namespace {
@@ -49,7 +49,7 @@ TargetBrdf target_brdf(const BakeJob& job) {
                                : fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
 }
 
-// Several lobes and a target: how many, and how long they are fitted, is found by trials (host/bake/chosen_bake.h).
+// Several lobes and a target: how many, and how long they are fitted, is found by trials (host/target/chosen_bake.h).
 BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const BakeSource* source, Device& device,
                                 Progress* progress, std::string& options) {
   BakeTarget target;

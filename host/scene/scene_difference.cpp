@@ -8,9 +8,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/bake/map_mosaic.h"
 #include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
+#include "host/target/map_mosaic.h"
 
 namespace multum {
 namespace {

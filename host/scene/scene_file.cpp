@@ -10,11 +10,11 @@
 #include <map>
 
 #include "host/bake/job_parameters.h"
-#include "host/bake/parameter_keys.h"
-#include "host/bake/strict_toml.h"
 #include "host/base/nearest_name.h"
 #include "host/brdf/measured_file.h"
 #include "host/image/material_maps.h"
+#include "host/toml/parameter_keys.h"
+#include "host/toml/strict_toml.h"
 
 namespace multum {
 namespace {

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "host/base/error.h"
-#include "host/image/environment_file.h"
+#include "host/image/files/environment_file.h"
 #include "host/scene/effect_rows.h"
 #include "host/scene/map_planner.h"
 #include "host/scene/object_plan.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/bake/bake_source.h"
-#include "host/bake/mip_bake.h"
+#include "host/pyramid/mip_bake.h"
 #include "host/scene/bake_cost.h"
 #include "host/scene/scene_file.h"
 

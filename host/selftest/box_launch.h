@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "host/bake/row_blocks.h"
 #include "host/opencl/device.h"
+#include "host/pyramid/row_blocks.h"
 
 namespace multum {
 

@@ -8,14 +8,14 @@
 #include <array>
 #include <cmath>
 
-#include "host/bake/pyramid_tables.h"
-#include "host/bake/texture_inference.h"
-#include "host/bake/texture_system.h"
 #include "host/base/split_mix.h"
 #include "host/opencl/launch_shape.h"
 #include "host/reference/texture_inference.h"
 #include "host/selftest/buffers.h"
 #include "host/selftest/case_lists.h"
+#include "host/texture_inference/solver/pyramid_tables.h"
+#include "host/texture_inference/solver/texture_inference.h"
+#include "host/texture_inference/solver/texture_system.h"
 
 namespace multum {
 namespace {

@@ -12,7 +12,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "host/opencl/launch_shape.h"
 #include "host/reference/movmf_em.h"
 #include "host/reference/planar_em.h"

@@ -11,7 +11,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/asset/moment_mipmap.h"
+#include "host/asset/averages/moment_mipmap.h"
 #include "host/reference/moments.h"
 #include "host/reference/shading.h"
 #include "host/selftest/buffers.h"

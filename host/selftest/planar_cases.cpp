@@ -11,7 +11,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/asset/gmm_quantize.h"
+#include "host/asset/lobes/gmm_quantize.h"
 #include "host/base/split_mix.h"
 #include "host/reference/planar_em.h"
 #include "host/selftest/buffers.h"

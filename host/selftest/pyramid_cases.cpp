@@ -14,9 +14,9 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/asset/reflectance_mapping.h"
-#include "host/bake/row_blocks.h"
+#include "host/asset/pyramid/reflectance_mapping.h"
 #include "host/base/split_mix.h"
+#include "host/pyramid/row_blocks.h"
 #include "host/reference/reflectance.h"
 #include "host/selftest/box_launch.h"
 #include "host/selftest/buffers.h"

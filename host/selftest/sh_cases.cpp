@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/asset/spherical_harmonics.h"
-#include "host/bake/highlight.h"
+#include "host/accuracy/highlight.h"
+#include "host/asset/averages/spherical_harmonics.h"
 #include "host/base/mean_cosine.h"
 #include "host/base/split_mix.h"
 #include "host/reference/spherical_harmonics.h"

@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/bake/highlight.h"
+#include "host/accuracy/highlight.h"
 #include "host/reference/shading.h"
 #include "host/selftest/case_lists.h"
 #include "host/selftest/shade_launch.h"

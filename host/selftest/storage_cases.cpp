@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rounding to the file's encodings does to a lobe's spread (host/asset/movmf_quantize.cpp; docs/FORMAT.md,
+// What rounding to the file's encodings does to a lobe's spread (host/asset/lobes/movmf_quantize.cpp; docs/FORMAT.md,
 // "Rounding"). No kernel runs: what kernels found is lost here or nowhere.
 #include <fmt/format.h>
 #include <half.h>
@@ -9,7 +9,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "host/base/split_mix.h"
 #include "host/reference/movmf_rounding.h"
 #include "host/reference/shading.h"

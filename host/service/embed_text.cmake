@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DOUTPUT=openapi.cpp -DFILE=openapi.json -DHEADER=host/service/openapi.h -DFUNCTION=openapi_json
+# cmake -DOUTPUT=openapi.cpp -DFILE=openapi.json -DHEADER=host/service/http/openapi.h -DFUNCTION=openapi_json
 #   -P embed_text.cmake
 # Writes a function that returns the file's text, cut into pieces because compilers need not take long literals.
 file(READ "${FILE}" text)

@@ -3,7 +3,7 @@
 # Writes every file's bytes as an array: a page may hold what would end a raw string, and CMake would take a semicolon
 # or bracket of it for one of its own.
 set(text "// SPDX-License-Identifier: Apache-2.0\n// Made by embed_web_files.cmake.\n")
-string(APPEND text "#include \"host/service/web_files.h\"\n\nnamespace multum {\nnamespace {\n\n")
+string(APPEND text "#include \"host/service/http/web_files.h\"\n\nnamespace multum {\nnamespace {\n\n")
 set(table "")
 foreach(file IN LISTS FILES)
   file(READ "${FOLDER}/${file}" bytes HEX)

@@ -11,13 +11,13 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fstream>
 
-#include "host/base/atomic_file.h"
-#include "host/base/confinement.h"
 #include "host/base/error.h"
-#include "host/base/folder_lock.h"
-#include "host/base/output_paths.h"
-#include "host/service/http_api.h"
-#include "host/service/ledger_start.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/folder_lock.h"
+#include "host/base/files/output_paths.h"
+#include "host/sandbox/confinement.h"
+#include "host/service/http/http_api.h"
+#include "host/service/ledger/ledger_start.h"
 #include "host/service/run_handlers.h"
 #include "host/service/service_log.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/confinement.h"
+#include "host/sandbox/confinement.h"
 #include "host/service/service_settings.h"
 
 namespace multum {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/shown_text.h"
-#include "host/service/job_json.h"
+#include "host/service/ledger/job_json.h"
 
 namespace multum {
 

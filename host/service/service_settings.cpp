@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "host/bake/strict_toml.h"
 #include "host/base/error.h"
+#include "host/toml/strict_toml.h"
 
 namespace multum {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/base/confinement.h"
-#include "host/service/job_queue.h"
+#include "host/sandbox/confinement.h"
+#include "host/service/ledger/job_queue.h"
 
 namespace multum {
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked file on the GPU: one texture a lobe (a r, a), and one a lobe for premultiplied colours if the file has them.
-// Level for level as they are in the file; trilinear filtering of these values is exact (host/asset/movmf_mipmap.h).
-// Levels that the file leaves to the normal map are textures of that map (movmf_shading.glsl, multum_movmf_normal_map).
+// Level for level as they are in the file; trilinear filtering of these values is exact
+// (host/asset/lobes/movmf_mipmap.h). Levels that the file leaves to the normal map are textures of that map
+// (movmf_shading.glsl, multum_movmf_normal_map).
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/material.h"

@@ -9,8 +9,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/asset/gmm_quantize.h"
-#include "host/asset/moment_mipmap.h"
+#include "host/asset/averages/moment_mipmap.h"
+#include "host/asset/lobes/gmm_quantize.h"
 #include "host/base/error.h"
 #include "runtime_gl/materials/mip_texture.h"
 #include "runtime_gl/materials/moment_material.h"

@@ -8,9 +8,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/asset/moment_mipmap.h"
-#include "host/asset/movmf_mipmap.h"
-#include "host/asset/sh_mipmap.h"
+#include "host/asset/averages/moment_mipmap.h"
+#include "host/asset/averages/sh_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/material.h"
 

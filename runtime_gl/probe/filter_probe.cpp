@@ -9,7 +9,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/base/error.h"
-#include "host/base/parallel.h"
+#include "host/base/processes/parallel.h"
 #include "host/base/split_mix.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/probe/texel_classes.h"

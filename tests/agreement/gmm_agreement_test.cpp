@@ -12,7 +12,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/bake/highlight.h"
+#include "host/accuracy/highlight.h"
 #include "host/opencl/device.h"
 #include "host/reference/planar_em.h"
 #include "runtime_gl/context/headless_context.h"

@@ -13,7 +13,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/asset/spherical_harmonics.h"
+#include "host/asset/averages/spherical_harmonics.h"
 #include "host/opencl/device.h"
 #include "host/reference/spherical_harmonics.h"
 #include "host/selftest/sh_launch.h"

@@ -13,7 +13,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/bake/highlight.h"
+#include "host/accuracy/highlight.h"
 #include "host/brdf/brdf_text.h"
 #include "host/opencl/device.h"
 #include "host/reference/shading.h"
@@ -134,7 +134,7 @@ std::string terms_expression(const MultumHighlight& f) {
   return fmt::format("vec4(a.w <= 1e-6 ? 0.0 : a.w * max({}, 0.0))", sum);
 }
 
-// Facets that are sums of vMFs, by which a bake's error is measured for GGX and others (host/bake/highlight.h).
+// Facets that are sums of vMFs, by which a bake's error is measured for GGX and others (host/accuracy/highlight.h).
 TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   const Lobes set = test_lobes(43);
   std::mt19937 random(43);

@@ -10,9 +10,9 @@
 #include <random>
 #include <regex>
 
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "tests/cli/program.h"
-#include "tests/unit/image_test_files.h"
+#include "tests/unit/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "host/asset/header_hash.h"
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

@@ -9,9 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/asset/filter_matrix.h"
-#include "host/asset/inferred_texture.h"
-#include "host/image/exr_layers.h"
+#include "host/asset/inferred/filter_matrix.h"
+#include "host/asset/inferred/inferred_texture.h"
+#include "host/image/files/exr_layers.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
 

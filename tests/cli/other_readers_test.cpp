@@ -6,13 +6,13 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
-#include "host/asset/filter_matrix.h"
-#include "host/asset/gmm_quantize.h"
-#include "host/asset/inferred_texture.h"
-#include "host/asset/moment_mipmap.h"
-#include "host/asset/movmf_mipmap.h"
-#include "host/asset/sh_mipmap.h"
-#include "host/base/content_hash.h"
+#include "host/asset/averages/moment_mipmap.h"
+#include "host/asset/averages/sh_mipmap.h"
+#include "host/asset/inferred/filter_matrix.h"
+#include "host/asset/inferred/inferred_texture.h"
+#include "host/asset/lobes/gmm_quantize.h"
+#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/base/files/content_hash.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/unit/test_folder.h"
+#include "tests/unit/base/test_folder.h"
 
 namespace multum::testing {
 

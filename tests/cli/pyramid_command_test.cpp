@@ -7,10 +7,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "host/asset/pyramid_file.h"
+#include "host/asset/pyramid/pyramid_file.h"
 #include "host/image/colour_map.h"
 #include "tests/cli/program.h"
-#include "tests/unit/image_test_files.h"
+#include "tests/unit/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 
-#include "host/image/normal_map.h"
-#include "host/image/png_writer.h"
+#include "host/image/files/png_writer.h"
+#include "host/image/normals/normal_map.h"
 #include "tests/cli/program.h"
 #include "tests/reference/test_maps.h"
 

@@ -6,7 +6,7 @@
 
 #include "host/asset/baked_file.h"
 #include "tests/cli/program.h"
-#include "tests/unit/image_test_files.h"
+#include "tests/unit/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

@@ -15,9 +15,9 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/image/png_writer.h"
-#include "tests/unit/animation_test_scene.h"
-#include "tests/unit/test_folder.h"
+#include "host/image/files/png_writer.h"
+#include "tests/unit/base/test_folder.h"
+#include "tests/unit/texture_inference/animation_test_scene.h"
 
 namespace multum::testing {
 namespace {

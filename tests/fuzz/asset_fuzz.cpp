@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smaller files and texts of the project's own: filter matrices, requests to the probe, the list of inferred textures,
 // settings in headers, results of cases, "FILE:CHANNEL".
-#include "host/asset/filter_matrix.h"
-#include "host/asset/inferred_texture.h"
-#include "host/asset/probe_request.h"
+#include "host/asset/inferred/filter_matrix.h"
+#include "host/asset/inferred/inferred_texture.h"
+#include "host/asset/inferred/probe_request.h"
 #include "host/image/material_maps.h"
-#include "host/image/reading_settings.h"
+#include "host/image/normals/reading_settings.h"
 #include "host/reference/case_table.h"
 #include "tests/fuzz/fuzz.h"
 

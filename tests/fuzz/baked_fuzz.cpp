@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "host/asset/baked_verify.h"
-#include "host/asset/inferred_texture.h"
-#include "host/asset/movmf_reader.h"
+#include "host/asset/inferred/inferred_texture.h"
+#include "host/asset/lobes/movmf_reader.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/reference/small_baked_files.h"
 

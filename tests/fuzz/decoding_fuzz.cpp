@@ -5,15 +5,15 @@
 #include <cstring>
 #include <numeric>
 
-#include "host/base/byte_message.h"
-#include "host/image/decoding_messages.h"
-#include "host/image/environment_file.h"
-#include "host/image/exr_layers.h"
+#include "host/image/files/decoding_messages.h"
+#include "host/image/files/environment_file.h"
+#include "host/image/files/exr_layers.h"
+#include "host/image/files/number_type.h"
 #include "host/image/material_maps.h"
-#include "host/image/normal_map.h"
-#include "host/image/number_type.h"
+#include "host/image/normals/normal_map.h"
 #include "host/image/object_index.h"
 #include "host/image/small_picture.h"
+#include "host/sandbox/byte_message.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

@@ -3,10 +3,10 @@
 // whole requests to a running one.
 #include <nlohmann/json.hpp>
 
-#include "host/service/http_reply.h"
-#include "host/service/job_request.h"
-#include "host/service/job_types.h"
+#include "host/service/http/http_reply.h"
+#include "host/service/http/job_request.h"
 #include "host/service/service_settings.h"
+#include "host/service/work/job_types.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

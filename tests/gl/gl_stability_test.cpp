@@ -12,7 +12,7 @@
 #include <map>
 #include <regex>
 
-#include "host/base/atomic_file.h"
+#include "host/base/files/atomic_file.h"
 #include "host/reference/case_page.h"
 #include "host/reference/case_table.h"
 #include "tests/gl/glsl_cases.h"

@@ -13,8 +13,8 @@
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 
-#include "host/asset/reflectance_mapping.h"
-#include "host/asset/spherical_harmonics.h"
+#include "host/asset/averages/spherical_harmonics.h"
+#include "host/asset/pyramid/reflectance_mapping.h"
 #include "host/reference/moments.h"
 #include "host/reference/planar_em.h"
 #include "host/reference/shading.h"

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/asset/spherical_harmonics.h"
+#include "host/asset/averages/spherical_harmonics.h"
 #include "host/reference/planar_em.h"
 #include "host/reference/shading.h"
 #include "host/reference/spherical_harmonics.h"

@@ -12,13 +12,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/asset/filter_matrix.h"
-#include "host/asset/inferred_texture.h"
-#include "host/asset/probe_request.h"
-#include "host/base/child_process.h"
-#include "host/base/content_hash.h"
+#include "host/asset/inferred/filter_matrix.h"
+#include "host/asset/inferred/inferred_texture.h"
+#include "host/asset/inferred/probe_request.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/processes/child_process.h"
 #include "tests/gl/probe_scene.h"
-#include "tests/unit/test_folder.h"
+#include "tests/unit/base/test_folder.h"
 
 namespace multum {
 namespace {

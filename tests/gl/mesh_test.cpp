@@ -7,8 +7,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
 #include "host/mesh/mesh.h"
 #include "tests/reference/shared_data.h"
 

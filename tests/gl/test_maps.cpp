@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/gmm_quantize.h"
+#include "host/asset/lobes/gmm_quantize.h"
 #include "host/base/split_mix.h"
 
 namespace multum::gl {

@@ -11,18 +11,18 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/asset/moment_mipmap.h"
-#include "host/asset/sh_mipmap.h"
-#include "host/base/atomic_file.h"
-#include "host/base/child_process.h"
-#include "host/base/content_hash.h"
+#include "host/asset/averages/moment_mipmap.h"
+#include "host/asset/averages/sh_mipmap.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/processes/child_process.h"
 #include "host/image/colour_map.h"
+#include "host/image/files/png_writer.h"
 #include "host/image/material_maps.h"
-#include "host/image/png_writer.h"
-#include "host/image/reading_settings.h"
+#include "host/image/normals/reading_settings.h"
 #include "tests/gl/sh_test_map.h"
 #include "tests/gl/test_maps.h"
-#include "tests/unit/test_folder.h"
+#include "tests/unit/base/test_folder.h"
 
 namespace multum {
 namespace {

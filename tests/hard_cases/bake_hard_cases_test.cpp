@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/bake/movmf_bake.h"
+#include "host/movmf/movmf_bake.h"
 #include "host/opencl/launch_shape.h"
 #include "tests/reference/test_maps.h"
 

@@ -11,8 +11,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/movmf_mipmap.h"
-#include "host/bake/texture_system.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "host/reference/coverage.h"
 #include "host/reference/shading.h"
 #include "host/selftest/box_launch.h"
@@ -20,6 +19,7 @@
 #include "host/selftest/feature_launch.h"
 #include "host/selftest/moment_launch.h"
 #include "host/selftest/shade_launch.h"
+#include "host/texture_inference/solver/texture_system.h"
 #include "kernels/shared/movmf_fit.h"
 #include "tests/reference/test_device.h"
 

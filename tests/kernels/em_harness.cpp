@@ -8,9 +8,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/movmf_mipmap.h"
-#include "host/bake/movmf_condense.h"
-#include "host/bake/movmf_em_step.h"
+#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/movmf/movmf_condense.h"
+#include "host/movmf/movmf_em_step.h"
 #include "host/opencl/launch_shape.h"
 #include "host/reference/planar_em.h"
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "host/bake/mip_schedule.h"
-#include "host/image/normal_map.h"
+#include "host/image/normals/normal_map.h"
+#include "host/movmf/mip_schedule.h"
 #include "host/reference/movmf_em.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"

@@ -11,13 +11,13 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/bake/accuracy.h"
-#include "host/bake/moment_bake.h"
-#include "host/bake/movmf_bake.h"
-#include "host/bake/sh_bake.h"
-#include "host/image/four_quarter_map.h"
+#include "host/accuracy/accuracy.h"
+#include "host/averages/moment_bake.h"
+#include "host/averages/sh_bake.h"
+#include "host/movmf/movmf_bake.h"
 #include "host/reference/planar_em.h"
 #include "host/reference/spherical_harmonics.h"
+#include "host/testmap/four_quarter_map.h"
 #include "tests/kernels/em_harness.h"
 #include "tests/reference/test_maps.h"
 

@@ -9,7 +9,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/bake/moment_bake.h"
+#include "host/averages/moment_bake.h"
 #include "host/base/error.h"
 #include "host/reference/moments.h"
 #include "tests/kernels/em_harness.h"

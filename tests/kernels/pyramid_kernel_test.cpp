@@ -8,9 +8,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/pyramid_sample.h"
-#include "host/bake/reflectance_bake.h"
+#include "host/asset/pyramid/pyramid_sample.h"
 #include "host/base/error.h"
+#include "host/pyramid/reflectance_bake.h"
 #include "host/reference/reflectance.h"
 #include "tests/kernels/em_harness.h"
 

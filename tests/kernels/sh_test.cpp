@@ -10,9 +10,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/spherical_harmonics.h"
-#include "host/bake/accuracy.h"
-#include "host/bake/sh_bake.h"
+#include "host/accuracy/accuracy.h"
+#include "host/asset/averages/spherical_harmonics.h"
+#include "host/averages/sh_bake.h"
 #include "host/base/error.h"
 #include "host/reference/coverage.h"
 #include "host/reference/spherical_harmonics.h"

@@ -18,8 +18,9 @@ class CheckToolsTest(unittest.TestCase):
         self.root = pathlib.Path(self.folder.name)
         self.write("docs/ARCHITECTURE.md", (ROOT / "docs/ARCHITECTURE.md").read_text())
         self.write("host/base/error.h", LICENCE + "// Errors.\n#pragma once\n#include <string>\n")
-        self.write("host/asset/movmf_mipmap.h", LICENCE + "// Lobes.\n#include <string>\n#include <glm/vec3.hpp>\n")
-        self.write("host/bake/bake.cpp", LICENCE + '// A bake.\n#include "host/asset/movmf_mipmap.h"\n')
+        self.write("host/asset/lobes/movmf_mipmap.h",
+                   LICENCE + "// Lobes.\n#include <string>\n#include <glm/vec3.hpp>\n")
+        self.write("host/bake/bake.cpp", LICENCE + '// A bake.\n#include "host/asset/lobes/movmf_mipmap.h"\n')
         self.write("host/bake/CMakeLists.txt", "# SPDX-License-Identifier: Apache-2.0\nadd_library(b bake.cpp)\n")
 
     def tearDown(self):
@@ -35,8 +36,8 @@ class CheckToolsTest(unittest.TestCase):
                              capture_output=True, text=True, check=False)
         return run.returncode, run.stdout + run.stderr
 
-    def expect_violation(self, tool, *words):
-        code, output = self.run_tool(tool)
+    def expect_violation(self, tool, *words, options=()):
+        code, output = self.run_tool(tool, *options)
         self.assertEqual(code, 1, output)
         for word in words:
             self.assertIn(word, output)
@@ -82,6 +83,40 @@ class CheckToolsTest(unittest.TestCase):
         self.write("host/image/CMakeLists.txt", "# x\nmultum_library(multum_image PUBLIC multum_base multum_opencl)\n")
         self.expect_violation("check_layering", "host/image/CMakeLists.txt:2", "links multum_opencl")
 
+    def test_row_that_nothing_needs(self):
+        headers, programs = "```headers\nglm/ host\n```\n", "```programs\n```\n"
+        for layers, words in (
+                ("host/base -\nhost/asset host/base\nhost/bake host/asset", ("host/asset allows host/base",)),
+                ("host/base -\nhost/asset host/gone\nhost/bake host/asset", ("host/gone", "no folder")),
+                ("host/base -\nhost/asset -\nhost/bake host/asset\nhost/gone -", ("host/gone", "no folder"))):
+            with self.subTest(layers=layers):
+                self.write("docs/ARCHITECTURE.md", f"```layers\n{layers}\n```\n{headers}{programs}")
+                self.assertEqual(self.run_tool("check_layering"), (0, ""))
+                code, output = self.run_tool("check_layering", "--rows")
+                self.assertEqual(code, 1, output)
+                for word in words:
+                    self.assertIn(word, output)
+        rows = "```layers\nhost/base -\nhost/asset -\nhost/bake host/asset\n```\n"
+        self.write("docs/ARCHITECTURE.md", rows + headers + programs)
+        self.assertEqual(self.run_tool("check_layering", "--rows"), (0, ""))
+        self.write("docs/ARCHITECTURE.md", rows + headers.replace("host", "host tests") + programs)
+        self.expect_violation("check_layering", "glm/ allows tests", options=["--rows"])
+
+    def test_rows_that_lead_in_a_circle(self):
+        self.write("docs/ARCHITECTURE.md", "```layers\nhost/base -\nhost/asset host/bake\nhost/bake host/asset\n```\n"
+                   "```headers\nglm/ host\n```\n```programs\n```\n")
+        self.write("host/asset/back.h", LICENCE + '// x\n#include "host/bake/bake.cpp"\n')
+        code, output = self.run_tool("check_layering", "--rows")
+        self.assertEqual((code, len(output.splitlines())), (1, 2), output)
+        self.assertIn("the row of host/bake leads back to it", output)
+
+    def test_folder_of_many_files(self):
+        for number in range(38):
+            self.write(f"host/bake/unit_{number}.h", LICENCE + "// x\n")
+        self.assertEqual(self.run_tool("check_layering"), (0, ""))
+        self.write("host/bake/unit_38.h", LICENCE + "// x\n")
+        self.expect_violation("check_layering", "host/bake:1", "41 files")
+
     def test_program_that_links_what_it_must_not(self):
         (self.root / "bin").mkdir()
         program = self.root / "bin/multum"
@@ -117,9 +152,15 @@ class CheckToolsTest(unittest.TestCase):
         self.write("tests/surprise/x.h", LICENCE + "// x\n")
         self.expect_violation("check_style.py", "tests/surprise: has no row")
 
+    def test_unit_tests_mirror_rooms(self):
+        self.write("tests/unit/asset/lobes/x.h", LICENCE + "// x\n")
+        self.assertEqual(self.run_tool("check_style.py"), (0, ""))
+        self.write("tests/unit/surprise/x.h", LICENCE + "// x\n")
+        self.expect_violation("check_style.py", "tests/unit/surprise: has no row")
+
     def test_dead_paths(self):
         self.write("docs/ARCHITECTURE.md", "`host/bake`, `host/base/error.h`, `host/bake/bake`: `movmf_mipmap.h`.\n")
-        self.write("host/base/good.h", LICENCE + "// As asset/movmf_mipmap.h and kernels/FILE.cl.\n"
+        self.write("host/base/good.h", LICENCE + "// As asset/lobes/movmf_mipmap.h and kernels/FILE.cl.\n"
                    'const char* text = "host/gone";\n')
         self.assertEqual(self.run_tool("check_paths"), (0, ""))
         for file, text, name in (("docs/PAGE.md", "See `host/gone/error.h`.\n", "host/gone/error.h"),

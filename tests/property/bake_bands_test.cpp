@@ -10,8 +10,8 @@
 #include <optional>
 #include <random>
 
-#include "host/bake/movmf_bake.h"
 #include "host/base/error.h"
+#include "host/movmf/movmf_bake.h"
 #include "host/opencl/launch_shape.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <random>
 
-#include "host/bake/movmf_bake.h"
-#include "host/image/four_quarter_map.h"
+#include "host/movmf/movmf_bake.h"
 #include "host/opencl/launch_shape.h"
+#include "host/testmap/four_quarter_map.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 

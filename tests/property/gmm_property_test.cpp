@@ -9,9 +9,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/gmm_quantize.h"
-#include "host/bake/accuracy.h"
-#include "host/bake/movmf_bake.h"
+#include "host/accuracy/accuracy.h"
+#include "host/asset/lobes/gmm_quantize.h"
+#include "host/movmf/movmf_bake.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 

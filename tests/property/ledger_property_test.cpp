@@ -12,9 +12,9 @@
 #include <memory>
 
 #include "host/base/error.h"
-#include "host/service/job_queue.h"
+#include "host/service/ledger/job_queue.h"
 #include "tests/property/ledger_model.h"
-#include "tests/unit/test_folder.h"
+#include "tests/unit/base/test_folder.h"
 
 namespace multum {
 namespace {

@@ -7,13 +7,13 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "host/asset/movmf_reader.h"
-#include "host/bake/accuracy.h"
+#include "host/accuracy/accuracy.h"
+#include "host/asset/lobes/movmf_reader.h"
 #include "host/bake/bake_file.h"
 #include "host/base/split_mix.h"
-#include "host/image/png_writer.h"
+#include "host/image/files/png_writer.h"
 #include "tests/reference/test_maps.h"
-#include "tests/unit/test_folder.h"
+#include "tests/unit/base/test_folder.h"
 
 namespace multum {
 namespace {

@@ -11,7 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/image/colour_map.h"
-#include "host/image/normal_map.h"
+#include "host/image/normals/normal_map.h"
 #include "tests/reference/random_values.h"
 
 namespace multum::testing {

@@ -5,15 +5,15 @@
 
 #include <array>
 
-#include "host/asset/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "host/base/error.h"
-#include "tools/bench/bake_programs.h"
-#include "tools/bench/command_text.h"
-#include "tools/bench/machine.h"
-#include "tools/bench/markdown_table.h"
-#include "tools/bench/measured_program.h"
-#include "tools/bench/scratch_folder.h"
-#include "tools/bench/statistics.h"
+#include "tools/bench/documents/markdown_table.h"
+#include "tools/bench/measuring/bake_programs.h"
+#include "tools/bench/measuring/command_text.h"
+#include "tools/bench/measuring/machine.h"
+#include "tools/bench/measuring/measured_program.h"
+#include "tools/bench/measuring/scratch_folder.h"
+#include "tools/bench/measuring/statistics.h"
 
 namespace multum::bench {
 namespace {

@@ -8,19 +8,19 @@
 #include <cmath>
 #include <vector>
 
-#include "host/asset/movmf_mipmap.h"
-#include "host/bake/mip_schedule.h"
-#include "host/bake/movmf_bake.h"
-#include "host/base/content_hash.h"
-#include "host/image/four_quarter_map.h"
+#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/base/files/content_hash.h"
+#include "host/movmf/mip_schedule.h"
+#include "host/movmf/movmf_bake.h"
 #include "host/opencl/device.h"
 #include "host/opencl/launch_shape.h"
+#include "host/testmap/four_quarter_map.h"
 #include "kernels/shared/vmf_lobe.h"
-#include "tools/bench/elapsed.h"
-#include "tools/bench/em_yardstick.h"
-#include "tools/bench/machine.h"
-#include "tools/bench/markdown_table.h"
-#include "tools/bench/statistics.h"
+#include "tools/bench/documents/markdown_table.h"
+#include "tools/bench/measuring/elapsed.h"
+#include "tools/bench/measuring/machine.h"
+#include "tools/bench/measuring/statistics.h"
+#include "tools/bench/yardsticks/em_yardstick.h"
 
 namespace multum::bench {
 namespace {
@@ -302,15 +302,16 @@ ResultView view_em(const Json& result) {
              "-"});
   return {
       "EM kernels against plain C++",
-      fmt::format("EM of the four-quarter map, {0} x {0}, {1} lobes, {2} iterations, every level but the coarsest; "
-                  "kernels and yardstick (`tools/bench/em_yardstick.cpp`: the same sums in C++ with 16-wide vectors "
-                  "and OpenMP, {3}) in turns, {4} pairs a level, from the same starts; the ratio is that "
-                  "of a pair, in the last row that of the sums of medians. Mean difference: of amplitudes and "
-                  "first moments; where lobes outnumber normals, rounding picks between equal optima. {5} G lobe "
-                  "evaluations a second.",
-                  result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
-                  threads_text(result), result.at("repetitions").get<int>(),
-                  rounded_text(result.at("evaluations_per_s").get<double>() / 1e9)),
+      fmt::format(
+          "EM of the four-quarter map, {0} x {0}, {1} lobes, {2} iterations, every level but the coarsest; "
+          "kernels and yardstick (`tools/bench/yardsticks/em_yardstick.cpp`: the same sums in C++ with 16-wide vectors "
+          "and OpenMP, {3}) in turns, {4} pairs a level, from the same starts; the ratio is that "
+          "of a pair, in the last row that of the sums of medians. Mean difference: of amplitudes and "
+          "first moments; where lobes outnumber normals, rounding picks between equal optima. {5} G lobe "
+          "evaluations a second.",
+          result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
+          threads_text(result), result.at("repetitions").get<int>(),
+          rounded_text(result.at("evaluations_per_s").get<double>() / 1e9)),
       table.text()};
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "host/base/progress.h"
-#include "tools/bench/result_view.h"
+#include "tools/bench/documents/result_view.h"
 
 namespace multum::bench {
 

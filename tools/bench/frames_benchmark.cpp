@@ -8,18 +8,18 @@
 
 #include "host/asset/baked_file.h"
 #include "host/asset/gpu_bytes.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/render/renderer.h"
-#include "tools/bench/bake_programs.h"
-#include "tools/bench/markdown_table.h"
-#include "tools/bench/measured_program.h"
-#include "tools/bench/scratch_folder.h"
-#include "tools/bench/statistics.h"
+#include "tools/bench/documents/markdown_table.h"
+#include "tools/bench/measuring/bake_programs.h"
+#include "tools/bench/measuring/measured_program.h"
+#include "tools/bench/measuring/scratch_folder.h"
+#include "tools/bench/measuring/statistics.h"
 
 namespace multum::bench {
 namespace {

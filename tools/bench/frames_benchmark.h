@@ -8,7 +8,7 @@
 
 #include "host/base/progress.h"
 #include "runtime_gl/context/headless_context.h"
-#include "tools/bench/result_view.h"
+#include "tools/bench/documents/result_view.h"
 
 namespace multum::bench {
 

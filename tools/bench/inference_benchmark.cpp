@@ -8,15 +8,15 @@
 #include <limits>
 #include <vector>
 
-#include "host/bake/texture_inference.h"
-#include "host/bake/texture_system.h"
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
 #include "host/opencl/device.h"
-#include "tools/bench/elapsed.h"
-#include "tools/bench/inference_yardstick.h"
-#include "tools/bench/plane_views.h"
-#include "tools/bench/statistics.h"
+#include "host/texture_inference/solver/texture_inference.h"
+#include "host/texture_inference/solver/texture_system.h"
+#include "tools/bench/measuring/elapsed.h"
+#include "tools/bench/measuring/plane_views.h"
+#include "tools/bench/measuring/statistics.h"
+#include "tools/bench/yardsticks/inference_yardstick.h"
 
 namespace multum::bench {
 namespace {

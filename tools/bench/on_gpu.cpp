@@ -13,18 +13,18 @@
 #include <vector>
 
 #include "host/asset/baked_file.h"
-#include "host/base/atomic_file.h"
-#include "host/base/child_process.h"
 #include "host/base/error.h"
-#include "host/base/output_paths.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
+#include "host/base/processes/child_process.h"
 #include "host/opencl/device.h"
-#include "tools/bench/bake_programs.h"
-#include "tools/bench/driver_search.h"
-#include "tools/bench/machine.h"
-#include "tools/bench/measured_program.h"
-#include "tools/bench/on_gpu_page.h"
-#include "tools/bench/result_file.h"
-#include "tools/bench/scratch_folder.h"
+#include "tools/bench/documents/on_gpu_page.h"
+#include "tools/bench/documents/result_file.h"
+#include "tools/bench/measuring/bake_programs.h"
+#include "tools/bench/measuring/driver_search.h"
+#include "tools/bench/measuring/machine.h"
+#include "tools/bench/measuring/measured_program.h"
+#include "tools/bench/measuring/scratch_folder.h"
 
 namespace multum::bench {
 namespace {

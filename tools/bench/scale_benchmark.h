@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/base/progress.h"
-#include "tools/bench/result_view.h"
+#include "tools/bench/documents/result_view.h"
 
 namespace multum::bench {
 

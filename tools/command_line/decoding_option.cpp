@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "host/image/image_file.h"
+#include "host/image/files/image_file.h"
 #include "host/mesh/mesh_source.h"
 
 namespace multum {

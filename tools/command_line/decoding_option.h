@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// --decode child|child:SECONDS[,MEMORY]: what the child may take that decodes images (host/image/image_file.h) and
-// meshes (host/mesh/mesh_source.h).
+// --decode child|child:SECONDS[,MEMORY]: what the child may take that decodes images (host/image/files/image_file.h)
+// and meshes (host/mesh/mesh_source.h).
 #pragma once
 
 #include <string>

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/bake/animation_job.h"
-#include "host/base/atomic_file.h"
-#include "host/base/output_paths.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
+#include "host/texture_inference/job/animation_job.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 

@@ -7,11 +7,11 @@
 
 #include "host/bake/bake_batch.h"
 #include "host/bake/bake_file.h"
-#include "host/bake/chosen_bake.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
-#include "host/base/machine.h"
+#include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
+#include "host/target/chosen_bake.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/bake_manifest_mode.h"

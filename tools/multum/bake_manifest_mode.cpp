@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <chrono>
 
-#include "host/bake/manifest_report.h"
-#include "host/base/atomic_file.h"
-#include "host/base/output_paths.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/progress.h"
 #include "host/base/shown_text.h"
+#include "host/manifest/manifest_report.h"
 #include "host/parameters/bake_parameters.h"
 
 namespace multum {

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/bake/bake_job.h"
-#include "host/bake/manifest_run.h"
+#include "host/manifest/manifest_run.h"
 #include "tools/multum/bake_print.h"
 
 namespace multum {

@@ -17,8 +17,8 @@
 
 #include "host/base/error.h"
 #include "host/base/shown_text.h"
-#include "host/service/http_client.h"
-#include "host/service/job_types.h"
+#include "host/service/http/http_client.h"
+#include "host/service/work/job_types.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

@@ -8,18 +8,18 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "host/accuracy/accuracy_table.h"
+#include "host/asset/averages/moment_mipmap.h"
+#include "host/asset/averages/sh_mipmap.h"
 #include "host/asset/baked_verify.h"
 #include "host/asset/gpu_bytes.h"
-#include "host/asset/moment_mipmap.h"
-#include "host/asset/movmf_mipmap.h"
-#include "host/asset/pyramid_file.h"
-#include "host/asset/sh_mipmap.h"
-#include "host/bake/accuracy_table.h"
-#include "host/base/atomic_file.h"
+#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/asset/pyramid/pyramid_file.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
 #include "host/base/shown_text.h"
-#include "host/image/four_quarter_map.h"
 #include "host/opencl/device.h"
+#include "host/testmap/four_quarter_map.h"
 #include "tools/command_line/choices.h"
 #include "tools/multum/commands.h"
 
@@ -249,7 +249,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
       throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));
     write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter);
     const char* prefix = options->prefix.c_str();
-    // Its statistics look like green down (host/image/four_quarter_map.cpp).
+    // Its statistics look like green down (host/testmap/four_quarter_map.cpp).
     print_shown(stdout,
                 "%s_normal.png, %s_albedo.png: written; bake with --green up (its statistics look like green down, of "
                 "which the bake warns)\n",

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/base/output_paths.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/image/image_reader.h"
 #include "host/mesh/gltf_material.h"

@@ -12,11 +12,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/base/output_paths.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
-#include "host/image/image_container.h"
+#include "host/image/files/image_container.h"
 #include "host/parameters/bake_parameters.h"
 #include "host/scene/scene_bake.h"
 #include "tools/command_line/decoding_option.h"

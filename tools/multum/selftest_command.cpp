@@ -8,8 +8,8 @@
 #include <iterator>
 #include <memory>
 
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
 #include "host/base/shown_text.h"
 #include "host/reference/case_page.h"
 #include "host/reference/case_table.h"

@@ -11,13 +11,13 @@
 #include <fstream>
 #include <thread>
 
-#include "host/base/confinement.h"
 #include "host/base/error.h"
-#include "host/base/machine.h"
-#include "host/service/input_list.h"
-#include "host/service/ledger_rescue.h"
+#include "host/base/processes/machine.h"
+#include "host/sandbox/confinement.h"
+#include "host/service/files/input_list.h"
+#include "host/service/ledger/ledger_rescue.h"
 #include "host/service/service.h"
-#include "host/service/worker_loop.h"
+#include "host/service/work/worker_loop.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

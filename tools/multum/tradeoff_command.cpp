@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/bake/tradeoff_page.h"
-#include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/base/machine.h"
-#include "host/base/output_paths.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
+#include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
+#include "host/target/tradeoff_page.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"

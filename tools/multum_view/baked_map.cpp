@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "host/asset/pyramid_file.h"
+#include "host/asset/pyramid/pyramid_file.h"
 #include "host/base/error.h"
 #include "runtime_gl/materials/gmm_material.h"
 #include "runtime_gl/materials/moment_material.h"

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "host/asset/moment_mipmap.h"
-#include "host/asset/movmf_mipmap.h"
-#include "host/asset/sh_mipmap.h"
+#include "host/asset/averages/moment_mipmap.h"
+#include "host/asset/averages/sh_mipmap.h"
+#include "host/asset/lobes/movmf_mipmap.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "tools/multum_view/view_options.h"
 

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <set>
 
-#include "host/asset/find_sample.h"
-#include "host/asset/inferred_texture.h"
-#include "host/base/content_hash.h"
+#include "host/asset/inferred/find_sample.h"
+#include "host/asset/inferred/inferred_texture.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/log.h"
-#include "host/base/output_paths.h"
 #include "host/mesh/object_mesh.h"
 #include "runtime_gl/animation/textured_renderer.h"
 #include "runtime_gl/context/headless_context.h"

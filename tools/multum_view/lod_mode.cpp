@@ -4,10 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/asset/pyramid_surface.h"
+#include "host/asset/pyramid/pyramid_surface.h"
 #include "host/base/error.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/log.h"
-#include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/mesh/tangent_space.h"
 #include "runtime_gl/materials/normal_material.h"

@@ -12,8 +12,8 @@
 #include <set>
 
 #include "host/base/error.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/log.h"
-#include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/image/colour_map.h"
 #include "host/mesh/gltf_material.h"

@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// `multum-view --probe REQUEST.json`: measures filter matrices (host/asset/probe_request.h).
+/// `multum-view --probe REQUEST.json`: measures filter matrices (host/asset/inferred/probe_request.h).
 int run_probe(int argc, char** argv);
 
 /// `multum-view FOLDER --sample V,P -o frame.png`: draws objects with the textures inferred for them.

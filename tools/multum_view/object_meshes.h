@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/asset/texture_mapping.h"
+#include "host/asset/inferred/texture_mapping.h"
 #include "host/mesh/object_mesh.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/probe/placed_mesh.h"

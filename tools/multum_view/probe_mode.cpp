@@ -7,12 +7,12 @@
 #include <cstdio>
 #include <thread>
 
-#include "host/asset/filter_matrix.h"
-#include "host/asset/probe_request.h"
-#include "host/base/content_hash.h"
+#include "host/asset/inferred/filter_matrix.h"
+#include "host/asset/inferred/probe_request.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/log.h"
-#include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/mesh/object_mesh.h"
 #include "runtime_gl/context/headless_context.h"

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "host/asset/reflectance_mapping.h"
-#include "host/base/atomic_file.h"
+#include "host/asset/pyramid/reflectance_mapping.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/log.h"
-#include "host/base/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/pyramid/pyramid_renderer.h"

@@ -6,13 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "host/asset/inferred_texture.h"
-#include "host/asset/movmf_reader.h"
-#include "host/base/content_hash.h"
+#include "host/asset/inferred/inferred_texture.h"
+#include "host/asset/lobes/movmf_reader.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
 #include "host/image/colour_map.h"
-#include "host/image/normal_map.h"
-#include "host/image/reading_settings.h"
+#include "host/image/normals/normal_map.h"
+#include "host/image/normals/reading_settings.h"
 #include "host/image/small_picture.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/context/headless_context.h"

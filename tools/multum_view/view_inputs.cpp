@@ -8,15 +8,15 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/base/content_hash.h"
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
 #include "host/base/log.h"
 #include "host/image/colour_map.h"
-#include "host/image/environment_file.h"
+#include "host/image/files/environment_file.h"
 #include "host/image/material_maps.h"
-#include "host/image/normal_map.h"
-#include "host/image/reading_parameters.h"
-#include "host/image/reading_settings.h"
+#include "host/image/normals/normal_map.h"
+#include "host/image/normals/reading_parameters.h"
+#include "host/image/normals/reading_settings.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/render/camera.h"
 

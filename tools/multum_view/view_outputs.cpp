@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "host/base/atomic_file.h"
-#include "host/base/output_paths.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/brdf/measured_brdf.h"
 #include "host/image/material_maps.h"

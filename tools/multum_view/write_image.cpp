@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/asset/picture_file.h"
+#include "host/asset/exr/picture_file.h"
 #include "host/base/error.h"
 #include "host/image/colour_map.h"
-#include "host/image/png_writer.h"
+#include "host/image/files/png_writer.h"
 
 namespace multum {
 namespace {

@@ -1,0 +1,523 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/accuracy/accuracy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <memory>
+
+#include "host/accuracy/accuracy_truth.h"
+#include "host/base/error.h"
+#include "host/base/processes/parallel.h"
+
+namespace multum {
+namespace {
+
+// Sums of |model - truth| and of truth, over directions and colour channels.
+struct ErrorSum {
+  double difference = 0.0;
+  double truth = 0.0;
+  double count = 0.0;  // of values
+  void operator+=(const ErrorSum& other) {
+    difference += other.difference;
+    truth += other.truth;
+    count += other.count;
+  }
+  ErrorSum times(double weight) const { return {weight * difference, weight * truth, weight * count}; }
+};
+
+// What differences are in parts of: the truth, or where that is next to nothing, since no light and no eye is where the
+// highlight is, a hundredth of what a white diffuse surface reflects, 1/pi. In parts of 1e-40 nothing says anything.
+class ErrorBase {
+ public:
+  explicit ErrorBase(const ErrorSum& all) : is_floor_(all.truth < kFloor * all.count) {}
+  double of(const ErrorSum& sum) const { return is_floor_ ? kFloor * sum.count : sum.truth; }
+
+ private:
+  static constexpr double kFloor = 0.01 / M_PI;
+  const bool is_floor_;
+};
+
+// They are added up for each level, kind of point and BRDF, each sample for all texels of its cell. Of levels that are
+// sampled, those of each point are kept too: the spread among them is the confidence.
+//
+// Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i with w_i the texels of cell i (Cochran 1977, section
+// 9A.7); the error is their ratio R. Its variance is that of sum_i w_i e_i with e_i = d_i - R t_i (the delta method,
+// Cochran section 6.4; where a texel has no such point, e_i = 0, section 5A.14), over the sum of truth squared:
+//
+//   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
+//
+// (1 - 1 / w_i) is the finite population correction of a cell. One sample a cell has no variance of its own, so the
+// spread among all cells stands in for that within cells, which is wider wherever neighbours are alike (section 5A.12).
+class ErrorSums {
+ public:
+  ErrorSums(const AccuracyPoints& points, std::size_t brdf_count)
+      : points_(points),
+        brdf_count_(brdf_count),
+        totals_(points.texels().sizes().size() * kAccuracyPointKinds * brdf_count),
+        counts_(points.texels().sizes().size() * kAccuracyPointKinds),
+        weights_(counts_.size()),
+        chosen_(points.chosen_count() * kAccuracyPointKinds * brdf_count) {}
+
+  void count(const SamplePoint& point) {
+    const AccuracySample& sample = points_.samples()[point.sample];
+    ++counts_[group(sample.level, point.kind)];
+    weights_[group(sample.level, point.kind)] += static_cast<double>(sample.cell_texels);
+  }
+  void add(const SamplePoint& point, std::size_t brdf, const ErrorSum& sum) {
+    const AccuracySample& sample = points_.samples()[point.sample];
+    totals_[group(sample.level, point.kind) * brdf_count_ + brdf] += sum.times(sample.cell_texels);
+    if (point.sample < points_.chosen_count()) chosen_[chosen_index(point.sample, point.kind, brdf)] += sum;
+  }
+
+  // Ratio of sums, and the half width of its 95 % interval.
+  AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf, std::string name) const {
+    AccuracyRow row{level, kind, std::move(name), 0.0, 0.0, counts_[group(level, kind)]};
+    const ErrorSum& total = totals_[group(level, kind) * brdf_count_ + brdf];
+    if (!(total.count > 0.0)) return row;
+    const ErrorBase base(total);
+    row.error = total.difference / base.of(total);
+    if (!is_sampled(level)) return row;
+    const double variance = total_variance(level, [&](std::size_t sample) {
+      const ErrorSum& sum = chosen_[chosen_index(sample, kind, brdf)];
+      return sum.difference - row.error * base.of(sum);
+    });
+    row.confidence = std::max(kIntervalMin, 1.96 * std::sqrt(variance) / base.of(total));
+    return row;
+  }
+
+  AccuracySummary summary(std::size_t brdf, std::string name, int first_level) const {
+    AccuracySummary summary{std::move(name), 0.0, 0.0, 0, 0, 0.0};
+    const int level_count = static_cast<int>(points_.texels().sizes().size());
+    first_level = std::min(std::max(first_level, kSummaryLevel), level_count - 1);
+    ErrorSum means;  // of a point, all levels together
+    for (int l = first_level; l < level_count; ++l) {
+      const ErrorSum mean = level_mean(l, brdf);
+      means += mean;
+      summary.sample_count += counts_[group(l, AccuracyPoint::kCentre)];
+      const double error = mean.count > 0.0 ? mean.difference / ErrorBase(mean).of(mean) : 0.0;
+      if (error > summary.worst_level_error) summary.worst_level = l;
+      summary.worst_level_error = std::max(summary.worst_level_error, error);
+    }
+    if (!(means.count > 0.0)) return summary;
+    const ErrorBase base(means);
+    summary.error = means.difference / base.of(means);
+    double variance = 0.0;
+    bool any_sampled = false;
+    for (int l = first_level; l < level_count; ++l) {
+      if (!is_sampled(l)) continue;
+      any_sampled = true;
+      variance += level_variance(l, brdf, summary.error, base);
+    }
+    if (any_sampled) summary.confidence = std::max(kIntervalMin, 1.96 * std::sqrt(variance) / base.of(means));
+    return summary;
+  }
+
+ private:
+  static constexpr AccuracyPoint kSummaryPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX,
+                                                     AccuracyPoint::kMidY};
+
+  bool is_sampled(int level) const {
+    return points_.chosen_count() > 0 && level <= points_.samples()[points_.chosen_count() - 1].level;
+  }
+
+  // How many points the level has, as far as the samples say.
+  double point_count(int level) const {
+    double count = 0.0;
+    for (const AccuracyPoint kind : kSummaryPoints) count += weights_[group(level, kind)];
+    return count;
+  }
+
+  // Of a point of the level.
+  ErrorSum level_mean(int level, std::size_t brdf) const {
+    ErrorSum sum;
+    for (const AccuracyPoint kind : kSummaryPoints) sum += totals_[group(level, kind) * brdf_count_ + brdf];
+    return sum.times(1.0 / std::max(1.0, point_count(level)));
+  }
+
+  // Of the level's mean of difference - ratio * base: a texel's residuals at its points are one draw.
+  double level_variance(int level, std::size_t brdf, double ratio, const ErrorBase& base) const {
+    const double variance = total_variance(level, [&](std::size_t sample) {
+      ErrorSum texel;
+      for (const AccuracyPoint kind : kSummaryPoints) texel += chosen_[chosen_index(sample, kind, brdf)];
+      return texel.difference - ratio * base.of(texel);
+    });
+    const double count = point_count(level);
+    return variance / (count * count);
+  }
+
+  // Of the sum of residual(sample) over all texels of a sampled level: v above.
+  template <typename Residual>
+  double total_variance(int level, const Residual& residual) const {
+    double sum = 0.0, n = 0.0;
+    const auto for_each_sample = [&](const auto& body) {
+      for (std::size_t i = 0; i < points_.chosen_count(); ++i) {
+        const AccuracySample& sample = points_.samples()[i];
+        if (sample.level == level) body(static_cast<double>(sample.cell_texels), residual(i));
+      }
+    };
+    for_each_sample([&](double weight, double value) {
+      sum += weight * value;
+      n += 1.0;
+    });
+    double squares = 0.0;
+    for_each_sample([&](double weight, double value) {
+      const double off = weight * value - sum / n;
+      squares += (1.0 - 1.0 / weight) * off * off;
+    });
+    return squares * n / (n - 1.0);  // AccuracyPoints gives a sampled level two samples at least
+  }
+
+  std::size_t group(int level, AccuracyPoint kind) const {
+    return static_cast<std::size_t>(level) * kAccuracyPointKinds + static_cast<std::size_t>(kind);
+  }
+  std::size_t chosen_index(std::size_t sample, AccuracyPoint kind, std::size_t brdf) const {
+    return (sample * kAccuracyPointKinds + static_cast<std::size_t>(kind)) * brdf_count_ + brdf;
+  }
+
+  const AccuracyPoints& points_;
+  std::size_t brdf_count_;
+  std::vector<ErrorSum> totals_;      // [level][kind][brdf]
+  std::vector<std::int64_t> counts_;  // [level][kind]
+  std::vector<double> weights_;       // [level][kind]
+  std::vector<ErrorSum> chosen_;      // [sample][kind][brdf]
+};
+
+std::vector<Highlight> highlights_of(const AccuracySettings& settings) {
+  std::vector<Highlight> all;
+  for (const double s : settings.exponents) all.push_back(blinn_phong_highlight(s));
+  all.insert(all.end(), settings.highlights.begin(), settings.highlights.end());
+  return all;
+}
+
+// One measurement: the truth of as many directions as memory has room for, compared with the model; then of the next.
+class Comparison {
+ public:
+  Comparison(const AccuracySettings& settings, const AccuracyPoints& points, const AccuracyModel& model,
+             bool has_colours)
+      : settings_(settings),
+        points_(points),
+        highlights_(highlights_of(settings)),
+        shadings_(model.shadings()),
+        channel_count_(has_colours ? 3 : 0),
+        plain_count_(highlights_.size() + 1),
+        averages_(points.texels(), static_cast<int>(points.texels().sizes().size())),
+        sums_(points, brdf_count()) {}
+
+  void run(Device& device, const FinestPlanes& planes, AccuracyModel& model, Progress* progress) {
+    const TexelAverages map_averages(points_.texels(), model.first_level());
+    PlaneAverages map_lobes(map_averages, channel_count_ > 0);
+    std::vector<TexelSums*> streamed;
+    if (model.first_level() > 0) streamed.push_back(&map_lobes);
+    model.set_map_averages(&map_lobes);
+    for (std::size_t direction = 0; direction < half_count() + settings_.directions.lights.size();) {
+      const Pass pass = next_pass(direction);
+      for (const auto& truth : pass.truths) streamed.push_back(truth.get());
+      stream_rows(planes, {settings_.threads}, streamed, progress);
+      streamed.clear();
+      compare(device, pass, model, direction == 0, progress);
+      direction += pass.truths.size();
+    }
+    model.set_map_averages(nullptr);
+  }
+
+  std::vector<AccuracyRow> rows() const {
+    std::vector<AccuracyRow> rows;
+    for (int l = 0; l < static_cast<int>(points_.texels().sizes().size()); ++l)
+      for (AccuracyPoint kind :
+           {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
+        for (std::size_t b = 0; b < brdf_count(); ++b) {
+          AccuracyRow made = sums_.row(l, kind, b, brdf_name(b));
+          if (made.sample_count > 0) rows.push_back(std::move(made));
+        }
+    return rows;
+  }
+
+  std::vector<AccuracySummary> summaries() const {
+    std::vector<AccuracySummary> all;
+    for (std::size_t b = 0; b < brdf_count(); ++b) all.push_back(sums_.summary(b, brdf_name(b), settings_.first_level));
+    return all;
+  }
+
+ private:
+  // Half vectors before lights, in `directions` and in `truths`.
+  struct Pass {
+    ShadingDirections directions;
+    std::vector<std::unique_ptr<BrdfTruth>> truths;
+  };
+
+  std::size_t half_count() const { return highlights_.empty() ? 0 : settings_.directions.half_vectors.size(); }
+
+  // What does not fit is another pass over the map. With 2048 samples a level all 40 values of a map of 16384 x 16384
+  // take 33 MB, with colours four times that; with every texel of a map of 1024 x 1024 three values take 34 MB.
+  // Does not depend on the number of threads: sums are added up pass by pass.
+  Pass next_pass(std::size_t first) const {
+    constexpr std::size_t kTruthBytesMax = std::size_t{256} << 20;
+    Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
+    std::size_t bytes = 0;
+    for (std::size_t d = first; d < half_count() + settings_.directions.lights.size(); ++d) {
+      const bool is_light = d >= half_count();
+      const std::size_t value_count = is_light ? 1 : highlights_.size();
+      bytes += averages_.slot_count() * value_count * (1 + channel_count_) * sizeof(double);
+      if (!pass.truths.empty() && bytes > kTruthBytesMax) break;
+      const glm::dvec3& omega =
+          is_light ? settings_.directions.lights[d - half_count()] : settings_.directions.half_vectors[d];
+      (is_light ? pass.directions.lights : pass.directions.half_vectors).push_back(omega);
+      pass.truths.push_back(std::make_unique<BrdfTruth>(averages_,
+                                                        settings_.has_roughness ? shortened_values(omega, is_light)
+                                                        : is_light              ? power_values(omega, {1.0})
+                                                                                : highlight_values(omega, highlights_),
+                                                        channel_count_ > 0));
+    }
+    return pass;
+  }
+
+  void compare(Device& device, const Pass& pass, const AccuracyModel& model, bool is_first, Progress* progress) {
+    constexpr std::size_t kSamplesPerBatch = 1 << 14;
+    const std::unique_ptr<PointShading> shading = model.make_shading(device, pass.directions);
+    const std::size_t sample_count = points_.samples().size();
+    std::vector<SamplePoint> points;
+    std::vector<float> values;
+    std::vector<ErrorSum> sums;
+    for (std::size_t first = 0; first < sample_count; first += kSamplesPerBatch) {
+      progress_advance(progress, 0);  // a chance to cancel
+      points.clear();
+      for (std::size_t i = first; i < std::min(first + kSamplesPerBatch, sample_count); ++i)
+        points_.append_points(i, points);
+      for (std::size_t way = 0; way < shadings_.size(); ++way)
+        for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
+          shading->shade(points, static_cast<int>(way), channel, settings_.threads, values);
+          compare_points(pass, points, values, channel, sums);
+          const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
+          for (std::size_t i = 0; i < points.size(); ++i)
+            for (std::size_t b = 0; b < plain_count_; ++b)
+              sums_.add(points[i], first_brdf + b, sums[i * plain_count_ + b]);
+        }
+      for (std::size_t i = 0; i < points.size() && is_first; ++i) sums_.count(points[i]);
+    }
+  }
+
+  // sums[point][highlights, then Lambert] of one channel, or plain for -1.
+  void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
+                      int channel, std::vector<ErrorSum>& sums) const {
+    constexpr int kPointsPerBand = 4096;
+    const std::size_t highlight_count = highlights_.size(), pass_half_count = pass.directions.half_vectors.size();
+    const std::size_t value_count = pass_half_count * highlight_count + pass.directions.lights.size();
+    sums.assign(points.size() * plain_count_, {});
+    for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, settings_.threads, [&](int, int begin, int end) {
+      for (std::size_t d = 0; d < pass.truths.size(); ++d) {
+        const bool is_light = d >= pass_half_count;
+        const std::size_t own_count = is_light ? 1 : highlight_count;
+        const std::size_t first_value = static_cast<std::size_t>(1 + channel) * own_count;
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+          for (std::size_t e = 0; e < own_count; ++e) {
+            const double truth = truth_at(*pass.truths[d], points[i], first_value + e) *
+                                 (is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[e]));
+            const std::size_t value =
+                is_light ? pass_half_count * highlight_count + d - pass_half_count : e * pass_half_count + d;
+            const auto shaded = static_cast<double>(values[i * value_count + value]);
+            sums[i * plain_count_ + (is_light ? highlight_count : e)] += {std::abs(shaded - truth), truth, 1.0};
+          }
+      }
+    });
+  }
+
+  static double truth_at(const TexelSums& truth, const SamplePoint& point, std::size_t value) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < static_cast<std::size_t>(point.tap_count); ++t)
+      sum += point.weights[t] * truth.at(point.slots[t], value);
+    return sum;
+  }
+
+  // Plain, and with colours.
+  std::size_t groups_per_shading() const { return channel_count_ > 0 ? 2 : 1; }
+  std::size_t brdf_count() const { return plain_count_ * groups_per_shading() * shadings_.size(); }
+  std::string brdf_name(std::size_t brdf) const {
+    const std::size_t plain = brdf % plain_count_, group = brdf / plain_count_;
+    std::string name = plain + 1 == plain_count_ ? "lambert"
+                       : settings_.has_roughness ? "roughness"
+                                                 : highlights_[plain].name;
+    const std::string& shading = shadings_[group / groups_per_shading()];
+    if (!shading.empty()) name += " " + shading;
+    return group % groups_per_shading() == 0 ? name : name + " coloured";
+  }
+
+  const AccuracySettings& settings_;
+  const AccuracyPoints& points_;
+  const std::vector<Highlight> highlights_;
+  const std::vector<std::string> shadings_;
+  const std::size_t channel_count_;  // 0: no colours
+  const std::size_t plain_count_;    // BRDFs: highlights, then Lambert
+  const TexelAverages averages_;
+  ErrorSums sums_;
+};
+
+std::vector<PlaneSize> level_sizes(int map_width, int map_height) {
+  std::vector<PlaneSize> sizes;
+  for (int l = 0; l < mip_level_count(map_width, map_height); ++l)
+    sizes.push_back({mip_level_size(map_width, l), mip_level_size(map_height, l)});
+  return sizes;
+}
+
+}  // namespace
+
+std::string error_text(double error, double confidence) {
+  return fmt::format("{:.2f} +- {:.2f} %", 100.0 * error, 100.0 * confidence);
+}
+
+AccuracyDirections accuracy_directions() {
+  AccuracyDirections directions;
+  for (const glm::dvec3& light :
+       {glm::dvec3(.3, .2, .93), glm::dvec3(-.7, .1, .7), glm::dvec3(.1, -.9, .45), glm::dvec3(.5, .6, .6)})
+    directions.lights.push_back(glm::normalize(light));
+  for (const glm::dvec3& light : directions.lights)
+    for (const glm::dvec3& view : {glm::dvec3(0, 0, 1), glm::dvec3(.6, 0, .8), glm::dvec3(-.3, .7, .6)})
+      directions.half_vectors.push_back(glm::normalize(light + glm::normalize(view)));
+  return directions;
+}
+
+AccuracyMeter::AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings)
+    : settings_(settings),
+      points_(level_sizes(map_width, map_height), {settings.first_level, settings.samples_per_level, settings.seed}) {}
+
+AccuracySettings AccuracyMeter::of_file(AccuracySettings settings, bool has_roughness, float mean_cosine) {
+  settings.has_roughness = has_roughness;
+  settings.mean_cosine = mean_cosine;
+  if (has_roughness) {
+    settings.exponents = {static_cast<double>(kRoughnessExponent)};
+    settings.highlights.clear();
+  }
+  return settings;
+}
+
+bool AccuracyMeter::needs_rows(int level, int first_row, int row_count) const {
+  return points_.texels().row_begin(level, first_row) < points_.texels().row_begin(level, first_row + row_count);
+}
+
+std::vector<AccuracyRow> AccuracyMeter::run(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
+                                            Progress* progress) {
+  const PlaneSize size = points_.texels().sizes().front();
+  MULTUM_CHECK(normals.width() == size.width && normals.height() == size.height);
+  MULTUM_CHECK(albedo == nullptr || model().has_colours());
+  Comparison comparison(settings_, points_, model(), albedo != nullptr);
+  comparison.run(device, {normals, albedo}, model(), progress);
+  summaries_ = comparison.summaries();
+  return comparison.rows();
+}
+
+std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual, Device& device,
+                                                            const PlaneStore& normals, const PlaneStore* albedo,
+                                                            Progress* progress) {
+  const int level_count = static_cast<int>(points_.texels().sizes().size());
+  MULTUM_CHECK(model().first_level() == usual.model().first_level());
+  const TexelAverages finest(points_.texels(), model().first_level()), all(points_.texels(), level_count);
+  PlaneAverages finest_lobes(finest, albedo != nullptr), means(all, albedo != nullptr);
+  stream_rows({normals, albedo}, {settings_.threads}, {&finest_lobes, &means}, progress);
+  const std::vector<Highlight> highlights = highlights_of(settings_);
+  const ShadingDirections directions{highlights.empty() ? std::vector<glm::dvec3>{} : settings_.directions.half_vectors,
+                                     settings_.directions.lights, highlights,
+                                     settings_.has_roughness ? settings_.mean_cosine : 0.0f};
+  const std::size_t half_count = directions.half_vectors.size(), light_count = directions.lights.size();
+  const std::size_t highlight_count = highlights.size();
+  const std::size_t value_count = half_count * highlight_count + light_count;
+  std::vector<SamplePoint> points;
+  for (std::size_t i = 0; i < points_.samples().size(); ++i) points_.append_points(i, points);
+
+  const auto index = [&](int level, std::size_t brdf) {
+    return static_cast<std::size_t>(level) * (highlight_count + 1) + brdf;
+  };
+  std::vector<LevelDifference> sums;
+  for (int l = 0; l < level_count; ++l) {
+    for (const Highlight& highlight : highlights)
+      sums.push_back({l, settings_.has_roughness ? "roughness" : highlight.name});
+    sums.push_back({l, "lambert"});
+  }
+  // Values [point][highlight, half vector; then light] of a channel; -1: without colours.
+  const auto shaded = [&](AccuracyMeter& meter, int channel) {
+    AccuracyModel& shown = meter.model();
+    shown.set_map_averages(&finest_lobes);
+    const bool takes_mean = channel >= 0 && !shown.has_colours();
+    const std::unique_ptr<PointShading> shading = shown.make_shading(device, directions);
+    std::vector<float> values;
+    // Of several ways to shade, the last is the runtime's usual one.
+    shading->shade(points, static_cast<int>(shown.shadings().size()) - 1, takes_mean ? -1 : channel, settings_.threads,
+                   values);
+    for (std::size_t i = 0; takes_mean && i < points.size(); ++i) {
+      double colour = 0.0;
+      for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
+        colour += points[i].weights[t] * means.at(points[i].slots[t], static_cast<std::size_t>(3 + channel));
+      for (std::size_t v = 0; v < value_count; ++v) values[i * value_count + v] *= static_cast<float>(colour);
+    }
+    shown.set_map_averages(nullptr);
+    return values;
+  };
+  for (int channel = -1; channel < (albedo != nullptr ? 3 : 0); ++channel) {
+    const std::vector<float> own = shaded(*this, channel), other = shaded(usual, channel);
+    const bool takes_lights = (channel >= 0) == (albedo != nullptr);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (std::size_t v = 0; v < value_count; ++v) {
+        const bool is_light = v >= half_count * highlight_count;
+        if (is_light ? !takes_lights : channel >= 0) continue;
+        LevelDifference& sum =
+            sums[index(points_.samples()[points[i].sample].level, is_light ? highlight_count : v / half_count)];
+        const double weight = points_.samples()[points[i].sample].cell_texels;
+        const auto a = static_cast<double>(own[i * value_count + v]),
+                   b = static_cast<double>(other[i * value_count + v]);
+        sum.difference += weight * std::abs(a - b);
+        sum.usual += weight * b;
+      }
+  }
+  return sums;
+}
+
+namespace {
+
+std::vector<AccuracyRow> run_on_maps(Device& device, AccuracyMeter& meter, const NormalMap& map,
+                                     const ColourMap* albedo, Progress* progress) {
+  const PlaneStore normals = planes_of(map);
+  if (albedo == nullptr) return meter.run(device, normals, nullptr, progress);
+  const PlaneStore colours = planes_of(*albedo);
+  return meter.run(device, normals, &colours, progress);
+}
+
+}  // namespace
+
+std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress) {
+  MovmfMeter meter(mipmap, albedo != nullptr, settings);
+  for (int l = mipmap.first_level; l < static_cast<int>(mipmap.levels.size()); ++l)
+    meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
+  return run_on_maps(device, meter, map, albedo, progress);
+}
+
+namespace {
+
+// `levels`: of what the meter's add_rows() takes.
+template <typename Meter, typename Level>
+void add_levels(Meter& meter, const BakedHeader& header, const std::vector<Level>& levels) {
+  for (int l = header.first_level; l < header.level_count(); ++l)
+    meter.add_rows(l, 0, levels[static_cast<std::size_t>(l)]);
+}
+
+}  // namespace
+
+std::vector<AccuracyRow> measure_accuracy(Device& device, const MomentMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress) {
+  MomentMeter meter(mipmap.header, settings);
+  add_levels(meter, mipmap.header, mipmap.levels);
+  return run_on_maps(device, meter, map, albedo, progress);
+}
+
+std::vector<AccuracyRow> measure_accuracy(Device& device, const ShMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress) {
+  ShMeter meter(mipmap, settings);
+  add_levels(meter, mipmap.header, mipmap.levels);
+  return run_on_maps(device, meter, map, albedo, progress);
+}
+
+}  // namespace multum

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers, in double
+// (accuracy_truth.h). Model: what is stored, rounded as stored, filtered linearly and shaded by the runtime's formula
+// (accuracy_model.h). Levels finer than the first that is stored: the normal map's own mips, in float, each texel one
+// lobe with the mean vector of the normals that it covers; between them and the stored levels both are shaded and
+// mixed, as renderers do. Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set of
+// lights and views, of the BRDF's convolution alone, f without n . l (docs/ALGORITHMS.md).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/accuracy/accuracy_model.h"
+#include "host/accuracy/accuracy_points.h"
+#include "host/accuracy/highlight.h"
+#include "host/accuracy/moment_model.h"
+#include "host/accuracy/movmf_model.h"
+#include "host/accuracy/sh_model.h"
+#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/base/progress.h"
+#include "host/image/normals/normal_map.h"
+#include "host/image/plane_store.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+struct AccuracyRow {
+  int level;
+  AccuracyPoint point;
+  // "lambert", "blinn-phong:20", another Highlight::name, or "roughness" where a BRDF's width is in; with " toksvig", "
+  // lean", ... where there are several ways to shade it, and then with " coloured" when multiplied by the colours.
+  std::string brdf;
+  double error;  // relative L1, 0.1 = 10 %; of a hundredth of a white diffuse surface where the truth is less
+  // Half width of the 95 % interval of `error`: 0 where all texels were measured, at least kIntervalMin where they were
+  // sampled, kIntervalUnstated in rows of a file whose header has none.
+  double confidence;
+  std::int64_t sample_count;  // texels; 0 in rows of a file
+};
+/// Errors are stated to the sixth digit behind the point: a narrower interval would be none of what is stated.
+constexpr double kIntervalMin = 1e-6;
+constexpr double kIntervalUnstated = -1.0;
+
+/// One figure for a BRDF: relative L1 over texel centres and midpoints, in x and in y, of levels kSummaryLevel and up
+/// (of smaller maps: the coarsest). Each level weighs the same, since each is what some distance shows; within a level
+/// a point weighs by its truth.
+struct AccuracySummary {
+  std::string brdf;  // as AccuracyRow::brdf
+  double error;
+  // Half width of the 95 % interval: 1.96 standard errors of the combined ratio estimate over the strata, which are the
+  // levels (Cochran 1977, section 6.11), with the finite population correction. Texels are the sampling units: a texel
+  // and its midpoints go together. Levels that are measured whole add nothing: 0 where all are.
+  double confidence;
+  std::int64_t sample_count;  // texels
+  int worst_level;
+  double worst_level_error;
+};
+constexpr int kSummaryLevel = 2;
+
+/// Of two files, over texel centres, midpoints, and half-way to the next level: sums of |a - b| and of b.
+struct LevelDifference {
+  int level;
+  std::string brdf;  // "lambert", "blinn-phong:20", "roughness"
+  double difference = 0.0, usual = 0.0;
+};
+
+/// "7.4 +- 0.2 %".
+std::string error_text(double error, double confidence);
+
+/// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/ACCURACY.md names them).
+struct AccuracyDirections {
+  std::vector<glm::dvec3> lights;        // at least one
+  std::vector<glm::dvec3> half_vectors;  // at least one
+};
+AccuracyDirections accuracy_directions();
+
+struct AccuracySettings {
+  std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
+  std::vector<Highlight> highlights;                     // more of them, after those
+  std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0: every texel
+  std::uint64_t seed = 1;
+  int first_level = 0;  // finer ones are not measured
+  AccuracyDirections directions = accuracy_directions();
+  // Normals are shortened by their BRDF's width (host/image/material_maps.h), by `mean_cosine` in the mean, and every
+  // one has its own highlight: the BRDFs are "roughness" and "lambert".
+  bool has_roughness = false;
+  float mean_cosine = 1.0f;
+  int threads = 2;
+};
+
+/// Told what a bake stores, row by row, keeps what is stored of the texels that it looks at, and measures at the end.
+/// With 2048 samples a level that takes some 50 MB for maps of any size.
+class AccuracyMeter {
+ public:
+  virtual ~AccuracyMeter() = default;
+  AccuracyMeter(const AccuracyMeter&) = delete;
+  AccuracyMeter& operator=(const AccuracyMeter&) = delete;
+
+  /// Is any texel of these rows looked at? If not, they need not be added.
+  bool needs_rows(int level, int first_row, int row_count) const;
+
+  /// After all rows that it needs, once. With `albedo`, which needs a file with colours, those are compared too, per
+  /// channel. Reads every normal once, more often where it looks at millions of texels. Progress: counts no units.
+  std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
+  /// How far what it shows is from what `usual` shows, of the same map at the same texels, before run(). With `albedo`,
+  /// which needs a `usual` of colours, Lambert is per channel; a file without colours then shows the albedo's mean.
+  std::vector<LevelDifference> difference_from(AccuracyMeter& usual, Device& device, const PlaneStore& normals,
+                                               const PlaneStore* albedo, Progress* progress);
+  /// After run(): one for each of its BRDFs.
+  const std::vector<AccuracySummary>& summaries() const { return summaries_; }
+
+ protected:
+  AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings);
+  /// The settings for a file with or without a BRDF's width in.
+  static AccuracySettings of_file(AccuracySettings settings, bool has_roughness, float mean_cosine);
+  const AccuracyPoints& points() const { return points_; }
+  virtual AccuracyModel& model() = 0;
+
+ private:
+  const AccuracySettings settings_;
+  const AccuracyPoints points_;
+  std::vector<AccuracySummary> summaries_;
+};
+
+/// Of lobes.
+class MovmfMeter : public AccuracyMeter {
+ public:
+  /// Of `header`: sizes of levels, lobe count, first level; no texels.
+  MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
+      : AccuracyMeter(header.width(), header.height(), of_file(settings, header.has_roughness, header.mean_cosine)),
+        model_(header, has_colours, points().texels()) {}
+
+  /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.
+  void add_rows(int level, int first_row, const MovmfLevel& rows) { model_.add_rows(level, first_row, rows); }
+
+ private:
+  AccuracyModel& model() override { return model_; }
+  MovmfModel model_;
+};
+
+/// Of moments: each BRDF shaded as "toksvig", "lean" and "lean-jacobian".
+class MomentMeter : public AccuracyMeter {
+ public:
+  MomentMeter(const BakedHeader& header, const AccuracySettings& settings)
+      : AccuracyMeter(header.width, header.height, of_file(settings, header.has_roughness, header.mean_cosine)),
+        model_(header, points().texels()) {}
+
+  void add_rows(int level, int first_row, const MomentLevel& rows) { model_.add_rows(level, first_row, rows); }
+
+ private:
+  AccuracyModel& model() override { return model_; }
+  MomentModel model_;
+};
+
+/// Of spherical harmonics.
+class ShMeter : public AccuracyMeter {
+ public:
+  /// Of `header`: sizes, order, first level; no texels.
+  ShMeter(const ShMipmap& header, const AccuracySettings& settings)
+      : AccuracyMeter(header.header.width, header.header.height,
+                      of_file(settings, header.header.has_roughness, header.header.mean_cosine)),
+        model_(header, points().texels()) {}
+
+  void add_rows(int level, int first_row, const ShLevel& rows) { model_.add_rows(level, first_row, rows); }
+  std::size_t kept_bytes() const { return model_.kept_bytes(); }
+
+ private:
+  AccuracyModel& model() override { return model_; }
+  ShModel model_;
+};
+
+/// The same of a whole mipmap and a map in memory, which must be of one size. `albedo`: null, or of that size.
+std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress);
+std::vector<AccuracyRow> measure_accuracy(Device& device, const MomentMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress);
+std::vector<AccuracyRow> measure_accuracy(Device& device, const ShMipmap& mipmap, const NormalMap& map,
+                                          const ColourMap* albedo, const AccuracySettings& settings,
+                                          Progress* progress);
+inline std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
+                                                 const AccuracySettings& settings, Progress* progress) {
+  return measure_accuracy(device, mipmap, map, nullptr, settings, progress);
+}
+
+}  // namespace multum

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/accuracy/accuracy_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+namespace multum {
+namespace {
+
+constexpr int kLevelMax = 63;  // of any file: sides fit into 32 bits
+
+// As the file keeps it. The table rounds again, from this, so that it is the same from a bake and from its file.
+double rounded(double error) { return std::round(error * 1e6) / 1e6; }
+
+// Half widths are rounded up: no interval is stated narrower than it is. In millionths, less the noise of the product.
+double millionths_up(double half_width) { return std::ceil(half_width * 1e6 - 1e-6); }
+double hundredths_of_percent_up(double half_width) { return std::ceil(millionths_up(half_width) / 100.0); }
+
+const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, AccuracyPoint point,
+                            const std::string& brdf) {
+  for (const AccuracyRow& row : rows)
+    if (row.level == level && row.point == point && row.brdf == brdf) return &row;
+  return nullptr;
+}
+
+// "1.23", or "1.23 +- 0.05" where texels were sampled.
+std::string percent_text(const AccuracyRow* row) {
+  if (row == nullptr) return "-";
+  std::string text = fmt::format("{:.2f}", 100.0 * rounded(row->error));
+  if (row->confidence > 0.0) text += fmt::format(" +- {:.2f}", hundredths_of_percent_up(row->confidence) / 100.0);
+  return text;
+}
+
+const AccuracyRow* worse(const AccuracyRow* a, const AccuracyRow* b) {
+  if (a == nullptr || b == nullptr) return a == nullptr ? b : a;
+  return a->error < b->error ? b : a;
+}
+
+// Which texels of a level were measured.
+std::string texels_text(double confidence) {
+  if (confidence == kIntervalUnstated) return "unstated";
+  return confidence > 0.0 ? "sampled" : "all";
+}
+
+// What a table's heading says of " lean coloured": rows of one group differ in the BRDF alone.
+std::string group_text(std::string suffix) {
+  constexpr std::string_view kColoured = " coloured";  // ends the names of coloured rows, see AccuracyRow::brdf
+  std::string text;
+  if (suffix.ends_with(kColoured)) {
+    suffix.resize(suffix.size() - kColoured.size());
+    text = " with colours";
+  }
+  return (suffix.empty() ? "" : " of" + suffix) + text;
+}
+
+std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::string>& brdfs,
+                  const std::string& suffix) {
+  std::map<int, double> confidences;  // [level]: whether it was sampled is the same of all its rows
+  bool has_intervals = false;
+  for (const AccuracyRow& row : rows) {
+    confidences[row.level] = row.confidence;
+    has_intervals = has_intervals || row.confidence > 0.0;
+  }
+  std::string text = fmt::format(
+      "measured error{}, relative L1 in %, at texel centres | midway between texels (the worse of x and y){}\n"
+      "  level    texels",
+      group_text(suffix), has_intervals ? "; +- 95 % interval" : "");
+  const auto column = [&](const std::string& brdf) {
+    return std::max<std::size_t>(has_intervals ? 32 : 20, brdf.size() + 2);
+  };
+  for (const std::string& brdf : brdfs) text += fmt::format("{:>{}}", brdf, column(brdf));
+  text += "\n";
+  for (const auto& [level, confidence] : confidences) {
+    text += fmt::format("  {:>5}  {:>8}", level, texels_text(confidence));
+    for (const std::string& brdf : brdfs) {
+      const auto found = [&](AccuracyPoint point) { return find_row(rows, level, point, brdf + suffix); };
+      const AccuracyRow* centre = found(AccuracyPoint::kCentre);
+      const AccuracyRow* midway = worse(found(AccuracyPoint::kMidX), found(AccuracyPoint::kMidY));
+      text += fmt::format("{:>{}}", centre == nullptr ? "-" : percent_text(centre) + " | " + percent_text(midway),
+                          column(brdf));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::optional<AccuracyPoint> parse_point(const std::string& name) {
+  for (const AccuracyPoint point :
+       {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
+    if (name == accuracy_point_name(point)) return point;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // suffix -> BRDFs, as they come
+  for (const AccuracyRow& row : rows) {
+    const std::string name = row.brdf.substr(0, row.brdf.find(' ')), suffix = row.brdf.substr(name.size());
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& one) { return one.first == suffix; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {suffix, {}});
+    std::vector<std::string>& names = group->second;
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  std::string text;
+  for (const auto& [suffix, brdfs] : groups) text += table(rows, brdfs, suffix);
+  return text;
+}
+
+std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const AccuracyRow& row : rows) {
+    nlohmann::json one = {row.level, accuracy_point_name(row.point), row.brdf, rounded(row.error)};
+    if (row.confidence == 0.0) one.push_back(0);
+    else if (row.confidence > 0.0) one.push_back(millionths_up(row.confidence) / 1e6);
+    json.push_back(std::move(one));
+  }
+  return json.dump();
+}
+
+std::optional<std::vector<AccuracyRow>> parse_measured_error(const std::string& text) {
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);  // discarded, not thrown, when it is none
+  if (!json.is_array()) return std::nullopt;
+  std::vector<AccuracyRow> rows;
+  for (const nlohmann::json& one : json) {
+    if (!one.is_array() || one.size() < 4 || one.size() > 5 || !one[0].is_number_integer() || !one[1].is_string() ||
+        !one[2].is_string() || !one[3].is_number())
+      return std::nullopt;
+    if (one.size() == 5 && !(one[4].is_number() && one[4].get<double>() >= 0.0)) return std::nullopt;
+    const double confidence = one.size() == 5 ? one[4].get<double>() : kIntervalUnstated;
+    const auto level = one[0].get<std::int64_t>();
+    const std::optional<AccuracyPoint> point = parse_point(one[1].get<std::string>());
+    if (level < 0 || level > kLevelMax || !point) return std::nullopt;
+    rows.push_back({static_cast<int>(level), *point, one[2].get<std::string>(), one[3].get<double>(), confidence, 0});
+  }
+  return rows;
+}
+
+}  // namespace multum

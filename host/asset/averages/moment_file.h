@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes and reads baked files of moments row by row (docs/FORMAT.md, "Moments"): parts "bumpslopes", "normal" and,
+// with colours, "colour", all levels each. The first part is what maketx --bumpslopes writes, so that a renderer that
+// reads those reads this file.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "host/asset/averages/moment_mipmap.h"
+#include "host/base/progress.h"
+
+namespace multum {
+
+/// What BakedWriteOptions::measured_error_bytes is to be: of 16 levels with colours, three ways to shade four BRDFs
+/// take 94 KiB (test AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
+constexpr int kMomentErrorBytes = 112 * 1024;
+
+/// As MovmfWriter (host/asset/lobes/movmf_writer.h), but that level 0 is one as the others.
+class MomentWriter {
+ public:
+  /// Of `header` measured error and content hash are not read: commit() knows them. Throws as AtomicFile does for
+  /// places that cannot be written, Error(kUsage) for an unknown compression.
+  MomentWriter(const std::string& path, const BakedHeader& header, const BakedWriteOptions& options);
+  /// Without commit(), nothing stays.
+  ~MomentWriter();
+  MomentWriter(const MomentWriter&) = delete;
+  MomentWriter& operator=(const MomentWriter&) = delete;
+
+  /// Rounded rows of a stored level (rows.height of them), in order from row 0 within the level; levels in any order.
+  void write_level(int level, int first_row, MomentLevel rows);
+  void commit(const std::string& measured_error, Progress* progress = nullptr);
+  /// After commit().
+  const std::string& content_hash() const;
+
+ private:
+  class Work;
+  std::unique_ptr<Work> work_;
+};
+
+/// Calls come from one thread at a time; each uses several.
+class MomentReader {
+ public:
+  /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
+  /// expected. `threads` decompress; 0: as many as the machine has.
+  explicit MomentReader(const std::string& path, int threads = 0);
+  ~MomentReader();
+  MomentReader(const MomentReader&) = delete;
+  MomentReader& operator=(const MomentReader&) = delete;
+
+  const BakedHeader& header() const;
+  /// Rows are decompressed by rows of tiles of this height.
+  int tile_size() const;
+  /// Rows of a stored level.
+  MomentLevel read_level(int level, int first_row, int row_count);
+  /// The checksum of what the file holds, when every row of every stored level has been read once, from the top; for
+  /// verify_moments().
+  std::string finish_hash();
+
+ private:
+  class File;
+  std::unique_ptr<File> file_;
+};
+
+}  // namespace multum

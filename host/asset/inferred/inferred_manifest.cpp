@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// The manifest of inferred textures as JSON.
+#include <fstream>
+
+#include "host/asset/inferred/inferred_texture.h"
+#include "host/asset/inferred/matrix_json.h"
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+
+namespace multum {
+namespace {
+
+nlohmann::json sample_json(const InferredSample& sample) {
+  nlohmann::json moved = nlohmann::json::object();
+  for (const auto& [name, matrix] : sample.object_to_world) moved[name] = matrix_json(matrix);
+  return {{"name", sample.name},
+          {"at", sample.at},
+          {"worldToClip", matrix_json(sample.world_to_clip)},
+          {"objectToWorld", moved}};
+}
+
+nlohmann::json object_json(const InferredObject& object) {
+  nlohmann::json layers = nlohmann::json::array();
+  for (const InferredLayer& layer : object.layers)
+    layers.push_back({{"name", layer.name}, {"textures", layer.textures}});
+  return {{"name", object.name},
+          {"mesh", object.mesh},
+          {"mappings", object.mappings},
+          {"mappingOfSample", object.mapping_of_sample},
+          {"anisotropy", object.anisotropy},
+          {"layers", layers}};
+}
+
+InferredSample sample_from(const nlohmann::json& json) {
+  InferredSample sample;
+  sample.name = json.at("name").get<std::string>();
+  sample.at = json.at("at").get<std::vector<int>>();
+  sample.world_to_clip = matrix_from_json(json.at("worldToClip"));
+  for (const auto& [name, matrix] : json.at("objectToWorld").items())
+    sample.object_to_world[name] = matrix_from_json(matrix);
+  return sample;
+}
+
+InferredObject object_from(const nlohmann::json& json) {
+  InferredObject object;
+  object.name = json.at("name").get<std::string>();
+  object.mesh = json.at("mesh").get<std::string>();
+  object.mappings = json.at("mappings").get<std::vector<TextureMapping>>();
+  object.mapping_of_sample = json.at("mappingOfSample").get<std::vector<int>>();
+  object.anisotropy = anisotropy_from_json(json.at("anisotropy"));
+  for (const nlohmann::json& layer : json.at("layers"))
+    object.layers.push_back(
+        {layer.at("name").get<std::string>(), layer.at("textures").get<std::vector<std::string>>()});
+  return object;
+}
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }
+
+void check_mappings(const InferredManifest& manifest, const InferredObject& object) {
+  const std::vector<int>& of_sample = object.mapping_of_sample;
+  if (of_sample.size() != manifest.samples.size())
+    refuse("object '" + object.name + "' has mappingOfSample for " + std::to_string(of_sample.size()) + " of " +
+           std::to_string(manifest.samples.size()) + " samples");
+  for (const int number : of_sample)
+    if (number < 0 || number >= std::ssize(object.mappings))
+      refuse("object '" + object.name + "' has mapping " + std::to_string(number) +
+             " at a sample, expected one of its " + std::to_string(object.mappings.size()));
+}
+
+void check(const InferredManifest& manifest) {
+  check_picture_size(manifest.width, manifest.height, manifest.supersampling);
+  if (manifest.samples.empty()) refuse("has no samples");
+  for (const InferredSample& sample : manifest.samples)
+    if (sample.at.size() != manifest.parameters.size())
+      refuse("sample '" + sample.name + "' has " + std::to_string(sample.at.size()) + " indices, expected " +
+             std::to_string(manifest.parameters.size()));
+  for (const InferredObject& object : manifest.objects) {
+    check_mappings(manifest, object);
+    for (const InferredLayer& layer : object.layers)
+      if (layer.textures.size() != manifest.samples.size())
+        refuse("layer '" + layer.name + "' of object '" + object.name + "' has " +
+               std::to_string(layer.textures.size()) + " textures for " + std::to_string(manifest.samples.size()) +
+               " samples");
+  }
+}
+
+// Throws Error without the file's name, which the caller knows.
+InferredManifest manifest_from(const nlohmann::json& json) {
+  if (json.at("multumInferredTextures").get<int>() != 1) refuse("is a manifest of another version, expected 1");
+  InferredManifest manifest;
+  manifest.geometry_file = json.at("geometry").get<std::string>();
+  manifest.geometry_hash = json.at("geometryHash").get<std::string>();
+  manifest.uv_set = json.at("uvSet").get<int>();
+  manifest.width = json.at("width").get<int>();
+  manifest.height = json.at("height").get<int>();
+  manifest.supersampling = json.at("supersampling").get<int>();
+  manifest.parameters = json.at("parameters").get<std::vector<std::string>>();
+  for (const nlohmann::json& sample : json.at("samples")) manifest.samples.push_back(sample_from(sample));
+  for (const nlohmann::json& object : json.at("objects")) manifest.objects.push_back(object_from(object));
+  check(manifest);
+  return manifest;
+}
+
+}  // namespace
+
+void write_inferred_manifest(const InferredManifest& manifest, const std::string& path) {
+  nlohmann::json samples = nlohmann::json::array(), objects = nlohmann::json::array();
+  for (const InferredSample& sample : manifest.samples) samples.push_back(sample_json(sample));
+  for (const InferredObject& object : manifest.objects) objects.push_back(object_json(object));
+  const nlohmann::json json = {{"multumInferredTextures", 1},
+                               {"geometry", manifest.geometry_file},
+                               {"geometryHash", manifest.geometry_hash},
+                               {"uvSet", manifest.uv_set},
+                               {"width", manifest.width},
+                               {"height", manifest.height},
+                               {"supersampling", manifest.supersampling},
+                               {"parameters", manifest.parameters},
+                               {"samples", samples},
+                               {"objects", objects}};
+  write_text_file(path, json.dump(1) + "\n");
+}
+
+InferredManifest read_inferred_manifest(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw Error(ErrorCode::kInput, path + ": cannot be read");
+  try {
+    return manifest_from(nlohmann::json::parse(file));
+  } catch (const Error& error) {
+    throw Error(error.code(), path + ": " + error.what());
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorCode::kInput, path + ": is no manifest of inferred textures: " + error.what());
+  }
+}
+
+}  // namespace multum

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// What headers of movmf files have beside those of all baked files (host/asset/baked_header.h): the lobes. For
+// host/asset alone.
+#pragma once
+
+#include <ImfHeader.h>
+
+#include <string>
+#include <vector>
+
+#include "host/asset/baked_header.h"
+#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/asset/lobes/movmf_parts.h"
+
+namespace multum {
+
+/// One header a part, with spaces where the measured error and the content hash will be.
+std::vector<Imf::Header> make_headers(const MovmfMipmap& header, const std::vector<MovmfPart>& parts,
+                                      const BakedWriteOptions& options);
+
+/// All but pixels, from the first part's header. Throws Error(kInput) naming `path`, what was found and what was
+/// expected.
+MovmfMipmap parse_header(const Imf::Header& header, const std::string& path);
+
+}  // namespace multum

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/base/files/content_hash.h"
+
+#include <openssl/evp.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include "host/base/error.h"
+
+namespace multum {
+
+struct ContentHash::State {
+  EVP_MD_CTX* context = EVP_MD_CTX_new();
+  ~State() { EVP_MD_CTX_free(context); }
+};
+
+ContentHash::ContentHash() : state_(std::make_unique<State>()) {
+  MULTUM_CHECK(EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr) == 1);
+}
+ContentHash::~ContentHash() = default;
+
+void ContentHash::update(const void* data, std::size_t byte_count) {
+  MULTUM_CHECK(EVP_DigestUpdate(state_->context, data, byte_count) == 1);
+}
+
+std::string ContentHash::finish() {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned length = 0;
+  MULTUM_CHECK(EVP_DigestFinal_ex(state_->context, digest, &length) == 1);
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string hex;
+  for (unsigned i = 0; i < length; ++i) {
+    hex += kDigits[digest[i] >> 4];
+    hex += kDigits[digest[i] & 15];
+  }
+  return hex;
+}
+
+std::string hash_text(std::string_view text) {
+  ContentHash hash;
+  hash.update(text);
+  return hash.finish();
+}
+
+std::string hash_file(const std::string& path) {
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) throw Error(ErrorCode::kInput, path + ": cannot be opened: " + std::strerror(errno));
+  ContentHash hash;
+  std::vector<char> buffer(1 << 20);
+  std::size_t count = 0;
+  while ((count = std::fread(buffer.data(), 1, buffer.size(), file)) > 0) hash.update(buffer.data(), count);
+  const bool failed = std::ferror(file) != 0;
+  std::fclose(file);
+  if (failed) throw Error(ErrorCode::kInput, path + ": reading failed");
+  return hash.finish();
+}
+
+}  // namespace multum

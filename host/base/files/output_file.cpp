@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/base/files/output_file.h"
+
+#include <sys/types.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+
+[[noreturn]] void fail(const std::string& shown_path, int failure) {
+  throw Error(ErrorCode::kEnvironment, shown_path + ": writing failed: " + std::strerror(failure));
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const std::string& path, std::string shown_path)
+    : shown_path_(std::move(shown_path)), file_(std::fopen(path.c_str(), "wb")) {
+  if (file_ == nullptr) fail(shown_path_, errno);
+  std::setvbuf(file_, nullptr, _IOFBF, kBufferBytes);
+}
+
+OutputFile::~OutputFile() {
+  if (file_ != nullptr) std::fclose(file_);
+}
+
+bool OutputFile::keep(bool succeeded) {
+  if (!succeeded && failure_ == 0) failure_ = errno != 0 ? errno : EIO;
+  return succeeded;
+}
+
+bool OutputFile::write(const void* bytes, std::size_t count) {
+  if (!keep(std::fwrite(bytes, 1, count, file_) == count)) return false;
+  position_ += count;
+  return true;
+}
+
+bool OutputFile::seek(std::uint64_t position) {
+  if (!keep(fseeko(file_, static_cast<off_t>(position), SEEK_SET) == 0)) return false;
+  position_ = position;
+  return true;
+}
+
+std::string OutputFile::failure() const { return failure_ == 0 ? "" : std::strerror(failure_); }
+
+void OutputFile::close() {
+  keep(std::fclose(std::exchange(file_, nullptr)) == 0);
+  if (failure_ != 0) fail(shown_path_, failure_);
+}
+
+}  // namespace multum

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/base/files/output_paths.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;  // of files that do not exist yet: their folders may, under several names
+  return fs::equivalent(a, b, ignored) || fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+                                              fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
+}  // namespace
+
+void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+  std::vector<std::string> others = inputs;
+  for (const std::string& output : outputs) {
+    if (output.empty()) continue;
+    for (const std::string& other : others)
+      if (!other.empty() && same_file(output, other))
+        throw Error(ErrorCode::kUsage, output + ": is named twice, expected different files to read and to write");
+    others.push_back(output);
+  }
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
+}
+
+void check_writable(const std::string& path) {
+  // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
+  const AtomicFile probe(path);
+  if (!std::ofstream(probe.temporary_path()))
+    throw Error(ErrorCode::kEnvironment, path + ": no file can be created in its folder: " + std::strerror(errno));
+}
+
+}  // namespace multum

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+// Layouts: PNG (W3C PNG, 5 "Datastream structure"), JPEG (ITU T.81, B.1.1), WebP (RFC 9649, 2.3), TIFF (TIFF 6.0,
+// section 2; BigTIFF); of OpenEXR see host/base/files/exr_survey.h. Only lengths, sizes and markers are read, each
+// checked against the file.
+#include "host/image/files/image_container.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "host/base/error.h"
+#include "host/base/files/byte_file.h"
+#include "host/base/files/exr_survey.h"
+#include "host/image/files/tiff_survey.h"
+
+namespace multum {
+namespace {
+
+void keep(ImageContainer& container, std::int64_t begin, std::int64_t end) {
+  if (!container.ranges.empty() && container.ranges.back().end == begin) {
+    container.ranges.back().end = end;
+  } else {
+    container.ranges.push_back({begin, end});
+  }
+}
+
+void add_orientation(ImageContainer& container, int orientation) {
+  const std::string note = orientation_note(orientation);
+  if (!note.empty()) container.notes.push_back(note);
+}
+
+constexpr char kFirstFrame[] = "the file is an animation, of which the first frame is read";
+
+// signature, then chunks of [length 4][type 4][data][CRC 4]; what the picture needs is IHDR PLTE tRNS gAMA sRGB IDAT
+// IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
+// (SharedDataDeathTest.DamagedAndHostileFilesEndInAnError).
+void inspect_png(const std::string& path, ByteFile& file, ImageContainer& container) {
+  constexpr std::array<std::string_view, 7> kPicture = {"IHDR", "PLTE", "tRNS", "gAMA", "sRGB", "IDAT", "IEND"};
+  keep(container, 0, 8);
+  std::int64_t position = 8;
+  bool is_srgb = false;
+  for (bool ended = false; !ended;) {
+    const std::int64_t length = file.big_endian(position, 4, "a PNG chunk");
+    const std::string type = file.bytes(position + 4, 4, "a PNG chunk");
+    const std::int64_t end = position + 12 + length;
+    if (end > file.size())
+      refuse_file(path, fmt::format("the file is cut: it ends at byte {}, expected {} at the end of a PNG chunk",
+                                    file.size(), end));
+    if (position == 8) {
+      if (type != "IHDR" || length != 13) refuse_file(path, "damaged PNG: the first chunk is not a header");
+      container.width = file.big_endian(position + 8, 4, "the width");
+      container.height = file.big_endian(position + 12, 4, "the height");
+    }
+    if (std::find(kPicture.begin(), kPicture.end(), type) != kPicture.end()) {
+      keep(container, position, end);
+    } else {
+      container.has_metadata = true;
+    }
+    if (type == "eXIf") add_orientation(container, exif_orientation(file, position + 8, length));
+    if (type == "sRGB") is_srgb = true;
+    if (type == "gAMA" && length == 4) {
+      const std::int64_t value = file.big_endian(position + 8, 4, "a gamma");
+      container.gamma = value > 0 ? 100000.0 / static_cast<double>(value) : 0.0;
+    }
+    if (type == "acTL") container.notes.emplace_back(kFirstFrame);
+    ended = type == "IEND";
+    position = end;
+  }
+  if (is_srgb) container.gamma = 0.0;
+}
+
+// Segments FF marker [length 2][data] up to the first start of scan; APP0 (JFIF) and APP14 (Adobe: which colour model)
+// matter.
+void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& container) {
+  keep(container, 0, 2);
+  std::int64_t position = 2;
+  for (;;) {
+    if (file.big_endian(position, 1, "a JPEG marker") != 0xFF)
+      refuse_file(path, "damaged JPEG: no marker where one must be");
+    const std::int64_t marker = file.big_endian(position + 1, 1, "a JPEG marker");
+    if (marker == 0xFF) {  // a fill byte
+      ++position;
+      continue;
+    }
+    if (marker == 0xDA) break;
+    const std::int64_t end = position + 2 + file.big_endian(position + 2, 2, "a JPEG segment");
+    const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (is_frame) {
+      container.height = file.big_endian(position + 5, 2, "the height");
+      container.width = file.big_endian(position + 7, 2, "the width");
+    }
+    const bool is_application = marker >= 0xE0 && marker <= 0xEF;
+    if (marker == 0xE1 && end - position > 10 && file.bytes(position + 4, 4, "a JPEG segment") == "Exif")
+      add_orientation(container, exif_orientation(file, position + 4, end - position - 4));
+    if (marker == 0xFE || (is_application && marker != 0xE0 && marker != 0xEE)) {
+      container.has_metadata = true;
+    } else {
+      keep(container, position, end);
+    }
+    position = end;
+  }
+  keep(container, position, file.size());
+  // The library fills what is missing with grey, so look for the end marker (some tools append bytes behind it).
+  const std::int64_t tail_size = std::min<std::int64_t>(file.size(), 65536);
+  if (file.bytes(file.size() - tail_size, tail_size, "the end").find("\xFF\xD9") == std::string::npos)
+    refuse_file(path, "the file is cut: no JPEG end marker");
+}
+
+// Chunks [type 4][length 4][data], of an even number of bytes, behind VP8X.
+void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& container) {
+  for (std::int64_t position = 12; position + 8 <= end;) {
+    const std::string type = file.bytes(position, 4, "a WebP chunk");
+    const std::int64_t length = file.little_endian(position + 4, 4, "a WebP chunk");
+    if (type == "EXIF") add_orientation(container, exif_orientation(file, position + 8, length));
+    if (type == "ANIM") container.notes.emplace_back(kFirstFrame);
+    position += 8 + length + length % 2;
+  }
+}
+
+// RIFF [size 4] WEBP, then a chunk that says the size: VP8X (of the canvas, 24 bits, less 1), VP8L (14 bits, less 1) or
+// VP8 (14 bits).
+void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
+  const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
+  if (end > file.size())
+    refuse_file(path, fmt::format("the file is cut: {} bytes, expected {} by its WebP header", file.size(), end));
+  const std::string chunk = file.bytes(12, 4, "a WebP chunk");
+  if (chunk == "VP8X") {
+    container.width = 1 + file.little_endian(24, 3, "the width");
+    container.height = 1 + file.little_endian(27, 3, "the height");
+    inspect_webp_chunks(file, end, container);
+  } else if (chunk == "VP8L") {
+    const std::int64_t sizes = file.little_endian(21, 4, "the size");
+    container.width = 1 + (sizes & 0x3fff);
+    container.height = 1 + (sizes >> 14 & 0x3fff);
+  } else if (chunk == "VP8 ") {
+    container.width = file.little_endian(26, 2, "the width") & 0x3fff;
+    container.height = file.little_endian(28, 2, "the height") & 0x3fff;
+  } else {
+    refuse_file(path, "damaged WebP: the first chunk is no picture");
+  }
+  keep(container, 0, file.size());
+}
+
+void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& container, std::int64_t texel_count_max) {
+  const std::vector<ExrPartSize> parts = survey_exr(path, file);
+  for (const ExrPartSize& part : parts) check_image_size(path, part.width, part.height, texel_count_max);
+  container.width = parts.front().width;
+  container.height = parts.front().height;
+  if (parts.size() > 1)
+    container.notes.push_back(fmt::format("the file has {} parts, of which the first is read", parts.size()));
+  keep(container, 0, file.size());
+}
+
+// Whether all words of a colour map are v * unit, and some are not 0. Some programs write v * 256 for v * 257.
+bool have_unit(ByteFile& file, const ByteRange& words, bool is_big_endian, int unit) {
+  bool has_any = false;
+  for (std::int64_t at = words.begin; at < words.end; at += 2) {
+    const std::int64_t value =
+        is_big_endian ? file.big_endian(at, 2, "a colour map") : file.little_endian(at, 2, "a colour map");
+    if (value % unit != 0) return false;
+    has_any |= value != 0;
+  }
+  return has_any;
+}
+
+constexpr int kWhiteIsZero = 0, kPalette = 3;
+constexpr int kUnsigned = 1, kSigned = 2, kFloats = 3;
+
+std::string either(const std::vector<int>& numbers) { return fmt::format("{}", fmt::join(numbers, ", ")); }
+
+// What OpenImageIO 2.4.7 reads, but wrongly and without a word; each has a case in tests/cli/odd_cases.py. Colours of
+// inks and of Lab are numbers that mean neither vectors nor light; it mixes up the bytes of 24 bits, takes signed
+// integers of few bits for unsigned ones, and 8 bits where none are said, though one is meant.
+void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
+  if (!tiff.is_whole) return;                                   // the library says what is wrong
+  const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic
+  if (std::find(kOtherColours.begin(), kOtherColours.end(), tiff.photometric) != kOtherColours.end())
+    refuse_file(path, fmt::format("found a TIFF of CMYK, Lab or a colour filter array (PhotometricInterpretation {}), "
+                                  "expected grey, RGB or a palette",
+                                  tiff.photometric));
+  if (tiff.bits == 0)
+    refuse_file(path, "found a TIFF that does not say its bits a sample (BitsPerSample), expected one that does");
+  const std::vector<int> bits = tiff.sample_format == kFloats     ? std::vector{16, 32, 64}
+                                : tiff.sample_format == kSigned   ? std::vector{8, 16, 32}
+                                : tiff.sample_format == kUnsigned ? std::vector{1, 2, 4, 6, 8, 10, 12, 14, 16, 32}
+                                                                  : std::vector<int>{};
+  if (!bits.empty() && std::find(bits.begin(), bits.end(), tiff.bits) == bits.end())
+    refuse_file(path, fmt::format("found a TIFF of {} bits a sample, expected {} of {}", tiff.bits, either(bits),
+                                  tiff.sample_format == kFloats   ? "floats"
+                                  : tiff.sample_format == kSigned ? "signed integers"
+                                                                  : "unsigned integers"));
+  if (tiff.photometric == kPalette && tiff.samples > 1)
+    refuse_file(path, fmt::format("found a TIFF with a palette and {} channels, expected one", tiff.samples));
+  if (tiff.photometric == kWhiteIsZero && tiff.bits <= 8 && tiff.samples > 1)
+    refuse_file(path, fmt::format("found a TIFF of {} bits with 0 for white (MinIsWhite) and {} channels, all of which "
+                                  "would be turned round; expected one channel, or 0 for black",
+                                  tiff.bits, tiff.samples));
+  if (tiff.bits == 64 && tiff.is_tiled && (tiff.samples == 1 || !tiff.is_planar))
+    refuse_file(path,
+                "found a TIFF of 64-bit floats in tiles, which OpenImageIO leaves unread; expected 32-bit floats, or "
+                "strips");
+  if (tiff.bits == 64 && tiff.compression != 1 && !tiff.is_tiled && tiff.rows_per_strip == 0)
+    refuse_file(path,
+                "found a compressed TIFF of 64-bit floats that does not say the rows of a strip (RowsPerStrip), which "
+                "OpenImageIO leaves unread; expected 32-bit floats, or the rows");
+}
+
+// Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows of a strip, which may be as many as the number
+// holds: it then runs for ever, or leaves doubles unread. More than the picture has are as many as it has.
+void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& container) {
+  if (tiff.height < 1 || tiff.rows_per_strip <= tiff.height) return;
+  const bool is_big_endian = file.bytes(0, 1, "the first byte") == "M";
+  const std::int64_t size = tiff.rows_per_strip_at.end - tiff.rows_per_strip_at.begin;
+  std::string bytes;
+  for (std::int64_t i = 0; i < size; ++i)
+    bytes += static_cast<char>(tiff.height >> 8 * (is_big_endian ? size - 1 - i : i) & 255);
+  container.patches.push_back({tiff.rows_per_strip_at.begin, bytes});
+}
+
+// Workaround "TIFF white": OpenImageIO 2.4.7 turns round what has 0 for white up to 8 bits, and leaves more bits as
+// they are (ImageReaderTest.WhiteIsZeroOfTiff). Of floats no value is black.
+// Workaround "TIFF palette": it divides words of a colour map by 257, which loses a code of those that are v * 256
+// (ImageReaderTest.PalettesOfTiff).
+void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& container) {
+  keep(container, 0, file.size());
+  const TiffSurvey tiff = survey_tiff(file, 0);
+  if (tiff.photometric == kWhiteIsZero && tiff.sample_format != kUnsigned)
+    refuse_file(path,
+                "found a TIFF of signed integers or floats with 0 for white (MinIsWhite), expected unsigned "
+                "integers, whose black is known, or 0 for black");
+  refuse_misread_tiff(path, tiff);
+  limit_strip_rows(file, tiff, container);
+  container.inverts_integers = tiff.photometric == kWhiteIsZero && tiff.bits > 8;
+  const std::int64_t words = (tiff.colour_map.end - tiff.colour_map.begin) / 2;
+  const bool is_palette = tiff.photometric == kPalette && words > 0 && words <= 3 * 65536;
+  if (is_palette) {
+    const bool is_big_endian = file.bytes(0, 1, "the first byte") == "M";
+    if (have_unit(file, tiff.colour_map, is_big_endian, 256)) container.byte_words.push_back(tiff.colour_map);
+    else if (!have_unit(file, tiff.colour_map, is_big_endian, 257))
+      container.notes.emplace_back(
+          "its palette has colours of 16 bits, of which the upper 8 are read: what is lost is up to 1 of 255");
+  }
+  add_orientation(container, tiff.orientation);
+  if (tiff.page_count > 1)
+    container.notes.push_back(
+        fmt::format("the file has {} pages, of which the first is read{}", tiff.page_count,
+                    tiff.is_reduced ? ", which says that it is a reduced version of another" : ""));
+  else if (tiff.is_reduced) container.notes.emplace_back("its picture says that it is a reduced version of another");
+  container.texel_metres = tiff.texel_metres;
+}
+
+constexpr std::size_t kHeadBytes = 16;  // enough to know any of the formats
+
+std::string format_of(std::string_view head) {
+  using namespace std::string_view_literals;
+  if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return "png";
+  if (head.starts_with("\xFF\xD8\xFF"sv)) return "jpeg";
+  if (head.starts_with("RIFF"sv) && head.size() >= 12 && head.substr(8, 4) == "WEBP"sv) return "webp";
+  if (head.starts_with("\x76\x2f\x31\x01"sv)) return "openexr";
+  for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
+    if (head.starts_with(magic)) return "tiff";
+  return "";
+}
+
+}  // namespace
+
+void check_image_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t texel_count_max) {
+  if (width < 1 || height < 1)
+    refuse_file(path, fmt::format("found {} x {} texels, expected at least 1 x 1", width, height));
+  if (width > texel_count_max / height || width > INT32_MAX || height > INT32_MAX)
+    refuse_file(path, fmt::format("found {} x {} texels, expected at most {} in all", width, height, texel_count_max));
+}
+
+std::string image_format(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kHeadBytes> head{};
+  file.read(head.data(), head.size());
+  return format_of({head.data(), static_cast<std::size_t>(file.gcount())});
+}
+
+ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max) {
+  ByteFile file(path);
+  ImageContainer container;
+  container.file_size = file.size();
+  const std::string head = file.bytes(0, std::min<std::int64_t>(kHeadBytes, file.size()), "the first bytes");
+  container.format = format_of(head);
+  if (container.format.empty())
+    refuse_file(path, fmt::format("found an unknown format ({} bytes), expected PNG, JPEG, WebP, TIFF or OpenEXR",
+                                  file.size()));
+  if (container.format == "png") {
+    inspect_png(path, file, container);
+  } else if (container.format == "jpeg") {
+    inspect_jpeg(path, file, container);
+  } else if (container.format == "webp") {
+    inspect_webp(path, file, container);
+  } else if (container.format == "openexr") {
+    inspect_exr(path, file, container, texel_count_max);
+  } else {
+    inspect_tiff(path, file, container);
+    return container;
+  }
+  check_image_size(path, container.width, container.height, texel_count_max);
+  return container;
+}
+
+}  // namespace multum

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rules, in order. Thresholds lie between real maps on either side, whose numbers stand next to them; the test
+// SharedData.EveryFileOfTheManifestIsUnderstood prints the numbers of every file.
+//  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
+//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo is like a height: a warning says so. One
+//     value tells nothing and two are a mask: refused.
+//  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
+//     What nearly flat normals round their z to is not set aside: there both readings are the same up to rounding.
+//  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
+//  4. Refused unless it looks like normals (`refusal` below).
+//  5. Green by the gradient agreement; up when it is undecided. What the caller says goes before it; a warning names
+//  the
+//     disagreement.
+#include "host/image/normals/encoding_detection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/image/files/number_type.h"
+#include "host/image/normals/vector_statistics.h"
+
+namespace multum {
+namespace {
+
+struct Reading {
+  VectorEncoding encoding;
+  VectorStatistics statistics;
+};
+
+// Where the numbers about the numbers come from: the survey, or the image again for what the survey could not foresee.
+struct Evidence {
+  const RawImage& image;
+  const ImageSurvey& survey;
+  int threads;
+
+  const RawImageInfo& info() const { return image.info(); }
+  VectorStatistics statistics(const VectorEncoding& encoding) const {
+    const std::optional<VectorStatistics> surveyed = survey.statistics(encoding);
+    return surveyed ? *surveyed : vector_statistics(image, encoding, threads);
+  }
+};
+
+// Compression leaves colours of up to a code of 8 bits. With more bits, what differs between channels as much as it
+// does between texels is no such noise: normals that are short, around mid-grey.
+bool is_grey(const Evidence& evidence) {
+  constexpr double kChromaMax = 1.0 / 255.0, kChromaOfContrastMax = 0.25;
+  if (evidence.info().channel_count != 3) return false;
+  const double chroma = evidence.survey.chroma_rms();
+  if (chroma == 0.0) return true;
+  if (evidence.info().sample_type != SampleType::kUint8 &&
+      chroma > kChromaOfContrastMax * evidence.survey.grey_deviation())
+    return false;
+  return chroma <= kChromaMax;
+}
+
+// Whether a finite value of the first channel is further than `margin` from both ends of its range. Of most images the
+// first rows say so.
+bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, double margin) {
+  const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
+  RawRows rows;
+  for (int row = 0; row < image.info().height; ++row) {
+    image.read_rows(row, 1, rows);
+    for (std::size_t i = 0; i < rows.values.size(); i += channel_count) {
+      const auto v = static_cast<double>(rows.values[i]);
+      if (v - static_cast<double>(range.low) > margin && static_cast<double>(range.high) - v > margin) return true;
+    }
+  }
+  return false;
+}
+
+// Why a grey image is no height field, nullopt when it may be one: all its finite values are the same, or are one of
+// two, up to a fiftieth of what lies between them (8 bits of a compressed mask).
+std::optional<std::string> grey_refusal(const Evidence& evidence) {
+  const ImageSurvey::Range& range = evidence.survey.range(0);
+  if (range.high < range.low) return "no value is finite";
+  if (range.high == range.low) return fmt::format("every texel is {:.4g}, which tells nothing", range.low);
+  const double margin = 0.02 * (static_cast<double>(range.high) - static_cast<double>(range.low));
+  if (has_value_between(evidence.image, range, margin)) return std::nullopt;
+  return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
+}
+
+// Vectors around +Z that all have one length, whatever it is: normals times a constant, which normalising takes away.
+bool has_one_length(const VectorStatistics& s) {
+  constexpr double kSpreadMax = 0.05;
+  return s.length_spread <= kSpreadMax && s.below_share <= 0.05 && s.mean_z >= 0.4 * s.length_mean &&
+         std::hypot(s.mean_x, s.mean_y) <= 0.5 * s.mean_z;
+}
+
+// How well a reading explains the numbers: unit vectors, less well vectors of one other length; or for a rebuilt z:
+// possible ones, not all leaning to one side.
+double plausibility(const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (s.texel_count == 0.0) return -1.0;
+  if (!reading.encoding.rebuild_z) return std::max(s.unit_share_10, has_one_length(s) ? 0.5 - s.length_spread : 0.0);
+  return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
+}
+
+// The encodings that compete for a given use of blue, the one that wins a tie first.
+std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, VectorEncoding encoding,
+                                                  const NormalMapSettings& settings) {
+  encoding.is_signed = settings.is_signed.value_or(false);
+  std::vector<VectorEncoding> candidates = {encoding};
+  const bool may_be_signed = is_float_type(sample_type) || sample_type == SampleType::kOtherInteger;
+  if (settings.is_signed.has_value() || !may_be_signed) return candidates;
+  encoding.is_signed = true;
+  candidates.push_back(encoding);
+  return candidates;
+}
+
+// Unsigned or signed for a given use of blue: the more plausible one, unsigned when they tie.
+Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding, const NormalMapSettings& settings) {
+  std::optional<Reading> best;
+  for (const VectorEncoding& candidate : signedness_candidates(evidence.info().sample_type, encoding, settings)) {
+    const Reading reading{candidate, evidence.statistics(candidate)};
+    if (!best || plausibility(reading) > plausibility(*best)) best = reading;
+  }
+  return *best;
+}
+
+// What is tried first: blue as it is, unless there is none.
+VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings& settings) {
+  VectorEncoding encoding;
+  encoding.flat_pair = info.sample_type == SampleType::kUint8;
+  encoding.rebuild_z = settings.two_channel.value_or(info.channel_count == 2);
+  return encoding;
+}
+
+// The same in every texel, up to the noise of compression; but blue varies little too where vectors are short all over,
+// which floats and 16 bits may hold.
+bool is_blue_constant(const Evidence& evidence, const VectorStatistics& s) {
+  constexpr double kNoise = 2.5 / 255.0;
+  const double range = s.blue_max - s.blue_min;
+  const bool is_short = evidence.info().sample_type != SampleType::kUint8 && s.unit_share_20 < 0.5 && has_one_length(s);
+  return range <= (is_short ? 0.0 : kNoise);
+}
+
+// By how much the z of unit vectors may differ from a constant blue by its rounding and compression alone: with 8 bits,
+// signed ones too, up to 0.02, with half two steps below 1.
+double filler_noise(const RawImageInfo& info) {
+  if (info.base_type == number_type::kUint8 || info.base_type == number_type::kInt8) return 2 * 2.5 / 255.0;
+  return info.base_type == number_type::kHalf ? 1.0 / 512.0 : 2 * 2.5 / 65535.0;
+}
+
+// Whether a constant blue is further from the z of unit vectors than that: filler, as in two-channel maps that were
+// saved with three. 0.02 are what 11 degrees reach; there (x, y, 1) and the rebuilt vector are 0.2 degrees apart, half
+// a code of 8 bits. Flat maps have no say: they are flat either way.
+bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (s.tilted_share == 0.0) return false;
+  const double noise = filler_noise(evidence.info());
+  const auto z_of = [&](double blue) { return reading.encoding.is_signed ? blue : 2.0 * blue - 1.0; };
+  return s.rebuilt_z_min < z_of(s.blue_min) - noise || s.rebuilt_z_mean > z_of(s.blue_max) + noise;
+}
+
+Reading best_reading(const Evidence& evidence, const NormalMapSettings& settings) {
+  VectorEncoding encoding = first_encoding(evidence.info(), settings);
+  const Reading first = best_signedness(evidence, encoding, settings);
+  if (settings.two_channel.has_value() || evidence.info().channel_count == 2) return first;
+  if (!is_blue_constant(evidence, first.statistics)) return first;
+  if (first.statistics.unit_share_10 >= 0.8 && !is_blue_filler(evidence, first)) return first;
+  encoding.rebuild_z = true;
+  const Reading rebuilt = best_signedness(evidence, encoding, settings);
+  // Where x^2 + y^2 > 1 the vectors are (x, y, 1) of no unit length, and blue is meant.
+  return rebuilt.statistics.beyond_share <= 0.005 ? rebuilt : first;
+}
+
+std::string summary(const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (reading.encoding.rebuild_z)
+    return fmt::format(
+        "x^2 + y^2 <= 1 on {:.1f} %, mean (x, y) ({:+.2f}, {:+.2f}), mean rebuilt z {:.2f}, gradient agreement "
+        "{:+.2f}",
+        100.0 * (1.0 - s.beyond_share), s.mean_x, s.mean_y, s.rebuilt_z_mean, s.gradient_agreement);
+  return fmt::format(
+      "length within 10 % of 1 on {:.1f} %, mean vector ({:+.2f}, {:+.2f}, {:+.2f}), {:.1f} % below the horizon, "
+      "gradient agreement {:+.2f}",
+      100.0 * s.unit_share_10, s.mean_x, s.mean_y, s.mean_z, 100.0 * s.below_share, s.gradient_agreement);
+}
+
+// Why (x, y) with a rebuilt z are no normals. Flow maps are the trap: directions of length up to 1 with an empty blue,
+// but no surface's gradients and far from flat (measured: agreement 0.00, rebuilt z 0.67).
+std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
+  if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 on {:.1f} % of texels", 100.0 * s.beyond_share);
+  if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector leans to one side";
+  if (s.tilted_share > 0.05 && s.negative_share < 0.01) return "red and green are never negative";
+  if (std::abs(s.gradient_agreement) < 0.15 && s.rebuilt_z_mean < 0.85)
+    return "red and green are not the slopes of a surface";
+  return std::nullopt;
+}
+
+// Why vectors (x, y, z) are no normals; nullopt when they are.
+//   below the horizon <= 5 %            normal maps reach 1 % (gutters of an atlas), colours start at 9 %
+//   |mean xy| <= 0.5 mean z, z >= 0.4   normal maps 0.27 and 0.61, sky blue (135, 206, 235) 0.74; not asked of vectors
+//   of unit length
+//   and one of: unit within 10 % on 80 %; within 20 % on 60 % with blue or gradients agreeing; gradients agreeing
+//   strongly (maps of vectors that are not of unit length)
+std::optional<std::string> vector_refusal(const VectorStatistics& s) {
+  if (s.below_share > 0.05) {
+    const char* object_space = s.unit_share_10 >= 0.9 ? ", as in an object-space normal map" : "";
+    return fmt::format("{:.1f} % of texels point below the surface{}", 100.0 * s.below_share, object_space);
+  }
+  const double agreement = std::abs(s.gradient_agreement);
+  if (s.unit_share_5 >= 0.95 && s.mean_z >= 0.1) return std::nullopt;
+  // Normals times a constant; colours of little contrast have one length too, but no gradients.
+  if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
+  if (s.length_mean < 0.4)
+    return fmt::format(
+        "vectors are {:.3g} long in the mean, expected 1, and neither of one length nor clearly the "
+        "slopes of a surface (multiply them until they are of unit length)",
+        s.length_mean);
+  if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
+  if (s.unit_share_10 >= 0.8) return std::nullopt;
+  if (s.unit_share_20 >= 0.6 && (agreement >= 0.15 || s.rebuilt_z_correlation >= 0.25)) return std::nullopt;
+  if (agreement >= 0.25) return std::nullopt;
+  return "too few vectors are of unit length, and red and green are not the slopes of a surface";
+}
+
+std::optional<std::string> refusal(const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (s.texel_count == 0.0) return "no texel holds a vector";
+  return reading.encoding.rebuild_z ? two_channel_refusal(s) : vector_refusal(s);
+}
+
+// A constant red beside an alpha: compressed maps of one good channel and a better alpha keep x there (DXT5nm).
+bool has_x_in_alpha(const Evidence& evidence) {
+  if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
+  const auto spread = [&evidence](int channel) {
+    const ImageSurvey::Range& range = evidence.survey.range(channel);
+    return static_cast<double>(range.high) - static_cast<double>(range.low);
+  };
+  constexpr double kNoise = 2.5 / 255.0;
+  return spread(0) <= kNoise && spread(1) > kNoise;
+}
+
+// --bumpformat cannot help a map with its x in alpha, which is not read: the message does not offer it.
+[[noreturn]] void refuse_vectors(const std::string& path, const Evidence& evidence, const std::string& why) {
+  if (has_x_in_alpha(evidence))
+    throw Error(ErrorCode::kInput,
+                path +
+                    ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
+                    "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
+  throw Error(ErrorCode::kInput,
+              fmt::format("{}: found no normal map and no height field: {}; expected unit vectors around +Z, or grey. "
+                          "If it is one all the same, say so (--bumpformat normal or height)",
+                          path, why));
+}
+
+// Of the options given, those that say nothing of what the file was taken for.
+void warn_of_ignored(const std::vector<std::pair<bool, const char*>>& given, const char* what,
+                     std::vector<std::string>& warnings) {
+  std::string names;
+  for (const auto& [is_given, name] : given)
+    if (is_given) names += (names.empty() ? "" : ", ") + std::string(name);
+  if (!names.empty()) warnings.push_back(names + ": without effect on " + what);
+}
+
+DetectedEncoding height_field(const std::string& reason, const NormalMapSettings& settings) {
+  DetectedEncoding result;
+  result.is_height_field = true;
+  result.reason = reason;
+  const bool is_signed = settings.is_signed.value_or(false);
+  warn_of_ignored({{settings.green.has_value(), "--green"},
+                   {is_signed, "--signed"},
+                   {settings.is_signed.has_value() && !is_signed, "--unsigned"},
+                   {settings.two_channel.has_value(), "--two-channel"},
+                   {settings.normal_scale != 1.0f, "--normal-scale"}},
+                  "a height field", result.warnings);
+  return result;
+}
+
+DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, const std::string& reason,
+                            const NormalMapSettings& settings) {
+  if (const std::optional<std::string> why = grey_refusal(evidence))
+    throw Error(ErrorCode::kInput, fmt::format("{}: found a grey image that is no height field: {}; expected heights "
+                                               "of more than two values. If it is one all the same, say so "
+                                               "(--bumpformat height)",
+                                               path, *why));
+  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height", settings);
+}
+
+// The threshold lies between the maps that are known and those that are not (0.15 and 0.31, see vector_statistics.cpp);
+// four standard deviations of the correlation of independent samples where they are few.
+std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
+  const double threshold = std::max(0.25, 4.0 / std::sqrt(std::max(1.0, s.gradient_sample_count)));
+  if (s.gradient_agreement >= threshold) return GreenAxis::kUp;
+  if (s.gradient_agreement <= -threshold) return GreenAxis::kDown;
+  return std::nullopt;
+}
+
+const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
+const char* green_option(GreenAxis green) { return green == GreenAxis::kUp ? "--green up" : "--green down"; }
+
+// Normals times a constant are normalised, which a file of something else would be too.
+void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
+  const VectorStatistics& s = reading.statistics;
+  if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
+  warnings.push_back(
+      fmt::format("its vectors are {:.3g} long instead of 1, all alike: they are read as normals times a "
+                  "constant, and made unit vectors",
+                  s.length_mean));
+}
+
+// Green that cannot be told, or that was told against the evidence: bumps and dents are then mixed up along y.
+void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
+                   std::vector<std::string>& warnings) {
+  if (!settings.green && !found) {
+    // Where nothing is tilted, green is 0 either way.
+    if (s.tilted_share > 0.0)
+      warnings.emplace_back(
+          "which way green points cannot be told from the statistics; up (OpenGL) is taken, --green up or --green down "
+          "says it");
+  } else if (settings.green && found && *settings.green != *found) {
+    warnings.push_back(
+        fmt::format("green is read as {}, as asked for, but red and green are the slopes of a surface whose green "
+                    "points {} (gradient agreement {:+.2f}): unless you know better, leave the setting out, or say {}",
+                    green_name(*settings.green), green_name(*found), s.gradient_agreement, green_option(*found)));
+  }
+}
+
+std::string describe(const VectorEncoding& encoding, const char* green_note) {
+  return fmt::format("normal map, {}, {}green {}{}", encoding.is_signed ? "signed" : "unsigned",
+                     encoding.rebuild_z ? "two channels (z rebuilt), " : "", green_name(encoding.green), green_note);
+}
+
+}  // namespace
+
+std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings) {
+  if (settings.bump_format == BumpFormat::kHeight || info.channel_count == 1) return {};
+  return signedness_candidates(info.sample_type, first_encoding(info, settings), settings);
+}
+
+DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
+                                 const NormalMapSettings& settings, int threads) {
+  const Evidence evidence{image, survey, threads};
+  const int channel_count = image.info().channel_count;
+  if (settings.bump_format == BumpFormat::kHeight)
+    return height_field(channel_count == 1 ? "as asked for" : "as asked for; the mean of the colour channels",
+                        settings);
+  if (channel_count == 1 && settings.two_channel.value_or(false))
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {}: 1 colour channel, expected red and green, where a "
+                                               "two-channel map has x and y",
+                                               path, image.info().format));
+  if (channel_count == 1) {
+    if (settings.bump_format == BumpFormat::kNormal)
+      throw Error(ErrorCode::kInput, path + ": found 1 colour channel, expected a normal map of 2 or 3 as asked for");
+    return grey_image(path, evidence, "1 channel", settings);
+  }
+  if (settings.bump_format == BumpFormat::kAuto && is_grey(evidence))
+    return grey_image(path, evidence, "red, green and blue are equal", settings);
+
+  const Reading reading = best_reading(evidence, settings);
+  if (settings.bump_format == BumpFormat::kAuto) {
+    if (const std::optional<std::string> why = refusal(reading))
+      refuse_vectors(path, evidence, fmt::format("{} ({})", *why, summary(reading)));
+  }
+  DetectedEncoding result;
+  result.vectors = reading.encoding;
+  const std::optional<GreenAxis> found_green = green_from_gradients(reading.statistics);
+  result.vectors.green = settings.green.value_or(found_green.value_or(GreenAxis::kUp));
+  const char* green_note = settings.green.has_value() ? ", as asked for" : found_green.has_value() ? "" : ", undecided";
+  result.description = describe(result.vectors, green_note);
+  result.reason = summary(reading);
+  result.vectors.tilt = settings.normal_scale;
+  if (settings.normal_scale != 1.0f) result.description += fmt::format(", scaled by {:g}", settings.normal_scale);
+  const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
+  warn_of_ignored({{is_scaled, "--height-scale"}}, "a normal map", result.warnings);
+  if (reading.encoding.rebuild_z && channel_count > 2 && !settings.two_channel)
+    result.reason += fmt::format(", blue is {:.3g} throughout, which completes no vector", reading.statistics.blue_min);
+  warn_of_length(reading, result.warnings);
+  warn_of_green(settings, found_green, reading.statistics, result.warnings);
+  return result;
+}
+
+}  // namespace multum

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the numbers of an image mean, found from their statistics: height field or normal map, signed or 0..1, two or
+// three channels, green up or down. The answer carries its reason; a file that is neither is refused with the reason.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/image/normals/image_survey.h"
+#include "host/image/normals/normal_decode.h"
+#include "host/image/normals/normal_map.h"
+#include "host/image/raw_image.h"
+
+namespace multum {
+
+struct DetectedEncoding {
+  bool is_height_field = false;
+  VectorEncoding vectors;             // of a normal map
+  std::string description;            // NormalMapReport::encoding of a normal map
+  std::string reason;                 // NormalMapReport::encoding_reason
+  std::vector<std::string> warnings;  // NormalMapReport::warnings
+};
+
+/// The readings whose statistics detect_encoding() will ask for as far as can be told before the rows: what the survey
+/// of the image should take.
+std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings);
+
+/// Follows the overrides in `settings`. Throws Error(kInput) with the reason when the file is neither a normal map nor
+/// a height field, unless settings.bump_format says which.
+DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
+                                 const NormalMapSettings& settings, int threads);
+
+}  // namespace multum

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/image/normals/reading_parameters.h"
+
+namespace multum {
+namespace {
+
+const Choices<BumpFormat> kBumpFormats = {
+    {"auto", BumpFormat::kAuto}, {"height", BumpFormat::kHeight}, {"normal", BumpFormat::kNormal}};
+const Choices<GreenAxis> kGreenAxes = {{"up", GreenAxis::kUp}, {"down", GreenAxis::kDown}};
+const Choices<FixNan> kFixNans = {{"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
+
+void apply_wrap(const std::optional<std::string>& text, WrapMode& mode, WrapOrigin& origin) {
+  if (!text) return;
+  // The map decides between modes that are found; until it has, it repeats.
+  const bool is_found = *text == "auto";
+  mode = is_found ? WrapMode::kPeriodic : parse_wrap_mode(*text).value_or(mode);
+  origin = is_found ? WrapOrigin::kFound : WrapOrigin::kSaid;
+}
+
+}  // namespace
+
+void apply_reading(const ParameterValues& values, NormalMapSettings& settings) {
+  settings.bump_format = values.choice("bumpformat", kBumpFormats).value_or(settings.bump_format);
+  if (const auto green = values.choice("green", kGreenAxes)) settings.green = green;
+  if (values.flag("signed") || values.flag("unsigned")) settings.is_signed = values.flag("signed");
+  if (values.flag("two_channel")) settings.two_channel = true;
+  if (const auto scale = values.number("height_scale")) settings.height_scale = static_cast<float>(*scale);
+  if (const auto scale = values.number("normal_scale")) settings.normal_scale = static_cast<float>(*scale);
+  settings.fix_nan = values.choice("fixnan", kFixNans).value_or(settings.fix_nan);
+  if (const auto share = values.number("repair_max")) settings.repair_share_max = static_cast<float>(*share);
+  if (values.flag("checknan")) settings.check_nan = true;
+  for (const char* name : {"wrap", "swrap"}) apply_wrap(values.text(name), settings.wrap_s, settings.wrap_s_origin);
+  for (const char* name : {"wrap", "twrap"}) apply_wrap(values.text(name), settings.wrap_t, settings.wrap_t_origin);
+}
+
+}  // namespace multum

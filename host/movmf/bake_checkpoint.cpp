@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/movmf/bake_checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "host/base/error.h"
+#include "host/base/files/checksum.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string folder_of(const std::string& output) {
+  const fs::path path(output);
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  return (folder / (".multum-partial-" + path.filename().string())).string();
+}
+
+void append_line(const std::string& path, const std::string& line) {
+  std::ofstream out(path, std::ios::app);
+  out << line << '\n';
+  if (!out.flush()) throw Error(ErrorCode::kEnvironment, path + ": cannot be written: " + std::strerror(errno));
+}
+
+}  // namespace
+
+std::unique_ptr<BakeCheckpoint> BakeCheckpoint::open(const std::string& output, const std::string& key, bool resume) {
+  std::string folder = folder_of(output);
+  std::unique_ptr<FolderLock> lock = FolderLock::take(folder);
+  if (lock == nullptr) return nullptr;
+  return std::unique_ptr<BakeCheckpoint>(new BakeCheckpoint(std::move(folder), std::move(lock), key, resume));
+}
+
+BakeCheckpoint::BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key,
+                               bool resume)
+    : folder_(std::move(folder)), lock_(std::move(lock)) {
+  if (resume) read_progress(key);
+  if (!found_.empty()) return;
+  std::error_code ignored;  // what cannot go is written over, or cannot be
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path(), ignored);
+  append_line(folder_ + "/progress", key);
+}
+
+BakeCheckpoint::~BakeCheckpoint() {
+  std::error_code ignored;
+  if (!stays_) fs::remove_all(folder_, ignored);
+}
+
+void BakeCheckpoint::read_progress(const std::string& key) {
+  std::ifstream in(folder_ + "/progress");
+  std::string line;
+  if (!std::getline(in, line) || line != key) return;
+  while (std::getline(in, line)) {
+    std::istringstream words(line);
+    int level = 0;
+    Block block{0, 0, ""};
+    if (!(words >> level >> block.first_row >> block.row_count >> block.checksum) || block.checksum.size() != 16)
+      return;
+    found_[level].push_back(block);
+  }
+}
+
+std::string BakeCheckpoint::block_checksum(const Level& level, int first_row, int row_count) {
+  Checksum checksum;
+  const auto add = [&](const RowStore& store) {
+    std::vector<unsigned char> bytes(store.row_bytes() * static_cast<std::size_t>(row_count));
+    store.read(first_row, row_count, bytes.data());
+    checksum.update(bytes.data(), bytes.size());
+  };
+  add(level.lobes);
+  if (level.features) add(*level.features);
+  return checksum.text();
+}
+
+BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std::size_t lobe_row_bytes,
+                                                  std::size_t feature_row_bytes) {
+  const std::string name = "level-" + std::to_string(level);
+  Level& opened =
+      levels_.try_emplace(level, Level{RowStore(row_count, lobe_row_bytes, folder_, name + ".lobes"), {}, 0})
+          .first->second;
+  if (feature_row_bytes > 0) opened.features.emplace(row_count, feature_row_bytes, folder_, name + ".features");
+  for (const Block& block : found_[level]) {
+    if (block.first_row != opened.rows_done || block.row_count < 1 || block.row_count > row_count - block.first_row)
+      break;
+    try {
+      if (block_checksum(opened, block.first_row, block.row_count) != block.checksum) break;
+    } catch (const Error&) {
+      break;  // the file ends before the block does
+    }
+    opened.rows_done += block.row_count;
+  }
+  rows_resumed_ += static_cast<std::uint64_t>(opened.rows_done);
+  return opened;
+}
+
+void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const void* features) {
+  Level& done = levels_.at(level);
+  Checksum checksum;
+  const auto add = [&](RowStore& store, const void* rows) {
+    store.write(done.rows_done, row_count, rows);
+    checksum.update(rows, store.row_bytes() * static_cast<std::size_t>(row_count));
+  };
+  add(done.lobes, lobes);
+  if (done.features) add(*done.features, features);
+  append_line(folder_ + "/progress", fmt::format("{} {} {} {}", level, done.rows_done, row_count, checksum.text()));
+  done.rows_done += row_count;
+}
+
+}  // namespace multum

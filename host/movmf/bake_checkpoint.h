@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bake that is killed leaves for the next: the rows of lobes that were done, in a hidden folder beside the
+// output.
+//
+//   .multum-partial-NAME/
+//     progress          what bake it is, then a line for each block of rows: level, first row, rows, CRC-64
+//     level-5.lobes     rows [lobe][column], level-5.features with features
+//
+// A block counts when its line is whole and its bytes have that checksum: a machine that lost power loses blocks, not
+// trust.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host/base/files/folder_lock.h"
+#include "host/pyramid/row_store.h"
+
+namespace multum {
+
+class BakeCheckpoint {
+ public:
+  /// Of the bake of `output` that `key` (sources and settings: everything that its rows depend on) stands for. What is
+  /// there of the same bake is kept when `resume`, anything else goes. Null while another process bakes the same
+  /// output: the folder is its own. Throws Error(kEnvironment).
+  static std::unique_ptr<BakeCheckpoint> open(const std::string& output, const std::string& key, bool resume);
+  /// Nothing stays, unless leave() was called.
+  ~BakeCheckpoint();
+  BakeCheckpoint(const BakeCheckpoint&) = delete;
+  BakeCheckpoint& operator=(const BakeCheckpoint&) = delete;
+
+  /// Where a level's rows are kept; made on the first call, sizes must be those of the bake that was killed.
+  struct Level {
+    RowStore lobes;
+    std::optional<RowStore> features;
+    int rows_done = 0;  // from row 0
+  };
+  /// `feature_row_bytes` 0: no features.
+  Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t feature_row_bytes);
+  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them. `features`: null
+  /// without.
+  void add_rows(int level, int row_count, const void* lobes, const void* features);
+
+  /// The folder stays when this is destroyed: the bake was stopped and may go on.
+  void leave() { stays_ = true; }
+  /// Texels' rows that were there of an earlier bake.
+  std::uint64_t rows_resumed() const { return rows_resumed_; }
+
+ private:
+  struct Block {
+    int first_row, row_count;
+    std::string checksum;
+  };
+  BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key, bool resume);
+  void read_progress(const std::string& key);
+  static std::string block_checksum(const Level& level, int first_row, int row_count);
+
+  std::string folder_;
+  std::unique_ptr<FolderLock> lock_;
+  std::map<int, std::vector<Block>> found_;  // by level, in order
+  std::map<int, Level> levels_;
+  std::uint64_t rows_resumed_ = 0;
+  bool stays_ = false;
+};
+
+}  // namespace multum

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/movmf/movmf_average.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.h"
+#include "host/base/processes/parallel.h"
+#include "host/base/size_of.h"
+#include "host/movmf/lobe_rows.h"
+#include "host/pyramid/average_pass.h"
+#include "host/pyramid/feature_planes.h"
+
+namespace multum {
+namespace {
+
+// Rows of three planes from `plane` on.
+std::vector<glm::vec3> vectors_of(const BoxRows& from, int plane, int threads) {
+  const std::size_t width = size_of(from.width);
+  std::vector<glm::vec3> vectors(width * size_of(from.height));
+  for_each_item(from.height, threads, [&](int y) {
+    const float *const x = from.row(plane, y), *const y_row = from.row(plane + 1, y), *const z = from.row(plane + 2, y);
+    glm::vec3* const to = &vectors[size_of(y) * width];
+    for (std::size_t i = 0; i < width; ++i) to[i] = {x[i], y_row[i], z[i]};
+  });
+  return vectors;
+}
+
+class NormalPlanes : public AveragedPlanes {
+ public:
+  NormalPlanes(Device& device, const AverageInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
+               FitReport& report)
+      : inputs_(inputs),
+        features_(FeaturePlanes::of(inputs.albedo, inputs.weights)),
+        kappa_cap_(settings.kappa_cap),
+        sink_(sink),
+        report_(report),
+        take_normals_(device.kernel("mip_box", "mip_features", {1, 1, false})) {}
+
+  std::string name() const override { return "one lobe a texel, averaged,"; }
+  int plane_count() const override { return kNormalPlanes; }
+  void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) override {
+    take_normals_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],
+                         normals[2], nodes, band, 0);
+  }
+  void add_level(const BoxRows& rows) override {
+    std::vector<std::vector<glm::vec3>> triples;
+    for (int t = 0; t < features_.triple_count(); ++t)
+      triples.push_back(vectors_of(rows, kNormalPlanes + 3 * t, inputs_.threads));
+    std::vector<glm::vec3> normals = vectors_of(rows, 0, inputs_.threads);
+    if (rows.level == 0) add_finest(rows, std::move(normals), std::move(triples));
+    else add_coarser(rows, normals, triples);
+  }
+
+ private:
+  static constexpr int kNormalPlanes = 3;
+
+  void add_finest(const BoxRows& rows, std::vector<glm::vec3> normals, std::vector<std::vector<glm::vec3>> triples) {
+    MovmfFinest out;
+    out.width = rows.width;
+    out.height = rows.height;
+    out.lobe.assign(normals.size(), 0);
+    out.normals = std::move(normals);
+    out.has_roughness = inputs_.has_roughness;
+    split_features(std::move(triples), features_, out.colours, out.weights);
+    report_.lobe_count_total += out.lobe.size();
+    sink_.add_finest(rows.first_row, std::move(out));
+  }
+
+  void add_coarser(const BoxRows& rows, const std::vector<glm::vec3>& normals,
+                   const std::vector<std::vector<glm::vec3>>& triples) {
+    const LobeRowsSize size{
+        rows.width, rows.height, 1, Representation::kMovmf, features_.has_colours, features_.weight_count};
+    const std::size_t width = size_of(rows.width);
+    std::vector<MultumVmfLobe> lobes(normals.size());
+    for (std::size_t i = 0; i < normals.size(); ++i) lobes[i] = {normals[i].x, normals[i].y, normals[i].z, 1.0f};
+    std::vector<glm::vec3> features;  // [row][triple][column]
+    features.reserve(triples.size() * normals.size());
+    for (std::size_t row = 0; row < normals.size(); row += width)
+      for (const std::vector<glm::vec3>& triple : triples)
+        features.insert(features.end(), triple.begin() + static_cast<std::ptrdiff_t>(row),
+                        triple.begin() + static_cast<std::ptrdiff_t>(row + width));
+    sink_.add_level(rows.level, rows.first_row,
+                    stored_rows(size, lobes, features, kappa_cap_, inputs_.threads, report_));
+  }
+
+  const AverageInputs& inputs_;
+  const FeaturePlanes features_;
+  const float kappa_cap_;
+  MovmfSink& sink_;
+  FitReport& report_;
+  Kernel take_normals_;
+};
+
+}  // namespace
+
+bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settings) {
+  return settings.lobe_count == 1 && settings.representation == Representation::kMovmf && inputs.region == nullptr;
+}
+
+void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
+                   FitReport& report, Progress* progress) {
+  MULTUM_CHECK(averages_suffice(inputs, settings));
+  AverageInputs averages;
+  averages.normals = inputs.normals;
+  averages.albedo = inputs.albedo;
+  averages.weights = inputs.weights;
+  averages.has_roughness = inputs.has_roughness;
+  averages.first_level = settings.first_level;
+  averages.memory_bytes = inputs.memory_bytes;
+  averages.threads = inputs.threads;
+  NormalPlanes planes(device, averages, settings, sink, report);
+  AverageReport averaged;
+  average_map(device, averages, planes, averaged, progress);
+  report.plan = averaged.plan;
+  // The pass counts as one level.
+  const int width = inputs.normals->width(), height = inputs.normals->height();
+  progress_advance(progress, movmf_bake_units(width, height, settings.first_level) -
+                                 static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
+}
+
+}  // namespace multum

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes of one lobe a texel: the mean of the normals is all that the lobe stores, so that EM has nothing to share out,
+// and plain averages (host/pyramid/average_pass.h) give the same lobe in one pass over the map.
+#pragma once
+
+#include "host/movmf/fit_report.h"
+#include "host/movmf/movmf_inputs.h"
+
+namespace multum {
+
+/// Is what these settings ask for plain averages? Not for a part of a map, whose other lobes are there.
+bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settings);
+
+/// As bake_movmf(), of settings that averages_suffice() takes. Progress advances by movmf_bake_units().
+void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
+                   FitReport& report, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/movmf/movmf_bake.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "host/accuracy/accuracy.h"
+#include "host/accuracy/movmf_model.h"
+#include "host/base/error.h"
+#include "host/movmf/mip_schedule.h"
+#include "host/movmf/movmf_average.h"
+#include "host/movmf/movmf_fit.h"
+#include "host/movmf/movmf_start.h"
+
+namespace multum {
+namespace {
+
+// Gathers what a bake hands over into a whole mipmap.
+class MovmfMipmapSink : public MovmfSink {
+ public:
+  MovmfMipmapSink(int width, int height, const MovmfSettings& settings, const FeaturePlanes& features,
+                  bool has_roughness) {
+    mipmap_.representation = settings.representation;
+    mipmap_.first_level = settings.first_level;
+    mipmap_.weight_count = features.weight_count;
+    mipmap_.has_roughness = has_roughness;
+    for (int l = 0; l < mip_level_count(width, height); ++l) {
+      MovmfLevel& level = mipmap_.levels.emplace_back();
+      level.width = mip_level_size(width, l);
+      level.height = mip_level_size(height, l);
+      level.lobes.resize(static_cast<std::size_t>(settings.lobe_count));
+      if (features.has_colours) level.colours.resize(level.lobes.size());
+      if (features.weight_count > 0) level.weights.resize(level.lobes.size());
+    }
+  }
+
+  void add_level(int level, int, MovmfLevel rows) override {
+    MovmfLevel& to = mipmap_.levels[static_cast<std::size_t>(level)];
+    for (std::size_t j = 0; j < to.lobes.size(); ++j)
+      to.lobes[j].insert(to.lobes[j].end(), rows.lobes[j].begin(), rows.lobes[j].end());
+    for (std::size_t j = 0; j < to.colours.size(); ++j)
+      to.colours[j].insert(to.colours[j].end(), rows.colours[j].begin(), rows.colours[j].end());
+    for (std::size_t j = 0; j < to.weights.size(); ++j)
+      to.weights[j].insert(to.weights[j].end(), rows.weights[j].begin(), rows.weights[j].end());
+  }
+  void add_finest(int first_row, MovmfFinest rows) override {
+    add_level(0, first_row, expand(rows, mipmap_.lobe_count()));
+  }
+
+  MovmfMipmap take() { return std::move(mipmap_); }
+
+ private:
+  MovmfMipmap mipmap_;
+};
+
+// Of the likeness's levels that are compared: finer ones hold too few normals.
+constexpr int kComparedSideMax = 16;
+
+// One bake of a small likeness after another, each from another start: what they share is made once.
+class Rehearsal {
+ public:
+  Rehearsal(Device& device, const NormalMap& likeness, const MovmfSettings& settings, const MipSchedule& of_map)
+      : device_(device),
+        likeness_(likeness),
+        planes_(planes_of(likeness)),
+        settings_(settings),
+        has_roughness_(!of_map.levels.empty() && of_map.levels[0].fit.shortened != 0),
+        schedule_(make_schedule(likeness, settings, of_map.weighted, has_roughness_)),
+        plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {}, device.shape())) {}
+
+  // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
+  // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
+  // them came 14th by error). 4096 normals take some 50 ms a candidate.
+  double error_from(const std::vector<MultumVmfLobe>& start) const {
+    FitReport ignored;
+    MovmfMipmapSink sink(likeness_.width, likeness_.height, settings_, {}, has_roughness_);
+    fit_movmf(device_, {&planes_, {}, has_roughness_, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
+    const MovmfMipmap mipmap = sink.take();
+    AccuracySettings accuracy;
+    accuracy.samples_per_level = 0;
+    accuracy.threads = 1;  // too small to share
+    accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64)};
+    const auto too_fine = [&](int level) {
+      const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
+      return size.width > kComparedSideMax || size.height > kComparedSideMax;
+    };
+    while (too_fine(accuracy.first_level)) ++accuracy.first_level;
+    double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
+    for (const AccuracyRow& row : measure_accuracy(device_, mipmap, likeness_, accuracy, nullptr))
+      if (row.brdf != "lambert") error += std::log(row.error + 0.005);
+    return error;
+  }
+
+ private:
+  static MipSchedule make_schedule(const NormalMap& map, const MovmfSettings& settings, bool weighted,
+                                   bool has_roughness) {
+    MipSchedule schedule = make_mip_schedule(map.width, map.height, settings, weighted);
+    if (has_roughness) make_shortened(schedule);
+    return schedule;
+  }
+
+  Device& device_;
+  const NormalMap& likeness_;
+  const PlaneStore planes_;
+  const MovmfSettings settings_;
+  const bool has_roughness_;
+  const MipSchedule schedule_;
+  const BakePlan plan_;
+};
+
+std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
+                                        const MipSchedule& schedule, FitReport& report) {
+  constexpr int kLikenessSide = 64;
+  const auto started = std::chrono::steady_clock::now();
+  const std::uint64_t launches_before = device.launch_total();
+  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2,
+                           !schedule.levels.empty() && schedule.levels[0].fit.shortened != 0};
+  std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
+  for (std::vector<MultumVmfLobe>& lobes : candidates)
+    lobes = start_lobes(std::move(lobes), settings.representation, search.has_roughness);
+  report.starts_rehearsed = 0;
+  std::size_t best = 0;
+  // Levels that do not grow from the coarsest cannot tell starts apart.
+  if (settings.rehearse_start && settings.aligned_start && candidates.size() > 1) {
+    MovmfSettings whole = settings;
+    whole.first_level = 0;  // of the likeness, which has fewer levels than the map
+    const NormalMap likeness = sample_likeness(normals, kLikenessSide, search.seed);
+    // Where the finest levels are not asked for, their kernels are not either.
+    while (settings.first_level > 0 && std::max(mip_level_size(likeness.width, whole.first_level),
+                                                mip_level_size(likeness.height, whole.first_level)) > kComparedSideMax)
+      ++whole.first_level;
+    device.prepare({MovmfModel::program(settings.representation, settings.lobe_count, whole.first_level)});
+    const Rehearsal rehearsal(device, likeness, whole, schedule);  // the map's own kernels: no second set of programs
+    double least = HUGE_VAL;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const double error = rehearsal.error_from(candidates[c]);
+      ++report.starts_rehearsed;
+      if (error >= least) continue;
+      least = error;
+      best = c;
+    }
+  }
+  report.start_launches = device.launch_total() - launches_before;
+  report.start_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return candidates[best];
+}
+
+}  // namespace
+
+void validate(const MovmfSettings& settings, int map_width, int map_height) {
+  validate(settings);
+  if (map_width > 32768 || map_height > 32768)
+    throw Error(ErrorCode::kInput,
+                fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map_width, map_height));
+  const int level_max = mip_level_count(map_width, map_height) - 1;
+  if (settings.first_level > level_max)
+    throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
+                                               settings.first_level, level_max, map_width, map_height));
+}
+
+void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
+                FitReport& report, Progress* progress) {
+  const PlaneStore& normals = *inputs.normals;
+  validate(settings, normals.width(), normals.height());
+  const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
+  MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
+  if (averages_suffice(inputs, settings)) {
+    average_movmf(device, inputs, settings, sink, report, progress);
+    return;
+  }
+  MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
+  if (inputs.has_roughness) make_shortened(schedule);
+  const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(),
+                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.place, device.shape());
+  report.plan = plan.to_text(schedule, settings, features.triple_count());
+  MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};
+  prepare_fit(device, schedule, settings, !features.empty());
+  if (inputs.region == nullptr) {  // a region grows from the lobes that are there
+    progress_stage(progress, "choose a start");
+    fit.top_start = choose_start(device, normals, settings, schedule, report);
+  }
+  fit_movmf(device, fit, settings, schedule, plan, sink, report, progress);
+}
+
+MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, FitReport& report,
+                       Progress* progress) {
+  MovmfMipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings,
+                       FeaturePlanes::of(inputs.albedo, inputs.weights), inputs.has_roughness);
+  bake_movmf(device, inputs, settings, sink, report, progress);
+  return sink.take();
+}
+
+MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
+                       FitReport& report, Progress* progress) {
+  const PlaneStore normals = planes_of(map);
+  std::optional<PlaneStore> colours;
+  if (albedo != nullptr) colours = planes_of(*albedo);
+  MovmfBakeInputs inputs;
+  inputs.normals = &normals;
+  inputs.albedo = colours ? &*colours : nullptr;
+  return bake_movmf(device, inputs, settings, report, progress);
+}
+
+}  // namespace multum

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Condenses the normals (and features) of coarse texels while the map streams by, all levels in two passes: one for the
+// axes of their grids, one for their cells (kernels/movmf_condense.cl; docs/ALGORITHMS.md, "Condensed normals").
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "host/base/progress.h"
+#include "host/image/plane_store.h"
+#include "host/movmf/mip_schedule.h"
+#include "host/opencl/launch_shape.h"
+#include "host/pyramid/row_store.h"
+#include "host/pyramid/row_window.h"
+
+namespace multum {
+
+/// Bytes of the samples of a condensed texel, all its cells.
+std::size_t condensed_bytes(const MultumMovmfFit& fit);
+
+/// The samples of one level's texels by rows: those of the row's texels one after another, and how many each has.
+/// Features go with the same samples, by triples.
+struct CondensedLevel {
+  RowStore samples;
+  RowStore counts;  // an int a texel
+  std::vector<RowStore> triples;
+};
+
+/// Puts a level's samples, or a triple of its features, into a window that has room for all cells of each texel.
+RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samples, std::size_t texel_bytes);
+
+/// By level: those of `schedule` whose method is kCondensed, as samples of such lobes. `features` are triples. The map
+/// passes in bands of at most `band_rows` rows, which change nothing in the result; where that is all of them, and the
+/// map is `on_device` already (null: it is not), it is taken from there. Throws Cancelled.
+std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
+                                              const std::vector<const PlaneStore*>& features,
+                                              const MipSchedule& schedule, Representation representation, int band_rows,
+                                              MapWindows* on_device, const StorePlace& place, Progress* progress);
+
+/// The programs that condense_levels() needs; none where no level is condensed.
+std::vector<ProgramChoice> condense_programs(const MipSchedule& schedule, Representation representation,
+                                             const LaunchShape& shape);
+
+/// Bytes of the buffers of condense_levels(), about.
+std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count, const LaunchShape& shape);
+
+}  // namespace multum

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/movmf/movmf_em_step.h"
+
+#include <algorithm>
+
+#include "host/opencl/launch_shape.h"
+#include "kernels/shared/movmf_fit.h"
+#include "kernels/shared/vmf_lobe.h"
+
+namespace multum {
+namespace {
+
+constexpr std::size_t kPartialSums = 5;  // of movmf_em_chunks.cl
+constexpr std::size_t kWeightedPlanes = 4;
+
+std::size_t group_count(std::size_t texels) { return (texels + MULTUM_GROUP - 1) / MULTUM_GROUP; }
+
+// Buffers grow to what the largest step needs.
+void ensure(Device& device, DeviceBuffer& buffer, std::size_t byte_count, const char* what) {
+  if (buffer.byte_count() >= byte_count) return;
+  buffer = DeviceBuffer();  // gone before the next is there
+  buffer = device.make_buffer(byte_count, what);
+}
+
+std::size_t sample_bytes(const MultumMovmfFit& fit, std::size_t slots, std::size_t planes) {
+  return slots * static_cast<std::size_t>(fit.sample_capacity) * planes * sizeof(float);
+}
+
+std::size_t partial_bytes(const MultumMovmfFit& fit, std::size_t texels, std::size_t lobes) {
+  return texels * static_cast<std::size_t>(fit.chunk_count) * lobes * kPartialSums * sizeof(float);
+}
+
+void restart_at(MapWindow& window, int first_row, int row_count) {
+  if (first_row < window.first_row()) window.move_to(first_row, 0);  // windows slide down alone
+  window.move_to(first_row, row_count);
+}
+
+// Calls body() for each band of the map that chunks begin in, with its rows, and those that the chunks go on in, in the
+// windows.
+template <typename Body>
+void for_each_chunk_band(MultumMovmfFit& fit, MapWindow& normals, MapWindow* features, const Body& body) {
+  const bool whole = normals.capacity_rows() >= fit.map_height;
+  const int band_rows = whole ? fit.map_height : std::max(1, normals.capacity_rows() - fit.chunk_rows);
+  for (int row = 0; row < fit.map_height; row += band_rows) {
+    fit.map_first_row = row;
+    fit.map_window_rows = std::min(band_rows, fit.map_height - row);
+    const int rows = std::min(fit.map_window_rows + fit.chunk_rows, fit.map_height - row);
+    restart_at(normals, row, rows);
+    if (features != nullptr) restart_at(*features, row, rows);
+    body();
+  }
+}
+
+}  // namespace
+
+MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool weighted)
+    : device_(device),
+      settings_(settings),
+      scalar_{settings.lobe_count, 1, weighted, settings.representation == Representation::kGmm},
+      fast_(scalar_),
+      condensed_(scalar_),
+      starting_(scalar_),
+      packing_(scalar_) {
+  fast_.vector_width = condensed_.vector_width = starting_.vector_width = device.shape().vector_width;
+  condensed_.weighted = true;  // by the number of normals in a cell
+  starting_.weighted = false;
+  packing_.lobes = 1;
+}
+
+std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bool has_features) const {
+  const bool uses_condensed = schedule.uses(FitMethod::kCondensed), uses_texels = schedule.uses(FitMethod::kTexels);
+  std::vector<ProgramChoice> programs;
+  if (uses_texels) programs.push_back({"movmf_em_texels", fast_});
+  if (!schedule.levels.empty()) programs.push_back({"movmf_start", starting_});
+  if (uses_condensed || uses_texels) programs.push_back({"movmf_pack", packing_});
+  // Of a map whose sides are no powers of two it is the first one again, which is prepared once.
+  if (uses_condensed) programs.push_back({"movmf_em_texels", condensed_});
+  if (schedule.uses(FitMethod::kChunks)) {
+    programs.push_back({"movmf_em_chunks", fast_});
+    programs.push_back({"movmf_em_mstep", scalar_});
+  }
+  if (has_features && !schedule.levels.empty()) programs.push_back({"movmf_features", scalar_});
+  return programs;
+}
+
+// A kernel is made when a step first needs it: levels differ in their methods.
+Kernel& MovmfEmStep::made(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant) {
+  if (!kernel.is_made()) kernel = device_.kernel(file, name, variant);
+  return kernel;
+}
+
+void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, const StepWindows& windows,
+                      Progress* progress) {
+  if (texels.empty()) return;
+  const std::size_t texel_count = texels.size(), slots = group_count(texel_count) * MULTUM_GROUP;
+  texels.resize(slots, -1);
+  fit.slot_count = static_cast<int>(slots);
+  ensure(device_, list_, slots * sizeof(int), "texel list");
+  ensure(device_, start_, slots * lobe_count() * MULTUM_START_PLANES * sizeof(float), "EM parameters");
+  device_.write(list_, texels.data(), slots * sizeof(int));
+  const DeviceBuffer& parent = windows.parent != nullptr ? windows.parent->buffer() : windows.lobes->buffer();
+  made(start_kernel_, "movmf_start", "movmf_start", starting_)
+      .launch({slots / static_cast<std::size_t>(starting_.vector_width)}, parent, windows.lobes->buffer(),
+              windows.directed->buffer(), list_, start_, fit);
+  if (method == FitMethod::kChunks) run_chunks(fit, texel_count, windows, progress);
+  else run_em(method, fit, windows);
+  if (windows.features != nullptr) fit_features(method, fit, texel_count, windows);
+  device_.finish();
+  progress_advance(progress, 0);
+}
+
+void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows) {
+  const auto slots = static_cast<std::size_t>(fit.slot_count), groups = slots / MULTUM_GROUP;
+  ensure(device_, sample_counts_, groups * sizeof(int), "sample counts");
+  if (method == FitMethod::kTexels) {
+    ensure(device_, samples_, sample_bytes(fit, slots, fast_.weighted ? kWeightedPlanes : 3), "packed normals");
+    const MapWindow& normals = *windows.normals;
+    made(pack_kernel_, "movmf_pack", "movmf_pack", packing_)
+        .launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals[0], normals[1], normals[2], list_,
+                samples_, sample_counts_, fit);
+    fit_packed(fit, fast_, em_texels_kernel_, em_team_kernel_, windows);
+  } else {
+    ensure(device_, samples_, sample_bytes(fit, slots, kWeightedPlanes), "packed normals");
+    const int parts = device_.shape().pack_parts;
+    made(condensed_pack_kernel_, "movmf_pack", "movmf_condensed_pack", packing_)
+        .launch({groups * static_cast<std::size_t>(parts)}, windows.condensed->buffer(),
+                windows.condensed_counts->buffer(), list_, samples_, sample_counts_, fit, parts);
+    fit_packed(fit, condensed_, em_condensed_kernel_, em_condensed_team_kernel_, windows);
+  }
+}
+
+void MovmfEmStep::fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel,
+                             Kernel& team_kernel, const StepWindows& windows) {
+  const auto slots = static_cast<std::size_t>(fit.slot_count);
+  const bool by_teams = device_.shape().fits_by_teams(slots, fit.sample_capacity);
+  const Kernel::WorkSize size = by_teams ? Kernel::WorkSize{slots * MULTUM_TEAM, MULTUM_TEAM}
+                                         : Kernel::WorkSize{slots / static_cast<std::size_t>(variant.vector_width)};
+  KernelVariant used = variant;
+  if (by_teams) used.vector_width = 1;
+  made(by_teams ? team_kernel : kernel, "movmf_em_texels", by_teams ? "movmf_em_team" : "movmf_em_texels", used)
+      .launch(size, samples_, sample_counts_, start_, list_, windows.lobes->buffer(), windows.directed->buffer(), fit);
+}
+
+void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
+                             Progress* progress) {
+  ensure(device_, partial_, partial_bytes(fit, texel_count, lobe_count()), "partial sums");
+  made(em_partial_kernel_, "movmf_em_chunks", "movmf_em_partial", fast_);
+  made(mstep_kernel_, "movmf_em_mstep", "movmf_em_mstep", scalar_);
+  const std::size_t chunks = texel_count * static_cast<std::size_t>(fit.chunk_count);
+  const Kernel::WorkSize partial_size =
+      fast_.vector_width == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1};
+  for (int i = 0; i < fit.iteration_count; ++i) {
+    for_each_chunk_band(fit, *windows.normals, nullptr, [&] {
+      const MapWindow& normals = *windows.normals;
+      em_partial_kernel_.launch(partial_size, normals[0], normals[1], normals[2], start_, list_, partial_, fit);
+    });
+    if (i == 0 && scalar_.planar)
+      made(cap_kernel_, "movmf_em_mstep", "movmf_em_cap", scalar_).launch({texel_count}, partial_, start_, list_, fit);
+    mstep_kernel_.launch({texel_count * lobe_count()}, partial_, start_, list_, windows.lobes->buffer(),
+                         windows.directed->buffer(), fit, i);
+    // An iteration reads every normal of its texels, seconds on the largest maps: a chance to cancel after each.
+    device_.finish();
+    progress_advance(progress, 0);
+  }
+}
+
+void MovmfEmStep::fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count,
+                               const StepWindows& windows) {
+  const std::size_t count = method == FitMethod::kCondensed ? windows.condensed_triples.size() : windows.triples.size();
+  for (std::size_t triple = 0; triple < count; ++triple) fit_triple(method, fit, texel_count, windows, triple);
+}
+
+void MovmfEmStep::fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
+                             std::size_t triple) {
+  DeviceBuffer& features = windows.features->buffer();
+  const int first_plane = static_cast<int>(triple) * settings_.lobe_count;
+  if (method == FitMethod::kCondensed) {
+    const std::size_t groups = group_count(texel_count);
+    ensure(device_, feature_samples_, sample_bytes(fit, groups * MULTUM_GROUP, kWeightedPlanes), "packed features");
+    const int parts = device_.shape().pack_parts;
+    condensed_pack_kernel_.launch({groups * static_cast<std::size_t>(parts)},
+                                  windows.condensed_triples[triple]->buffer(), windows.condensed_counts->buffer(),
+                                  list_, feature_samples_, sample_counts_, fit, parts);
+    made(feature_condensed_kernel_, "movmf_features", "movmf_feature_condensed", scalar_)
+        .launch({groups * MULTUM_GROUP}, samples_, feature_samples_, sample_counts_, start_, list_, features, fit,
+                first_plane);
+    return;
+  }
+  ensure(device_, partial_, partial_bytes(fit, texel_count, lobe_count()), "partial sums");
+  made(feature_partial_kernel_, "movmf_features", "movmf_feature_partial", scalar_);
+  const auto add_band = [&] {
+    const MapWindow &n = *windows.normals, &c = *windows.triples[triple];
+    feature_partial_kernel_.launch({texel_count * static_cast<std::size_t>(fit.chunk_count)}, n[0], n[1], n[2], c[0],
+                                   c[1], c[2], start_, list_, partial_, fit);
+  };
+  if (method == FitMethod::kChunks) for_each_chunk_band(fit, *windows.normals, windows.triples[triple], add_band);
+  else add_band();
+  made(feature_sum_kernel_, "movmf_features", "movmf_feature_sum", scalar_)
+      .launch({texel_count * lobe_count()}, partial_, list_, features, fit, first_plane);
+}
+
+std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_features,
+                            std::uint64_t texel_count) {
+  const auto lobes = static_cast<std::size_t>(settings.lobe_count);
+  const std::size_t slots = group_count(texel_count) * MULTUM_GROUP;
+  std::uint64_t bytes = slots * (sizeof(int) + lobes * MULTUM_START_PLANES * sizeof(float));
+  if (level.method == FitMethod::kChunks || has_features) bytes += partial_bytes(level.fit, texel_count, lobes);
+  if (level.method != FitMethod::kChunks)
+    bytes += sample_bytes(level.fit, slots, kWeightedPlanes) *
+             (has_features && level.method == FitMethod::kCondensed ? 2 : 1);
+  return bytes;
+}
+
+}  // namespace multum

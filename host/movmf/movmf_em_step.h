@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// One step of a fit on the device: some texels of one level, independent of one another, from their starts to their
+// lobes (Han et al. 2007, section 7). movmf_level_fit.h says which texels and in which order.
+#pragma once
+
+#include <vector>
+
+#include "host/base/progress.h"
+#include "host/movmf/bake_settings.h"
+#include "host/movmf/mip_schedule.h"
+#include "host/opencl/device.h"
+#include "host/pyramid/row_window.h"
+
+namespace multum {
+
+/// Where a step finds and leaves things. Windows hold the rows that MultumMovmfFit says; a null one is not needed by
+/// the method, or not wanted.
+struct StepWindows {
+  const RowWindow* parent = nullptr;  // lobes of the next coarser level; null where fit.parent_width is 0
+  RowWindow* lobes = nullptr;         // of the level
+  RowWindow* directed = nullptr;      // of the level: what its lobes tell their neighbours
+  RowWindow* features = nullptr;      // of the level, [triple][lobe]; null: none are wanted
+  MapWindow* normals = nullptr;       // kTexels, kChunks
+  std::vector<MapWindow*> triples;    // the same, of features
+  // kCondensed: samples, their numbers, and those of each triple of features.
+  const RowWindow* condensed = nullptr;
+  const RowWindow* condensed_counts = nullptr;
+  std::vector<const RowWindow*> condensed_triples;
+};
+
+class MovmfEmStep {
+ public:
+  MovmfEmStep(Device& device, const MovmfSettings& settings, bool weighted);
+
+  /// Those that run() needs for the levels of `schedule`, finest levels first.
+  std::vector<ProgramChoice> programs(const MipSchedule& schedule, bool has_features) const;
+  /// Fits the texels (places in the window, as step_texels() gives them). kChunks passes over the map once an
+  /// iteration, in bands of what `normals` holds at most. Throws Cancelled.
+  void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, const StepWindows& windows,
+           Progress* progress);
+
+ private:
+  std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
+  Kernel& made(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
+  void run_em(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows);
+  // EM of packed samples: by a work-item a texel, or by a team.
+  void fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel, Kernel& team_kernel,
+                  const StepWindows& windows);
+  void run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows, Progress* progress);
+  void fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, const StepWindows& windows);
+  void fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
+                  std::size_t triple);
+
+  Device& device_;
+  const MovmfSettings settings_;
+  KernelVariant scalar_, fast_, condensed_;
+  KernelVariant starting_, packing_;  // no more than these kernels depend on: fewer programs
+  Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
+  Kernel condensed_pack_kernel_, em_condensed_kernel_, em_condensed_team_kernel_;
+  Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
+  Kernel feature_partial_kernel_, feature_sum_kernel_, feature_condensed_kernel_;
+  DeviceBuffer list_, start_, samples_, sample_counts_, feature_samples_, partial_;
+};
+
+/// Bytes of the buffers that run() needs for so many texels, about.
+std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_features,
+                            std::uint64_t texel_count);
+
+}  // namespace multum

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/movmf/movmf_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "host/asset/lobes/gmm_quantize.h"
+#include "host/base/error.h"
+#include "host/base/processes/background_task.h"
+#include "host/base/processes/parallel.h"
+#include "host/movmf/lobe_rows.h"
+#include "host/movmf/movmf_condense.h"
+#include "host/movmf/movmf_start.h"
+#include "host/pyramid/finest_rows.h"
+
+namespace multum {
+namespace {
+
+double now_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+ProgramChoice level_zero_program(const MipSchedule& schedule, const MovmfSettings& settings) {
+  return {"movmf_level_zero",
+          {settings.lobe_count, 1, schedule.weighted, settings.representation == Representation::kGmm}};
+}
+
+class MovmfFitter {
+ public:
+  MovmfFitter(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
+              const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress)
+      : device_(device),
+        inputs_(inputs),
+        settings_(settings),
+        schedule_(schedule),
+        plan_(plan),
+        sink_(sink),
+        report_(report),
+        progress_(progress),
+        em_step_(device, settings, schedule.weighted),
+        map_width_(inputs.normals->width()),
+        map_height_(inputs.normals->height()) {
+    for (int l = settings.first_level; l < mip_level_count(map_width_, map_height_); ++l)
+      report_.levels.push_back({l, mip_level_size(map_width_, l), mip_level_size(map_height_, l), 0.0, 0});
+  }
+
+  void run() {
+    const double start_seconds = now_seconds();
+    const std::uint64_t launches_before = device_.launch_total();
+    progress_stage(progress_, "condense normals");
+    on_device_ = map_on_device(device_, *inputs_.normals, inputs_.features.triples);
+    condensed_ =
+        condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_, settings_.representation,
+                        plan_.condense_rows, on_device_ ? &*on_device_ : nullptr, plan_.place, progress_);
+    report_.condense_seconds = now_seconds() - start_seconds;
+    report_.condense_launches = device_.launch_total() - launches_before;
+    for (const LevelSchedule& level : schedule_.levels) fit(level);
+    if (schedule_.levels.empty() && settings_.first_level == 0) fit_single_texel();
+  }
+
+ private:
+  std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
+  bool has_features() const { return !inputs_.features.empty(); }
+  // Planes of features, [triple][lobe].
+  std::size_t feature_planes() const { return lobe_count() * inputs_.features.triples.size(); }
+  LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
+
+  void fit(const LevelSchedule& level) {
+    progress_stage(progress_, fmt::format("fit level {}", level.level));
+    const double start_seconds = now_seconds(), zero_seconds = zero_seconds_;
+    const std::uint64_t launches_before = device_.launch_total(), zero_launches = zero_launches_;
+    LevelInputs inputs;
+    inputs.normals = inputs_.normals;
+    inputs.on_device = on_device_ ? &*on_device_ : nullptr;
+    inputs.features = inputs_.features.triples;
+    const auto condensed = condensed_.find(level.level);
+    if (condensed != condensed_.end()) inputs.condensed = &condensed->second;
+    const bool has_parent = level.fit.parent_width > 0 && settings_.aligned_start;
+    if (has_parent) inputs.parent = &coarser();
+    std::optional<RowStore> there;  // lobes before the fit
+    TexelRange range{};
+    if (inputs_.region != nullptr) {
+      range = inputs_.region->range(level.level);
+      inputs.range = &range;
+      inputs.kept = &there.emplace(inputs_.region->kept(level.level));
+    } else if (!has_parent) {
+      inputs.start = &there.emplace(parentless_start(level));
+    }
+    LevelStore store = open_store(level);
+    inputs.first_row = replay(level, store);
+    fit_level(
+        device_, em_step_, level, settings_, inputs, plan_.levels.at(level.level),
+        [&](const FittedRows& rows) { hand_over(level, rows, store); }, progress_);
+    handing_over_.wait();
+    keep(level, std::move(store), std::move(there));
+    condensed_.erase(level.level);
+    LevelReport& report = report_of(level.level);
+    report.seconds = now_seconds() - start_seconds - (zero_seconds_ - zero_seconds);
+    report.launches = device_.launch_total() - launches_before - (zero_launches_ - zero_launches);
+  }
+
+  // Where a level's lobes go: to the checkpoint, or to a store of its own where a finer level needs them.
+  struct LevelStore {
+    BakeCheckpoint::Level* kept = nullptr;
+    std::optional<RowStore> own;
+  };
+
+  std::size_t row_bytes(const LevelSchedule& level) const {
+    return lobe_count() * static_cast<std::size_t>(level.fit.width) * sizeof(MultumVmfLobe);
+  }
+
+  LevelStore open_store(const LevelSchedule& level) {
+    LevelStore store;
+    const std::size_t feature_bytes = feature_planes() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3);
+    if (inputs_.checkpoint != nullptr)
+      store.kept = &inputs_.checkpoint->open_level(level.level, level.fit.height, row_bytes(level), feature_bytes);
+    else if (level.level > std::max(1, settings_.first_level))
+      store.own.emplace(level.fit.height, row_bytes(level), plan_.place);
+    return store;
+  }
+
+  // The level that was fitted last is the next one's parent; of a region what is kept, with what was fitted written
+  // over.
+  void keep(const LevelSchedule& level, LevelStore store, std::optional<RowStore> there) {
+    if (inputs_.region != nullptr) {
+      coarser_ = std::move(there);
+      // Rows that were handed over hold what was fitted beside what was kept.
+      const TexelRange range = inputs_.region->range(level.level);
+      std::vector<unsigned char> row(row_bytes(level));
+      for (int y = range.y0; store.own && y < range.y1; ++y) {
+        store.own->read(y, 1, row.data());
+        coarser_->write(y, 1, row.data());
+      }
+    } else if (store.own) {
+      coarser_ = std::move(store.own);
+    }
+    coarser_kept_ = store.kept;
+  }
+
+  RowStore& coarser() { return coarser_kept_ != nullptr ? coarser_kept_->lobes : *coarser_; }
+
+  // Hands rows over that a killed bake had done. Returns how many.
+  int replay(const LevelSchedule& level, LevelStore& store) {
+    if (store.kept == nullptr || store.kept->rows_done == 0) return 0;
+    const int done = store.kept->rows_done;
+    const bool with_normals = level.level == 1 && settings_.first_level == 0;
+    const MultumMovmfFit& fit = level.fit;
+    const int band = std::max(1, std::min(done, plan_.levels.at(level.level).band_rows));
+    RowWindow lobes(device_, settings_.lobe_count, row_bytes(level) / lobe_count(), band, "finished rows");
+    RowWindow features;
+    if (has_features())
+      features = RowWindow(device_, static_cast<int>(feature_planes()),
+                           static_cast<std::size_t>(fit.width) * sizeof(glm::vec3), band, "features of finished rows");
+    std::optional<MapWindow> normals;
+    if (with_normals) normals.emplace(device_, *inputs_.normals, 2 * band + 1, "normals");
+    for (int row = 0; row < done; row += band) {
+      const int count = std::min(band, done - row);
+      lobes.move_to(row, count, fill_planes(store.kept->lobes));
+      if (has_features()) features.move_to(row, count, fill_planes(*store.kept->features));
+      FittedRows rows{row, count, &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr, fit};
+      rows.fit.first_row = row;
+      rows.fit.window_rows = band;
+      if (normals) normals->move_to(2 * row, finest_end(fit, row + count) - 2 * row);
+      hand_over(level, rows, store, true);
+    }
+    return done;
+  }
+
+  // One past the last row of level 0 whose parents are the rows of level 1 above `row`.
+  int finest_end(const MultumMovmfFit& fit, int row) const { return row == fit.height ? map_height_ : 2 * row; }
+
+  // Texels without a parent: the coarsest level, and every level of an unaligned bake.
+  RowStore parentless_start(const LevelSchedule& level) const {
+    const MultumMovmfFit& fit = level.fit;
+    const auto width = static_cast<std::size_t>(fit.width);
+    RowStore store(fit.height, row_bytes(level), plan_.place);
+    std::vector<MultumVmfLobe> row(lobe_count() * width);
+    for (int y = 0; y < fit.height; ++y) {
+      const int first = first_covered_row(fit, y), rows = std::max(1, first_covered_row(fit, y + 1) - first);
+      const PlaneStore covered = fit.parent_width == 0 ? PlaneStore(0, 0) : rows_of(*inputs_.normals, first, rows);
+      for (int x = 0; x < fit.width; ++x) {
+        const auto edge = [&](int texel) { return static_cast<int>(std::int64_t{texel} * fit.map_width / fit.width); };
+        const std::vector<MultumVmfLobe> lobes =
+            fit.parent_width == 0
+                ? inputs_.top_start
+                : start_lobes(farthest_first_lobes(covered, {edge(x), 0, std::max(edge(x) + 1, edge(x + 1)), rows},
+                                                   settings_.lobe_count),
+                              settings_.representation, inputs_.has_roughness);
+        for (std::size_t j = 0; j < lobe_count(); ++j) row[j * width + static_cast<std::size_t>(x)] = lobes[j];
+      }
+      store.write(y, 1, row.data());
+    }
+    return store;
+  }
+
+  static PlaneStore rows_of(const PlaneStore& store, int first_row, int row_count) {
+    PlaneStore rows(store.width(), row_count);
+    const std::size_t count = static_cast<std::size_t>(store.width()) * static_cast<std::size_t>(row_count);
+    std::vector<float> x(count), y(count), z(count);
+    store.read_rows(first_row, row_count, {x.data(), y.data(), z.data()});
+    rows.write_rows(0, row_count, {x.data(), y.data(), z.data()});
+    return rows;
+  }
+
+  void hand_over(const LevelSchedule& level, const FittedRows& rows, LevelStore& store, bool is_kept = false) {
+    const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
+    std::vector<MultumVmfLobe> lobes(lobe_count() * texels);
+    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
+    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes.data());
+    std::vector<glm::vec3> features(feature_planes() * texels);
+    if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.data());
+    std::optional<FinestRows> finest;
+    if (level.level == 1 && settings_.first_level == 0) finest = fit_level_zero(rows);
+    const int finest_count = finest ? finest->row_count : 0;
+    handing_over_.run(
+        inputs_.threads,
+        [this, number = level.level, keeps = store.kept != nullptr && !is_kept, first_row = rows.first_row,
+         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, settings_.representation,
+                             inputs_.features.has_colours, inputs_.features.weight_count},
+         lobes = std::move(lobes), features = std::move(features), finest = std::move(finest)]() mutable {
+          if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.data(), features.data());
+          sink_.add_level(number, first_row,
+                          stored_rows(size, lobes, features, settings_.kappa_cap, inputs_.threads, report_));
+          if (finest) hand_over_finest(std::move(*finest));
+        });
+    advance(rows.first_row, rows.row_count, level.fit.height);
+    if (finest_count > 0) advance(2 * rows.first_row, finest_count, map_height_);
+  }
+
+  // Each level counts as much as the map has texels, spread over its rows.
+  void advance(int first_row, int row_count, int height) {
+    const std::uint64_t texels = static_cast<std::uint64_t>(map_width_) * static_cast<std::uint64_t>(map_height_);
+    const auto until = [&](int row) {
+      return texels * static_cast<std::uint64_t>(row) / static_cast<std::uint64_t>(height);
+    };
+    progress_advance(progress_, until(first_row + row_count) - until(first_row));
+  }
+
+  struct FinestRows {
+    int first_row, row_count;
+    std::vector<std::uint8_t> lobe;
+  };
+
+  // The rows of level 0 whose parents are `rows` of level 1, while their normals are on the device.
+  FinestRows fit_level_zero(const FittedRows& rows) {
+    const double start_seconds = now_seconds();
+    const int first = 2 * rows.first_row, below = rows.first_row + rows.row_count;
+    FinestRows out{first, finest_end(rows.fit, below) - first, {}};
+    const std::size_t texels = static_cast<std::size_t>(map_width_) * static_cast<std::size_t>(out.row_count);
+    DeviceBuffer nearest = device_.make_buffer(texels, "numbers of lobes");
+    const MapWindow& normals = *rows.normals;
+    if (!level_zero_kernel_.is_made()) {
+      const ProgramChoice program = level_zero_program(schedule_, settings_);
+      level_zero_kernel_ = device_.kernel(program.file, "movmf_level_zero", program.variant);
+    }
+    level_zero_kernel_.launch({texels}, normals[0], normals[1], normals[2], rows.lobes->buffer(), nearest, rows.fit,
+                              settings_.aligned_start ? 1 : 0, first - normals.first_row(), first, out.row_count);
+    ++zero_launches_;
+    out.lobe.resize(texels);
+    device_.read(nearest, out.lobe.data(), texels);
+    zero_seconds_ += now_seconds() - start_seconds;
+    report_of(0).seconds = zero_seconds_;
+    report_of(0).launches = zero_launches_;
+    return out;
+  }
+
+  // A map of one texel has no level 1.
+  void fit_single_texel() {
+    hand_over_finest({0, 1, {0}});
+    advance(0, 1, map_height_);
+  }
+
+  void hand_over_finest(FinestRows rows) {
+    MovmfFinest out = finest_rows(*inputs_.normals, inputs_.features, settings_.representation, inputs_.has_roughness,
+                                  rows.first_row, rows.row_count, inputs_.threads);
+    out.lobe = std::move(rows.lobe);
+    report_.lobe_count_total += lobe_count() * out.lobe.size();
+    sink_.add_finest(rows.first_row, std::move(out));
+  }
+
+  Device& device_;
+  const MovmfFitInputs& inputs_;
+  const MovmfSettings settings_;
+  const MipSchedule& schedule_;
+  const BakePlan& plan_;
+  MovmfSink& sink_;
+  FitReport& report_;
+  Progress* progress_;
+  MovmfEmStep em_step_;
+  Kernel level_zero_kernel_;
+  const int map_width_, map_height_;
+  std::optional<MapWindows> on_device_;  // the whole map, where the device has room for it
+  std::map<int, CondensedLevel> condensed_;
+  // The level before, rows [lobe][column]: in the checkpoint, or here.
+  BakeCheckpoint::Level* coarser_kept_ = nullptr;
+  std::optional<RowStore> coarser_;
+  double zero_seconds_ = 0.0;
+  std::uint64_t zero_launches_ = 0;
+  BackgroundTask handing_over_;  // the last rows, to the sink
+};
+
+}  // namespace
+
+void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSettings& settings, bool has_features) {
+  if (schedule.levels.empty()) return;  // a single texel
+  std::vector<ProgramChoice> programs =
+      MovmfEmStep(device, settings, schedule.weighted).programs(schedule, has_features);
+  if (settings.first_level == 0) programs.push_back(level_zero_program(schedule, settings));
+  for (const ProgramChoice& program : condense_programs(schedule, settings.representation, device.shape()))
+    programs.push_back(program);
+  device.prepare(programs);
+}
+
+void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
+               const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress) {
+  MovmfFitter(device, inputs, settings, schedule, plan, sink, report, progress).run();
+}
+
+}  // namespace multum

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/movmf/movmf_level_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "host/opencl/launch_shape.h"
+#include "kernels/shared/vmf_lobe.h"
+
+namespace multum {
+namespace {
+
+struct RowRange {
+  int begin, end;
+};
+
+// Sizes of the windows of a level for a plan.
+struct WindowRows {
+  int level, parent, map;
+};
+
+int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
+  const bool has_parent = level.fit.parent_width > 0 && settings.aligned_start;
+  return level.step_count * (has_parent ? settings.sweep_count : 1);
+}
+
+// Scan-line order reaches as far as the level, and chunks are summed band by band of the map, for all texels at once. A
+// window that holds nearly all rows anyway may as well hold each of them once.
+bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
+  return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
+         level.method == FitMethod::kChunks;
+}
+
+int parent_row_of(const MultumMovmfFit& fit, int row) {
+  const int real = wrapped_row(row, fit.height);
+  return std::min(real >> 1, fit.parent_height - 1) + (row - real) / fit.height * fit.parent_height;
+}
+
+// One past the last row of the map that texels of rows up to `row` read.
+int map_rows_end(const MultumMovmfFit& fit, int row) { return first_covered_row(fit, row) + fit.sample_rows; }
+
+WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
+  const MultumMovmfFit& fit = level.fit;
+  WindowRows rows{fit.height, fit.parent_height, fit.map_height};
+  if (!is_whole(level, settings, plan)) {
+    rows.level = plan.band_rows + total_steps(level, settings);
+    rows.parent = rows.level / 2 + 3;
+    rows.map = map_rows_end(fit, rows.level) + 1;
+  }
+  if (level.method == FitMethod::kChunks)
+    rows.map = std::min(fit.map_height, std::max(plan.map_band_rows, fit.chunk_rows + 1));
+  return rows;
+}
+
+// Rows that are handed over at a time: a band, or of a device with memory of its own, whose bands are large, as many as
+// the host should hold.
+int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
+                const LevelInputs& inputs, int band_rows) {
+  constexpr std::size_t kHandedBytes = std::size_t{64} << 20;
+  if (device.shape().window_bytes_max == 0) return band_rows;
+  const std::size_t texel = static_cast<std::size_t>(settings.lobe_count) *
+                            (sizeof(MultumVmfLobe) + inputs.features.size() * 3 * sizeof(float));
+  const std::size_t rows = kHandedBytes / (texel * static_cast<std::size_t>(level.fit.width));
+  return static_cast<int>(std::clamp<std::size_t>(rows, 1, static_cast<std::size_t>(band_rows)));
+}
+
+class LevelFit {
+ public:
+  LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
+           const LevelInputs& inputs, const BandPlan& plan, Progress* progress)
+      : em_step_(em_step),
+        level_(level),
+        fit_(level.fit),
+        inputs_(inputs),
+        lobe_count_(settings.lobe_count),
+        gaussians_(settings.representation == Representation::kGmm),
+        whole_(is_whole(level, settings, plan)),
+        band_rows_(whole_ ? level.fit.height : plan.band_rows),
+        steps_(total_steps(level, settings)),
+        handed_rows_(handed_rows(device, level, settings, inputs, band_rows_)),
+        wanted_(inputs.range != nullptr ? RowRange{inputs.range->y0, inputs.range->y1}
+                                        : RowRange{inputs.first_row, level.fit.height}),
+        progress_(progress) {
+    const WindowRows rows = window_rows(level, settings, plan);
+    const auto row_bytes = [](int columns, std::size_t texel) { return static_cast<std::size_t>(columns) * texel; };
+    const std::size_t lobe_row = row_bytes(fit_.width, sizeof(MultumVmfLobe));
+    lobes_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the lobes of a level");
+    directed_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
+    if (has_features())
+      features_ = RowWindow(device, lobe_count_ * static_cast<int>(inputs.features.size()),
+                            row_bytes(fit_.width, 3 * sizeof(float)), rows.level, "the features of a level");
+    if (inputs.parent != nullptr)
+      parent_ = RowWindow(device, lobe_count_, row_bytes(fit_.parent_width, sizeof(MultumVmfLobe)), rows.parent,
+                          "the lobes of the next coarser level");
+    else fit_.parent_width = fit_.parent_height = 0;
+    if (level.method == FitMethod::kCondensed) {
+      const std::size_t samples = condensed_bytes(fit_);
+      condensed_ = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed normals");
+      condensed_counts_ = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
+      for (std::size_t t = 0; t < inputs.features.size(); ++t)
+        condensed_triples_.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed features");
+    } else {
+      if (inputs.on_device == nullptr || !whole_)
+        windows_of_map_.emplace(device, *inputs.normals, inputs.features, rows.map);
+      map_ = windows_of_map_ ? &*windows_of_map_ : inputs.on_device;
+    }
+    windows_.lobes = &lobes_;
+    windows_.directed = &directed_;
+    if (inputs.parent != nullptr) windows_.parent = &parent_;
+    if (map_ != nullptr) {
+      windows_.normals = &map_->normals;
+      for (MapWindow& triple : map_->triples) windows_.triples.push_back(&triple);
+    }
+    windows_.condensed = &condensed_;
+    windows_.condensed_counts = &condensed_counts_;
+    for (const RowWindow& triple : condensed_triples_) windows_.condensed_triples.push_back(&triple);
+  }
+
+  void run(const std::function<void(const FittedRows&)>& finished) {
+    const RowRange first = rows_of_step(0), last = rows_of_step(steps_ - 1);
+    for (int front = whole_ ? 0 : first.begin; front - steps_ + 1 < last.end; front += band_rows_) {
+      const int window_begin = whole_ ? 0 : std::max(front - steps_, lower_bound());
+      const int window_end = whole_ ? fit_.height : std::min(front + band_rows_, upper_bound());
+      if (window_begin < window_end) move_windows({window_begin, window_end});
+      for (int step = 0; step < steps_; ++step) {
+        const int lag = whole_ ? 0 : step;
+        const RowRange allowed = rows_of_step(step);
+        run_step(step, {std::max(front - lag, allowed.begin), std::min(front - lag + band_rows_, allowed.end)});
+      }
+      const int lag = whole_ ? 0 : steps_ - 1;
+      const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
+      for (int row = done.begin; row < done.end; row += handed_rows_)
+        finished({row, std::min(handed_rows_, done.end - row), &lobes_, has_features() ? &features_ : nullptr,
+                  level_.method == FitMethod::kTexels ? &map_->normals : nullptr, fit_});
+      if (whole_) break;
+    }
+  }
+
+ private:
+  bool has_features() const { return !inputs_.features.empty(); }
+  // Rows beyond a border are there when the map repeats, as many as the steps reach.
+  bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
+  int lower_bound() const { return repeats() ? -steps_ : 0; }
+  int upper_bound() const { return repeats() ? fit_.height + steps_ : fit_.height; }
+
+  // The rows that step `step` must fit so that the last step's rows are right: those, and as many more as steps follow.
+  RowRange rows_of_step(int step) const {
+    if (inputs_.range != nullptr) return wanted_;  // what lies outside stays as it is
+    if (whole_) return {0, fit_.height};
+    const int more = steps_ - 1 - step;
+    return {std::max(wanted_.begin - more, lower_bound()), std::min(wanted_.end + more, upper_bound())};
+  }
+
+  void move_windows(RowRange rows) {
+    const int count = rows.end - rows.begin;
+    const RowStore* there = inputs_.kept != nullptr ? inputs_.kept : inputs_.start;
+    const RowWindow::Fill fill = there == nullptr ? nullptr : fill_planes(*there);
+    lobes_.move_to(rows.begin, count, fill);
+    if (inputs_.kept == nullptr) directed_.move_to(rows.begin, count, nullptr);
+    else directed_.move_to(rows.begin, count, fill_directed(fill));
+    if (has_features()) features_.move_to(rows.begin, count, nullptr);
+    fit_.first_row = wrapped_row(rows.begin, fit_.height);
+    fit_.window_rows = lobes_.capacity_rows();
+    if (inputs_.parent != nullptr) {
+      const int begin = whole_ ? 0 : parent_row_of(fit_, rows.begin),
+                end = whole_ ? fit_.parent_height : parent_row_of(fit_, rows.end - 1) + 1;
+      parent_.move_to(begin, end - begin, fill_planes(*inputs_.parent));
+      fit_.parent_first_row = wrapped_row(begin, fit_.parent_height);
+      fit_.parent_window_rows = parent_.capacity_rows();
+    }
+    if (level_.method == FitMethod::kCondensed) {
+      const CondensedLevel& from = *inputs_.condensed;
+      condensed_.move_to(rows.begin, count, fill_condensed(from, from.samples, condensed_bytes(fit_)));
+      condensed_counts_.move_to(rows.begin, count, fill_planes(from.counts));
+      for (std::size_t t = 0; t < condensed_triples_.size(); ++t)
+        condensed_triples_[t].move_to(rows.begin, count, fill_condensed(from, from.triples[t], condensed_bytes(fit_)));
+    } else if (level_.method == FitMethod::kTexels) {
+      const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
+      const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
+      map_->move_to(begin, end - begin);
+      fit_.map_first_row = wrapped_row(begin, fit_.map_height);
+      fit_.map_window_rows = end - begin;
+    }
+  }
+
+  int last_map_row(int row) const {
+    const int end = map_rows_end(fit_, row);
+    return repeats() ? end : std::min(end, fit_.map_height);
+  }
+
+  // Lobes that are there before the fit: what they tell their neighbours, as movmf_em_texels.cl writes it.
+  RowWindow::Fill fill_directed(const RowWindow::Fill& fill_lobes) {
+    return [this, fill_lobes](int row, int count, const std::vector<unsigned char*>& planes) {
+      fill_lobes(row, count, planes);
+      for (unsigned char* plane : planes) {
+        auto* lobes = reinterpret_cast<MultumVmfLobe*>(plane);
+        for (int i = 0; i < count * fit_.width; ++i) {
+          MultumVmfLobe& lobe = lobes[i];
+          if (gaussians_) {
+            lobe = {lobe.mean_x * lobe.amplitude, lobe.mean_y * lobe.amplitude, lobe.amplitude, 0.0f};
+            continue;
+          }
+          const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
+          const float scale = squared > 1e-24f ? lobe.amplitude / std::sqrt(squared) : 0.0f;
+          lobe = {lobe.mean_x * scale, lobe.mean_y * scale, lobe.mean_z * scale, lobe.amplitude * scale};
+        }
+      }
+    };
+  }
+
+  void run_step(int step, RowRange rows) {
+    if (rows.begin >= rows.end) return;
+    const int sweep = step / level_.step_count;
+    MultumMovmfFit fit = fit_;
+    if (sweep > 0) {
+      fit.order = MULTUM_ORDER_AGAIN;
+      fit.iteration_count = level_.iteration_count_again;
+    }
+    windows_.features = has_features() && step >= steps_ - level_.step_count ? &features_ : nullptr;
+    std::vector<int> texels = step_texels(level_, step % level_.step_count, rows.begin, rows.end, lobes_.first_row());
+    if (inputs_.range != nullptr)
+      std::erase_if(texels, [&](int texel) {
+        const int x = texel % fit.width;
+        return x < inputs_.range->x0 || x >= inputs_.range->x1;
+      });
+    em_step_.run(level_.method, fit, std::move(texels), windows_, progress_);
+  }
+
+  MovmfEmStep& em_step_;
+  const LevelSchedule& level_;
+  MultumMovmfFit fit_;
+  const LevelInputs inputs_;
+  const int lobe_count_;
+  const bool gaussians_;
+  const bool whole_;
+  const int band_rows_;
+  const int steps_;
+  const int handed_rows_;  // at a time
+  const RowRange wanted_;  // rows that are handed over
+  Progress* progress_;
+  RowWindow lobes_, directed_, features_, parent_, condensed_, condensed_counts_;
+  std::vector<RowWindow> condensed_triples_;
+  std::optional<MapWindows> windows_of_map_;
+  MapWindows* map_ = nullptr;  // those, or the whole map
+  StepWindows windows_;
+};
+
+}  // namespace
+
+void fit_level(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
+               const LevelInputs& inputs, const BandPlan& plan, const std::function<void(const FittedRows&)>& finished,
+               Progress* progress) {
+  LevelFit(device, em_step, level, settings, inputs, plan, progress).run(finished);
+}
+
+std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int triple_count,
+                              const BandPlan& plan) {
+  const MultumMovmfFit& fit = level.fit;
+  const WindowRows rows = window_rows(level, settings, plan);
+  const auto product = [](int a, int b) { return static_cast<std::uint64_t>(a) * static_cast<std::uint64_t>(b); };
+  const auto lobes = static_cast<std::uint64_t>(settings.lobe_count);
+  const auto triples = static_cast<std::uint64_t>(triple_count);
+  const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe), feature_bytes = triples * lobes * 3 * sizeof(float);
+  std::uint64_t texel_bytes = 2 * lobe_bytes + feature_bytes;
+  if (level.method == FitMethod::kCondensed) texel_bytes += condensed_bytes(fit) * (1 + triples) + sizeof(int);
+  std::uint64_t bytes = product(fit.width, rows.level) * texel_bytes;
+  bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
+  if (level.method != FitMethod::kCondensed)
+    bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + triples);
+  // A quarter of a band's texels is the largest step, of a scan line's wavefront one texel each two rows.
+  const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
+  const std::uint64_t step_texels = level.order == FitOrder::kScanline
+                                        ? static_cast<std::uint64_t>(fit.height / 2 + 1)
+                                        : product((fit.width + 1) / 2, (step_rows + 1) / 2);
+  bytes += em_step_bytes(level, settings, triple_count > 0, step_texels);
+  // Rows that are handed over: as they are fitted, and as they are stored.
+  return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + feature_bytes);
+}
+
+}  // namespace multum

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes what mixes linearly into a mip pyramid: every texel of every level is the plain average of what it covers of
+// the finest. The map is read once, by bands of rows, whatever its size (host/pyramid/box_pyramid.h). What is averaged,
+// and where it goes, is the representation's matter.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "host/asset/baked_file.h"
+#include "host/base/progress.h"
+#include "host/image/colour_map.h"
+#include "host/image/material_maps.h"
+#include "host/image/normals/normal_map.h"
+#include "host/image/plane_store.h"
+#include "host/opencl/device.h"
+#include "host/pyramid/box_pyramid.h"
+#include "kernels/shared/mip_box.h"
+
+namespace multum {
+
+struct AverageInputs {
+  const PlaneStore* normals = nullptr;
+  const PlaneStore* albedo = nullptr;                   // of the same size; null: no colours
+  const WeightMap* weights = nullptr;                   // of the same size; null: none
+  bool has_roughness = false;                           // normals are shortened (host/image/material_maps.h)
+  int first_level = 0;                                  // the finest to make
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers; changes no byte of the result
+  int threads = 1;                                      // of the host's own loops
+};
+
+/// Maps in memory as inputs, and the header of what is made of them: sizes and contents alone.
+class AveragedMap {
+ public:
+  /// `albedo` may be null. Weights are those of `inputs`, and must outlive it.
+  AveragedMap(const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs);
+  AveragedMap(const AveragedMap&) = delete;
+  AveragedMap& operator=(const AveragedMap&) = delete;
+
+  const AverageInputs& inputs() const { return inputs_; }
+  BakedHeader header(Representation representation) const;
+
+ private:
+  const PlaneStore normals_;
+  const std::optional<PlaneStore> albedo_;
+  AverageInputs inputs_;
+};
+
+/// What a pass of averages did and clamped: its part of a bake's report (host/bake/bake_report.h).
+struct AverageReport {
+  std::string plan;                  // bands and levels, a line
+  std::uint64_t slopes_limited = 0;  // normals nearer to the horizon than slopes of moments go (kSlopeZMin)
+};
+
+/// A representation's part in it.
+class AveragedPlanes {
+ public:
+  using MapPlanes = std::array<DeviceBuffer, 3>;  // x, y, z, or a triple of features
+
+  virtual ~AveragedPlanes() = default;
+  /// "moments", for the plan's text.
+  virtual std::string name() const = 0;
+  /// Without those of features (host/pyramid/feature_planes.h), which come last, three a triple.
+  virtual int plane_count() const = 0;
+  /// Launches what writes all planes but those of a band into `nodes` [plane][row][row_length].
+  virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;
+  /// Told the normals as they are read.
+  virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
+  /// Rows as they are done: of each level in order from the top, levels in any order.
+  virtual void add_level(const BoxRows& rows) = 0;
+};
+
+/// Fills AverageReport::plan. Throws Error(kUsage) for too little memory, Error(kEnvironment) when disk or
+/// device refuse, Cancelled. Progress: a unit a texel of the map.
+void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, AverageReport& report,
+                 Progress* progress);
+
+}  // namespace multum

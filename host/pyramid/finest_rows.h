@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows of level 0, as a bake takes them from its source: before they are rounded and given to lobes.
+#pragma once
+
+#include "host/asset/lobes/movmf_finest.h"
+#include "host/image/plane_store.h"
+#include "host/pyramid/feature_planes.h"
+
+namespace multum {
+
+/// Rows [first_row, first_row + row_count) of the map; all texels in lobe 0. `has_roughness`: the normals are
+/// shortened.
+MovmfFinest finest_rows(const PlaneStore& normals, const FeaturePlanes& features, Representation representation,
+                        bool has_roughness, int first_row, int row_count, int threads);
+
+}  // namespace multum

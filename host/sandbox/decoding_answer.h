@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a process and the child that decodes files for it say to each other, whatever the files are of
+// (host/sandbox/decoding_child.h). What a kind of file adds is beside it: host/image/files/decoding_messages.h,
+// host/mesh/mesh_messages.h.
+//
+//   request   DecodingRequest, what it needs    answer   kDone, what was asked for
+//             kClose                                     kDone
+//             any                                        kRefused, error code, message
+//             any                                        kOutOfMemory
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "host/sandbox/byte_message.h"
+
+namespace multum {
+
+enum class DecodingRequest : std::uint8_t { kClose, kOpenImage, kReadImage, kOpenMesh, kOpenObjects, kReadMesh };
+enum class DecodingAnswer : std::uint8_t { kDone, kRefused, kOutOfMemory };
+
+/// What an answer is of. `memory_max` is what the child was held to.
+struct AskedFile {
+  std::string path;
+  std::string library;  // that the file is expected to survive
+  std::uint64_t memory_max;
+};
+
+/// Throws Error as the child did, or Error(kInput) that names the file and that it ended in no answer.
+[[noreturn]] void refuse_as_answered(const AskedFile& file, std::string_view answer);
+
+/// Takes an answer apart by `read(MessageReader&)` where the request was done. Throws Error as above where it was not.
+template <typename Read>
+auto parse_answer(const AskedFile& file, std::string_view answer, const Read& read) {
+  try {
+    MessageReader in(answer);
+    if (DecodingAnswer{in.number<std::uint8_t>()} == DecodingAnswer::kDone) {
+      auto result = read(in);
+      if (in.is_at_end()) return result;
+    }
+  } catch (const std::out_of_range&) {  // cut
+  }
+  refuse_as_answered(file, answer);
+}
+
+/// The child's side: what `work` answers, or its Error as an answer.
+std::string answer_or_refusal(const std::function<std::string()>& work);
+
+}  // namespace multum

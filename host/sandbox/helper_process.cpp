@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/sandbox/helper_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <thread>
+#include <utility>
+
+#include "host/base/error.h"
+#include "host/base/processes/sanitizers.h"
+#include "host/sandbox/helper_service.h"
+
+namespace multum {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kTick = std::chrono::milliseconds(50);
+constexpr std::uint64_t kAnswerMax = std::uint64_t{64} << 20;  // bytes
+constexpr int kFirstFree = 16;  // descriptors from here on cannot be among those that the child is given
+
+[[noreturn]] void fail(const char* what) {
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}", what, std::strerror(errno)));
+}
+
+// Where no dup2 of another one overwrites it.
+int moved_away(int descriptor) {
+  const int moved = ::fcntl(descriptor, F_DUPFD_CLOEXEC, kFirstFree);
+  const int error = errno;
+  ::close(descriptor);
+  errno = error;
+  if (moved < 0) fail("a file descriptor");
+  return moved;
+}
+
+pid_t spawn(const std::string& program, int socket, int memory, int last_words) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, last_words, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, last_words, STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, socket, kHelperSocket);
+  posix_spawn_file_actions_adddup2(&actions, memory, kHelperMemory);
+  posix_spawn_file_actions_addclosefrom_np(&actions, kHelperMemory + 1);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  // It stays in this process's group, and ends with it; what a terminal sends to the group is for this process.
+  sigset_t terminal, all;
+  sigemptyset(&terminal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&terminal, signal);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &terminal);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  char* const arguments[] = {const_cast<char*>(program.c_str()), nullptr};
+  pid_t pid = -1;
+  const int error = ::posix_spawn(&pid, program.c_str(), &actions, &attributes, arguments, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0)
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be started: {}", program, std::strerror(error)));
+  return pid;
+}
+
+// Bytes of its own in memory now: what is resident and not shared.
+std::uint64_t own_memory_bytes(pid_t pid) {
+  std::FILE* file = std::fopen(fmt::format("/proc/{}/statm", pid).c_str(), "re");
+  if (file == nullptr) return 0;
+  unsigned long size = 0, resident = 0, shared = 0;
+  const int found = std::fscanf(file, "%lu %lu %lu", &size, &resident, &shared);
+  std::fclose(file);
+  if (found != 3 || resident < shared) return 0;
+  return std::uint64_t{resident - shared} * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+std::string text_of(std::chrono::milliseconds time) {
+  return time.count() % 1000 == 0 ? fmt::format("{} s", time.count() / 1000) : fmt::format("{} ms", time.count());
+}
+
+// The line that says most of what a program printed before its end: an exception's or a sanitizer's, else the last.
+std::string essence(std::string_view said) {
+  constexpr std::size_t kLengthMax = 200;
+  std::string_view last, chosen;
+  while (!said.empty()) {
+    const std::string_view line = said.substr(0, said.find('\n'));
+    said.remove_prefix(std::min(said.size(), line.size() + 1));
+    if (!line.empty()) last = line;
+    for (const std::string_view sign : {"what():", "ERROR:", "runtime error:"})
+      if (chosen.empty() && line.find(sign) != std::string_view::npos) chosen = line;
+  }
+  std::string text(chosen.empty() ? last : chosen, 0, kLengthMax);
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  const std::size_t begin = text.find_first_not_of(' ');
+  return begin == std::string::npos ? "" : text.substr(begin);
+}
+
+}  // namespace
+
+HelperProcess::HelperProcess(const std::string& program) : program_(program) {
+  int pair[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) fail("socketpair");
+  int theirs = -1, memory = -1;
+  try {
+    std::swap(socket_, pair[0]);
+    theirs = moved_away(std::exchange(pair[1], -1));
+    memory = moved_away(::dup(memory_.descriptor()));
+    last_words_ = ::memfd_create("multum last words", MFD_CLOEXEC);
+    if (last_words_ < 0) fail("memfd_create");
+    last_words_ = moved_away(last_words_);
+    ::fcntl(last_words_, F_SETFL, O_APPEND);
+    pid_ = spawn(program, theirs, memory, last_words_);
+  } catch (...) {
+    for (const int descriptor : {socket_, pair[1], theirs, memory, last_words_})
+      if (descriptor >= 0) ::close(descriptor);
+    throw;
+  }
+  ::close(theirs);
+  ::close(memory);
+}
+
+HelperProcess::~HelperProcess() {
+  kill_and_wait();
+  ::close(last_words_);
+}
+
+int HelperProcess::kill_and_wait() {
+  if (pid_ <= 0) return 0;
+  ::close(std::exchange(socket_, -1));
+  ::kill(pid_, SIGKILL);  // of one that is ending already, this changes nothing
+  int status = 0;
+  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = -1;
+  return status;
+}
+
+// `why`: it is killed for this; empty: it has ended by itself, and its status says how.
+void HelperProcess::bury(const std::string& why) {
+  const int status = kill_and_wait();
+  if (!why.empty()) throw HelperEnded(why);
+  std::string end;
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) end = "used up its processor time and was ended";
+  else if (WIFSIGNALED(status))
+    end = fmt::format("was ended by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
+  else end = fmt::format("ended with exit code {}", WEXITSTATUS(status));
+  std::string said(65536, '\0');
+  const ssize_t count = ::pread(last_words_, said.data(), said.size(), 0);
+  said.resize(static_cast<std::size_t>(std::max<ssize_t>(0, count)));
+  const std::string words = essence(said);
+  throw HelperEnded(words.empty() ? end : end + ": " + words);
+}
+
+// From outside, before the child knows what is asked.
+void HelperProcess::hold_to(const HelperLimits& limits) {
+  timespec used = {};
+  clockid_t clock = {};
+  if (::clock_getcpuclockid(pid_, &clock) == 0) ::clock_gettime(clock, &used);
+  rlimit processor = {};
+  ::prlimit(pid_, RLIMIT_CPU, nullptr, &processor);
+  const auto cores = std::max<rlim_t>(1, std::thread::hardware_concurrency());
+  const auto seconds = static_cast<rlim_t>(limits.time_max.count()) / 1000 + 1;
+  processor.rlim_cur = std::min(processor.rlim_max, static_cast<rlim_t>(used.tv_sec) + 1 + seconds * cores);
+  ::prlimit(pid_, RLIMIT_CPU, &processor, nullptr);
+#ifndef MULTUM_SHADOW_MEMORY  // their shadow memory needs terabytes
+  if (memory_max_ == limits.memory_max) return;
+  rlimit memory = {};
+  ::prlimit(pid_, RLIMIT_DATA, nullptr, &memory);
+  memory.rlim_cur = std::min<rlim_t>(memory.rlim_max, limits.memory_max);
+  ::prlimit(pid_, RLIMIT_DATA, &memory, nullptr);
+#endif
+  memory_max_ = limits.memory_max;
+}
+
+void HelperProcess::send(std::string_view request) {
+  std::string frame(sizeof(std::uint64_t), '\0');
+  const std::uint64_t size = request.size();
+  std::memcpy(frame.data(), &size, sizeof(size));
+  frame.append(request);
+  for (std::size_t sent = 0; sent < frame.size();) {
+    const ssize_t count = ::send(socket_, frame.data() + sent, frame.size() - sent, MSG_NOSIGNAL);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) bury("");
+    sent += static_cast<std::size_t>(count);
+  }
+}
+
+void HelperProcess::check(const HelperLimits& limits, Clock::time_point asked) {
+  if (Clock::now() - asked > limits.time_max) bury("took more than " + text_of(limits.time_max) + " and was ended");
+  if (own_memory_bytes(pid_) > limits.memory_max)
+    bury(fmt::format("took more than {} bytes of memory and was ended", limits.memory_max));
+}
+
+std::string HelperProcess::receive(const HelperLimits& limits, const std::function<void()>& while_waiting) {
+  const Clock::time_point asked = Clock::now();
+  Clock::time_point checked = asked;
+  std::array<char, 65536> bytes;
+  received_.clear();
+  for (;;) {
+    std::uint64_t size = 0;
+    if (received_.size() >= sizeof(size)) {
+      std::memcpy(&size, received_.data(), sizeof(size));
+      if (size > kAnswerMax) bury(fmt::format("announced an answer of {} bytes and was ended", size));
+      if (received_.size() > sizeof(size) + size) bury("said more than it was asked and was ended");
+      if (received_.size() == sizeof(size) + size) return received_.substr(sizeof(size));
+    }
+    pollfd waited = {socket_, POLLIN, 0};
+    const int ready = ::poll(&waited, 1, static_cast<int>(kTick.count()));
+    if (Clock::now() - checked >= kTick) {
+      checked = Clock::now();
+      check(limits, asked);
+      if (while_waiting) while_waiting();
+    }
+    if (ready <= 0) continue;
+    const ssize_t count = ::recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (count <= 0) bury("");
+    received_.append(bytes.data(), static_cast<std::size_t>(count));
+  }
+}
+
+std::string HelperProcess::ask(std::string_view request, const HelperLimits& limits,
+                               const std::function<void()>& while_waiting) {
+  if (!is_alive()) throw HelperEnded("has ended before");
+  try {
+    hold_to(limits);
+    send(request);
+    return receive(limits, while_waiting);
+  } catch (...) {
+    kill_and_wait();  // an answer that nobody waits for any more would be taken for the next one's
+    throw;
+  }
+}
+
+}  // namespace multum

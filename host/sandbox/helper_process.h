@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// A child that does what may end a process: it calls libraries that die on broken files. It is asked by messages over
+// a socket, answers by messages and in memory that both see, and is held to memory and time. Its crash, its silence and
+// its hunger are an exception here.
+//
+//   this process                        the child (host/sandbox/helper_service.h)
+//   ask("...")      -- socket, fd 3 -->  answer("...")
+//   memory()        == memfd,  fd 4 ===  what it writes there
+//   its last words  <- memfd, fd 1, 2 -  what libraries print
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "host/sandbox/shared_memory.h"
+
+namespace multum {
+
+/// Of one request. Above the memory, the child's own allocations fail, and it is killed where they do not; above the
+/// time it is killed. The processor time of all its threads is limited to time_max a core.
+struct HelperLimits {
+  std::uint64_t memory_max;  // bytes that it may write to, all in all; those of the shared memory not counted
+  std::chrono::milliseconds time_max;
+};
+
+/// The child is gone; what() says how: "was ended by signal 11 (Segmentation fault)".
+class HelperEnded : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class HelperProcess {
+ public:
+  /// Throws Error(kEnvironment) when the program cannot be started. It has no other files than those above, hears no
+  /// Ctrl-C, and ends when this process does, however that ends.
+  explicit HelperProcess(const std::string& program);
+  ~HelperProcess();
+  HelperProcess(const HelperProcess&) = delete;
+  HelperProcess& operator=(const HelperProcess&) = delete;
+
+  const std::string& program() const { return program_; }
+  pid_t pid() const { return pid_; }
+  bool is_alive() const { return pid_ > 0; }
+  SharedMemory& memory() { return memory_; }
+
+  /// The child's answer. `while_waiting` is called a few times a second; when it throws, the child is killed. Throws
+  /// HelperEnded, now and whenever it is asked again.
+  std::string ask(std::string_view request, const HelperLimits& limits, const std::function<void()>& while_waiting);
+
+ private:
+  void hold_to(const HelperLimits& limits);
+  void send(std::string_view request);
+  std::string receive(const HelperLimits& limits, const std::function<void()>& while_waiting);
+  void check(const HelperLimits& limits, std::chrono::steady_clock::time_point asked);
+  int kill_and_wait();
+  [[noreturn]] void bury(const std::string& why);
+
+  std::string program_;
+  pid_t pid_ = -1;
+  int socket_ = -1;
+  int last_words_ = -1;
+  std::uint64_t memory_max_ = 0;  // that it is held to now
+  std::string received_;
+  SharedMemory memory_;
+};
+
+}  // namespace multum

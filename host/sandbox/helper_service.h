@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The child's side of host/sandbox/helper_process.h.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "host/sandbox/shared_memory.h"
+
+namespace multum {
+
+inline constexpr int kHelperSocket = 3;
+inline constexpr int kHelperMemory = 4;
+
+/// Answers one request after another until the process that asks is gone. Returns the exit code: 2 where nobody ever
+/// asked, since the program was started by hand.
+int serve_helper(const std::function<std::string(std::string_view request, SharedMemory& memory)>& answer);
+
+}  // namespace multum

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the daemon keeps for others in DATA: uploads by content, results for those who have no other place, logs. Held
+// to a limit, and swept: what the ledger names as finished with goes, and nothing else.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "host/service/files/path_roots.h"
+#include "host/service/http/upload_file.h"
+#include "host/service/ledger/queue_thread.h"
+
+namespace multum {
+
+class DataFolder {
+ public:
+  /// `bytes_max`: of all of it together, but for the ledger; 0: any.
+  DataFolder(std::string path, std::int64_t bytes_max);
+  DataFolder(const DataFolder&) = delete;
+  DataFolder& operator=(const DataFolder&) = delete;
+
+  std::string uploads() const { return path_ + "/uploads"; }
+  std::string results() const { return path_ + "/results"; }
+
+  /// Blocks. Room for an upload of at most so many bytes; what is not stored of it is free again when it is gone.
+  /// Throws as check_room() does, and Error(kEnvironment) as files do. The folder outlives it.
+  std::shared_ptr<UploadFile> begin_upload(std::int64_t bytes_max);
+  struct Upload {
+    std::string path, sha256;
+  };
+  /// Blocks. The same content under the same name is one file, and as young as its last upload. Throws
+  /// Error(kEnvironment) as files do.
+  Upload store(const std::string& name, UploadFile& file);
+  /// Blocks. Throws Refusal 507 "quota" when so many bytes more are too many.
+  void check_room(std::int64_t bytes);
+
+  /// Whether what is there is as much as may be, as far as was counted lately; looks at no disk.
+  bool is_full() const;
+  /// A result has come: counts it, when it lies here.
+  void count_result(const std::string& output);
+
+  /// On the ledger's thread, where results are published too: removes the results and logs of purged jobs that no other
+  /// job has a use for, and uploads that are older than `upload_age` and that no unfinished job names. What no ledger
+  /// has noted stays.
+  void sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done = nullptr);
+  /// The highest number of a job that anything here is named by: a log, pictures, a staging folder; 0: of none.
+  std::int64_t highest_number() const;
+
+ private:
+  std::int64_t bytes();
+  void remove_own(const std::string& path, const char* why);
+  struct Sweep;
+  void sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& sweep);
+  static void look(JobQueue& queue, Sweep& sweep);
+  void remove_found(JobQueue& queue, const Sweep& sweep);
+  const std::string path_;
+  const std::int64_t bytes_max_;
+  const PathRoots own_;  // uploads and results
+  mutable std::mutex mutex_;
+  std::int64_t bytes_ = 0, bytes_coming_ = 0;
+  std::chrono::steady_clock::time_point counted_;  // no moment: never
+  std::mutex storing_;                             // a folder may not go between its making and its file's
+};
+
+}  // namespace multum

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/files/result_listing.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <vector>
+
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/open_file.h"
+#include "host/service/files/path_roots.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kListing[] = ".multum-result";
+constexpr off_t kListingMax = 16 << 20;  // bytes, of some hundred thousand files
+constexpr int kDepthMax = 32;            // folders in folders, each of which is an open file
+
+using Listing = PublishedFiles;  // a name with a line's end is none
+
+std::string state_of(const struct stat& found) {
+  return fmt::format("{} {}", found.st_size, found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
+}
+
+OpenFile open_folder(int above, const std::string& name) {
+  return OpenFile(::openat(above, name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+}
+
+[[noreturn]] void cannot_list(const std::string& path) { fail_by_errno(path, "cannot be listed"); }
+
+std::vector<std::string> names_in(const OpenFile& folder, const std::string& path) {
+  const int own = ::openat(folder.descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const std::unique_ptr<DIR, int (*)(DIR*)> list(own >= 0 ? ::fdopendir(own) : nullptr, ::closedir);
+  if (!list) cannot_list(path);
+  std::vector<std::string> names;
+  errno = 0;
+  while (const dirent* entry = ::readdir(list.get())) {
+    const std::string name = entry->d_name;
+    if (name != "." && name != "..") names.push_back(name);
+    errno = 0;
+  }
+  if (errno != 0) cannot_list(path);
+  return names;
+}
+
+// A file, or anything else that is no folder, in an open folder. `path`: from the folder that the walk began at.
+struct Found {
+  int folder;
+  const std::string& name;
+  const std::string& path;
+  std::string state;
+};
+
+struct Walk {
+  std::function<bool(const Found&)> at_file;  // false: the walk is over
+  std::function<void(int above, const std::string& name)> after_folder = nullptr;
+
+  bool run(const OpenFile& folder, const std::string& prefix = "", int depth = 0) const {
+    if (depth > kDepthMax)
+      throw Error(ErrorCode::kEnvironment, fmt::format("{}: is deeper than {} folders", prefix, kDepthMax));
+    for (const std::string& name : names_in(folder, prefix)) {
+      struct stat found {};
+      if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) continue;  // gone
+      const std::string path = prefix + name;
+      if (S_ISDIR(found.st_mode)) {
+        const OpenFile below = open_folder(folder.descriptor(), name);
+        if (!below.is_open() && errno != ENOENT && errno != ENOTDIR && errno != ELOOP) cannot_list(path);
+        if (below.is_open() && !run(below, path + "/", depth + 1)) return false;
+        if (after_folder) after_folder(folder.descriptor(), name);
+      } else if (path != kListing) {
+        if (!at_file({folder.descriptor(), name, path, state_of(found)})) return false;
+      }
+    }
+    return true;
+  }
+};
+
+OpenFile opened(const std::string& folder) {
+  OpenFile file = open_folder(AT_FDCWD, folder);
+  if (!file.is_open()) cannot_list(folder);
+  return file;
+}
+
+Listing read_listing(const OpenFile& folder, const std::string& path) {
+  // A pipe, a link or a file without end is no listing.
+  const OpenFile file(::openat(folder.descriptor(), kListing, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  // Nor is one that cannot be read for now the same as none.
+  const auto cannot_read = [&] { fail_by_errno(path + "/" + kListing, "cannot be read"); };
+  if (!file.is_open() && errno != ENOENT && errno != ENOTDIR && errno != ELOOP) cannot_read();
+  Listing listing;
+  struct stat found {};
+  if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0 || !S_ISREG(found.st_mode) ||
+      found.st_size > kListingMax)
+    return listing;
+  std::string text(static_cast<std::size_t>(found.st_size), '\0');
+  const ssize_t count = ::pread(file.descriptor(), text.data(), text.size(), 0);
+  if (count < 0) cannot_read();
+  text.resize(static_cast<std::size_t>(count));
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t first = line.find(' '), second = line.find(' ', first + 1);
+    if (second != std::string::npos) listing[line.substr(second + 1)] = line.substr(0, second);
+  }
+  return listing;
+}
+
+bool is_listed(const Listing& listing, const Found& found) {
+  const auto line = listing.find(found.path);
+  return line != listing.end() && line->second == found.state;
+}
+
+// The first file that is not as it is listed; `count` of the others.
+std::string first_unlisted(const OpenFile& folder, const Listing& listing, std::size_t& count) {
+  std::string unlisted;
+  Walk{[&](const Found& found) {
+    const bool is_known = is_listed(listing, found);
+    if (is_known) ++count;
+    else unlisted = found.path;
+    return is_known;
+  }}.run(folder);
+  return unlisted;
+}
+
+}  // namespace
+
+void write_result_listing(const std::string& folder) {
+  const OpenFile file = opened(folder);
+  std::string text;
+  Walk{[&](const Found& found) {
+    text += fmt::format("{} {}\n", found.state, found.path);
+    return true;
+  }}.run(file);
+  // By /proc: whatever becomes of the name meanwhile.
+  write_text_file(fmt::format("/proc/self/fd/{}/{}", file.descriptor(), kListing), text);
+}
+
+std::string unlisted_in(const std::string& folder) {
+  const OpenFile file = opened(folder);
+  std::size_t count = 0;
+  return first_unlisted(file, read_listing(file, folder), count);
+}
+
+bool is_as_published(const std::string& folder) {
+  const OpenFile file = opened(folder);
+  const Listing listing = read_listing(file, folder);
+  std::size_t count = 0;
+  return !listing.empty() && first_unlisted(file, listing, count).empty() && count == listing.size();
+}
+
+bool remove_listed(const std::string& folder) {
+  bool is_all = true;
+  {
+    const OpenFile file = opened(folder);
+    const Listing listing = read_listing(file, folder);
+    const auto remove_file = [&](const Found& found) {
+      const bool is_removed = is_listed(listing, found) && ::unlinkat(found.folder, found.name.c_str(), 0) == 0;
+      is_all = is_all && is_removed;
+      return true;
+    };
+    const auto remove_if_empty = [](int above, const std::string& name) {
+      ::unlinkat(above, name.c_str(), AT_REMOVEDIR);
+    };
+    Walk{remove_file, remove_if_empty}.run(file);
+    if (is_all) ::unlinkat(file.descriptor(), kListing, 0);
+  }
+  ::rmdir(folder.c_str());
+  return is_all;
+}
+
+std::size_t listing_bytes(const OpenFile& folder) {
+  struct stat found {};
+  const bool is_there = ::fstatat(folder.descriptor(), kListing, &found, AT_SYMLINK_NOFOLLOW) == 0;
+  return is_there && found.st_size <= kListingMax ? static_cast<std::size_t>(found.st_size) : 0;
+}
+
+PublishedFiles published_files(const OpenFile& folder, const std::string& path) { return read_listing(folder, path); }
+
+OpenFile open_published(const OpenFile& folder, const std::string& name, const std::string& state) {
+  // The listing may have been written by anybody who writes to the folder.
+  const bool is_plain = fs::path(name).lexically_normal() == name && !name.starts_with("..") && !name.starts_with('/');
+  OpenFile file = is_plain ? open_beneath_folder(folder, name, O_RDONLY | O_NONBLOCK) : OpenFile();
+  if (!file.is_open() || !is_in_state(file, state))
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is not there any more, or not as it was published", name));
+  return file;
+}
+
+bool is_in_state(const OpenFile& file, const std::string& state) {
+  struct stat found {};
+  return ::fstat(file.descriptor(), &found) == 0 && S_ISREG(found.st_mode) && state_of(found) == state;
+}
+
+}  // namespace multum

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the web interface answers: docs/openapi.json describes every request and answer, and the tests hold both
+// together.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/service/files/data_folder.h"
+#include "host/service/files/file_hashes.h"
+#include "host/service/files/path_roots.h"
+#include "host/service/http/http_server.h"
+#include "host/service/http/job_pictures.h"
+#include "host/service/service_settings.h"
+#include "host/service/work/dispatcher.h"
+
+namespace multum {
+
+class HttpApi {
+ public:
+  HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
+          const ServiceSettings& settings, const JobRoots& roots, std::string token);
+  ~HttpApi();
+  HttpApi(const HttpApi&) = delete;
+  HttpApi& operator=(const HttpApi&) = delete;
+
+  /// Before a body is read: who may not, and what is not there, is told so.
+  std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
+  static bool is_upload(const std::string& method, const std::string& path);
+  /// "GET /v1/jobs/{}", of all that programs ask; the page is for people.
+  static std::vector<std::string> routes();
+  boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
+  /// Runs `work` on a thread that may wait for disks; rethrows what it throws.
+  boost::asio::awaitable<void> beside(std::function<void()> work);
+  /// For /metrics.
+  void set_server(const HttpServer* server);
+  bool has_token() const;
+  void set_token(std::string token);
+  JobPictures& pictures();
+
+  struct State;  // of its handlers
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace multum

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/http/job_pictures.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <charconv>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
+#include "host/base/processes/child_process.h"
+#include "host/base/processes/machine.h"
+#include "host/service/files/staging.h"
+#include "host/service/http/http_reply.h"
+#include "host/service/service_log.h"
+#include "host/service/work/job_types.h"
+
+namespace multum {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+using asio::use_awaitable;
+
+constexpr auto kTimeMax = std::chrono::seconds(60);
+constexpr int kNiceness = 10;  // jobs go before
+constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
+constexpr char kSaid[] = "said.txt";
+constexpr std::size_t kReasonMax = 400;  // bytes
+constexpr std::size_t kWaitingMax = 64;  // jobs: a minute or so, as a rule
+
+[[noreturn]] void refuse(const std::string& why) { throw Refusal{404, "no_picture", why}; }
+
+// Beside this program, else in PATH; empty: nowhere.
+std::string find_viewer() {
+  std::vector<fs::path> folders = {own_folder()};
+  const char* path = std::getenv("PATH");
+  for (std::string_view rest = path != nullptr ? path : ""; !rest.empty();) {
+    const std::string_view one = rest.substr(0, rest.find(':'));
+    rest.remove_prefix(std::min(rest.size(), one.size() + 1));
+    if (!one.empty()) folders.emplace_back(one);
+  }
+  for (const fs::path& folder : folders)
+    if (::access((folder / "multum-view").c_str(), X_OK) == 0) return (folder / "multum-view").string();
+  return "";
+}
+
+std::string last_line(const std::string& path) {
+  std::ifstream file(path);
+  std::string last;
+  for (std::string line; std::getline(file, line);)
+    if (!line.empty()) last = line;
+  return last.substr(0, kReasonMax);
+}
+
+// The number that a folder's name begins with; 0: none.
+std::int64_t id_of(const std::string& name) {
+  std::int64_t id = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
+  return error == std::errc() && end != name.data() + name.size() && *end == '-' ? id : 0;
+}
+
+std::string end_of(const ChildResult& result) {
+  if (result.is_over_time) return fmt::format("multum-view took more than {} s and was killed", kTimeMax.count());
+  if (result.signal != 0) return fmt::format("multum-view was ended by signal {}", result.signal);
+  return "";  // it has said what was wrong
+}
+
+}  // namespace
+
+JobPictures::JobPictures(asio::io_context& io, const std::string& data, const JobRoots& roots)
+    : io_(io), folder_(data + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
+  make_folder(folder_);
+  // What an earlier daemon could not make is tried once more: by now there may be what it lacked.
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
+    if (id_of(entry.path().filename()) == 0 || !fs::exists(entry.path() / "render.png", ignored))
+      fs::remove_all(entry.path(), ignored);
+}
+
+JobPictures::~JobPictures() {
+  is_ending_ = true;
+  pool_.join();
+}
+
+asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string identity, std::string name) {
+  if (job.type != "bake" && job.type != "infer") refuse("a " + job.type + " makes nothing to look at");
+  if (job.state != JobState::kSucceeded)
+    refuse(fmt::format("job {} is {}: there are pictures when it has succeeded", job.id, job_state_name(job.state)));
+  if (job.type == "infer" && name != "render.png") refuse("there is a picture of its first frame alone");
+  std::string file_name = identity;
+  std::replace(file_name.begin(), file_name.end(), ':', '-');
+  const std::string folder = fmt::format("{}/{}-{}", folder_, job.id, file_name);
+  // Named: GCC 12 destroys what is made in braces within a co_await twice.
+  Request request{std::move(job), std::move(identity), folder};
+  co_await made(std::move(request));
+  HttpResponse response{200, "image/png", ""};
+  response.headers = {{"Cache-Control", "private, max-age=3600"}};
+  OpenFile picture(::open((folder + "/" + name).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (picture.is_open()) {
+    response.file = std::make_shared<OpenFile>(std::move(picture));
+    co_return response;
+  }
+  const std::string why = last_line(folder + "/" + kSaid);
+  refuse(why.empty() ? "there is nothing to compare with" : why);
+}
+
+asio::awaitable<void> JobPictures::made(Request request) {
+  if (waiters_.size() >= kWaitingMax)
+    throw Refusal{503, "busy", "pictures of many jobs are being made", {{"Retry-After", "10"}}};
+  std::exception_ptr error;
+  const auto initiate = [&](auto handler) {
+    const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+    const std::string folder = request.folder;
+    std::vector<Waiter>& waiters = waiters_[folder];
+    waiters.push_back([shared, &error](const std::exception_ptr& failed) {
+      error = failed;
+      (*shared)();
+    });
+    if (waiters.size() > 1) return;
+    const auto done = [this, folder](const std::exception_ptr& failed) {
+      asio::post(io_, [this, folder, failed] {
+        for (const Waiter& waiter : std::exchange(waiters_[folder], {})) waiter(failed);
+        waiters_.erase(folder);
+      });
+    };
+    asio::post(pool_, [this, done, request] {
+      // Pictures that are there are not kept waiting by those that are being made.
+      std::error_code ignored;
+      if (file_identity(request.job.output) == request.identity && fs::exists(request.folder, ignored))
+        return done(nullptr);
+      asio::post(one_at_a_time_, [this, done, request] {
+        try {
+          make(request);
+          done(nullptr);
+        } catch (...) {
+          done(std::current_exception());
+        }
+      });
+    });
+  };
+  co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, use_awaitable);
+  if (error) std::rethrow_exception(error);
+}
+
+std::vector<std::string> JobPictures::command(const Job& job, const std::string& folder) const {
+  const std::string viewer = find_viewer();
+  if (viewer.empty()) refuse("multum-view is not installed: found neither beside multum nor in PATH");
+  // It sees what jobs may read, and writes pictures.
+  std::vector<std::string> words = {own_program(), "confined"};
+  for (const std::string& root : roots_.inputs.roots()) words.push_back("--read=" + root);
+  words.insert(words.end(), {"--read=" + fs::path(viewer).parent_path().string(), "--write=" + folder, "--", viewer});
+  // Not the GPU, which bakes may be using.
+  words.insert(words.end(), {"--context=osmesa", "--thumbnails=" + folder});
+  const nlohmann::json parameters = nlohmann::json::parse(job.parameters);
+  for (const auto& [parameter, option] : {std::pair("input", "--source="), std::pair("albedo", "--albedo=")}) {
+    if (job.type != "bake" || !parameters.contains(parameter)) continue;
+    try {
+      words.push_back(option + roots_.inputs.input(parameters.at(parameter).get<std::string>()));
+    } catch (const Error&) {
+      if (std::string(parameter) == "input") break;  // gone: the render is left
+    }
+  }
+  words.insert(words.end(), {"--", job.output});
+  return words;
+}
+
+void JobPictures::check_result(const Request& request) const {
+  try {
+    if (roots_.outputs.output(request.job.output) == request.job.output &&
+        file_identity(request.job.output) == request.identity)
+      return;
+  } catch (const Error&) {  // its folder is gone, or it is a link by now
+  }
+  refuse("its result was changed or taken away since");
+}
+
+void JobPictures::make(const Request& request) {
+  const Job& job = request.job;
+  check_result(request);
+  if (fs::exists(request.folder)) return;
+  const std::string unfinished = folder_ + "/unfinished";
+  fs::remove_all(unfinished);
+  fs::create_directory(unfinished);
+  const std::vector<std::string> words = command(job, unfinished);
+  ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};
+  limits.is_cancelled = [this] { return is_ending_.load(); };
+  const ChildResult result = run_child(words, limits);
+  if (is_ending_) refuse("the service is about to end");
+  std::string said = result.output + end_of(result);
+  const bool has_input =
+      std::any_of(words.begin(), words.end(), [](const std::string& word) { return word.starts_with("--source="); });
+  if (!has_input && result.exit_code == 0) said += "\nits input is not there any more";
+  write_text_file(unfinished + "/" + kSaid, said + "\n");
+  if (result.exit_code != 0)
+    service_log(LogSeverity::kWarning, job.id, "pictures: " + last_line(unfinished + "/" + kSaid));
+  check_result(request);
+  fs::rename(unfinished, request.folder);
+}
+
+void JobPictures::remove(const std::vector<std::int64_t>& ids) const {
+  if (ids.empty()) return;
+  const std::set<std::int64_t> gone(ids.begin(), ids.end());
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
+    if (gone.contains(id_of(entry.path().filename()))) fs::remove_all(entry.path(), ignored);
+}
+
+void JobPictures::sweep(QueueThread& ledger) {
+  asio::post(pool_, [this, &ledger] {
+    const auto ids = std::make_shared<std::vector<std::int64_t>>();
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
+      if (const std::int64_t id = id_of(entry.path().filename()); id != 0) ids->push_back(id);
+    // By way of io_, whose thread the ledger outlives.
+    asio::post(io_, [this, &ledger, ids] {
+      ledger.run(
+          [ids](JobQueue& queue) { std::erase_if(*ids, [&](std::int64_t id) { return !queue.was_purged(id); }); },
+          [this, ids](const std::exception_ptr& error) {
+            if (!error) asio::post(pool_, [this, ids] { remove(*ids); });
+          });
+    });
+  });
+}
+
+}  // namespace multum

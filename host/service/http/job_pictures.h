@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small pictures of finished jobs, for the page: multum-view makes them as a child process, one at a time, when they
+// are first asked for. What a map or a driver does to it ends that child, and pictures are missing.
+//
+//   DATA/pictures/ID-IDENTITY/   input.png  render.png  error.png   those that could be made
+//                                said.txt                           what the child said; how it ended, if not well
+//
+// IDENTITY is that of the result as it was published (staging.h): the pictures of another result are never shown.
+#pragma once
+
+#include <atomic>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/service/files/path_roots.h"
+#include "host/service/http/http_server.h"
+#include "host/service/ledger/job.h"
+#include "host/service/ledger/queue_thread.h"
+
+namespace multum {
+
+class JobPictures {
+ public:
+  /// `data`: the daemon's. Answers on the thread of `io`; files and children are for threads of its own.
+  JobPictures(boost::asio::io_context& io, const std::string& data, const JobRoots& roots);
+  /// Ends the child that is at work.
+  ~JobPictures();
+  JobPictures(const JobPictures&) = delete;
+  JobPictures& operator=(const JobPictures&) = delete;
+
+  /// `name`: "input.png", "render.png" or "error.png"; `identity`: of the job's result when it was published. Many may
+  /// ask at once: the first has them made, all wait. Throws Refusal 404 "no_picture" with the reason.
+  boost::asio::awaitable<HttpResponse> answer(Job job, std::string identity, std::string name);
+
+  /// Blocks.
+  void remove(const std::vector<std::int64_t>& ids) const;
+  /// Removes those of jobs that are in no ledger any more: a daemon may have died between purging and removing, or
+  /// pictures may have been in the making.
+  void sweep(QueueThread& ledger);
+
+ private:
+  struct Request {
+    Job job;
+    std::string identity, folder;
+  };
+  boost::asio::awaitable<void> made(Request request);
+  void make(const Request& request);
+  void check_result(const Request& request) const;
+  std::vector<std::string> command(const Job& job, const std::string& folder) const;
+
+  boost::asio::io_context& io_;
+  const std::string folder_;
+  const JobRoots& roots_;
+  std::atomic<bool> is_ending_ = false;
+  /// By folder: who waits for it. On the thread of io_.
+  using Waiter = std::function<void(std::exception_ptr)>;
+  std::map<std::string, std::vector<Waiter>> waiters_;
+  boost::asio::thread_pool pool_{2};  // one may be at work with a child, the other looks what is there
+  boost::asio::strand<boost::asio::thread_pool::executor_type> one_at_a_time_;
+};
+
+}  // namespace multum

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Jobs as the web interface shows them (docs/openapi.json has their schema).
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "host/service/ledger/job.h"
+
+namespace multum {
+
+nlohmann::json job_json(const Job& job);
+/// Of events, in one line; bytes of names that are no UTF-8 are replaced.
+std::string job_text(const Job& job);
+nlohmann::json attempt_json(const JobAttempt& attempt);
+
+/// "2026-11-22T07:30:00.123Z".
+std::string time_text(TimeMs time);
+
+}  // namespace multum

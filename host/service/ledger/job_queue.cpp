@@ -1,0 +1,746 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/ledger/job_queue.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+
+#include "host/base/error.h"
+#include "host/service/ledger/ledger_schema.h"
+
+namespace multum {
+namespace {
+
+constexpr std::int64_t kReservedAtOnce = 256;
+
+constexpr int number_of(JobState state) { return static_cast<int>(state); }
+
+}  // namespace
+
+JobQueue::JobQueue(const LedgerSettings& settings)
+    : database_(settings.path), policy_(settings.retry), results_(settings.results), numbers_(settings.numbers) {
+  prepare_ledger(database_, settings.may_begin);
+  if (const std::string damage = database_.damage(); !damage.empty())
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: is damaged: {}; docs/SERVICE.md says what can be done", settings.path, damage));
+  take_instance(settings);
+  take_numbers();
+  resync();
+}
+
+void JobQueue::take_instance(const LedgerSettings& settings) {
+  SqliteStatement& known = statement("SELECT value FROM meta WHERE name = 'instance'");
+  if (known.step()) instance_ = known.text(0);
+  known.reset();
+  if (instance_.empty() && !settings.instance.empty()) {
+    statement("INSERT INTO meta (name, value) VALUES ('instance', ?)").bind(1, settings.instance).run();
+    instance_ = settings.instance;
+  } else if (!settings.may_begin && instance_ != settings.instance) {
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}: is the ledger of instance {}, expected that of {}: {}", settings.path, instance_,
+                            settings.instance, lost_ledger_advice()));
+  }
+}
+
+void JobQueue::number_above(std::int64_t number) {
+  if (number <= given().last) return;
+  statement("INSERT INTO sqlite_sequence (name, seq) SELECT 'jobs', 0 WHERE NOT EXISTS (SELECT 1 FROM sqlite_sequence)")
+      .run();
+  statement("UPDATE sqlite_sequence SET seq = ? WHERE name = 'jobs'").bind(1, number).run();
+  statement("INSERT OR REPLACE INTO meta (name, value) VALUES ('first_number', ?)").bind(1, number + 1).run();
+}
+
+void JobQueue::take_numbers() {
+  if (numbers_.empty()) return;
+  std::ifstream(numbers_) >> reserved_;
+  const std::int64_t last = given().last;
+  const bool is_new = last == 0 && reserved_ > 0, is_older = last + kReservedAtOnce < reserved_;
+  if (is_new || is_older) number_above(reserved_);
+}
+
+void JobQueue::reserve(std::int64_t id) {
+  if (numbers_.empty() || id <= reserved_) return;
+  // Not synced: it is of use where the ledger is lost, and who has lost power as well has other worries.
+  const std::int64_t last = id + kReservedAtOnce - 1;
+  const std::string fresh = numbers_ + ".new";
+  std::ofstream file(fresh);
+  file << last << "\n" << std::flush;
+  if (!file || std::rename(fresh.c_str(), numbers_.c_str()) != 0) fail_by_errno(numbers_, "cannot be written");
+  reserved_ = last;
+}
+
+SqliteStatement& JobQueue::statement(const char* sql) {
+  std::unique_ptr<SqliteStatement>& kept = statements_[sql];
+  if (!kept) kept = std::make_unique<SqliteStatement>(database_, sql);
+  kept->reset();
+  return *kept;
+}
+
+std::vector<std::int64_t> JobQueue::ids(SqliteStatement& query) {
+  std::vector<std::int64_t> list;
+  while (query.step()) list.push_back(query.integer(0));
+  return list;
+}
+
+void JobQueue::count_use(const Job& job, int sign) {
+  for (Use* use : {&use_, &queue_use_[job.queue], &device_use_[job.device]}) {
+    use->jobs += sign;
+    use->memory += sign * job.memory_bytes;
+  }
+}
+
+void JobQueue::resync() {
+  queue_use_.clear();
+  device_use_.clear();
+  use_ = Use{};
+  static const std::string sql = select_jobs("WHERE state IN (2, 3)");
+  SqliteStatement& query = statement(sql.c_str());
+  while (query.step()) count_use(job_from_row(query), 1);
+}
+
+// ---- In
+
+SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact, TimeMs now) {
+  check_kept();
+  if (!s.key.empty()) {
+    // One that is about to be cancelled is nobody's work any more.
+    static const std::string sql = select_jobs(
+        "WHERE key = ? AND output = ? AND state < 5 AND key <> '' AND (stop_asked = '' OR state = 4) ORDER BY id DESC "
+        "LIMIT 1");
+    SqliteStatement& same = statement(sql.c_str());
+    same.bind(1, s.key).bind(2, s.output);
+    if (same.step()) {
+      const Job job = job_from_row(same);
+      same.reset();
+      if (job.state != JobState::kSucceeded || is_intact(job)) return {job.id, false};
+    }
+  }
+  std::set<std::int64_t> needs(s.needs.begin(), s.needs.end());
+  int needs_left = 0;
+  for (const std::int64_t id : needs) {
+    const std::optional<Job> needed = find(id);
+    if (!needed) throw Error(ErrorCode::kUsage, fmt::format("needs job {}, which does not exist", id));
+    if (needed->state == JobState::kDead || needed->state == JobState::kCancelled)
+      throw Error(ErrorCode::kUsage, fmt::format("needs job {}, which is {}", id, job_state_name(needed->state)));
+    needs_left += needed->state != JobState::kSucceeded ? 1 : 0;
+  }
+  SqliteStatement& insert = statement(
+      "INSERT INTO jobs (type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, "
+      "output, key, inputs, state, needs_left, created) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  insert.bind(1, s.type).bind(2, s.parameters).bind(3, s.queue).bind(4, s.label).bind(5, s.priority);
+  insert.bind(6, s.attempt_max).bind(7, s.deadline).bind(8, s.memory_bytes).bind(9, s.device).bind(10, s.output);
+  insert.bind(11, s.key).bind(12, s.inputs);
+  insert.bind(13, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
+  insert.bind(14, needs_left).bind(15, now).run();
+  const std::int64_t id = database_.last_insert_id();
+  reserve(id);
+  for (const std::int64_t needed : needs)
+    statement("INSERT INTO needs (job, needs) VALUES (?, ?)").bind(1, id).bind(2, needed).run();
+  changed_.insert(id);
+  return {id, true};
+}
+
+// ---- Leases
+
+std::optional<JobQueue::Candidate> JobQueue::first_candidate(const std::string& queue, const QueueLimits& limits,
+                                                             const ClaimLimits& all, TimeMs now) {
+  const Use& used = queue_use_[queue];
+  if (limits.is_paused || used.jobs >= limits.jobs_max) return std::nullopt;
+  static const std::string sql = select_jobs(
+      "WHERE queue = ? AND state = 1 AND (not_before IS NULL OR not_before <= ?) ORDER BY priority DESC, id");
+  SqliteStatement& query = statement(sql.c_str());
+  query.bind(1, queue).bind(2, now);
+  std::optional<Candidate> found;
+  while (!found && query.step()) {
+    Job job = job_from_row(query);
+    // A device that is busy is passed by; memory is waited for, or the large jobs would starve. What exceeds a limit by
+    // itself runs when nothing else does.
+    const auto device = all.device_jobs_max.find(job.device);
+    if (device != all.device_jobs_max.end() && device_use_[job.device].jobs >= device->second) continue;
+    const auto fits = [&](const Use& use, std::int64_t memory_max) {
+      return memory_max <= 0 || use.jobs == 0 || use.memory + job.memory_bytes <= memory_max;
+    };
+    if (!fits(used, limits.memory_max)) break;
+    const bool is_held_up = !fits(use_, all.memory_max);
+    found = Candidate{std::move(job), is_held_up};
+  }
+  query.reset();
+  return found;
+}
+
+std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string& owner, TimeMs now) {
+  std::optional<Candidate> first;
+  int first_priority = 0;
+  for (const auto& [name, of_queue] : limits.queues) {
+    std::optional<Candidate> candidate = first_candidate(name, of_queue, limits, now);
+    if (!candidate) continue;
+    const auto rank = [](int queue, const Job& of) { return std::tuple(-queue, -of.priority, of.id); };
+    if (first && rank(first_priority, first->job) < rank(of_queue.priority, candidate->job)) continue;
+    first = std::move(candidate);
+    first_priority = of_queue.priority;
+  }
+  // Nor do small jobs of other queues overtake a large one: it would wait for as long as they come.
+  if (!first || first->is_held_up) return std::nullopt;
+  std::optional<Job> best = std::move(first->job);
+  best->state = JobState::kRunning;
+  best->owner = owner;
+  ++best->attempt;
+  best->started = now;
+  best->needs = needs_of(best->id);
+  statement(
+      "UPDATE jobs SET state = 2, owner = ?, attempt = ?, attempts_counted = attempts_counted + 1, started = ?, "
+      "not_before = NULL, message = '', exit_code = NULL, reused_from = NULL WHERE id = ?")
+      .bind(1, owner)
+      .bind(2, best->attempt)
+      .bind(3, now)
+      .bind(4, best->id)
+      .run();
+  statement("INSERT INTO attempts (job, number, owner, outcome, started) VALUES (?, ?, ?, 0, ?)")
+      .bind(1, best->id)
+      .bind(2, best->attempt)
+      .bind(3, owner)
+      .bind(4, now)
+      .run();
+  count_use(*best, 1);
+  changed_.insert(best->id);
+  return best;
+}
+
+std::optional<TimeMs> JobQueue::next_due() {
+  SqliteStatement& query = statement(
+      "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs WHERE not_before IS NOT NULL AND state = 1 "
+      "UNION ALL SELECT MIN(deadline) FROM jobs WHERE deadline IS NOT NULL AND state < 4 AND state <> 3)");
+  query.step();
+  const std::optional<TimeMs> due = query.optional_integer(0);
+  query.reset();
+  return due;
+}
+
+bool JobQueue::has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const {
+  return job && job->state == JobState::kRunning && job->owner == owner && job->attempt == attempt;
+}
+
+bool JobQueue::begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity) {
+  if (!has_lease(find(id), owner, attempt)) return false;
+  statement("UPDATE jobs SET state = 3, result_identity = ? WHERE id = ?").bind(1, identity).bind(2, id).run();
+  changed_.insert(id);
+  return true;
+}
+
+void JobQueue::forget_key(std::int64_t id) {
+  statement("UPDATE jobs SET key = '', reused_from = NULL WHERE id = ?").bind(1, id).run();
+}
+
+std::string JobQueue::result_identity(std::int64_t id) {
+  SqliteStatement& query = statement("SELECT result_identity FROM jobs WHERE id = ?");
+  query.bind(1, id);
+  const std::string identity = query.step() ? query.text(0) : "";
+  query.reset();
+  return identity;
+}
+
+void JobQueue::published(std::int64_t id, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  MULTUM_CHECK(job && job->state == JobState::kPublishing);
+  close_attempt(*job, {AttemptOutcome::kSucceeded, 0, ""}, now);
+  finish(id, JobState::kSucceeded, "", now);
+  release_dependents(id);
+}
+
+void JobQueue::publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  MULTUM_CHECK(job && job->state == JobState::kPublishing);
+  close_attempt(*job, result, now);
+  requeue_or_die(*job, result, now);
+}
+
+bool JobQueue::ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  if (!has_lease(job, owner, attempt)) return false;
+  close_attempt(*job, result, now);
+  switch (result.outcome) {
+    case AttemptOutcome::kSucceeded:
+      finish(id, JobState::kSucceeded, result.message, now);
+      release_dependents(id);
+      break;
+    case AttemptOutcome::kCancelled:
+      finish(id, JobState::kCancelled, result.message, now);
+      fail_dependents(id, now);
+      break;
+    default: requeue_or_die(*job, result, now);
+  }
+  return true;
+}
+
+void JobQueue::close_attempt(const Job& job, const AttemptResult& result, TimeMs now) {
+  count_use(job, -1);
+  statement("UPDATE attempts SET outcome = ?, ended = ?, exit_code = ?, message = ? WHERE job = ? AND number = ?")
+      .bind(1, static_cast<int>(result.outcome))
+      .bind(2, now)
+      .bind(3, result.exit_code)
+      .bind(4, result.message)
+      .bind(5, job.id)
+      .bind(6, job.attempt)
+      .run();
+  statement("UPDATE jobs SET exit_code = ? WHERE id = ?").bind(1, result.exit_code).bind(2, job.id).run();
+}
+
+void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now) {
+  SqliteStatement& asked = statement("SELECT stop_asked FROM jobs WHERE id = ?");
+  asked.bind(1, job.id).step();
+  const std::string why = asked.text(0);
+  asked.reset();
+  if (!why.empty()) {
+    finish(job.id, JobState::kCancelled, why, now);
+    fail_dependents(job.id, now);
+    return;
+  }
+  const bool is_counted = result.outcome != AttemptOutcome::kReturned;
+  if (!is_counted)
+    statement("UPDATE jobs SET attempts_counted = attempts_counted - 1 WHERE id = ?").bind(1, job.id).run();
+  SqliteStatement& query = statement("SELECT attempts_counted FROM jobs WHERE id = ?");
+  query.bind(1, job.id).step();
+  const auto counted = static_cast<int>(query.integer(0));
+  query.reset();
+  if (result.outcome == AttemptOutcome::kRefused || counted >= job.attempt_max) {
+    finish(job.id, JobState::kDead, result.message, now);
+    fail_dependents(job.id, now);
+    return;
+  }
+  std::optional<TimeMs> not_before;
+  if (is_counted) {
+    TimeMs back_off = policy_.back_off_first;
+    for (int i = 1; i < counted && back_off < policy_.back_off_max; ++i) back_off *= 2;
+    not_before = now + std::min(policy_.back_off_max, back_off);
+  }
+  statement("UPDATE jobs SET state = 1, owner = '', not_before = ?, message = ? WHERE id = ?")
+      .bind(1, not_before)
+      .bind(2, result.message)
+      .bind(3, job.id)
+      .run();
+  changed_.insert(job.id);
+}
+
+// ---- Out
+
+void JobQueue::set_state(std::int64_t id, JobState state, const std::string& message) {
+  statement("UPDATE jobs SET state = ?, owner = '', message = ? WHERE id = ?")
+      .bind(1, number_of(state))
+      .bind(2, message)
+      .bind(3, id)
+      .run();
+  changed_.insert(id);
+}
+
+void JobQueue::finish(std::int64_t id, JobState state, const std::string& message, TimeMs now) {
+  set_state(id, state, message);
+  statement("UPDATE jobs SET finished = ?, not_before = NULL WHERE id = ?").bind(1, now).bind(2, id).run();
+}
+
+void JobQueue::release_dependents(std::int64_t id) {
+  SqliteStatement& waiting =
+      statement("SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 0");
+  waiting.bind(1, id);
+  for (const std::int64_t job : ids(waiting)) {
+    statement(
+        "UPDATE jobs SET needs_left = needs_left - 1, state = CASE needs_left WHEN 1 THEN 1 ELSE 0 END WHERE id = ?")
+        .bind(1, job)
+        .run();
+    changed_.insert(job);
+  }
+}
+
+void JobQueue::fail_dependents(std::int64_t id, TimeMs now) {
+  std::vector<std::int64_t> failed = {id};
+  while (!failed.empty()) {
+    const std::int64_t cause = failed.back();
+    failed.pop_back();
+    SqliteStatement& waiting =
+        statement("SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 0");
+    waiting.bind(1, cause);
+    const std::string why = fmt::format("needs job {}, which is {}", cause, job_state_name(find(cause)->state));
+    for (const std::int64_t job : ids(waiting)) {
+      finish(job, JobState::kDead, why, now);
+      failed.push_back(job);
+    }
+  }
+}
+
+CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs now) {
+  const std::optional<Job> job = find(id);
+  if (!job) return CancelResult::kUnknown;
+  if (job->state == JobState::kRunning) {
+    // Its attempt may have failed already, and the news be on its way here: it would be queued again.
+    statement("UPDATE jobs SET stop_asked = ? WHERE id = ?").bind(1, why).bind(2, id).run();
+    return CancelResult::kStopWorker;
+  }
+  if (job->state == JobState::kPublishing || is_final(job->state)) return CancelResult::kTooLate;
+  finish(id, JobState::kCancelled, why, now);
+  fail_dependents(id, now);
+  return CancelResult::kCancelled;
+}
+
+// Those of its needs that are dead or cancelled, theirs, and so on, itself too, into `roots`. Returns which of what
+// they need was purged; empty: none.
+std::string JobQueue::gone_need(std::int64_t id, std::vector<std::int64_t>& roots) {
+  std::set<std::int64_t> seen = {id};
+  roots = {id};
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    const std::int64_t job = roots[i];
+    SqliteStatement& needs = statement(
+        "SELECT needs.needs, jobs.state FROM needs LEFT JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND "
+        "(jobs.id IS NULL OR jobs.state >= 5)");
+    needs.bind(1, job);
+    std::optional<std::int64_t> gone;
+    while (needs.step()) {
+      const std::int64_t need = needs.integer(0);
+      if (!needs.optional_integer(1)) gone = need;
+      else if (seen.insert(need).second) roots.push_back(need);
+    }
+    if (gone) {
+      const std::string what = fmt::format("needs job {}, which was purged", *gone);
+      return job == id ? what : fmt::format("needs job {}, which {}", job, what);
+    }
+  }
+  return "";
+}
+
+RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
+  RetryResult result;
+  const std::optional<Job> job = find(id);
+  if (!job || (job->state != JobState::kDead && job->state != JobState::kCancelled)) {
+    result.refusal = fmt::format("job {} is {}; dead and cancelled ones can be tried again", id,
+                                 job ? job_state_name(job->state) : "not known");
+    return result;
+  }
+  if (const std::string gone = gone_need(id, result.queued); !gone.empty())
+    return {{}, fmt::format("job {} {}: it cannot be tried again, submit it anew", id, gone)};
+  for (const std::int64_t root : result.queued) queue_again(root, now);
+  // With those that never ran, for want of these: they wait for them again, unless they lack something else too, or
+  // their own time is over. Looked at once more with each job that they need.
+  for (std::size_t i = 0; i < result.queued.size(); ++i) {
+    SqliteStatement& dependents = statement(
+        "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
+        "jobs.attempts_counted = 0 AND (jobs.deadline IS NULL OR jobs.deadline > ?)");
+    dependents.bind(1, result.queued[i]).bind(2, now);
+    for (const std::int64_t dependent : ids(dependents)) {
+      if (!may_wait(dependent)) continue;
+      queue_again(dependent, now);
+      result.queued.push_back(dependent);
+    }
+  }
+  return result;
+}
+
+// All that it needs has succeeded, or may yet.
+bool JobQueue::may_wait(std::int64_t id) {
+  SqliteStatement& lacks = statement(
+      "SELECT 1 FROM needs LEFT JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND (jobs.id IS NULL OR "
+      "jobs.state >= 5) LIMIT 1");
+  lacks.bind(1, id);
+  const bool is_lacking = lacks.step();
+  lacks.reset();
+  return !is_lacking;
+}
+
+void JobQueue::queue_again(std::int64_t id, TimeMs now) {
+  SqliteStatement& query = statement(
+      "SELECT COUNT(*) FROM needs JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND jobs.state <> 4");
+  query.bind(1, id).step();
+  const auto needs_left = static_cast<int>(query.integer(0));
+  query.reset();
+  statement(
+      "UPDATE jobs SET state = ?, needs_left = ?, attempts_counted = 0, not_before = NULL, finished = NULL, deadline = "
+      "CASE WHEN deadline <= ? THEN NULL ELSE deadline END, message = '', exit_code = NULL, reused_from = NULL, "
+      "result_identity = '', stop_asked = '' WHERE id = ?")
+      .bind(1, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued))
+      .bind(2, needs_left)
+      .bind(3, now)
+      .bind(4, id)
+      .run();
+  changed_.insert(id);
+}
+
+std::vector<std::int64_t> JobQueue::retry_dead(const std::string& queue, TimeMs now) {
+  SqliteStatement& dead = statement("SELECT id FROM jobs WHERE state = 5 AND (?1 = '' OR queue = ?1) ORDER BY id");
+  dead.bind(1, queue);
+  std::vector<std::int64_t> retried;
+  for (const std::int64_t id : ids(dead)) {
+    if (find(id)->state != JobState::kDead) continue;  // queued with one before
+    RetryResult result = retry(id, now);
+    if (result.queued.empty()) set_state(id, JobState::kDead, result.refusal);
+    retried.insert(retried.end(), result.queued.begin(), result.queued.end());
+  }
+  std::sort(retried.begin(), retried.end());
+  return retried;
+}
+
+JobQueue::Overdue JobQueue::expire_deadlines(TimeMs now) {
+  Overdue overdue;
+  SqliteStatement& query =
+      statement("SELECT id FROM jobs WHERE deadline IS NOT NULL AND state < 4 AND deadline <= ? AND state <> 3");
+  query.bind(1, now);
+  for (const std::int64_t id : ids(query)) {
+    const std::optional<Job> job = find(id);
+    if (job->state == JobState::kRunning) {
+      overdue.running.push_back(id);
+      continue;
+    }
+    if (is_final(job->state)) continue;  // with one that it needs
+    finish(id, JobState::kDead, "its deadline passed before it could be started", now);
+    fail_dependents(id, now);
+    overdue.dead.push_back(id);
+  }
+  return overdue;
+}
+
+std::vector<std::int64_t> JobQueue::purge(const std::vector<std::int64_t>& wanted) {
+  std::vector<std::int64_t> purged;
+  for (const std::int64_t id : wanted) {
+    const std::optional<Job> job = find(id);
+    if (!job || !is_final(job->state)) continue;
+    const std::string identity = result_identity(id);
+    SqliteStatement& query = statement(
+        "DELETE FROM jobs WHERE id = ?1 AND NOT EXISTS (SELECT 1 FROM needs JOIN jobs AS other ON other.id = needs.job "
+        "WHERE needs.needs = ?1 AND other.state < 4)");
+    if (query.bind(1, id).run() == 0) continue;
+    const bool is_ours = !results_.empty() && job->output.starts_with(results_ + "/");
+    statement("INSERT OR REPLACE INTO left_overs (job, output, identity) VALUES (?, ?, ?)")
+        .bind(1, id)
+        .bind(2, is_ours ? job->output : "")
+        .bind(3, identity)
+        .run();
+    purged.push_back(id);
+    changed_.insert(id);
+  }
+  return purged;
+}
+
+std::vector<std::int64_t> JobQueue::purge_finished_before(TimeMs time, int limit) {
+  // Those that may not go yet do not count, or they would keep the others.
+  SqliteStatement& query = statement(
+      "SELECT id FROM jobs WHERE state >= 4 AND finished < ? AND NOT EXISTS (SELECT 1 FROM needs JOIN jobs AS other ON "
+      "other.id = needs.job WHERE needs.needs = jobs.id AND other.state < 4) ORDER BY finished LIMIT ?");
+  query.bind(1, time).bind(2, limit);
+  return purge(ids(query));
+}
+
+// ---- Looking
+
+std::optional<Job> JobQueue::find(std::int64_t id) {
+  static const std::string sql = select_jobs("WHERE id = ?");
+  SqliteStatement& query = statement(sql.c_str());
+  query.bind(1, id);
+  if (!query.step()) return std::nullopt;
+  Job job = job_from_row(query);
+  query.reset();
+  job.needs = needs_of(id);
+  return job;
+}
+
+std::vector<std::int64_t> JobQueue::needs_of(std::int64_t id) {
+  SqliteStatement& needs = statement("SELECT needs FROM needs WHERE job = ? ORDER BY needs");
+  needs.bind(1, id);
+  return ids(needs);
+}
+
+constexpr char kFilter[] =
+    "WHERE (?1 IS NULL OR state = ?1) AND (?2 = '' OR queue = ?2) AND (?3 IS NULL OR id < ?3) ORDER BY id DESC LIMIT "
+    "?4";
+
+SqliteStatement& JobQueue::bind_filter(SqliteStatement& query, const JobFilter& filter) {
+  query.bind(1, filter.state ? std::optional<std::int64_t>(number_of(*filter.state)) : std::nullopt);
+  return query.bind(2, filter.queue).bind(3, filter.before).bind(4, std::clamp(filter.limit, 1, 1000));
+}
+
+std::vector<Job> JobQueue::list(const JobFilter& filter) {
+  static const std::string sql = select_jobs(kFilter);
+  SqliteStatement& query = bind_filter(statement(sql.c_str()), filter);
+  std::vector<Job> jobs;
+  while (query.step()) jobs.push_back(job_from_row(query));
+  for (Job& job : jobs) job.needs = needs_of(job.id);
+  return jobs;
+}
+
+std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
+  // As blobs: the length of a text is one of characters, for which all of it is read. Ten bytes a need, and 500 of a
+  // job's names and times.
+  static const std::string sql = fmt::format(
+      "SELECT IFNULL(SUM(bytes), 0) FROM (SELECT 500 + length(CAST(parameters AS BLOB)) + length(CAST(label AS BLOB)) "
+      "+ length(CAST(output AS BLOB)) + length(CAST(inputs AS BLOB)) + length(CAST(message AS BLOB)) + 10 * (SELECT "
+      "COUNT(*) FROM needs WHERE needs.job = jobs.id) AS bytes FROM jobs {})",
+      kFilter);
+  SqliteStatement& query = bind_filter(statement(sql.c_str()), filter);
+  query.step();
+  const std::int64_t bytes = query.integer(0);
+  query.reset();
+  return bytes;
+}
+
+std::vector<JobAttempt> JobQueue::attempts(std::int64_t id) {
+  SqliteStatement& query = statement(
+      "SELECT number, owner, outcome, started, ended, exit_code, message FROM attempts WHERE job = ? ORDER BY number");
+  query.bind(1, id);
+  std::vector<JobAttempt> attempts;
+  while (query.step())
+    attempts.push_back({static_cast<int>(query.integer(0)), query.text(1),
+                        static_cast<AttemptOutcome>(query.integer(2)), query.integer(3), query.optional_integer(4),
+                        query.optional_int(5), query.text(6)});
+  return attempts;
+}
+
+std::map<std::string, std::map<JobState, std::int64_t>> JobQueue::counts() {
+  SqliteStatement& query = statement("SELECT queue, state, COUNT(*) FROM jobs GROUP BY queue, state");
+  std::map<std::string, std::map<JobState, std::int64_t>> counts;
+  while (query.step()) counts[query.text(0)][static_cast<JobState>(query.integer(1))] = query.integer(2);
+  return counts;
+}
+
+std::vector<Job> JobQueue::succeeded_with_key(const std::string& key) {
+  static const std::string sql = select_jobs("WHERE key = ? AND key <> '' AND state = 4 ORDER BY id DESC LIMIT 10");
+  SqliteStatement& query = statement(sql.c_str());
+  query.bind(1, key);
+  std::vector<Job> jobs;
+  while (query.step()) jobs.push_back(job_from_row(query));
+  return jobs;
+}
+
+void JobQueue::set_reused_from(std::int64_t id, std::int64_t from) {
+  statement("UPDATE jobs SET reused_from = ? WHERE id = ?").bind(1, from).bind(2, id).run();
+}
+
+std::vector<std::string> JobQueue::output_folders() {
+  SqliteStatement& query =
+      statement("SELECT DISTINCT rtrim(output, replace(output, '/', '')) FROM jobs WHERE output <> ''");
+  std::vector<std::string> folders;
+  while (query.step()) folders.push_back(query.text(0));
+  return folders;
+}
+
+bool JobQueue::Numbers::is_finished_with(std::int64_t id) const {
+  if (std::binary_search(ended.begin(), ended.end(), id)) return true;
+  return given.has(id) && !std::binary_search(unfinished.begin(), unfinished.end(), id);
+}
+
+JobQueue::Numbers JobQueue::numbers() {
+  Numbers found;
+  found.ended = ids(statement("SELECT id FROM jobs WHERE state >= 4 ORDER BY id"));
+  found.unfinished = ids(statement("SELECT id FROM jobs WHERE state < 4 ORDER BY id"));
+  found.given = given();
+  return found;
+}
+
+JobQueue::Given JobQueue::given() {
+  SqliteStatement& range = statement(
+      "SELECT IFNULL((SELECT value FROM meta WHERE name = 'first_number'), 1), IFNULL((SELECT seq FROM sqlite_sequence "
+      "WHERE name = 'jobs'), 0)");
+  range.step();
+  const Given found = {range.integer(0), range.integer(1)};
+  range.reset();
+  return found;
+}
+
+bool JobQueue::was_purged(std::int64_t id) { return given().has(id) && !find(id); }
+
+std::vector<JobQueue::LeftOver> JobQueue::left_overs(std::int64_t after, int limit) {
+  SqliteStatement& query = statement("SELECT job, output, identity FROM left_overs WHERE job > ? ORDER BY job LIMIT ?");
+  query.bind(1, after).bind(2, limit);
+  std::vector<LeftOver> found;
+  while (query.step()) found.push_back({query.integer(0), query.text(1), query.text(2)});
+  return found;
+}
+
+void JobQueue::forget_left_over(std::int64_t job) {
+  statement("DELETE FROM left_overs WHERE job = ?").bind(1, job).run();
+}
+
+void JobQueue::note_upload(const std::string& path) {
+  check_kept();
+  statement("INSERT OR IGNORE INTO uploads (path) VALUES (?)").bind(1, path).run();
+}
+
+std::vector<std::string> JobQueue::uploads(const std::string& after, int limit) {
+  SqliteStatement& query = statement("SELECT path FROM uploads WHERE path > ? ORDER BY path LIMIT ?");
+  query.bind(1, after).bind(2, limit);
+  std::vector<std::string> paths;
+  while (query.step()) paths.push_back(query.text(0));
+  return paths;
+}
+
+void JobQueue::forget_upload(const std::string& path) {
+  statement("DELETE FROM uploads WHERE path = ?").bind(1, path).run();
+}
+
+bool JobQueue::Uses::have(const std::string& path) const {
+  for (const std::set<std::string>* names : {&outputs, &inputs}) {
+    const auto below = names->lower_bound(path + "/");
+    if (below != names->end() && below->starts_with(path + "/")) return true;
+    for (std::size_t end = path.size(); end != 0 && end != std::string::npos; end = path.rfind('/', end - 1))
+      if (names->contains(path.substr(0, end))) return true;
+  }
+  return false;
+}
+
+JobQueue::Uses JobQueue::uses() {
+  Uses uses;
+  SqliteStatement& outputs = statement("SELECT DISTINCT output FROM jobs WHERE output <> ''");
+  while (outputs.step()) uses.outputs.insert(outputs.text(0));
+  SqliteStatement& values = statement(
+      "SELECT json_each.value FROM jobs, json_each(jobs.parameters) WHERE jobs.state < 4 AND json_each.type = 'text' "
+      "AND substr(json_each.value, 1, 1) = '/'");
+  while (values.step()) uses.inputs.insert(values.text(0));
+  return uses;
+}
+
+void JobQueue::forgive_back_offs(TimeMs now) {
+  statement("UPDATE jobs SET not_before = ?1 WHERE state = 1 AND not_before > ?1 + ?2")
+      .bind(1, now)
+      .bind(2, policy_.back_off_max)
+      .run();
+}
+
+// No job may wait for one that has failed or is gone: in a ledger of before version 4, or one that was rescued, some
+// do.
+void JobQueue::settle_waiting(TimeMs now) {
+  SqliteStatement& query = statement(
+      "SELECT needs.job, needs.needs FROM needs JOIN jobs ON jobs.id = needs.job LEFT JOIN jobs AS other ON other.id = "
+      "needs.needs WHERE jobs.state = 0 AND (other.id IS NULL OR other.state >= 5)");
+  std::vector<std::pair<std::int64_t, std::int64_t>> stuck;
+  while (query.step()) stuck.emplace_back(query.integer(0), query.integer(1));
+  for (const auto& [id, need] : stuck) {
+    if (find(id)->state != JobState::kWaiting) continue;  // with another
+    const std::optional<Job> other = find(need);
+    finish(id, JobState::kDead,
+           fmt::format("needs job {}, which {}", need,
+                       other ? std::string("is ") + job_state_name(other->state) : "was purged"),
+           now);
+    fail_dependents(id, now);
+  }
+  statement(
+      "UPDATE jobs SET needs_left = (SELECT COUNT(*) FROM needs JOIN jobs AS other ON other.id = needs.needs WHERE "
+      "needs.job = jobs.id AND other.state <> 4) WHERE state = 0")
+      .run();
+  statement("UPDATE jobs SET state = 1 WHERE state = 0 AND needs_left = 0").run();
+}
+
+JobQueue::Recovered JobQueue::recover(TimeMs now) {
+  settle_waiting(now);
+  Recovered recovered;
+  SqliteStatement& query = statement("SELECT id FROM jobs WHERE state IN (2, 3) ORDER BY id");
+  for (const std::int64_t id : ids(query)) {
+    const Job job = *find(id);
+    if (job.state == JobState::kPublishing) {
+      recovered.publishing.emplace_back(job, result_identity(id));
+      continue;
+    }
+    const AttemptResult lost = {AttemptOutcome::kLost, -1, "the daemon ended while it ran"};
+    close_attempt(job, lost, now);
+    requeue_or_die(job, lost, now);
+    recovered.lost.push_back(id);
+  }
+  return recovered;
+}
+
+}  // namespace multum

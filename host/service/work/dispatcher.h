@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Brings jobs and workers together: claims when a worker is idle, publishes what it made, notes how it ended, and wakes
+// when a back-off or a deadline is over. On the thread of its io_context; the ledger answers by it too.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+
+#include "host/service/files/data_folder.h"
+#include "host/service/files/path_roots.h"
+#include "host/service/http/event_hub.h"
+#include "host/service/ledger/job_queue.h"
+#include "host/service/ledger/queue_thread.h"
+#include "host/service/service_settings.h"
+#include "host/service/work/worker_pool.h"
+
+namespace multum {
+
+TimeMs wall_clock_ms();
+
+/// Whether a succeeded job's result is as it was published.
+bool is_result_intact(JobQueue& queue, const Job& job);
+
+class Dispatcher {
+ public:
+  struct Counters {
+    std::uint64_t succeeded = 0, failed = 0, lost = 0, reused = 0, published = 0, cancelled = 0;
+    double busy_seconds = 0.0;  // of workers, all together
+  };
+
+  /// `worker_command`: of a worker, without its socket. Results are published below the roots of outputs;
+  /// `data` counts those that lie in it, and begins none when it is full.
+  Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, DataFolder& data,
+             ServiceSettings settings, const JobRoots& roots, std::string instance,
+             std::vector<std::string> worker_command);
+
+  /// Looks after what an earlier daemon left, before anything starts. Blocks.
+  void recover();
+  void start();
+  /// There may be something to do.
+  void pump();
+  /// Jobs have changed, by others' doing: tells listeners, and pumps.
+  void changed(const std::set<std::int64_t>& ids);
+  /// Of a running job: its worker is asked to stop, and `outcome` comes of it.
+  void stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome);
+  void set_paused(const std::string& queue, bool is_paused);
+  /// New limits, from the settings.
+  void reload(const ServiceSettings& settings);
+  /// Starts nothing more; `done` is called when nothing runs any more, at the latest after the grace: what runs then is
+  /// handed back.
+  void drain(std::function<void()> done);
+
+  const std::map<std::int64_t, JobProgress>& progress() const { return progress_; }
+  const Counters& counters() const { return counters_; }
+  const WorkerPool& workers() const { return pool_; }
+  const ClaimLimits& limits() const { return limits_; }
+  bool is_draining() const { return is_draining_; }
+  std::string log_path(std::int64_t id) const;
+  void remove_logs(const std::vector<std::int64_t>& ids) const;
+  const std::string& instance() const { return instance_; }
+  /// Of a job that will not be run. Blocks.
+  void remove_staging(const Job& job) const;
+
+ private:
+  struct Claimed {
+    Job job;
+    std::string copy_from;  // a finished result of the same key
+  };
+  /// What a unit of work in the ledger has changed, and the next jobs that it has claimed on the way.
+  struct Outcome {
+    std::vector<Job> touched;
+    std::vector<Claimed> claimed;
+    std::optional<TimeMs> due;
+  };
+  /// In the ledger: notes what has changed, and claims for these workers.
+  static void settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
+                     Outcome& outcome);
+  /// Back from it: tells those who listen, and starts what was claimed.
+  void take(const std::vector<std::string>& owners, const Outcome& outcome);
+  void end_drain_if_idle();
+  /// Runs `work` in the ledger until it is committed, however often the disk is full, then `done`.
+  void note(std::int64_t id, QueueThread::Work work, std::function<void()> done);
+  void finish_publishing(const Job& job, const std::string& identity);
+  std::vector<std::string> reserve(const std::vector<std::string>& owners);
+  void give_out(const std::vector<Claimed>& claimed);
+  void start_job(const Claimed& claimed);
+  void on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result);
+  void publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed);
+  /// On the ledger's thread. Throws as StagedResult::publish() does.
+  void publish(const Job& job, const std::string& identity) const;
+  void forget_running(std::int64_t id, AttemptOutcome outcome);
+  void note_end(std::int64_t id, const std::string& owner, int attempt, AttemptResult result);
+  void on_progress(std::int64_t id, const JobProgress& progress);
+  void wake_at(std::optional<TimeMs> due);
+  void on_due();
+  static Claimed with_reuse(JobQueue& queue, Job job);
+
+  boost::asio::io_context& io_;
+  QueueThread& ledger_;
+  EventHub& events_;
+  DataFolder& data_;
+  ServiceSettings settings_;
+  const JobRoots& roots_;
+  std::string instance_;
+  ClaimLimits limits_;
+  WorkerPool pool_;
+  boost::asio::steady_timer due_timer_, drain_timer_;
+  std::map<std::int64_t, JobProgress> progress_;
+  struct Running {
+    Job job;
+    std::chrono::steady_clock::time_point since;
+    std::optional<AttemptResult> stop;  // why it was asked to
+  };
+  std::map<std::int64_t, Running> running_;
+  std::set<std::string> reserved_;  // workers that a claim is on its way for
+  bool is_claiming_ = false, wants_claim_ = false, is_draining_ = false;
+  int unsettled_ = 0;  // ends and publications on their way into the ledger
+  std::function<void()> drained_;
+  Counters counters_;
+};
+
+}  // namespace multum

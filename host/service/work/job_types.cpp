@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/work/job_types.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "host/asset/representation.h"
+#include "host/base/error.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/nearest_name.h"
+#include "host/parameters/bake_parameters.h"
+#include "host/parameters/infer_parameters.h"
+#include "host/scene/scene_file.h"
+#include "host/service/files/staging.h"
+#include "host/texture_inference/job/animation_job_reading.h"
+
+namespace multum {
+namespace {
+
+using Json = nlohmann::json;
+using Kind = ParameterKind;
+
+constexpr std::int64_t kMiB = 1 << 20;
+constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";  // what is_plain_text() takes
+
+// A BRDF of a family: no file's name, which would be looked for beyond the folders that jobs may read.
+constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|cook-torrance|ggx):[0-9.,eE+-]{1,60})$";
+
+const ParameterTable& drill_parameters() {
+  static const ParameterTable table(
+      "drill",
+      {{.name = "seconds",
+        .kind = Kind::kNumber,
+        .help = "how long it takes",
+        .low = 0,
+        .high = 86400,
+        .unit = "s",
+        .surfaces = kInService},
+       {.name = "then",
+        .kind = Kind::kChoice,
+        .help =
+            "how it ends: well, with an error worth trying again, with one that is not, by crashing, or not at all, "
+            "deaf to its heartbeat or making no progress",
+        .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
+        .surfaces = kInService},
+       {.name = "text", .kind = Kind::kText, .help = "written to the output", .surfaces = kInService}});
+  return table;
+}
+
+JobType bake_type() {
+  return {.name = "bake",
+          .summary = "a normal map or height field into a mipmap of normal distributions",
+          .command = "bake",
+          .input = "input",
+          .output_extension = ".ndf.exr",
+          .memory_bytes = 1024 * kMiB,
+          .table = &bake_parameters()};
+}
+
+JobType scene_type() {
+  return {.name = "scene",
+          .summary = "the maps of a scene, each as the scene needs it",
+          .command = "bake",
+          .input = "scene",
+          .output_is_folder = true,
+          .memory_bytes = 1024 * kMiB,
+          .table = &scene_parameters()};
+}
+
+JobType infer_type() {
+  return {.name = "infer",
+          .summary = "textures from ray-traced pictures",
+          .command = "infer",
+          .input = "job",
+          .output_is_folder = true,
+          .memory_bytes = 2048 * kMiB,
+          .table = &infer_parameters()};
+}
+
+JobType drill_type() {
+  return {.name = "drill",
+          .summary = "does nothing, or fails as asked: for trying out queues, limits and alarms",
+          .needs_output = false,
+          .table = &drill_parameters()};
+}
+
+// What a job takes is less than what a command line does: no control characters, no files but those of its inputs.
+std::string expected_of_job(const Parameter& parameter) {
+  return parameter.kind == Kind::kText ? "a text of up to 1000 characters without control characters"
+                                       : expected_text(parameter);
+}
+
+std::optional<ParameterValue> value_of(const Json& json, Kind kind) {
+  if (json.is_boolean()) return json.get<bool>();
+  if (json.is_string()) return json.get<std::string>();
+  if (json.is_number_integer() && kind != Kind::kNumber) {
+    if (json.is_number_unsigned() && json.get<std::uint64_t>() > std::uint64_t{INT64_MAX}) return std::nullopt;
+    return json.get<std::int64_t>();
+  }
+  if (json.is_number() && kind == Kind::kNumber) return json.get<double>();
+  return std::nullopt;
+}
+
+bool is_accepted(const Parameter& parameter, const Json& json) {
+  const std::optional<ParameterValue> value = value_of(json, parameter.kind);
+  if (!value || !is_legal(parameter, *value)) return false;
+  const auto* const text = std::get_if<std::string>(&*value);
+  switch (parameter.kind) {
+    case Kind::kText: return is_plain_text(*text);
+    case Kind::kBrdf: return text->size() < 100 && std::regex_match(*text, std::regex(kBrdfPattern));
+    case Kind::kFile: return !text->empty() && text->size() < 4096 && text->find('\0') == std::string::npos;
+    default: return true;
+  }
+}
+
+}  // namespace
+
+bool is_plain_text(const std::string& text) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+  // C1, U+0080 to U+009F: in UTF-8 two bytes, the first always C2. A terminal takes U+009B for ESC [.
+  const auto is_c1 = [](char first, char second) {
+    return first == '\xc2' && static_cast<unsigned char>(second) >= 0x80 && static_cast<unsigned char>(second) < 0xa0;
+  };
+  const auto begins_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };  // UTF-8
+  return std::count_if(text.begin(), text.end(), begins_character) <= 1000 &&
+         std::none_of(text.begin(), text.end(), is_control) &&
+         std::adjacent_find(text.begin(), text.end(), is_c1) == text.end();
+}
+
+std::string shortened(const Json& value) {
+  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+const Parameter* JobType::find(const std::string& parameter) const {
+  const Parameter* const found = table->find(parameter);
+  return found != nullptr && found->is_on(kInService) ? found : nullptr;
+}
+
+const std::vector<JobType>& job_types() {
+  static const std::vector<JobType> types = {bake_type(), scene_type(), infer_type(), drill_type()};
+  return types;
+}
+
+const JobType& find_job_type(const std::string& name) {
+  std::vector<std::string> names;
+  for (const JobType& type : job_types()) {
+    if (type.name == name) return type;
+    names.push_back(type.name);
+  }
+  throw Error(ErrorCode::kUsage, fmt::format("type is \"{}\", expected one of {}", name, fmt::join(names, ", ")));
+}
+
+void check_parameters(const JobType& type, const Json& parameters) {
+  if (!parameters.is_object()) throw Error(ErrorCode::kUsage, "parameters is no object");
+  for (const auto& [name, value] : parameters.items()) {
+    const Parameter* parameter = type.find(name);
+    if (parameter == nullptr) {
+      const std::string nearest = nearest_name(name, type.table->names(kInService));
+      throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is no parameter of {}{}", name.substr(0, 60), type.name,
+                                                 nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    }
+    if (!is_accepted(*parameter, value))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("parameters.{} is {}, expected {}", name, shortened(value), expected_of_job(*parameter)));
+    if (!parameter->excludes.empty() && parameters.contains(parameter->excludes))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("parameters.{} is given beside {}, expected one of them", name, parameter->excludes));
+  }
+  if (!type.input.empty() && !parameters.contains(type.input))
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
+}
+
+void check_is_one_map(const JobType& type, const Json& parameters) {
+  if (type.name != "bake") return;
+  const std::string file = parameters.at(type.input).get<std::string>();
+  if (file.ends_with(".toml"))
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("parameters.{} is {}, expected a map; a scene is baked by a job of type scene", type.input, file));
+  if (file.find("<UDIM>") != std::string::npos)
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, no set", type.input, file));
+}
+
+Json parameters_schema(const JobType& type) {
+  Json properties = Json::object();
+  for (const Parameter& parameter : type.table->rows()) {
+    if (!parameter.is_on(kInService)) continue;
+    Json one = {{"description", parameter.help}};
+    if (!parameter.default_text.empty())
+      one["description"] = parameter.help + " (default: " + parameter.default_text + ")";
+    switch (parameter.kind) {
+      case Kind::kFlag: one["type"] = "boolean"; break;
+      case Kind::kInteger:
+      case Kind::kBytes:
+        one.update({{"type", "integer"},
+                    {"minimum", static_cast<std::int64_t>(parameter.low)},
+                    {"maximum", static_cast<std::int64_t>(parameter.high)}});
+        break;
+      case Kind::kNumber:
+        one["type"] = "number";
+        if (parameter.has_low()) one[parameter.low_excluded ? "exclusiveMinimum" : "minimum"] = parameter.low;
+        if (parameter.has_high()) one["maximum"] = parameter.high;
+        if (parameter.zero_excluded) one["not"] = {{"const", 0}};
+        break;
+      case Kind::kChoice: one.update({{"type", "string"}, {"enum", parameter.choices}}); break;
+      case Kind::kText: one.update({{"type", "string"}, {"maxLength", 1000}, {"pattern", kPlainPattern}}); break;
+      case Kind::kBrdf: one.update({{"type", "string"}, {"pattern", kBrdfPattern}}); break;
+      case Kind::kFile:
+        one.update({{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}, {"pattern", "^[^\\u0000]*$"}});
+        break;
+    }
+    properties[parameter.name] = one;
+  }
+  Json schema = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  if (!type.input.empty()) schema["required"] = {type.input};
+  return schema;
+}
+
+std::vector<std::string> job_arguments(const JobType& type, const Json& parameters, const std::string& output) {
+  std::vector<std::string> arguments = {type.command.empty() ? type.name : type.command};
+  for (const auto& [name, value] : parameters.items()) {
+    if (name == type.input) continue;
+    const std::string option = type.table->at(name).option();
+    // "--a=b": a value that begins with a dash is no option.
+    if (value.is_boolean()) {
+      if (value.get<bool>()) arguments.push_back(option);
+    } else {
+      arguments.push_back(option + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
+    }
+  }
+  if (!output.empty()) arguments.push_back("--output=" + output);
+  if (!type.input.empty()) {
+    arguments.push_back("--");  // nor is a file's name
+    arguments.push_back(parameters.at(type.input).get<std::string>());
+  }
+  return arguments;
+}
+
+std::vector<std::string> input_files(const JobType& type, const Json& parameters) {
+  std::vector<std::string> files;
+  for (const Parameter& parameter : type.table->rows())
+    if (parameter.kind == Kind::kFile && parameters.contains(parameter.name))
+      files.push_back(parameters.at(parameter.name).get<std::string>());
+  if (type.output_is_folder) {
+    const std::vector<std::string> named =
+        type.command == "infer" ? animation_job_files(files.front()) : scene_files(files.front());
+    files.insert(files.end(), named.begin(), named.end());
+  }
+  return files;
+}
+
+std::string input_identity(const JobType& type, const Json& parameters) {
+  if (type.input.empty()) return "";
+  Json identities = Json::array();
+  try {
+    for (const std::string& file : input_files(type, parameters)) identities.push_back({file, file_identity(file)});
+  } catch (const Error& unreadable) {
+    identities.push_back(unreadable.what());
+  }
+  return hash_text(identities.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::string idempotency_key(const JobType& type, const Json& parameters, const std::vector<std::string>& file_hashes) {
+  Json without_names = parameters;
+  for (const Parameter& parameter : type.table->rows())
+    if (parameter.kind == Kind::kFile && without_names.contains(parameter.name)) without_names[parameter.name] = true;
+  // A manifest of inferred textures names its scene file, as a plan does an environment, and which file is which
+  // matters there.
+  if (type.output_is_folder) without_names[type.input] = parameters.at(type.input);
+  return hash_text(
+      Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}
+          .dump());
+}
+
+}  // namespace multum

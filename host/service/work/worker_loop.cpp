@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/service/work/worker_loop.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <deque>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host/base/error.h"
+#include "host/base/files/output_paths.h"
+#include "host/service/files/path_roots.h"
+#include "host/service/files/result_copy.h"
+#include "host/service/files/staging.h"
+#include "host/service/work/drill.h"
+#include "host/service/work/job_types.h"
+
+namespace multum {
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kBeat = std::chrono::seconds(1);
+constexpr auto kProgressPause = std::chrono::milliseconds(100);  // between two words of how far it is
+
+// What a job prints goes to its log.
+class LogRedirection {
+ public:
+  explicit LogRedirection(const std::string& path) {
+    if (path.empty()) return;
+    const int log = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (log < 0) throw Error(ErrorCode::kEnvironment, path + ": cannot be written");
+    for (const int stream : {1, 2}) {
+      kept_[stream - 1] = ::dup(stream);
+      ::dup2(log, stream);
+    }
+    ::close(log);
+  }
+  ~LogRedirection() {
+    std::fflush(stdout);
+    for (const int stream : {1, 2})
+      if (kept_[stream - 1] >= 0) {
+        ::dup2(kept_[stream - 1], stream);
+        ::close(kept_[stream - 1]);
+      }
+  }
+  LogRedirection(const LogRedirection&) = delete;
+  LogRedirection& operator=(const LogRedirection&) = delete;
+
+ private:
+  int kept_[2] = {-1, -1};
+};
+
+class Worker {
+ public:
+  Worker(int socket, const std::vector<std::string>& roots, const RunCommand& run)
+      : socket_(socket), roots_(roots), run_(run) {}
+
+  int work() {
+    std::thread reader([this] { read_commands(); });
+    std::thread beater([this] { beat(); });
+    reader.detach();  // ends with the process
+    beater.detach();
+    send({{"ready", true}});
+    for (;;) {
+      Json command;
+      {
+        std::unique_lock lock(mutex_);
+        wake_.wait(lock, [this] { return !commands_.empty(); });
+        command = std::move(commands_.front());
+        commands_.pop_front();
+      }
+      if (command.contains("end")) return 0;
+      run_job(command);
+    }
+  }
+
+ private:
+  void send(const Json& message) {
+    const std::string line = message.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::lock_guard lock(send_mutex_);
+    std::size_t sent = 0;
+    while (sent < line.size()) {
+      const ssize_t count = ::send(socket_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) std::_Exit(0);  // the daemon is gone
+      sent += static_cast<std::size_t>(count);
+    }
+  }
+
+  void read_commands() {
+    std::string buffer;
+    char bytes[65536];
+    for (;;) {
+      const ssize_t count = ::recv(socket_, bytes, sizeof(bytes), 0);
+      if (count < 0 && errno == EINTR) continue;
+      // Gone, perhaps by kill -9: nobody would believe what is still done here.
+      if (count <= 0) std::_Exit(0);
+      buffer.append(bytes, static_cast<std::size_t>(count));
+      for (std::size_t end = buffer.find('\n'); end != std::string::npos; end = buffer.find('\n')) {
+        Json command = Json::parse(buffer.substr(0, end), nullptr, false);
+        buffer.erase(0, end + 1);
+        if (command.is_object()) take(std::move(command));
+      }
+    }
+  }
+
+  void take(Json command) {
+    const std::lock_guard lock(mutex_);
+    if (command.contains("cancel")) {
+      cancelled_ = command["cancel"].get<std::int64_t>();
+    } else {
+      if (command.contains("run")) cancelled_ = 0;  // it may be the same job, retried
+      commands_.push_back(std::move(command));
+      wake_.notify_one();
+    }
+  }
+
+  void beat() {
+    for (;;) {
+      std::this_thread::sleep_for(kBeat);
+      if (!is_deaf_) send({{"beat", true}});
+    }
+  }
+
+  void run_job(const Json& command) {
+    const auto id = command.at("run").get<std::int64_t>();
+    Clock::time_point said;
+    const Progress::Callback callback = [&](const ProgressEvent& event) {
+      if (Clock::now() - said > kProgressPause) {
+        said = Clock::now();
+        send({{"progress", {{"stage", event.stage}, {"done", event.units_done}, {"total", event.units_total}}}});
+      }
+      const std::lock_guard lock(mutex_);
+      return cancelled_ != id;
+    };
+    int code = 4;
+    std::string message;
+    bool have_inputs_changed = true;
+    try {
+      const LogRedirection log(command.at("log").get<std::string>());
+      const auto arguments = command.at("arguments").get<std::vector<std::string>>();
+      check_place(command);
+      if (const auto folder = command.at("folder").get<std::string>(); !folder.empty()) make_folder(folder);
+      check_inputs(command);
+      have_inputs_changed = !has_inputs(command);
+      const auto copy_from = command.at("copy_from").get<std::string>();
+      if (copy_from.empty() || have_inputs_changed) {
+        code = run_arguments(arguments, callback);
+      } else {
+        copy_result(copy_from, command.at("copy_to").get<std::string>());
+        code = 0;
+      }
+      have_inputs_changed = have_inputs_changed || !has_inputs(command);
+    } catch (const Cancelled&) {
+      code = 130;
+    } catch (const Error& error) {
+      code = exit_code(error.code());
+      message = error.what();
+    } catch (const std::exception& error) {
+      message = error.what();
+    }
+    send({{"ended", id},
+          {"attempt", command.at("attempt")},
+          {"exit_code", code},
+          {"message", message},
+          {"inputs_changed", have_inputs_changed}});
+  }
+
+  // What its result could not be published over is said before the work.
+  void check_place(const Json& command) const {
+    const auto output = command.at("output").get<std::string>();
+    if (output.empty()) return;
+    const JobType& type = find_job_type(command.at("type").get<std::string>());
+    StagedResult(roots_, output, "", 0).check_place(type.output_is_folder);
+  }
+
+  // A file that names others may name more than when it was submitted. What the system would refuse to open
+  // (confinement.h) is refused here by its name, whether it is there or not.
+  void check_inputs(const Json& command) const {
+    const JobType& type = find_job_type(command.at("type").get<std::string>());
+    if (type.input.empty()) return;
+    for (const std::string& file : input_files(type, Json::parse(command.at("parameters").get<std::string>())))
+      roots_.input(file);
+  }
+
+  // As they were when the job was submitted.
+  static bool has_inputs(const Json& command) {
+    const JobType& type = find_job_type(command.at("type").get<std::string>());
+    return input_identity(type, Json::parse(command.at("parameters").get<std::string>())) == command.at("inputs");
+  }
+
+  int run_arguments(const std::vector<std::string>& arguments, const Progress::Callback& callback) {
+    if (arguments.front() == "drill") {
+      Progress progress(callback);
+      return run_drill(arguments, progress, is_deaf_);
+    }
+    return run_(arguments, callback);
+  }
+
+  int socket_;
+  const PathRoots roots_;
+  const RunCommand& run_;
+  std::mutex mutex_, send_mutex_;
+  std::condition_variable wake_;
+  std::deque<Json> commands_;
+  std::int64_t cancelled_ = 0;
+  std::atomic<bool> is_deaf_ = false;
+};
+
+}  // namespace
+
+int run_worker(int socket, const std::vector<std::string>& roots, const RunCommand& run) {
+  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is for the daemon, which says what is to be done
+  std::signal(SIGTERM, SIG_IGN);
+  return Worker(socket, roots, run).work();
+}
+
+}  // namespace multum

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/target/setting_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/asset/averages/spherical_harmonics.h"
+#include "host/bake/ndf_bake.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/base/processes/machine.h"
+#include "host/brdf/brdf_text.h"
+#include "host/target/map_mosaic.h"
+
+namespace multum {
+namespace {
+
+// Orders of harmonics that are worth a trial: each has about half as many coefficients again as the one before.
+constexpr int kOrders[] = {2, 3, 4, 6, 8, 10, 13, 16, 20};
+
+// Of candidates with as many textures, in the order of their bakes' times (docs/ACCURACY.md).
+enum Effort { kAveraged, kQuickFit, kUsualFit, kLongFit };
+
+SettingCandidate candidate(const ParameterValues& values, int texture_count, Effort effort) {
+  return {values, options_text(values), texture_count, effort};
+}
+
+SettingCandidate lobe_candidate(const char* ndf, int lobes, Effort effort) {
+  ParameterValues values = bake_values({{"ndf", ndf}, {"lobes", lobes}});
+  if (effort == kQuickFit) {
+    values.set("sweeps", 1);
+    values.set("no_rehearsal", true);
+  }
+  if (effort == kLongFit) values.set("reference", true);
+  return candidate(values, lobes, effort);
+}
+
+std::vector<SettingCandidate> all_candidates() {
+  std::vector<SettingCandidate> all;
+  all.push_back(candidate(bake_values({{"ndf", "moments"}}), 2, kAveraged));
+  for (const int order : kOrders)
+    all.push_back(candidate(bake_values({{"ndf", "sh"}, {"sh_order", order}}), sh_part_count(order), kAveraged));
+  const LobeCounts counts = lobe_counts();
+  for (int lobes = counts.fewest; lobes <= counts.most; ++lobes) {
+    for (const Effort effort : {kQuickFit, kUsualFit}) all.push_back(lobe_candidate("vmf", lobes, effort));
+    all.push_back(lobe_candidate("gmm", lobes, kUsualFit));
+  }
+  // Of fewer lobes, another lobe does more than the long fit, in less time.
+  all.push_back(lobe_candidate("vmf", counts.most, kLongFit));
+  std::stable_sort(all.begin(), all.end(), [](const SettingCandidate& a, const SettingCandidate& b) {
+    return std::pair(a.texture_count, a.effort) < std::pair(b.texture_count, b.effort);
+  });
+  return all;
+}
+
+}  // namespace
+
+std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only) {
+  std::vector<SettingCandidate> candidates = all_candidates();
+  // Gaussians of as many lobes are never nearer than vMFs (docs/ACCURACY.md), and cost as much.
+  std::erase_if(candidates, [&](const SettingCandidate& one) {
+    return only ? one.representation() != *only : one.representation() == Representation::kGmm;
+  });
+  return candidates;
+}
+
+TargetBrdf parse_target_brdf(const std::string& text, const std::string& option) {
+  TargetBrdf target{text, text, parse_brdf(option, text, Brdf().term_count)};
+  if (target.brdf.kind == BrdfKind::kBlinnPhong)
+    target.name = blinn_phong_name(std::stod(text.substr(text.find(':') + 1)));
+  std::replace(target.name.begin(), target.name.end(), ' ', '_');  // after a space comes the way to shade it
+  return target;
+}
+
+std::vector<Highlight> TargetBrdf::more_highlights() const {
+  const std::vector<double> usual = AccuracySettings().exponents;
+  const bool is_usual = brdf.kind == BrdfKind::kBlinnPhong &&
+                        std::find(usual.begin(), usual.end(), static_cast<double>(brdf.exponent)) != usual.end();
+  if (!has_highlight() || is_usual) return {};
+  return {make_highlight(name, brdf)};
+}
+
+ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf) {
+  constexpr std::string_view kColoured = " coloured";
+  const bool has_colours = std::any_of(summaries.begin(), summaries.end(),
+                                       [&](const AccuracySummary& one) { return one.brdf.ends_with(kColoured); });
+  std::optional<ReachedError> best;
+  for (const AccuracySummary& one : summaries) {
+    if (one.brdf.ends_with(kColoured) != has_colours) continue;
+    std::string name = one.brdf.substr(0, one.brdf.size() - (has_colours ? kColoured.size() : 0));
+    const std::size_t space = name.find(' ');
+    const std::string shading = space == std::string::npos ? "" : name.substr(space + 1);
+    if (name.substr(0, space) != brdf.name || (best && !(one.error < best->error))) continue;
+    best = {one.error, one.confidence, one.worst_level, one.worst_level_error, shading};
+  }
+  MULTUM_CHECK(best.has_value());
+  return *best;
+}
+
+BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate) {
+  BakeJob chosen = job;
+  apply(candidate.values, chosen);
+  return chosen;
+}
+
+SettingTrials::SettingTrials(Device& device, const BakeJob& job, const BakeSource& source, TargetBrdf brdf,
+                             std::vector<SettingCandidate> candidates)
+    : device_(device),
+      job_(job),
+      brdf_(std::move(brdf)),
+      highlights_(brdf_.has_highlight() ? std::vector{make_highlight(brdf_.name, brdf_.brdf)}
+                                        : std::vector<Highlight>()),
+      mosaic_(make_mosaic(source, {})),
+      candidates_(std::move(candidates)),
+      scale_(static_cast<double>(source.map.normals.width()) * source.map.normals.height() /
+             (static_cast<double>(mosaic_.map.normals.width()) * mosaic_.map.normals.height())) {}
+
+double SettingTrials::scale() const { return scale_; }
+
+const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress) {
+  for (const SettingTrial& trial : made_)
+    if (trial.candidate == candidate) return trial;
+  const BakeJob job = with_candidate(job_, candidates_.at(candidate));
+  AccuracySettings accuracy;
+  accuracy.first_level = kSummaryLevel;  // only the levels that count are made
+  accuracy.samples_per_level = 0;
+  accuracy.exponents.clear();
+  accuracy.highlights = highlights_;
+  BakeReport report;
+  Progress quiet = cancel_only(progress);
+  const std::unique_ptr<AccuracyMeter> meter = rehearse_levels(device_, job, mosaic_, accuracy, report, &quiet);
+  meter->run(device_, mosaic_.map.normals, mosaic_.colours(), &quiet);
+  const ReachedError reached = reached_error(meter->summaries(), brdf_);
+  double fixed_seconds = report.fit.start_seconds;
+  for (const LevelReport& level : report.fit.levels)
+    if (level.level > std::max(job.fitting.first_level, kSummaryLevel)) fixed_seconds += level.seconds;
+  made_.push_back({candidate, reached, report.bake_seconds(), fixed_seconds});
+  log_verbose(fmt::format("trial: {:<44} {} in {:.3f} s", candidates_[candidate].options,
+                          error_text(reached.error, reached.confidence), report.bake_seconds()));
+  return made_.back();
+}
+
+std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
+                                            Progress* progress) {
+  // Of 16 maps, 8 numbers of lobes each: 22 % of the error at most, half of them under 0.2 %.
+  constexpr double kEffortGain = 0.25;
+  const std::vector<SettingCandidate>& candidates = trials.candidates();
+  const auto is_hopeless = [&](const SettingCandidate& one) {
+    return std::any_of(trials.made().begin(), trials.made().end(), [&](const SettingTrial& made) {
+      const SettingCandidate& other = candidates[made.candidate];
+      return other.representation() == one.representation() && other.texture_count == one.texture_count &&
+             other.effort < one.effort && made.reached.error * correction * (1.0 - kEffortGain) > error;
+    });
+  };
+  for (std::size_t i = first; i < candidates.size(); ++i) {
+    if (is_hopeless(candidates[i])) continue;
+    const SettingTrial& trial = trials.at(i, progress);
+    if ((trial.reached.error + trial.reached.confidence) * correction <= error) return trial;
+  }
+  return std::nullopt;
+}
+
+}  // namespace multum

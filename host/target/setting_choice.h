@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which settings a map needs: candidates in the order of what they cost, tried on a mosaic of the map
+// (host/target/map_mosaic.h) until one is near enough to the truth. Nothing is written here; the bake that follows says
+// whether the whole map keeps what the mosaic promised (host/target/chosen_bake.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/bake/bake_job.h"
+#include "host/bake/bake_source.h"
+#include "host/bake/job_parameters.h"
+
+namespace multum {
+
+/// Settings that may be chosen. What it costs, the most important first: textures that are read for a texel, which is
+/// memory and frame time; of as many, the bake's time.
+struct SettingCandidate {
+  ParameterValues values;  // representation, lobes, order, effort; all else is the job's
+  std::string options;     // the same for people: "--ndf vmf --lobes 3"
+  int texture_count;       // of four channels of 16 bits
+  int effort;              // of as many textures: less bakes faster
+  Representation representation() const { return *given_representation(values); }
+};
+
+/// All that `only` allows (empty: every representation), cheapest first.
+std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only);
+
+/// For which BRDF an error counts; of a bake with roughness in, "roughness".
+struct TargetBrdf {
+  std::string name = "blinn-phong:100";  // as AccuracySummary::brdf
+  std::string text = name;               // as options name it
+  Brdf brdf;                             // kLambert: no highlight
+
+  bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
+  /// Is it shaded as a sum of vMFs? Planar Gaussians know none of these.
+  bool is_sum() const { return brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured; }
+  /// Its highlight, unless every bake measures it.
+  std::vector<Highlight> more_highlights() const;
+};
+/// As parse_brdf() reads it; the highlight alone counts. Throws Error(kUsage) naming `option`, Error(kInput).
+TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
+
+/// The least error of `brdf`, in the mean over levels, among the ways to shade a file; with colours where the file has
+/// them.
+struct ReachedError {
+  double error = 0.0;
+  double confidence = 0.0;  // half width of the 95 % interval
+  int worst_level = 0;
+  double worst_level_error = 0.0;
+  std::string shading;  // "lean", of moments; else empty
+
+  /// Below `error`, its interval and all?
+  bool meets(double target) const { return error + confidence <= target; }
+};
+ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf);
+
+/// What a candidate reached on the mosaic.
+struct SettingTrial {
+  std::size_t candidate;
+  ReachedError reached;
+  double seconds;        // of the fit or of averaging
+  double fixed_seconds;  // of these, what does not grow with the map: choosing a start, and coarse levels
+};
+
+/// Trials of one map, each made when it is asked for, once.
+class SettingTrials {
+ public:
+  /// `source` and `device` must outlive it.
+  SettingTrials(Device& device, const BakeJob& job, const BakeSource& source, TargetBrdf brdf,
+                std::vector<SettingCandidate> candidates);
+
+  const std::vector<SettingCandidate>& candidates() const { return candidates_; }
+  const TargetBrdf& brdf() const { return brdf_; }
+  /// Throws Cancelled.
+  const SettingTrial& at(std::size_t candidate, Progress* progress);
+  /// Those that were made, in that order.
+  const std::vector<SettingTrial>& made() const { return made_; }
+  /// Texels of the map to those of the mosaic.
+  double scale() const;
+
+ private:
+  Device& device_;
+  const BakeJob job_;
+  const TargetBrdf brdf_;
+  const std::vector<Highlight> highlights_;  // of it: one, or none
+  const BakeSource mosaic_;
+  const std::vector<SettingCandidate> candidates_;
+  std::vector<SettingTrial> made_;
+  double scale_;
+};
+
+/// JOB with a candidate's settings in the place of its own.
+BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
+
+/// The cheapest candidate, from number `first` on, that reaches `error` on the mosaic, its interval included, when
+/// mosaic errors are multiplied by `correction`; nullopt where none does. Candidates whose
+/// quicker kin is too far off are not tried: as many lobes fitted longer take a quarter off the error at most.
+std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
+                                            Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/target/tradeoff_sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "host/asset/gpu_bytes.h"
+#include "host/bake/bake_file.h"
+#include "host/base/error.h"
+#include "host/base/files/output_paths.h"
+#include "host/base/held_warnings.h"
+#include "host/base/processes/viewer_process.h"
+#include "host/brdf/brdf_text.h"
+#include "host/brdf/facet_distribution.h"
+
+namespace multum {
+namespace {
+
+constexpr int kUsualLobes = 4;
+constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
+
+// A way to draw a bake.
+struct View {
+  std::string group;
+  std::string arguments;                              // beside --brdf
+  std::string brdf;                                   // of multum-view; empty: the target
+  bool is_measured;                                   // do the bake's measured errors of the target hold for it?
+  std::optional<Highlight> highlight = std::nullopt;  // another that it is measured for
+};
+
+using Given = std::initializer_list<std::pair<const char*, ParameterValue>>;
+
+struct SweptBake {
+  ParameterValues values;
+  std::vector<View> views;
+};
+
+// With four lobes of the default, some settings changed.
+SweptBake changed(const std::string& group, Given changes) {
+  SweptBake swept{bake_values({{"ndf", "vmf"}, {"lobes", kUsualLobes}}), {{group, "", "", true}}};
+  for (const auto& [name, value] : changes) swept.values.set(name, value);
+  return swept;
+}
+
+// GGX as wide as Blinn-Phong of that exponent: alpha^2 = 2 / (s + 2), and glTF's roughness is its root.
+std::string ggx_of(double exponent) {
+  return fmt::format("ggx:{:.3f}", std::clamp(std::pow(2.0 / (exponent + 2.0), 0.25), 0.05, 1.0));
+}
+
+// Drawn by sums of 1 to 4 vMFs: the target, if it is one, else a GGX that is as wide.
+void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
+  const std::string text = target.is_sum() ? target.text : ggx_of(equivalent_exponent(target.brdf));
+  for (int terms = 1; terms <= kBrdfTermCountMax; ++terms) {
+    const std::string arguments = fmt::format("--brdf-terms {}", terms);
+    views.push_back({"BRDF terms", arguments, text, false,
+                     make_highlight("terms:" + std::to_string(terms), parse_brdf("--brdf", text, terms))});
+  }
+}
+
+// The default's bake is drawn by every formula and every sum of terms.
+SweptBake usual_bake(const TradeoffJob& job) {
+  const TargetBrdf& brdf = job.brdf;
+  SweptBake usual = changed("lobes", {});
+  if (job.length == SweepLength::kQuick) return usual;
+  usual.views.push_back({"shading formula", "--shade-first", "", false});
+  if (job.has_roughness()) return usual;  // the BRDF is the map's, and its formula the product's
+  if (brdf.brdf.kind == BrdfKind::kBlinnPhong) usual.views.push_back({"shading formula", "--formula paper", "", false});
+  if (brdf.has_highlight()) add_term_views(brdf, usual.views);
+  return usual;
+}
+
+void add_representations(const TargetBrdf& brdf, SweepLength length, std::vector<SweptBake>& sweep) {
+  SweptBake moments{bake_values({{"ndf", "moments"}}), {}};
+  for (const char* shading : kMomentShadings)
+    moments.views.push_back({"moments", fmt::format("--moments {}", shading), "", true});
+  sweep.push_back(moments);
+  for (const int order : length == SweepLength::kQuick   ? std::vector<int>{4, 8}
+                         : length == SweepLength::kUsual ? std::vector<int>{2, 4, 6, 8, 12}
+                                                         : std::vector<int>{2, 3, 4, 6, 8, 10, 13, 16, 20}) {
+    sweep.push_back({bake_values({{"ndf", "sh"}, {"sh_order", order}}), {{"harmonics", "", "", true}}});
+  }
+  if (brdf.is_sum()) return;
+  for (const int count : length == SweepLength::kQuick   ? std::vector<int>{4}
+                         : length == SweepLength::kUsual ? std::vector<int>{1, 2, 4, 6}
+                                                         : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
+    sweep.push_back({bake_values({{"ndf", "gmm"}, {"lobes", count}}), {{"Gaussians", "", "", true}}});
+}
+
+void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
+  const auto add = [&](const std::string& group, Given changes) { sweep.push_back(changed(group, changes)); };
+  add("iterations", {{"sweeps", 1}, {"no_rehearsal", true}});
+  add("storage", {{"data_format", "half"}});
+  // Without level 0 lobes take a quarter of the memory: more of them fit into as much.
+  for (const int lobes : length == SweepLength::kQuick   ? std::vector<int>{2, 4}
+                         : length == SweepLength::kUsual ? std::vector<int>{1, 2, 3, 4, 6, 8}
+                                                         : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
+    add("first level", {{"lobes", lobes}, {"first_level", 1}});
+  if (length == SweepLength::kQuick) return;
+  for (const int iterations : {3, 6}) add("iterations", {{"iterations", iterations}});
+  for (const int sweeps : {1, 3}) add("iterations", {{"sweeps", sweeps}});
+  add("iterations", {{"no_rehearsal", true}});
+  add("iterations", {{"reference", true}});
+  add("iterations", {{"coarse_normals", "all"}});
+  SweptBake unaligned = changed("hierarchy", {{"unaligned", true}});
+  unaligned.views.push_back({"hierarchy", "--shade-first", "", false});
+  sweep.push_back(unaligned);
+  for (const double alignment : {0.0, 1.0}) add("hierarchy", {{"align", alignment}});
+  add("hierarchy", {{"order", "scanline"}});
+  add("storage", {{"data_format", "float"}});
+  add("first level", {{"first_level", 2}});
+  for (const char* compression : {"none", "piz"}) add("storage", {{"compression", compression}});
+  if (length != SweepLength::kFull) return;
+  for (const int lobes : {1, 2, 3, 5, 6, 7, 8}) {
+    add("iterations", {{"lobes", lobes}, {"sweeps", 1}, {"no_rehearsal", true}});
+    add("iterations", {{"lobes", lobes}, {"reference", true}});
+  }
+}
+
+std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
+  const SweepLength length = job.length;
+  std::vector<SweptBake> sweep;
+  for (const int count :
+       length == SweepLength::kQuick ? std::vector<int>{1, 2, 4, 6} : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
+    sweep.push_back(count == kUsualLobes ? usual_bake(job) : changed("lobes", {{"lobes", count}}));
+  add_representations(job.brdf, length, sweep);
+  add_changes(length, sweep);
+  return sweep;
+}
+
+// A folder that goes away.
+class Scratch {
+ public:
+  explicit Scratch(std::string folder) : folder_(std::move(folder)) { make_folder(folder_); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  std::string operator/(const std::string& name) const { return folder_ + "/" + name; }
+
+ private:
+  const std::string folder_;
+};
+
+std::string read_bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+// The mean over levels of one kind of point.
+double mean_error(const std::vector<AccuracyRow>& rows, const std::string& brdf,
+                  std::initializer_list<AccuracyPoint> points) {
+  double sum = 0.0;
+  int count = 0;
+  for (const AccuracyRow& row : rows) {
+    if (row.level < kSummaryLevel || row.brdf != brdf ||
+        std::find(points.begin(), points.end(), row.point) == points.end())
+      continue;
+    sum += row.error;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+class Sweep {
+ public:
+  Sweep(const TradeoffJob& job, Device& device, Progress* progress)
+      : job_(job), device_(device), progress_(progress), scratch_(job.scratch) {}
+
+  TradeoffResult run() {
+    const auto started = std::chrono::steady_clock::now();
+    BakeReport reading;
+    const BakeSource source = read_source(job_.bake, MapReadings::kMany, reading, progress_);
+    result_.width = source.map.normals.width();
+    result_.height = source.map.normals.height();
+    // Levels that a map has not got cannot be its first.
+    std::vector<SweptBake> sweep = make_sweep(job_);
+    const int level_count = static_cast<int>(std::log2(std::max(result_.width, result_.height)));
+    std::erase_if(sweep,
+                  [&](const SweptBake& one) { return one.values.integer("first_level").value_or(0) > level_count; });
+    std::uint64_t units = 0;
+    for (const SweptBake& one : sweep) units += one.views.size() + 1;
+    progress_start(progress_, units);
+    for (const SweptBake& one : sweep) run_bake(one, source);
+    mark_fronts();
+    mark_budgets();
+    choose();
+    progress_finish(progress_);
+    result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    return std::move(result_);
+  }
+
+ private:
+  void run_bake(const SweptBake& swept, const BakeSource& source) {
+    const std::string options = options_text(swept.values);
+    progress_stage(progress_, "bake " + options);
+    BakeJob bake = job_.bake;
+    apply(swept.values, bake);
+    bake.output = scratch_ / "swept.ndf.exr";
+    bake.report.clear();
+    bake.force = true;
+    if (!job_.has_roughness()) bake.highlights = job_.brdf.more_highlights();
+    for (const View& view : swept.views)
+      if (view.highlight) bake.highlights.push_back(*view.highlight);
+    Progress quiet = cancel_only(progress_);
+    HeldWarnings held;
+    const BakeReport report = bake_source(bake, source, device_, &quiet);
+    const std::vector<std::string> warnings = without_name(held.take());
+    result_.device = report.device;
+    progress_advance(progress_, 1);
+    for (const View& view : swept.views) {
+      TradeoffRow row;
+      row.group = view.group;
+      row.options = options;
+      row.view = view.arguments;
+      if (!view.brdf.empty()) row.view = fmt::format("--brdf {} {}", view.brdf, view.arguments);
+      row.is_measured = view.is_measured;
+      row.bake_seconds = report.bake_seconds();
+      row.file_bytes = std::filesystem::file_size(bake.output);
+      row.normals_bytes = finest_normals_gpu_bytes(result_.width, result_.height, bake.fitting.first_level);
+      row.gpu_bytes = baked_gpu_bytes(bake.output) + row.normals_bytes;
+      row.warnings = warnings;
+      if (view.is_measured) add_errors(report, view, row);
+      if (view.highlight) add_errors_of(report, *view.highlight, row);
+      if (!job_.viewer.empty()) draw(bake.output, view, row);
+      result_.rows.push_back(std::move(row));
+      progress_advance(progress_, 1);
+    }
+  }
+
+  // The map is the page's.
+  std::vector<std::string> without_name(std::vector<std::string> warnings) const {
+    const std::string name = job_.bake.input + ": ";
+    for (std::string& warning : warnings)
+      if (warning.starts_with(name)) warning.erase(0, name.size());
+    return warnings;
+  }
+
+  void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
+    // Of moments, those of this way to shade them.
+    constexpr std::string_view kMoments = "--moments ";
+    const std::string shading =
+        view.arguments.starts_with(kMoments) ? " " + view.arguments.substr(kMoments.size()) : std::string();
+    for (const AccuracySummary& one : report.error)
+      if (const std::size_t space = one.brdf.find(' ');
+          (space == std::string::npos ? "" : one.brdf.substr(space)) == shading)
+        row.errors.push_back(one);
+    const std::string brdf = job_.brdf.name + shading;
+    row.reached = reached_error(row.errors, job_.brdf);
+    row.has_error = true;
+    row.centre = mean_error(report.accuracy, brdf, {AccuracyPoint::kCentre});
+    row.midway = mean_error(report.accuracy, brdf, {AccuracyPoint::kMidX, AccuracyPoint::kMidY});
+    row.between = mean_error(report.accuracy, brdf, {AccuracyPoint::kBetween});
+  }
+
+  static void add_errors_of(const BakeReport& report, const Highlight& highlight, TradeoffRow& row) {
+    row.reached = reached_error(report.error, {highlight.name, highlight.name, highlight.brdf});
+    row.has_error = true;
+  }
+
+  // The truth is drawn with it, through the same trilinear filter: what is off is what the settings left out. Then
+  // again without: the quicker of two frames is less of what else the machine did.
+  void draw(const std::string& baked, const View& view, TradeoffRow& row) {
+    progress_stage(progress_, "draw " + row.options);
+    const nlohmann::json with_truth = run_view(baked, view,
+                                               {"--pictures", scratch_ / "picture", "--compare", "truth", "--truth-of",
+                                                "texels", "--samples", fmt::format("{}", job_.samples)});
+    result_.renderer = with_truth.at("context").get<std::string>();
+    row.rendered = own_picture(with_truth).at("relative_l1").get<double>();
+    const nlohmann::json again = run_view(baked, view, {});
+    row.frame_ms = std::min(own_picture(with_truth).at("frame_time_ms").get<double>(),
+                            own_picture(again).at("frame_time_ms").get<double>());
+    row.picture = read_bytes(scratch_ / "picture_multum.png");
+    if (result_.truth.empty()) result_.truth = read_bytes(scratch_ / "picture_truth.png");
+  }
+
+  static const nlohmann::json& own_picture(const nlohmann::json& report) {
+    for (const nlohmann::json& picture : report.at("pictures"))
+      if (picture.at("name") == "multum") return picture;
+    throw Error(ErrorCode::kEnvironment, "multum-view's report has no picture of its own");
+  }
+
+  // What it reports.
+  nlohmann::json run_view(const std::string& baked, const View& view, const std::vector<std::string>& more) {
+    std::vector<std::string> command = {job_.viewer, baked,
+                                        "-o",        scratch_ / "sheet.png",
+                                        "--report",  scratch_ / "view.json",
+                                        "--source",  job_.bake.input,
+                                        "--context", job_.context,
+                                        "--decode",  job_.decode,
+                                        "--size",    fmt::format("{}x{}", job_.width, job_.height)};
+    const std::string& brdf = view.brdf.empty() ? job_.brdf.text : view.brdf;
+    if (job_.has_roughness())
+      command.insert(command.end(), {job_.bake.roughness_is_gloss ? "--gloss" : "--roughness", job_.bake.roughness});
+    else command.insert(command.end(), {"--brdf", brdf});
+    command.insert(command.end(), more.begin(), more.end());
+    std::stringstream words(view.arguments);
+    for (std::string word; words >> word;) command.push_back(word);
+    run_viewer(command, "drawing " + baked, progress_);
+    return nlohmann::json::parse(read_bytes(scratch_ / "view.json"));
+  }
+
+  // On a front is what nothing is better than in both: with the same cost, the error decides.
+  void mark_front(bool TradeoffRow::*flag, const std::function<double(const TradeoffRow&)>& cost) {
+    for (TradeoffRow& row : result_.rows) {
+      if (!row.is_measured || cost(row) < 0.0) continue;
+      row.*flag = std::none_of(result_.rows.begin(), result_.rows.end(), [&](const TradeoffRow& other) {
+        return other.is_measured && cost(other) >= 0.0 && cost(other) <= cost(row) &&
+               other.ranked_error() <= row.ranked_error() &&
+               (cost(other) < cost(row) || other.ranked_error() < row.ranked_error());
+      });
+    }
+  }
+
+  void mark_fronts() {
+    mark_front(&TradeoffRow::on_time_front, [](const TradeoffRow& row) { return row.bake_seconds; });
+    mark_front(&TradeoffRow::on_frame_front, [](const TradeoffRow& row) { return row.frame_ms; });
+    mark_front(&TradeoffRow::on_size_front, [](const TradeoffRow& row) { return static_cast<double>(row.gpu_bytes); });
+  }
+
+  // A frame that was not drawn keeps to no budget of time.
+  void mark_budgets() {
+    for (TradeoffRow& row : result_.rows)
+      row.fits = (!job_.bytes_max || row.gpu_bytes <= *job_.bytes_max) &&
+                 (!job_.frame_ms_max || (row.frame_ms >= 0.0 && row.frame_ms <= *job_.frame_ms_max)) &&
+                 (!job_.bake_seconds_max || row.bake_seconds <= *job_.bake_seconds_max);
+  }
+
+  // For an error: the fewest bytes, then the least time; for a time, and within budgets alone: the least error.
+  void choose() {
+    for (std::size_t i = 0; i < result_.rows.size(); ++i) {
+      const TradeoffRow& row = result_.rows[i];
+      if (!row.is_measured || !row.fits) continue;
+      const bool fits = job_.error          ? row.reached.meets(*job_.error)
+                        : job_.bake_seconds ? row.bake_seconds <= *job_.bake_seconds
+                                            : job_.has_budget();
+      if (!fits) continue;
+      const auto rank = [&](const TradeoffRow& one) {
+        return job_.error ? std::pair(static_cast<double>(one.gpu_bytes), one.bake_seconds)
+                          : std::pair(one.ranked_error(), one.bake_seconds);
+      };
+      if (!result_.chosen || rank(row) < rank(result_.rows[*result_.chosen])) result_.chosen = i;
+    }
+  }
+
+  const TradeoffJob& job_;
+  Device& device_;
+  Progress* const progress_;
+  const Scratch scratch_;
+  TradeoffResult result_;
+};
+
+}  // namespace
+
+std::size_t TradeoffResult::setting_count() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const TradeoffRow& row) { return row.is_measured; }));
+}
+
+TradeoffResult run_tradeoff(const TradeoffJob& job, Device& device, Progress* progress) {
+  if (job.error && job.bake_seconds) throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected one");
+  if (job.frame_ms_max && job.viewer.empty())
+    throw Error(ErrorCode::kUsage, "--max-frame-ms: no frame is drawn with --no-pictures, expected one of them");
+  return Sweep(job, device, progress).run();
+}
+
+}  // namespace multum

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// What accuracy costs in time, on this machine, for one map: every kind of setting is baked, measured against the truth
+// and drawn. Bakes are whole and real; pictures and frame times are multum-view's, a child process.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/target/setting_choice.h"
+
+namespace multum {
+
+enum class SweepLength { kQuick, kUsual, kFull };
+
+struct TradeoffJob {
+  BakeJob bake;     // its input, roughness and how to read them; settings that are swept do not count
+  TargetBrdf brdf;  // "roughness" with a roughness map
+  SweepLength length = SweepLength::kUsual;
+  std::string viewer;             // multum-view; empty: nothing is drawn
+  std::string context = "auto";   // of multum-view
+  std::string decode = "child";   // of multum-view, too
+  std::string scratch;            // a folder for baked files and pictures, made and removed again
+  int width = 320, height = 240;  // of pictures
+  int samples = 64;               // a pixel of the truth
+  std::optional<double> error;    // what to pick settings for: one of both, or none
+  std::optional<double> bake_seconds;
+  // Budgets: rows say whether they keep to all that are set, and only those may be chosen.
+  std::optional<std::uint64_t> bytes_max;  // of textures on the GPU
+  std::optional<double> frame_ms_max;      // needs a viewer
+  std::optional<double> bake_seconds_max;
+
+  bool has_roughness() const { return !bake.roughness.empty(); }
+  bool has_budget() const { return bytes_max || frame_ms_max || bake_seconds_max; }
+};
+
+/// One bake, drawn in one way.
+struct TradeoffRow {
+  std::string group;    // "lobes", "storage", ...: what is varied
+  std::string options;  // of `multum bake`
+  std::string view;     // of `multum-view`; empty: none beside the BRDF
+  // Relative L1 of levels 2 and up, levels weighing alike: centres, the mean of x and y midway, between levels.
+  double centre = 0.0, midway = 0.0, between = 0.0;
+  ReachedError reached;                 // centres and midway together, with its interval
+  std::vector<AccuracySummary> errors;  // the same of every BRDF that bakes measure, as it is drawn here
+  double rendered = -1.0;               // of the picture, against one of the same filter's truth; < 0: not drawn
+  /// What rows are ranked by: `reached` does not see levels 0 and 1, and so not what --first-level leaves to the normal
+  /// map; pictures do.
+  double ranked_error() const { return rendered >= 0.0 ? rendered : reached.error; }
+  double bake_seconds = 0.0;  // fitting or averaging, and writing; reading is the same for all
+  double frame_ms = -1.0;     // < 0: not drawn
+  std::uint64_t file_bytes = 0;
+  std::uint64_t normals_bytes = 0;    // on the GPU, of the normal map that has the levels finer than the file's first
+  std::uint64_t gpu_bytes = 0;        // with these
+  std::string picture;                // PNG bytes; empty: not drawn
+  bool is_measured = true;            // false: another BRDF, or a formula that only the renderer has
+  bool has_error = false;             // is `reached` known? Of a row that is not measured: the error of its own BRDF
+  bool fits = true;                   // TradeoffJob's budgets
+  std::vector<std::string> warnings;  // of the bake, without the map's name
+  bool on_time_front = false, on_frame_front = false, on_size_front = false;  // nothing is better in both
+};
+
+struct TradeoffResult {
+  std::vector<TradeoffRow> rows;
+  std::string truth;                  // PNG bytes of the picture that all are compared with; empty: none
+  std::string device;                 // that baked
+  std::string renderer;               // that drew
+  int width = 0, height = 0;          // of the map
+  std::optional<std::size_t> chosen;  // the row for the job's error, time or budgets
+  double seconds = 0.0;
+
+  /// Rows whose error for the job's BRDF is measured: those that are ranked and chosen from.
+  std::size_t setting_count() const;
+};
+
+/// Throws Error, Cancelled; TradeoffJob::scratch is gone after, whatever happens. Progress: a unit a row.
+TradeoffResult run_tradeoff(const TradeoffJob& job, Device& device, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measured errors as people and as files have them; any other text in the attribute is recognised as such.
+#include "host/accuracy/accuracy_table.h"
+#include "host/asset/averages/moment_file.h"
+
+#include <gtest/gtest.h>
+
+#include "host/asset/lobes/movmf_mipmap.h"
+
+namespace multum {
+namespace {
+
+std::vector<AccuracyRow> some_rows() {
+  std::vector<AccuracyRow> rows;
+  for (const char* brdf : {"blinn-phong:500", "lambert", "blinn-phong:500 coloured", "lambert coloured"}) {
+    rows.push_back({0, AccuracyPoint::kCentre, brdf, 0.0123456, 0.0010000004, 4});
+    rows.push_back({0, AccuracyPoint::kMidX, brdf, 0.02, 0.001, 4});
+    rows.push_back({0, AccuracyPoint::kMidY, brdf, 0.03, 0.001, 4});
+    rows.push_back({0, AccuracyPoint::kBetween, brdf, 0.9, 0.001, 4});
+    rows.push_back({1, AccuracyPoint::kCentre, brdf, 0.05, 0.0, 1});
+  }
+  return rows;
+}
+
+TEST(AccuracyTable, OneForWhiteAndOneForColours) {
+  EXPECT_EQ(
+      accuracy_table(some_rows()),
+      "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y); +- 95 % "
+      "interval\n"
+      "  level    texels                 blinn-phong:500                         lambert\n"
+      "      0   sampled     1.23 +- 0.11 | 3.00 +- 0.10     1.23 +- 0.11 | 3.00 +- 0.10\n"
+      "      1       all                        5.00 | -                        5.00 | -\n"
+      "measured error with colours, relative L1 in %, at texel centres | midway between texels (the worse of x "
+      "and y); +- 95 % interval\n"
+      "  level    texels                 blinn-phong:500                         lambert\n"
+      "      0   sampled     1.23 +- 0.11 | 3.00 +- 0.10     1.23 +- 0.11 | 3.00 +- 0.10\n"
+      "      1       all                        5.00 | -                        5.00 | -\n");
+  EXPECT_EQ(accuracy_table({}), "");
+}
+
+TEST(AccuracyTable, TheAttributeGivesBackTheTable) {
+  const std::string json = measured_error_json(some_rows());
+  EXPECT_EQ(json.substr(0, 55), "[[0,\"centre\",\"blinn-phong:500\",0.012346,0.001001],[0,\"m");
+  EXPECT_EQ(json.substr(json.size() - 39), "[1,\"centre\",\"lambert coloured\",0.05,0]]") << "all texels";
+  const auto parsed = parse_measured_error(json);
+  ASSERT_TRUE(parsed.has_value());
+  EXPECT_EQ(measured_error_json(*parsed), json);
+  EXPECT_EQ(accuracy_table(*parsed), accuracy_table(some_rows()));
+  EXPECT_EQ(parse_measured_error("[]")->size(), 0u);
+}
+
+// A writer of rows leaves room for it before anything is measured: as much as the longest takes, of each
+// representation.
+TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
+  const auto longest = [](const std::vector<std::string>& ways) {
+    std::vector<AccuracyRow> rows;
+    for (int level = 0; level < 16; ++level)
+      for (const AccuracyPoint point :
+           {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
+        for (const std::string& way : ways)
+          for (const std::string brdf : {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert"})
+            for (const char* coloured : {"", " coloured"})
+              rows.push_back({level, point, brdf + way + coloured, 0.123456, 0.012345, 1});
+    return measured_error_json(rows).size();
+  };
+  EXPECT_LE(longest({""}), static_cast<std::size_t>(BakedWriteOptions().measured_error_bytes));
+  EXPECT_LE(longest({" toksvig", " lean", " lean-jacobian"}), static_cast<std::size_t>(kMomentErrorBytes));
+}
+
+// A table a way of shading and colours, each with a column a BRDF.
+TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
+  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert toksvig", 0.125, 0.0, 1},
+                                         {0, AccuracyPoint::kCentre, "lambert toksvig coloured", 0.25, 0.0, 1},
+                                         {0, AccuracyPoint::kCentre, "lambert lean", 0.5, 0.0, 1}};
+  const std::string text = accuracy_table(rows);
+  std::size_t at = 0;
+  for (const char* part : {"measured error of toksvig, relative", "12.50", "measured error of toksvig with colours, ",
+                           "25.00", "measured error of lean, relative", "50.00"}) {
+    const std::size_t found = text.find(part, at);
+    ASSERT_NE(found, std::string::npos) << part << " is not in its place in\n" << text;
+    at = found;
+  }
+}
+
+// Rounding to six digits, then to four, is not rounding to four.
+TEST(AccuracyTable, RoundsAlikeFromBakeAndFile) {
+  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert", 0.0001499996, 0.0, 1}};
+  EXPECT_EQ(accuracy_table(*parse_measured_error(measured_error_json(rows))), accuracy_table(rows));
+}
+
+// Files of earlier programs have four fields an entry.
+TEST(AccuracyTable, IntervalsMayBeUnstated) {
+  const std::string json = "[[0,\"centre\",\"lambert\",0.125]]";
+  const auto rows = parse_measured_error(json);
+  ASSERT_TRUE(rows.has_value());
+  EXPECT_EQ(rows->front().confidence, kIntervalUnstated);
+  EXPECT_EQ(measured_error_json(*rows), json);
+  EXPECT_EQ(accuracy_table(*rows),
+            "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n"
+            "  level    texels             lambert\n"
+            "      0  unstated           12.50 | -\n");
+}
+
+// However narrow, an interval of a sample is no 0, which says that all texels were measured.
+TEST(AccuracyTable, IntervalsAreRoundedUp) {
+  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert", 0.0, kIntervalMin, 9},
+                                         {1, AccuracyPoint::kCentre, "lambert", 0.1, 0.0012, 9},
+                                         {2, AccuracyPoint::kCentre, "lambert", 0.1, 0.00120001, 9},
+                                         {3, AccuracyPoint::kCentre, "lambert", 0.1, 0.0, 9}};
+  EXPECT_EQ(measured_error_json(rows),
+            "[[0,\"centre\",\"lambert\",0.0,1e-06],[1,\"centre\",\"lambert\",0.1,0.0012],"
+            "[2,\"centre\",\"lambert\",0.1,0.001201],[3,\"centre\",\"lambert\",0.1,0]]");
+  const std::string table = accuracy_table(rows);
+  for (const char* part : {" 0.00 +- 0.01 | -", "10.00 +- 0.12 | -", "10.00 +- 0.13 | -", " 10.00 | -"})
+    EXPECT_NE(table.find(part), std::string::npos) << part << " is missing in\n" << table;
+  EXPECT_EQ(table, accuracy_table(*parse_measured_error(measured_error_json(rows))));
+}
+
+TEST(AccuracyTable, OtherTextsAreNoErrors) {
+  for (const char* text : {"", "{}", "nonsense", "[1]", "[[0,\"centre\",\"lambert\"]]",
+                           "[[0,\"middle\",\"lambert\",0.1]]", "[[1000000000,\"centre\",\"lambert\",0.1]]",
+                           "[[-1,\"centre\",\"lambert\",0.1]]", "[[0.5,\"centre\",\"lambert\",0.1]]",
+                           "[[0,\"centre\",\"lambert\",0.1,-0.1]]", "[[0,\"centre\",\"lambert\",0.1,\"all\"]]",
+                           "[[0,\"centre\",\"lambert\",0.1,0,0]]", "[[0,\"centre\",\"lambert\",\"0.1\"]]"})
+    EXPECT_FALSE(parse_measured_error(text).has_value()) << text;
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// A child's end is told apart: exit code, signal, never started.
+#include "host/base/processes/child_process.h"
+#include "host/base/processes/sanitizers.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "tests/unit/base/test_folder.h"
+
+namespace multum {
+namespace {
+
+TEST(ChildProcessTest, OutputOfBothStreamsAndExitCode) {
+  const ChildResult result = run_child({"sh", "-c", "echo out; echo err >&2; exit 7"});
+  EXPECT_EQ(result.exit_code, 7);
+  EXPECT_EQ(result.signal, 0);
+  EXPECT_EQ(result.output, "out\nerr\n");
+}
+
+TEST(ChildProcessTest, ArgumentsArriveAsTheyAre) {
+  EXPECT_EQ(run_child({"printf", "%s|", "a b", "", "$HOME", "\"q'"}).output, "a b||$HOME|\"q'|");
+}
+
+TEST(ChildProcessTest, MoreOutputThanAPipeHolds) {
+  EXPECT_EQ(run_child({"sh", "-c", "head -c 300000 /dev/zero | tr '\\0' x"}).output, std::string(300000, 'x'));
+}
+
+TEST(ChildProcessTest, ASignalIsNotAnExitCode) {
+  const ChildResult result = run_child({"sh", "-c", "kill -SEGV $$"});
+  EXPECT_EQ(result.exit_code, -1);
+  EXPECT_EQ(result.signal, SIGSEGV);
+}
+
+TEST(ChildProcessTest, UsageIsTheChildsOwn) {
+  // dd holds one block of 200 MiB, and fills it.
+  const ChildResult busy = run_child({"dd", "if=/dev/zero", "of=/dev/null", "bs=200M", "count=1"});
+  ASSERT_EQ(busy.exit_code, 0) << busy.output;
+  EXPECT_GT(busy.usage.peak_memory_bytes, 200u << 20);
+  EXPECT_LT(busy.usage.peak_memory_bytes, (300u << 20) + own_peak_memory_bytes());
+  EXPECT_GT(busy.usage.cpu_seconds(), 0.0);
+  const ChildResult idle = run_child({"sleep", "0.2"});
+  EXPECT_GE(idle.usage.wall_seconds, 0.2);
+  EXPECT_LT(idle.usage.cpu_seconds(), 0.2);
+  EXPECT_LT(idle.usage.peak_memory_bytes, (100u << 20) + own_peak_memory_bytes())
+      << "one child's peak counts for the next";
+}
+
+TEST(ChildProcessTest, LimitsEndWhatTheChildHasStartedToo) {
+  // A grandchild that would hold the pipe open for a minute.
+  const ChildResult slow = run_child({"sh", "-c", "sleep 60 & sleep 60"}, {std::chrono::milliseconds(300)});
+  EXPECT_TRUE(slow.is_over_time);
+  EXPECT_EQ(slow.signal, SIGKILL);
+  EXPECT_LT(slow.usage.wall_seconds, 20.0);
+  ChildLimits limits{std::chrono::minutes(1)};
+  limits.is_cancelled = [] { return true; };
+  EXPECT_EQ(run_child({"sleep", "60"}, limits).signal, SIGKILL);
+}
+
+TEST(ChildProcessTest, LimitedChildrenAreNicerAndHaveLessMemory) {
+  ChildLimits limits{std::chrono::minutes(1), 7, std::uint64_t{64} << 20};
+  const ChildResult nice = run_child({"sh", "-c", "sleep 0.2; nice"}, limits);
+  EXPECT_EQ(nice.output, "7\n");
+  EXPECT_FALSE(nice.is_over_time);
+#ifndef MULTUM_SHADOW_MEMORY
+  EXPECT_NE(run_child({"sh", "-c", "sleep 0.2; exec dd if=/dev/zero of=/dev/null bs=200M count=1"}, limits).exit_code,
+            0);
+#endif
+}
+
+TEST(ChildProcessTest, AMissingProgramIsNamed) {
+  testing::expect_error(ErrorCode::kEnvironment, {"multum-no-such-program", "cannot be started", "No such file"},
+                        [] { run_child({"multum-no-such-program"}); });
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files to write are told from files to read, and from each other, by whatever name.
+#include "host/base/files/output_paths.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/base/test_folder.h"
+
+namespace multum {
+namespace {
+
+using testing::expect_error;
+using testing::TemporaryFolder;
+using testing::write_bytes;
+
+TEST(OutputPathsTest, OneFileUnderTwoNamesIsRefused) {
+  const TemporaryFolder folder;
+  const std::string in = folder / "in.png";
+  write_bytes(in, "x");
+  std::filesystem::create_symlink(in, folder / "link.png");
+  std::filesystem::create_directory_symlink(folder.path(), folder / "same");
+  for (const std::string& name : {in, folder / "./in.png", folder / "link.png", folder / "same/in.png"})
+    expect_error(ErrorCode::kUsage, {name, "is named twice"}, [&] { check_paths_differ({"", in}, {name}); });
+  // Neither exists yet.
+  expect_error(ErrorCode::kUsage, {"is named twice"}, [&] {
+    check_paths_differ({in}, {folder / "out.png", "", folder / "same/out.png"});
+  });
+}
+
+TEST(OutputPathsTest, DifferentFilesAreTaken) {
+  const TemporaryFolder folder;
+  EXPECT_NO_THROW(check_paths_differ({folder / "a", folder / "a"}, {folder / "b", "", "", folder / "c"}));
+}
+
+TEST(OutputPathsTest, WritableLeavesNothing) {
+  const TemporaryFolder folder;
+  EXPECT_NO_THROW(check_writable(folder / "a.png"));
+  EXPECT_TRUE(folder.names().empty());
+  expect_error(ErrorCode::kEnvironment, {"none/a.png"}, [&] { check_writable(folder / "none/a.png"); });
+  expect_error(ErrorCode::kUsage, {"is a folder"}, [&] { check_writable(folder.path()); });
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// Slopes of height fields against surfaces whose slopes are known: a plane, a paraboloid (central differences are
+// exact), a sphere cap; every wrap mode at the border.
+#include "host/image/normals/height_field.h"
+
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/image/image_test_files.h"
+
+namespace multum::testing {
+namespace {
+
+using OIIO::TypeDesc;
+
+TestImage height_image(int width, int height, const std::function<double(int, int)>& value) {
+  TestImage image{.width = width, .height = height, .channels = 1, .type = TypeDesc::FLOAT, .channel_names = {"Y"}};
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) image.values.push_back(static_cast<float>(value(column, row)));
+  return image;
+}
+
+// (dh/dx, dh/dy), +Y up.
+std::pair<double, double> slopes(const NormalMap& map, int column, int row) {
+  const auto i = static_cast<std::size_t>(row * map.width + column);
+  const double z = static_cast<double>(map.z[i]);
+  return {-static_cast<double>(map.x[i]) / z, -static_cast<double>(map.y[i]) / z};
+}
+
+NormalMap read_heights(const TestImage& image, const NormalMapSettings& settings = {}) {
+  const TemporaryFolder folder;
+  write_test_image(folder / "h.exr", image);
+  return read_map(folder / "h.exr", settings);
+}
+
+TEST(HeightField, PlaneAndScale) {
+  for (const float scale : {1.0f, 4.0f, -0.5f}) {
+    NormalMapSettings settings;
+    settings.height_scale = scale;
+    settings.wrap_s = settings.wrap_t = WrapMode::kClamp;
+    // Rises to the right by 0.25 and downwards by 0.125 a texel: dh/dy is negative.
+    const NormalMap map =
+        read_heights(height_image(20, 12, [](int x, int y) { return 0.25 * x + 0.125 * y; }), settings);
+    const auto [sx, sy] = slopes(map, 7, 5);
+    EXPECT_NEAR(sx, 0.25 * static_cast<double>(scale), 1e-6);
+    EXPECT_NEAR(sy, -0.125 * static_cast<double>(scale), 1e-6);
+    EXPECT_NE(map.report.encoding.find("height field, scale"), std::string::npos) << map.report.encoding;
+  }
+}
+
+TEST(HeightField, ParaboloidIsExact) {
+  const NormalMap map = read_heights(
+      height_image(33, 31, [](int x, int y) { return 0.02 * (x - 16) * (x - 16) - 0.01 * (y - 15) * (y - 15); }));
+  for (int row = 1; row < 30; ++row) {
+    for (int column = 1; column < 32; ++column) {
+      const auto [sx, sy] = slopes(map, column, row);
+      ASSERT_NEAR(sx, 0.04 * (column - 16), 1e-5);
+      ASSERT_NEAR(sy, 0.02 * (row - 15), 1e-5);  // upwards is against the rows
+    }
+  }
+}
+
+// The third derivative of the cap over 6 bounds the error: 0.004 where its slope is below 1.
+TEST(HeightField, SphereCap) {
+  const double radius = 40.0;
+  const NormalMap map = read_heights(height_image(50, 50, [=](int x, int y) {
+    return std::sqrt(radius * radius - (x - 24.5) * (x - 24.5) - (y - 24.5) * (y - 24.5));
+  }));
+  for (int row = 8; row < 42; ++row) {
+    for (int column = 8; column < 42; ++column) {
+      const auto i = static_cast<std::size_t>(row * 50 + column);
+      ASSERT_NEAR(map.x[i], (column - 24.5) / radius, 0.004);
+      ASSERT_NEAR(map.y[i], -(row - 24.5) / radius, 0.004);
+    }
+  }
+}
+
+TEST(HeightField, WrapModesAtTheBorder) {
+  const TestImage image = height_image(4, 1, [](int x, int) { return 1.0 + x * x; });  // 1 2 5 10
+  const std::pair<WrapMode, std::pair<double, double>> cases[] = {
+      {WrapMode::kPeriodic, {(2.0 - 10.0) / 2, (1.0 - 5.0) / 2}},
+      {WrapMode::kClamp, {(2.0 - 1.0) / 2, (10.0 - 5.0) / 2}},
+      {WrapMode::kMirror, {(2.0 - 1.0) / 2, (10.0 - 5.0) / 2}},
+      {WrapMode::kBlack, {(2.0 - 0.0) / 2, (0.0 - 5.0) / 2}}};
+  for (const auto& [mode, expected] : cases) {
+    NormalMapSettings settings;
+    settings.wrap_s = mode;
+    settings.wrap_t = WrapMode::kClamp;
+    const NormalMap map = read_heights(image, settings);
+    EXPECT_NEAR(slopes(map, 0, 0).first, expected.first, 1e-5) << wrap_mode_name(mode);
+    EXPECT_NEAR(slopes(map, 3, 0).first, expected.second, 1e-5) << wrap_mode_name(mode);
+    EXPECT_NEAR(slopes(map, 0, 0).second, 0.0, 1e-6) << wrap_mode_name(mode);
+  }
+  // The same along t: a column, upwards against the rows.
+  const TestImage column = height_image(1, 4, [](int, int y) { return 1.0 + y * y; });
+  NormalMapSettings settings;
+  settings.wrap_s = WrapMode::kClamp;
+  settings.wrap_t = WrapMode::kBlack;
+  EXPECT_NEAR(slopes(read_heights(column, settings), 0, 0).second, (0.0 - 2.0) / 2, 1e-5);
+}
+
+TEST(HeightField, IntegersAreZeroToOneAndGreyColoursCount) {
+  const TemporaryFolder folder;
+  for (const TypeDesc::BASETYPE type : {TypeDesc::UINT8, TypeDesc::UINT16}) {
+    TestImage image{.width = 8, .height = 8, .type = type};
+    for (int i = 0; i < 64; ++i)
+      for (int c = 0; c < 3; ++c) image.values.push_back(static_cast<float>(i % 8) / 255.0f * 10.0f);
+    write_test_image(folder / "h.png", image);
+    NormalMapSettings settings;
+    settings.height_scale = 25.5f;
+    const NormalMap map = read_map(folder / "h.png", settings);
+    EXPECT_NEAR(slopes(map, 3, 3).first, 1.0, 0.01);
+  }
+}
+
+TEST(HeightField, NonfiniteHeights) {
+  TestImage image = height_image(16, 16, [](int x, int) { return 0.5 * x; });
+  image.at(7, 7, 0) = std::numeric_limits<float>::quiet_NaN();
+  NormalMapSettings settings;
+  settings.wrap_s = WrapMode::kClamp;
+  const NormalMap map = read_heights(image, settings);
+  EXPECT_EQ(map.report.nonfinite_repaired, 1);
+  EXPECT_NEAR(slopes(map, 8, 7).first, 0.5, 1e-5);  // the neighbours' mean lies on the plane
+  settings.fix_nan = FixNan::kBlack;
+  EXPECT_NEAR(slopes(read_heights(image, settings), 8, 7).first, 4.5 / 2, 1e-5);
+  settings.check_nan = true;
+  expect_error(ErrorCode::kInput, {"column 7, row 7"}, [&] { read_heights(image, settings); });
+}
+
+TEST(HeightField, CliffsAreLiftedAndCounted) {
+  NormalMapSettings settings;
+  settings.height_scale = 1e6f;
+  settings.bump_format = BumpFormat::kHeight;
+  const TestImage image = height_image(16, 16, [](int x, int) { return x < 8 ? 0.0 : 1.0; });
+  expect_error(ErrorCode::kInput, {"64", "horizon"}, [&] { read_heights(image, settings); });
+}
+
+TEST(HeightField, OneOrTwoGreyValuesAreRefusedUnlessAskedFor) {
+  const TemporaryFolder folder;
+  for (const int channels : {1, 3}) {
+    for (const int values : {1, 2}) {
+      for (const char* file : {"h.png", "h.jpg"}) {
+        TestImage image{.width = 32, .height = 32, .channels = channels};
+        for (int i = 0; i < 32 * 32; ++i)  // the blocks of a JPEG are 8 wide
+          for (int c = 0; c < channels; ++c)
+            image.values.push_back(values == 2 && i / 8 % 2 == 0 ? 230.0f / 255.0f : 51.0f / 255.0f);
+        write_test_image(folder / file, image);
+        SCOPED_TRACE(std::string(file) + ", " + std::to_string(channels) + " channels");
+        expect_error(ErrorCode::kInput, {file, "height field", values == 1 ? "0.2," : "mask", "--bumpformat height"},
+                     [&] { read_map(folder / file); });
+        NormalMapSettings settings;
+        settings.bump_format = BumpFormat::kHeight;
+        EXPECT_EQ(read_map(folder / file, settings).width, 32);
+      }
+    }
+  }
+  expect_error(ErrorCode::kInput, {"finite"}, [] {
+    read_heights(height_image(4, 4, [](int, int) { return std::numeric_limits<double>::quiet_NaN(); }));
+  });
+}
+
+TEST(HeightField, DoubtsAreWarnedOf) {
+  const auto warnings = [](double slope, BumpFormat format) {
+    NormalMapSettings settings;
+    settings.bump_format = format;
+    settings.wrap_s = WrapMode::kClamp;
+    const TestImage image = height_image(64, 8, [=](int x, int) { return slope * x; });
+    const std::vector<std::string> found = read_heights(image, settings).report.warnings;
+    EXPECT_LE(found.size(), 1u);
+    return found.empty() ? std::string() : found[0];
+  };
+  EXPECT_EQ(warnings(1.0, BumpFormat::kHeight), "");
+  const std::string taken = warnings(1.0, BumpFormat::kAuto);
+  testing::expect_says(taken, {"grey", "height field", "--height-scale 1"});
+  EXPECT_EQ(taken.find("slope"), std::string::npos) << taken;
+  for (const BumpFormat format : {BumpFormat::kAuto, BumpFormat::kHeight}) {
+    const std::string flat = warnings(0.01, format), steep = warnings(10.0, format);
+    testing::expect_says(flat, {"flat", "0.05 to 5", "--height-scale 1"});
+    testing::expect_says(
+        steep, {"no --height-scale is given", "84.2 degrees", "steep", "0.05 to 5", "--height-scale 0.051 would"});
+  }
+}
+
+// A scale that somebody gave is doubted in other words; a refusal for too steep slopes names a scale, too.
+TEST(HeightField, ASteepScaleIsDoubtedWhoeverGaveIt) {
+  NormalMapSettings settings;
+  settings.bump_format = BumpFormat::kHeight;
+  settings.wrap_s = WrapMode::kClamp;
+  settings.height_scale = 100.0f;
+  const TestImage image = height_image(64, 8, [](int x, int) { return 0.1 * x; });
+  const std::vector<std::string> found = read_heights(image, settings).report.warnings;
+  ASSERT_EQ(found.size(), 1u);
+  testing::expect_says(found[0], {"steep", "--height-scale 100 may be wrong", "--height-scale 5.1 would"});
+  EXPECT_EQ(found[0].find("no --height-scale"), std::string::npos) << found[0];
+  settings.height_scale = 1.0f;
+  expect_error(ErrorCode::kInput, {"horizon", "; --height-scale 1.4e-05", " would make it 0.5"},
+               [&] { read_heights(height_image(64, 8, [](int x, int) { return 500.0 * x * x; }), settings); });
+}
+
+// The scale that the warning names is one of which no warning comes.
+TEST(HeightField, TheSuggestedScaleIsOneToTake) {
+  for (const double slope : {1e-5, 0.01, 30.0, 4e6}) {
+    NormalMapSettings settings;
+    settings.bump_format = BumpFormat::kHeight;
+    settings.repair_share_max = 1.0f;
+    settings.wrap_s = WrapMode::kClamp;
+    const TestImage image = height_image(64, 8, [=](int x, int) { return slope * x; });
+    const std::vector<std::string> found = read_heights(image, settings).report.warnings;
+    ASSERT_EQ(found.size(), 1u) << slope;
+    const std::string mark = "; --height-scale ";
+    const std::size_t at = found[0].find(mark);
+    ASSERT_NE(at, std::string::npos) << found[0];
+    settings.height_scale = std::stof(found[0].substr(at + mark.size()));
+    EXPECT_TRUE(read_heights(image, settings).report.warnings.empty()) << settings.height_scale;
+  }
+}
+
+TEST(HeightField, ThreadCountChangesNoBit) {
+  const TemporaryFolder folder;
+  write_test_image(folder / "h.exr", height_image(77, 133, [](int x, int y) { return std::sin(0.3 * x * y); }));
+  const NormalMap one = read_normal_map(folder / "h.exr", {}, 1, nullptr);
+  const NormalMap many = read_normal_map(folder / "h.exr", {}, 5, nullptr);
+  EXPECT_EQ(one.x, many.x);
+  EXPECT_EQ(one.z, many.z);
+  EXPECT_EQ(one.report.encoding, many.report.encoding);
+}
+
+}  // namespace
+}  // namespace multum::testing

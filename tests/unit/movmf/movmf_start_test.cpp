@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the coarsest level starts: candidates, and the likeness that they are rehearsed on.
+#include "host/movmf/movmf_start.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <set>
+
+#include "tests/reference/test_maps.h"
+
+namespace multum {
+namespace {
+
+using testing::make_map;
+
+const glm::dvec3 kFacets[4] = {{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}, {0.0, 0.6, 0.8}, {0.0, -0.6, 0.8}};
+
+// A knurled plate: four facets in a pattern of `period` texels.
+NormalMap knurled_plate(int width, int height, int period) {
+  return make_map(width, height, [&](int x, int y) {
+    const int u = x % period - period / 2, v = y % period - period / 2;
+    return kFacets[std::abs(u) > std::abs(v) ? (u > 0 ? 0 : 1) : (v > 0 ? 2 : 3)];
+  });
+}
+
+TEST(MovmfStartTest, ACandidateHasEveryFacetOfAPatternInStepWithPowersOfTwo) {
+  for (int period : {4, 8, 16, 32}) {
+    SCOPED_TRACE(period);
+    const NormalMap map = knurled_plate(256, 256, period);
+    const auto candidates = start_candidates(planes_of(map), {4, 500.0f, 1, 2});
+    ASSERT_FALSE(candidates.empty());
+    double sum = 0.0;
+    std::set<int> found;
+    for (const MultumVmfLobe& lobe : candidates.front()) {
+      sum += static_cast<double>(lobe.amplitude);
+      const glm::dvec3 r(lobe.mean_x, lobe.mean_y, lobe.mean_z);
+      for (int f = 0; f < 4; ++f)
+        if (glm::dot(glm::normalize(r), kFacets[f]) > 0.9999 && glm::length(r) > 0.999) found.insert(f);
+    }
+    EXPECT_EQ(found.size(), 4u);
+    EXPECT_NEAR(sum, 1.0, 1e-5);
+  }
+}
+
+TEST(MovmfStartTest, CandidatesDifferAndAreFewAndFiniteAndTheSameForAnyThreads) {
+  const NormalMap map = knurled_plate(100, 37, 9);
+  for (int lobes = 1; lobes <= 8; ++lobes) {
+    SCOPED_TRACE(lobes);
+    const auto one = start_candidates(planes_of(map), {lobes, 500.0f, 1, 1}),
+               three = start_candidates(planes_of(map), {lobes, 500.0f, 1, 3});
+    ASSERT_GE(one.size(), 1u);
+    ASSERT_LE(one.size(), 24u);
+    ASSERT_EQ(one.size(), three.size());
+    for (std::size_t c = 0; c < one.size(); ++c) {
+      ASSERT_EQ(one[c].size(), static_cast<std::size_t>(lobes));
+      for (std::size_t j = 0; j < one[c].size(); ++j) {
+        EXPECT_TRUE(std::isfinite(one[c][j].mean_x) && std::isfinite(one[c][j].amplitude));
+        EXPECT_EQ(one[c][j].mean_x, three[c][j].mean_x);
+        EXPECT_EQ(one[c][j].mean_z, three[c][j].mean_z);
+        EXPECT_EQ(one[c][j].amplitude, three[c][j].amplitude);
+      }
+    }
+  }
+}
+
+TEST(MovmfStartTest, ALikenessTakesEachNormalFromWhereItLies) {
+  struct Case {
+    int width, height, likeness_width, likeness_height;
+  };
+  for (const Case& test : {Case{1024, 512, 64, 64}, Case{403, 50, 64, 50}, Case{1, 300, 1, 64}, Case{1, 1, 1, 1}}) {
+    SCOPED_TRACE(test.width);
+    // Each normal says where it stands.
+    const NormalMap map = make_map(test.width, test.height, [](int x, int y) { return glm::dvec3(x, y, 0.0); });
+    const NormalMap likeness = sample_likeness(planes_of(map), 64, 1);
+    ASSERT_EQ(likeness.width, test.likeness_width);
+    ASSERT_EQ(likeness.height, test.likeness_height);
+    const double cell_x = static_cast<double>(test.width) / likeness.width;
+    const double cell_y = static_cast<double>(test.height) / likeness.height;
+    for (int y = 0; y < likeness.height; ++y)
+      for (int x = 0; x < likeness.width; ++x) {
+        const auto i = static_cast<std::size_t>(y * likeness.width + x);
+        const double from_x = static_cast<double>(likeness.x[i]), from_y = static_cast<double>(likeness.y[i]);
+        EXPECT_TRUE(from_x > x * cell_x - 1.0 && from_x < (x + 1) * cell_x) << x << " " << from_x;
+        EXPECT_TRUE(from_y > y * cell_y - 1.0 && from_y < (y + 1) * cell_y) << y << " " << from_y;
+      }
+  }
+}
+
+TEST(MovmfStartTest, HalfVectorsAreUnitAndSpreadOverTheUpperHemisphere) {
+  const auto half_vectors = spread_half_vectors(256);
+  ASSERT_EQ(half_vectors.size(), 256u);
+  glm::dvec3 sum(0.0);
+  int in_octant = 0;
+  for (const glm::dvec3& h : half_vectors) {
+    EXPECT_NEAR(glm::length(h), 1.0, 1e-12);
+    EXPECT_GT(h.z, 0.0);
+    sum += h;
+    in_octant += h.y > 0.0 && h.x > h.y ? 1 : 0;
+  }
+  EXPECT_LT(std::abs(sum.x), 1e-12);
+  EXPECT_LT(std::abs(sum.y), 1e-12);
+  EXPECT_NEAR(in_octant, 32, 6);
+}
+
+}  // namespace
+}  // namespace multum
