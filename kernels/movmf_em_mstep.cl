@@ -63,11 +63,12 @@ static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* f
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: the E-step's parameters; out: the next one's
 //   level   [lobe][window_rows * width]                       written in the last iteration, which leaves `start` alone
-//   directed [lobe][window_rows * width][4]                   written then: what neighbours' priors are made of
+//   alignment_vectors [lobe][window_rows * width][4]                   written then: what neighbours' priors are made
+//   of
 // Sums of up to 2^16 chunks are compensated: their rounding stays that of one addition. Memory bound.
 __kernel void movmf_em_mstep(__global const float* restrict partial, __global float* restrict start,
                              __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
-                             __global float* restrict directed, MultumMovmfFit fit, int iteration) {
+                             __global float* restrict alignment_vectors, MultumMovmfFit fit, int iteration) {
   const int item = (int)get_global_id(0);
   const int slot = item / MULTUM_LOBES, lobe = item % MULTUM_LOBES;
   if (slot >= fit.slot_count) return;
@@ -91,7 +92,7 @@ __kernel void movmf_em_mstep(__global const float* restrict partial, __global fl
     const LobeLanes stored = stored_lobe(m), told = told_to_neighbours(stored);
     const size_t place = lobe * level_window_size(&fit) + texel;
     vstore4((float4)(stored.x, stored.y, stored.z, stored.amplitude), place, (__global float*)level);
-    vstore4((float4)(told.x, told.y, told.z, 0.0f), place, directed);
+    vstore4((float4)(told.x, told.y, told.z, 0.0f), place, alignment_vectors);
     return;
   }
   float mu_x, mu_y, mu_z, log_weight;

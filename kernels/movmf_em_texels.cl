@@ -3,12 +3,13 @@
 // MULTUM_PLANAR Tan et al. 2005, section 4.1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
-//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_condensed_pack
+//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_binned_pack
 //   sample_counts [group]                                              at most fit.sample_capacity
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return those of the last
 //                                                                      E-step, for movmf_features
-//   directed [lobe][window_rows * width][4]                            written: what neighbours' priors are made of
-//   level   [lobe][window_rows * width]                                written: r and amplitude of each texel's lobes
+//   alignment_vectors [lobe][window_rows * width][4]                            written: what neighbours' priors are
+//   made of level   [lobe][window_rows * width]                                written: r and amplitude of each texel's
+//   lobes
 // Sums run over the samples in their order, and a texel that has settled keeps its lobes whatever the others of its
 // group still do: the same bytes from both variants, and from a team (below). Compute bound: about 26 operations a
 // lobe and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.
@@ -26,7 +27,7 @@
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 #define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
 
-static void store_texels(__global MultumVmfLobe* level, __global float* directed, __global const int* texels,
+static void store_texels(__global MultumVmfLobe* level, __global float* alignment_vectors, __global const int* texels,
                          size_t level_size, int lobe, const LobeMoments* m) {
   const LobeLanes stored = stored_lobe(*m), told = told_to_neighbours(stored);
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
@@ -42,13 +43,13 @@ static void store_texels(__global MultumVmfLobe* level, __global float* directed
     if (texels[lane] < 0) continue;
     const size_t place = lobe * level_size + texels[lane];
     vstore4((float4)(x[lane], y[lane], z[lane], a[lane]), place, (__global float*)level);
-    vstore4((float4)(told_x[lane], told_y[lane], told_z[lane], 0.0f), place, directed);
+    vstore4((float4)(told_x[lane], told_y[lane], told_z[lane], 0.0f), place, alignment_vectors);
   }
 }
 
 __kernel void movmf_em_texels(__global const float* restrict samples, __global const int* restrict sample_counts,
                               __global float* restrict start, __global const int* restrict texel_list,
-                              __global MultumVmfLobe* restrict level, __global float* restrict directed,
+                              __global MultumVmfLobe* restrict level, __global float* restrict alignment_vectors,
                               MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
@@ -114,13 +115,13 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
       sharpness[j] = moving ? next_sharpness : sharpness[j];
       log_weight[j] = moving ? next_log : log_weight[j];
     }
-    if (fit.settled_change_squared > 0.0f) moving = moving & (change > fit.settled_change_squared);
+    if (fit.convergence_tolerance_squared > 0.0f) moving = moving & (change > fit.convergence_tolerance_squared);
   }
   // The last E-step's own moments are stored, without the prior: it steers which lobe is which and never biases them.
   for (int j = 0; j < MULTUM_LOBES; ++j) {
     const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
                                        (real_v)(fit.total_weight_inverse));
-    store_texels(level, directed, texel_list + slot, level_window_size(&fit), j, &m);
+    store_texels(level, alignment_vectors, texel_list + slot, level_window_size(&fit), j, &m);
     STORE_V(mu_x[j], START(j, MULTUM_START_MU));
     STORE_V(mu_y[j], START(j, MULTUM_START_MU + 1));
     STORE_V(mu_z[j], START(j, MULTUM_START_MU + 2));
@@ -150,8 +151,8 @@ static __local const float* factors_of_sum(__local const float* one, __local con
 
 __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_team(
     __global const float* restrict samples, __global const int* restrict sample_counts, __global float* restrict start,
-    __global const int* restrict texel_list, __global MultumVmfLobe* restrict level, __global float* restrict directed,
-    MultumMovmfFit fit) {
+    __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
+    __global float* restrict alignment_vectors, MultumMovmfFit fit) {
   __local float shares[MULTUM_LOBES * TEAM_ROW], gaps[MULTUM_LOBES * TEAM_ROW], directions[3 * TEAM_ROW], one[1];
   __local float lobe_state[MULTUM_LOBES * 5], sums[MULTUM_LOBES * 5], moved[MULTUM_LOBES];
   const int slot = (int)get_group_id(0), member = (int)get_local_id(0);
@@ -245,11 +246,11 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
       own[4] = next_log;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (iteration < last && fit.settled_change_squared > 0.0f) {
+    if (iteration < last && fit.convergence_tolerance_squared > 0.0f) {
       float change = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) change = moved[j] < 0.0f ? change : MAX_V(change, moved[j]);
       // Settled: the E-step once more, as movmf_em_texels has it.
-      if (!(change > fit.settled_change_squared)) last = iteration + 1;
+      if (!(change > fit.convergence_tolerance_squared)) last = iteration + 1;
     }
   }
   if (member >= MULTUM_LOBES) return;
@@ -257,7 +258,7 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
   __local const float* added = sums + member * 5;
   const LobeMoments m =
       lobe_moments(added[0], added[1], added[2], added[3], added[4], own[0], own[1], own[2], fit.total_weight_inverse);
-  store_texels(level, directed, texel_list + slot, level_window_size(&fit), member, &m);
+  store_texels(level, alignment_vectors, texel_list + slot, level_window_size(&fit), member, &m);
   for (int k = 0; k < 3; ++k) *START(member, MULTUM_START_MU + k) = own[k];
   *START(member, MULTUM_START_SHARPNESS) = own[3];
   *START(member, MULTUM_START_LOG) = own[4];

@@ -101,13 +101,13 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
   for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
 }
 
-// The same from condensed texels. One work-item = one slot.
+// The same from binned texels. One work-item = one slot.
 //   samples, value_samples [group][sample][4][MULTUM_GROUP]  of normals and of features: the same cells in one order
 //   sample_counts [group];  start and features as above
-__kernel void movmf_feature_condensed(__global const float* samples, __global const float* value_samples,
-                                      __global const int* sample_counts, __global const float* start,
-                                      __global const int* texel_list, __global float* features, MultumMovmfFit fit,
-                                      int first_plane) {
+__kernel void movmf_feature_binned(__global const float* samples, __global const float* value_samples,
+                                   __global const int* sample_counts, __global const float* start,
+                                   __global const int* texel_list, __global float* features, MultumMovmfFit fit,
+                                   int first_plane) {
   const int slot = (int)get_global_id(0);
   if (slot >= fit.slot_count) return;
   const int texel = texel_list[slot];

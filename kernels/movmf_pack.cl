@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Before a launch of EM: the samples of 16 texels side by side, from the map or from condensed normals. Neither knows
+// Before a launch of EM: the samples of 16 texels side by side, from the map or from binned normals. Neither knows
 // how many lobes there are. This file has only a scalar variant.
 
 #include "device/level_window.clh"
@@ -53,26 +53,26 @@ __kernel void movmf_pack(__global const float* normal_x, __global const float* n
   }
 }
 
-// The same of condensed normals. One work-item = one of part_count parts of the samples of
+// The same of binned normals. One work-item = one of part_count parts of the samples of
 // one group of slots, every part_count-th; global size slot_count / MULTUM_GROUP * part_count.
-//   condensed [texel of the window][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE]
-//   condensed_counts [texel of the window]
+//   binned [texel of the window][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE]
+//   binned_counts [texel of the window]
 //   samples [group][sample][4][MULTUM_GROUP]   written
 //   sample_counts [group]                      written: that of the texel that has most; what others lack weighs 0
 // Memory bound.
-__kernel void movmf_condensed_pack(__global const float* condensed, __global const int* condensed_counts,
-                                   __global const int* texel_list, __global float* samples, __global int* sample_counts,
-                                   MultumMovmfFit fit, int part_count) {
+__kernel void movmf_binned_pack(__global const float* binned, __global const int* binned_counts,
+                                __global const int* texel_list, __global float* samples, __global int* sample_counts,
+                                MultumMovmfFit fit, int part_count) {
   const int group = (int)get_global_id(0) / part_count, part = (int)get_global_id(0) % part_count;
   if (group * MULTUM_GROUP >= fit.slot_count) return;
   __global float* out = samples + (size_t)group * fit.sample_capacity * 4 * MULTUM_GROUP;
   __global const int* texels = texel_list + group * MULTUM_GROUP;
   int most = 1;
   for (int lane = 0; lane < MULTUM_GROUP; ++lane)
-    if (texels[lane] >= 0) most = max(most, condensed_counts[texels[lane]]);
+    if (texels[lane] >= 0) most = max(most, binned_counts[texels[lane]]);
   for (int lane = 0; lane < MULTUM_GROUP; ++lane) {
-    const int count = texels[lane] < 0 ? 0 : condensed_counts[texels[lane]];
-    __global const float* in = condensed + (size_t)max(texels[lane], 0) * fit.sample_capacity * MULTUM_CONDENSED_SAMPLE;
+    const int count = texels[lane] < 0 ? 0 : binned_counts[texels[lane]];
+    __global const float* in = binned + (size_t)max(texels[lane], 0) * fit.sample_capacity * MULTUM_CONDENSED_SAMPLE;
     for (int i = part; i < most; i += part_count) {
       const float4 sample = i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f);
       __global float* to = out + (size_t)i * 4 * MULTUM_GROUP + lane;

@@ -82,7 +82,7 @@ static void find_places(__global const int* texels, const MultumMovmfFit* fit, P
 }
 
 // What done neighbours and the parent say, summed: a_k mu_k.
-static LobeLanes directed_sum(__global const float* directed, const Places* places, LobeLanes parent) {
+static LobeLanes alignment_sum(__global const float* alignment_vectors, const Places* places, LobeLanes parent) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH];
   const LobeLanes told = told_to_neighbours(parent);
   STORE_V(told.x, x);
@@ -90,7 +90,7 @@ static LobeLanes directed_sum(__global const float* directed, const Places* plac
   STORE_V(told.z, z);
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
     float4 sum = (float4)(x[lane], y[lane], z[lane], 0.0f);
-    for (int n = 0; n < places->beside_count[lane]; ++n) sum += vload4(places->beside[lane][n], directed);
+    for (int n = 0; n < places->beside_count[lane]; ++n) sum += vload4(places->beside[lane][n], alignment_vectors);
     x[lane] = sum.x;
     y[lane] = sum.y;
     z[lane] = sum.z;
@@ -106,13 +106,13 @@ static LobeLanes directed_sum(__global const float* directed, const Places* plac
 // movmf_start: one work-item = MULTUM_VECTOR_WIDTH slots, every lobe; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   parent  [lobe][parent_window_rows * parent_width]   not read when parent_width == 0
 //   level   [lobe][window_rows * width]                 done neighbours; the texel's own lobes when there is no parent
-//   directed [lobe][window_rows * width][4]              what done neighbours say
+//   alignment_vectors [lobe][window_rows * width][4]              what done neighbours say
 //   texel_list [slot]                                   window row * width + x, or -1
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 // Bound by ten scattered reads a lobe.
 __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const MultumVmfLobe* level,
-                          __global const float* directed, __global const int* texel_list, __global float* start,
-                          MultumMovmfFit fit) {
+                          __global const float* alignment_vectors, __global const int* texel_list,
+                          __global float* start, MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
   const size_t level_size = level_window_size(&fit), parent_size = parent_window_size(&fit);
@@ -127,7 +127,7 @@ __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const M
     prior.x = prior.y = prior.z = (real_v)(0.0f);
     if (has_parent) {
       from = gather((__global const float*)(parent + j * parent_size), places.parent);
-      prior = directed_sum(directed + j * level_size * 4, &places, from);
+      prior = alignment_sum(alignment_vectors + j * level_size * 4, &places, from);
     }
     if (!from_parent) from = gather((__global const float*)(level + j * level_size), places.own);
 

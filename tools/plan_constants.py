@@ -57,7 +57,7 @@ def level_sum(times, levels):
 
 
 def measure(bakes):
-    """Of the constants, by name. What of fitting is in no level - condensing - is shared out with the coarse ones."""
+    """Of the constants, by name. What of fitting is in no level - binning - is shared out with the coarse ones."""
     two, _ = bakes.run("--lobes", "2")
     four, fixed = bakes.run("--lobes", "4")
     coloured, _ = bakes.run("--lobes", "4", "--albedo", "@_albedo.png")

@@ -95,7 +95,7 @@ def little_gain(figures, _root):
 # ---- costs
 
 
-def usual_mib(side, bytes_per_texel):
+def default_mib(side, bytes_per_texel):
     """Of a texture with all of its levels."""
     texels, level = 0, side
     while level >= 1:
@@ -122,9 +122,9 @@ def costs(figures, root):
              gpu_frames(root, "4 lobes"), software_frames(figures, "multum")),
             ("LEAN", f"{gpu['lean-jacobian']:.1f}", "", gpu_frames(root, "moments (LEAN)"),
              software_frames(figures, "lean-jacobian")),
-            ("Toksvig, BC5 normal and BC4 roughness", f"{usual_mib(side, 1.5):.1f}", f"{usual_mib(side, 1.5):.1f}",
+            ("Toksvig, BC5 normal and BC4 roughness", f"{default_mib(side, 1.5):.1f}", f"{default_mib(side, 1.5):.1f}",
              gpu_frames(root, "averaged normals, Toksvig") + " (1)", software_frames(figures, "toksvig") + " (1)"),
-            ("an RGBA8 normal map", f"{usual_mib(side, 4):.1f}", f"{usual_mib(side, 4):.1f}", "", "")]
+            ("an RGBA8 normal map", f"{default_mib(side, 4):.1f}", f"{default_mib(side, 4):.1f}", "", "")]
     lines = [f"| {side} x {side}, all levels | GPU memory, MiB | file, MiB | frame on an NVIDIA H100, ms | "
              "frame in software, ms |", "|---|---|---|---|---|", *["| " + " | ".join(row) + " |" for row in rows]]
     how = figures["made"]
@@ -139,7 +139,7 @@ cores, medians of {figures["frames"]["runs"]} runs beside other programs; multum
 
 
 def texel_bytes(figures, _root):
-    bytes_per_texel = figures["frames"]["gpu_mib"]["multum"] / usual_mib(1024, 1)
+    bytes_per_texel = figures["frames"]["gpu_mib"]["multum"] / default_mib(1024, 1)
     return f"{bytes_per_texel:.0f} bytes"
 
 

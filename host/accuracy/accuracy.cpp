@@ -407,11 +407,11 @@ std::vector<AccuracyRow> AccuracyMeter::run(Device& device, const PlaneStore& no
   return comparison.rows();
 }
 
-std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual, Device& device,
+std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_default, Device& device,
                                                             const PlaneStore& normals, const PlaneStore* albedo,
                                                             Progress* progress) {
   const int level_count = static_cast<int>(points_.texels().sizes().size());
-  MULTUM_CHECK(model().first_level() == usual.model().first_level());
+  MULTUM_CHECK(model().first_level() == by_default.model().first_level());
   const TexelAverages finest(points_.texels(), model().first_level()), all(points_.texels(), level_count);
   PlaneAverages finest_lobes(finest, albedo != nullptr), means(all, albedo != nullptr);
   stream_rows({normals, albedo}, {settings_.threads}, {&finest_lobes, &means}, progress);
@@ -441,7 +441,7 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual
     const bool takes_mean = channel >= 0 && !shown.has_colours();
     const std::unique_ptr<PointShading> shading = shown.make_shading(device, directions);
     std::vector<float> values;
-    // Of several ways to shade, the last is the runtime's usual one.
+    // Of several ways to shade, the last is the runtime's by_default one.
     shading->shade(points, static_cast<int>(shown.shadings().size()) - 1, takes_mean ? -1 : channel, settings_.threads,
                    values);
     for (std::size_t i = 0; takes_mean && i < points.size(); ++i) {
@@ -454,7 +454,7 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual
     return values;
   };
   for (int channel = -1; channel < (albedo != nullptr ? 3 : 0); ++channel) {
-    const std::vector<float> own = shaded(*this, channel), other = shaded(usual, channel);
+    const std::vector<float> own = shaded(*this, channel), other = shaded(by_default, channel);
     const bool takes_lights = (channel >= 0) == (albedo != nullptr);
     for (std::size_t i = 0; i < points.size(); ++i)
       for (std::size_t v = 0; v < value_count; ++v) {
@@ -466,7 +466,7 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& usual
         const auto a = static_cast<double>(own[i * value_count + v]),
                    b = static_cast<double>(other[i * value_count + v]);
         sum.difference += weight * std::abs(a - b);
-        sum.usual += weight * b;
+        sum.by_default += weight * b;
       }
   }
   return sums;

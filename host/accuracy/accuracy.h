@@ -63,7 +63,7 @@ constexpr int kSummaryLevel = 2;
 struct LevelDifference {
   int level;
   std::string brdf;  // "lambert", "blinn-phong:20", "roughness"
-  double difference = 0.0, usual = 0.0;
+  double difference = 0.0, by_default = 0.0;
 };
 
 /// "7.4 +- 0.2 %".
@@ -104,9 +104,10 @@ class AccuracyMeter {
   /// After all rows that it needs, once. With `albedo`, which needs a file with colours, those are compared too, per
   /// channel. Reads every normal once, more often where it looks at millions of texels. Progress: counts no units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
-  /// How far what it shows is from what `usual` shows, of the same map at the same texels, before run(). With `albedo`,
-  /// which needs a `usual` of colours, Lambert is per channel; a file without colours then shows the albedo's mean.
-  std::vector<LevelDifference> difference_from(AccuracyMeter& usual, Device& device, const PlaneStore& normals,
+  /// How far what it shows is from what `by_default` shows, of the same map at the same texels, before run(). With
+  /// `albedo`, which needs a `by_default` of colours, Lambert is per channel; a file without colours then shows the
+  /// albedo's mean.
+  std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
                                                const PlaneStore* albedo, Progress* progress);
   /// After run(): one for each of its BRDFs.
   const std::vector<AccuracySummary>& summaries() const { return summaries_; }

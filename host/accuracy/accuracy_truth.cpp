@@ -52,7 +52,7 @@ class Band {
   int first_row_ = 0, row_count_ = 0;
 };
 
-int usual_rows_per_band(const PlaneStore& normals) {
+int default_rows_per_band(const PlaneStore& normals) {
   constexpr int kTexelsPerBand = 1 << 18;  // a band is some milliseconds of work, and stays in the last cache
   return std::clamp(kTexelsPerBand / normals.width(), 1, normals.height());
 }
@@ -153,7 +153,7 @@ void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, con
   MULTUM_CHECK(planes.albedo == nullptr ||
                (planes.albedo->width() == planes.normals.width() && planes.albedo->height() == height));
   const int rows_per_band =
-      settings.rows_per_band > 0 ? std::min(settings.rows_per_band, height) : usual_rows_per_band(planes.normals);
+      settings.rows_per_band > 0 ? std::min(settings.rows_per_band, height) : default_rows_per_band(planes.normals);
   Band current(planes, rows_per_band), next(planes, rows_per_band);
   current.read(0, rows_per_band);
   for (int first_row = 0; first_row < height; first_row += rows_per_band) {

@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 constexpr int kColumnsOfBlock = 128;  // columns: the powers of a block, some twelve of them, stay in the nearest cache
-constexpr double kWholeMax = 1e6;
+constexpr double kIntegerMax = 1e6;
 
 MULTUM_VECTOR_CLONES
 void clamped_cosines(const float* __restrict x, const float* __restrict y, const float* __restrict z, double omega_x,
@@ -65,7 +65,8 @@ PowerPlan plan_powers(const std::vector<double>& exponents) {
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return exponents[a] < exponents[b]; });
   std::map<int, int> at_hand{{1, 0}};
   for (const std::size_t e : order) {
-    const bool is_whole = exponents[e] >= 1.0 && exponents[e] <= kWholeMax && exponents[e] == std::floor(exponents[e]);
+    const bool is_whole =
+        exponents[e] >= 1.0 && exponents[e] <= kIntegerMax && exponents[e] == std::floor(exponents[e]);
     if (is_whole) plan.whole[e] = reach(static_cast<int>(exponents[e]), at_hand, plan.products);
   }
   return plan;

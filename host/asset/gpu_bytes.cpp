@@ -58,7 +58,7 @@ std::uint64_t finest_normals_gpu_bytes(int width, int height, int first_level) {
   return block_count(width, height, first_level) * kBc5BlockBytes;
 }
 
-std::uint64_t usual_gpu_bytes(int width, int height) {
+std::uint64_t default_gpu_bytes(int width, int height) {
   return block_count(width, height, mip_level_count(width, height)) * (kBc5BlockBytes + kBc4BlockBytes);
 }
 

@@ -30,6 +30,6 @@ std::uint64_t finest_normals_gpu_bytes(int width, int height, int first_level);
 
 /// All levels of a width x height map as a BC5 normal, 16 bytes a block of 4 x 4 texels, and a BC4 roughness, 8 bytes.
 /// Blocks are whole: a level of 1 x 1 takes one as well.
-std::uint64_t usual_gpu_bytes(int width, int height);
+std::uint64_t default_gpu_bytes(int width, int height);
 
 }  // namespace multum

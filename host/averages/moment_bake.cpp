@@ -21,7 +21,7 @@ MomentLevel gather(const BoxRows& from, const FeaturePlanes& features, int threa
   const std::size_t texels = size_of(width) * size_of(height);
   rows.slopes.resize(texels);
   rows.normals.resize(texels);
-  std::vector<std::vector<glm::vec3>> triples(features.triples.size(), std::vector<glm::vec3>(texels));
+  std::vector<std::vector<glm::vec3>> rgb_planes(features.rgb_planes.size(), std::vector<glm::vec3>(texels));
   for_each_row_band(height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
     for (int y = row_begin; y < row_end; ++y) {
       const auto value = [&](int plane, std::size_t x) { return from.row(plane, y)[x]; };
@@ -37,12 +37,12 @@ MomentLevel gather(const BoxRows& from, const FeaturePlanes& features, int threa
                           value(MULTUM_MOMENT_TT, x),
                           value(MULTUM_MOMENT_ST, x)};
         rows.normals[i] = vector(MULTUM_MOMENT_NORMAL, x);
-        for (std::size_t t = 0; t < triples.size(); ++t)
-          triples[t][i] = vector(MULTUM_MOMENT_PLANES + 3 * static_cast<int>(t), x);
+        for (std::size_t t = 0; t < rgb_planes.size(); ++t)
+          rgb_planes[t][i] = vector(MULTUM_MOMENT_PLANES + 3 * static_cast<int>(t), x);
       }
     }
   });
-  split_features(std::move(triples), features, rows.colours, rows.weights);
+  split_features(std::move(rgb_planes), features, rows.colours, rows.weights);
   return rows;
 }
 

@@ -20,7 +20,7 @@ ShLevel gather(const BoxRows& from, int order, const FeaturePlanes& features, in
   const std::size_t texels = size_of(from.width) * size_of(from.height);
   const int count = sh_coefficient_count(order);
   rows.parts.assign(size_of(sh_part_count(order)), std::vector<glm::vec4>(texels, glm::vec4(0.0f)));
-  std::vector<std::vector<glm::vec3>> triples(features.triples.size(), std::vector<glm::vec3>(texels));
+  std::vector<std::vector<glm::vec3>> rgb_planes(features.rgb_planes.size(), std::vector<glm::vec3>(texels));
   for_each_row_band(from.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
     for (int y = row_begin; y < row_end; ++y) {
       const std::size_t first = size_of(y) * size_of(from.width);
@@ -29,13 +29,13 @@ ShLevel gather(const BoxRows& from, int order, const FeaturePlanes& features, in
         glm::vec4* const out = rows.parts[size_of(i / 4)].data() + first;
         for (std::size_t x = 0; x < size_of(from.width); ++x) out[x][i % 4] = in[x];
       }
-      for (int k = 0; k < 3 * features.triple_count(); ++k) {
+      for (int k = 0; k < 3 * features.rgb_plane_count(); ++k) {
         const float* const in = from.row(count + k, y);
-        for (std::size_t x = 0; x < size_of(from.width); ++x) triples[size_of(k / 3)][first + x][k % 3] = in[x];
+        for (std::size_t x = 0; x < size_of(from.width); ++x) rgb_planes[size_of(k / 3)][first + x][k % 3] = in[x];
       }
     }
   });
-  split_features(std::move(triples), features, rows.colours, rows.weights);
+  split_features(std::move(rgb_planes), features, rows.colours, rows.weights);
   return rows;
 }
 

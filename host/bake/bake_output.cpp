@@ -33,8 +33,8 @@ MovmfFinest row_of(const MovmfFinest& rows, int row) {
 void BakeOutput::round(MovmfLevel& rows) {
   const StopWatch watch(report_.round_seconds);
   const SharpLobes sharp = count_sharp_lobes(rows, header_, threads_);
-  report_.beyond_storage += sharp.count;
-  report_.beyond_storage_amplitude += sharp.amplitude;
+  report_.unrepresentable += sharp.count;
+  report_.unrepresentable_amplitude += sharp.amplitude;
   quantize_lobes(rows, header_, threads_);
 }
 

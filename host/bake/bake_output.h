@@ -10,7 +10,7 @@ namespace multum {
 
 class BakeOutput {
  public:
-  /// `header` is what the file's is; `meter` is null when nothing is measured. Fills OutputReport::beyond_storage and
+  /// `header` is what the file's is; `meter` is null when nothing is measured. Fills OutputReport::unrepresentable and
   /// the times of rounding and writing.
   BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}

@@ -62,6 +62,14 @@ std::string repairs_text(const NormalMapReport& input) {
       input.nonfinite_repaired, input.zero_length_repaired, input.below_horizon_repaired, input.unused_texels);
 }
 
+// What keys were called in 0.1.0, beside their names of today: scripts read them.
+void add_former_names(Json& json) {
+  json["condense"] = json["binning"];
+  json["start"]["rehearsed"] = json["start"]["tried"];
+  json["counts"]["beyond_storage"] = json["counts"]["unrepresentable"];
+  json["beyond_storage_share"] = json["unrepresentable_share"];
+}
+
 }  // namespace
 
 std::string BakeReport::to_json() const {
@@ -90,11 +98,10 @@ std::string BakeReport::to_json() const {
   for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
   json["plan"] = plan();
   json["rows_resumed"] = rows_resumed;
-  json["condense"] = {{"seconds", fit.condense_seconds}, {"launches", fit.condense_launches}};
+  json["binning"] = {{"seconds", fit.binning_seconds}, {"launches", fit.binning_launches}};
   json["round_seconds"] = output.round_seconds;
   json["write_wait_seconds"] = output.write_wait_seconds;
-  json["start"] = {
-      {"seconds", fit.start_seconds}, {"rehearsed", fit.starts_rehearsed}, {"launches", fit.start_launches}};
+  json["start"] = {{"seconds", fit.start_seconds}, {"rehearsed", fit.starts_tried}, {"launches", fit.start_launches}};
   json["levels"] = Json::array();
   for (const LevelReport& level : fit.levels)
     json["levels"].push_back({{"level", level.level},
@@ -118,11 +125,12 @@ std::string BakeReport::to_json() const {
                     {"dead_lobes", fit.dead_lobes},
                     {"undirected_lobes", fit.undirected_lobes},
                     {"slopes_limited", average.slopes_limited},
-                    {"beyond_storage", output.beyond_storage}};
-  json["beyond_storage_share"] = output.beyond_storage_share;
+                    {"unrepresentable", output.unrepresentable}};
+  json["unrepresentable_share"] = output.unrepresentable_share;
   json["error"] = error_json(error);
   json["measured_error"] = accuracy_json(accuracy);
   if (!choice.empty()) json["choice"] = choice;
+  add_former_names(json);
   return json.dump(2) + "\n";
 }
 
@@ -150,7 +158,7 @@ std::string BakeReport::to_text() const {
         "{} lobes: {} not finite, {} clamped at the largest kappa, {} empty (no normals fell to them), {} without a "
         "direction (their normals cancel out), {} sharper than the data format holds\n",
         fit.lobe_count_total, fit.nonfinite, fit.kappa_clamped, fit.dead_lobes, fit.undirected_lobes,
-        output.beyond_storage);
+        output.unrepresentable);
   if (average.slopes_limited > 0)
     text +=
         fmt::format("{} normals nearer to the horizon than slopes go, taken at 87 degrees\n", average.slopes_limited);

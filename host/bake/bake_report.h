@@ -28,9 +28,9 @@ struct OutputReport {
   double write_wait_seconds = 0.0;  // waiting for the thread that compresses and writes
   // Lobes of levels coarser than 0 whose spread the storage does not keep, and the share of those levels' normals that
   // they stand for (host/asset/lobes/movmf_mipmap.h, SharpLobes).
-  std::uint64_t beyond_storage = 0;
-  double beyond_storage_amplitude = 0.0;
-  double beyond_storage_share = 0.0;
+  std::uint64_t unrepresentable = 0;
+  double unrepresentable_amplitude = 0.0;
+  double unrepresentable_share = 0.0;
 };
 
 struct BakeReport {

@@ -17,10 +17,10 @@ namespace {
 // A map stays in memory up to so many bytes: of what a job is held to, little. A map of 4096 x 4096 is 192 MiB: a
 // scratch file of it is a fifth of a plan's time, and nothing that shows in a bake's (docs/CHANGELOG.md).
 std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
-  constexpr std::int64_t kLittle = std::int64_t{16} << 20, kUsual = std::int64_t{64} << 20;
+  constexpr std::int64_t kLittle = std::int64_t{16} << 20, kDefault = std::int64_t{64} << 20;
   if (job.memory_bytes > 0) return kLittle;
   const std::int64_t much = std::max(kLittle, static_cast<std::int64_t>(machine_memory_bytes() / 32));
-  return readings == MapReadings::kFew ? std::min(kUsual, much) : much;
+  return readings == MapReadings::kFew ? std::min(kDefault, much) : much;
 }
 
 // Colours are stored as halfs, but for files of floats: of these, far enough from the largest for sums of texels and
@@ -60,20 +60,20 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
 }
 
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress) {
-  const ReadingPlace place = {scratch_folder(job), map_bytes_in_memory(job, readings)};
-  BakeSource source{read_normal_map_rows(job.input, job.reading, place, job.threads, progress), std::nullopt,
+  const SpillPolicy spill = {scratch_folder(job), map_bytes_in_memory(job, readings)};
+  BakeSource source{read_normal_map_rows(job.input, job.reading, spill, job.threads, progress), std::nullopt,
                     std::nullopt};
   const int width = source.map.normals.width(), height = source.map.normals.height();
   if (!job.albedo.empty()) {
-    ColourRows albedo = read_albedo_rows(job.albedo, width, height, place, job.threads);
+    ColourRows albedo = read_albedo_rows(job.albedo, width, height, spill, job.threads);
     check_range(job, albedo.largest);
     source.albedo.emplace(std::move(albedo.planes));
     source.albedo_clamped = albedo.clamped_count;
     source.albedo_notes = std::move(albedo.notes);
   }
-  if (!job.weights.empty()) source.weights = read_weight_map(job.weights, width, height, place, job.threads);
+  if (!job.weights.empty()) source.weights = read_weight_map(job.weights, width, height, spill, job.threads);
   if (!job.roughness.empty()) {
-    source.roughness = shorten_by_roughness(source.map.normals, roughness_file(job), place, job.threads);
+    source.roughness = shorten_by_roughness(source.map.normals, roughness_file(job), spill, job.threads);
     source.mean_cosine = source.roughness->mean_cosine;
     source.has_roughness = true;
   }

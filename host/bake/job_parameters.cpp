@@ -10,7 +10,7 @@ namespace multum {
 namespace {
 
 const Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
-const Choices<CoarseNormals> kCoarseNormals = {{"condensed", CoarseNormals::kCondensed}, {"all", CoarseNormals::kAll}};
+const Choices<CoarseNormals> kCoarseNormals = {{"condensed", CoarseNormals::kBinned}, {"all", CoarseNormals::kAll}};
 const Choices<StorageEncoding> kStorageEncodings = {
     {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
 
@@ -32,7 +32,7 @@ void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
   fit.sweep_count = values.integer("sweeps").value_or(fit.sweep_count);
   fit.order = values.choice("order", kFitOrders).value_or(fit.order);
   fit.coarse_normals = values.choice("coarse_normals", kCoarseNormals).value_or(fit.coarse_normals);
-  if (values.flag("no_rehearsal")) fit.rehearse_start = false;
+  if (values.flag("no_rehearsal")) fit.search_start = false;
   if (const auto weight = values.number("align")) fit.alignment = static_cast<float>(*weight);
   if (const auto cap = values.number("kappa_cap")) fit.kappa_cap = static_cast<float>(*cap);
   fit.first_level = values.integer("first_level").value_or(fit.first_level);

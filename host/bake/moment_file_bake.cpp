@@ -54,8 +54,8 @@ void bake_moment_file(const BakeRun& run, BakeReport& report, Progress* progress
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
 }
 
-std::unique_ptr<AccuracyMeter> rehearse_moments(const BakeRun& run, const AccuracySettings& accuracy,
-                                                BakeReport& report, Progress* progress) {
+std::unique_ptr<AccuracyMeter> try_moments(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                           Progress* progress) {
   auto meter = std::make_unique<MomentMeter>(run.header, accuracy);
   NoFile none;
   MomentFileSink<NoFile> sink(quantize_moments, none, meter.get(), run.job);
@@ -91,7 +91,7 @@ const NdfBake kMomentBake = {
     moment_settings,
     [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake_moment_file,
-    rehearse_moments,
+    try_moments,
     verify_moment_file,
 };
 

@@ -23,20 +23,20 @@ namespace {
 // Lobes sharper than the storage keeps: counted, and warned of where they stand for more of the map than this. Every
 // map has some at level 1, around two or three normals that are nearly alike. Measured on the test folder, snorm16: 2
 // to 28 % of ordinary maps, 36 to 57 % of surfaces with slopes of 0.01 rms, which only a glossy material shows.
-constexpr double kBeyondStorageNoted = 1.0 / 3.0;
+constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
   double texels = 0.0;
   // Level 0 has single directions alone.
   for (std::size_t l = static_cast<std::size_t>(std::max(1, header.first_level)); l < header.levels.size(); ++l)
     texels += static_cast<double>(header.levels[l].width) * header.levels[l].height;
-  if (texels > 0.0) report.beyond_storage_share = report.beyond_storage_amplitude / texels;
-  if (report.beyond_storage_share <= kBeyondStorageNoted) return;
+  if (texels > 0.0) report.unrepresentable_share = report.unrepresentable_amplitude / texels;
+  if (report.unrepresentable_share <= kUnrepresentableNoted) return;
   const auto kappa_max = static_cast<double>(storage_kappa_max(header.representation, header.encoding));
   log_warning(fmt::format(
       "{}: {} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
       "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp; {}",
-      job.input, report.beyond_storage, 100.0 * report.beyond_storage_share, kappa_max,
+      job.input, report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
       storage_encoding_name(header.encoding), kappa_max,
       header.encoding == StorageEncoding::kHalf
           ? fmt::format("--data-format snorm16 keeps kappa up to {:.0f}, float more",
@@ -68,7 +68,7 @@ MovmfBakeInputs fit_inputs(const BakeRun& run) {
   inputs.weights = run.source.weight_map();
   inputs.has_roughness = run.source.has_roughness;
   inputs.memory_bytes = run.memory_bytes;
-  inputs.place.folder = scratch_folder(run.job);
+  inputs.spill.scratch_folder = scratch_folder(run.job);
   inputs.threads = run.job.threads;
   return inputs;
 }
@@ -79,7 +79,7 @@ void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, Bake
   MovmfBakeInputs inputs = fit_inputs(run);
   inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
   if (!job.onto.empty()) {
-    RegionBake region(job.onto, header, *job.region, inputs.place, output);
+    RegionBake region(job.onto, header, *job.region, inputs.spill, output);
     inputs.region = &region;
     bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), region, report.fit, progress);
     region.finish();
@@ -119,8 +119,8 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   measure_and_commit(run, meter ? &*meter : nullptr, level_units, writer, report, progress);
 }
 
-std::unique_ptr<AccuracyMeter> rehearse_lobes(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
-                                              Progress* progress) {
+std::unique_ptr<AccuracyMeter> try_lobes(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                         Progress* progress) {
   MovmfMipmap mipmap =
       bake_movmf(run.device, fit_inputs(run), fitting_settings(run.job, run.source.map.report), report.fit, progress);
   mipmap.encoding = run.header.encoding;
@@ -155,7 +155,7 @@ constexpr NdfBake lobe_bake(Representation representation) {
           [](const BakeJob& job) { return settings_json(fitting_settings(job)); },
           [](const BakeJob& job, int width, int height) { validate(job.fitting, width, height); },
           bake_lobe_file,
-          rehearse_lobes,
+          try_lobes,
           verify_lobe_file};
 }
 

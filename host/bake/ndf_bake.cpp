@@ -25,8 +25,8 @@ std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uin
 }
 
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes) {
-  constexpr std::uint64_t kUsual = std::uint64_t{32} << 20, kLeast = std::uint64_t{8} << 20;
-  const std::uint64_t more = waiting_bytes > kUsual ? waiting_bytes - kUsual : 0;
+  constexpr std::uint64_t kDefault = std::uint64_t{32} << 20, kLeast = std::uint64_t{8} << 20;
+  const std::uint64_t more = waiting_bytes > kDefault ? waiting_bytes - kDefault : 0;
   if (run.memory_bytes < more + kLeast) {
     const std::uint64_t memory = run.job.memory_bytes > 0 ? run.job.memory_bytes : machine_memory_bytes() / 4;
     throw Error(ErrorCode::kUsage,
@@ -45,14 +45,14 @@ const NdfBake& ndf_bake(Representation representation) {
   return kMovmfBake;
 }
 
-std::unique_ptr<AccuracyMeter> rehearse_levels(Device& device, BakeJob job, const BakeSource& source,
-                                               AccuracySettings accuracy, BakeReport& report, Progress* progress) {
+std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const BakeSource& source,
+                                          AccuracySettings accuracy, BakeReport& report, Progress* progress) {
   const int coarsest = mip_level_count(source.map.normals.width(), source.map.normals.height()) - 1;
   job.fitting.first_level = std::min(std::max(job.fitting.first_level, accuracy.first_level), coarsest);
   accuracy.threads = job.threads;
   StageClock clock(report);
   return ndf_bake(job.representation)
-      .rehearse({job, device, source, baked_header_of(job, source), machine_memory_bytes() / 4, clock}, accuracy,
+      .try_bake({job, device, source, baked_header_of(job, source), machine_memory_bytes() / 4, clock}, accuracy,
                 report, progress);
 }
 

@@ -68,7 +68,7 @@ struct NdfBake {
   void (*bake)(const BakeRun& run, BakeReport& report, Progress* progress);
   /// Bakes and rounds as `bake` does, and writes nothing: a meter that has seen all rows. Of maps that fit into memory.
   /// Its time is BakeReport's "fit" or "average".
-  std::unique_ptr<AccuracyMeter> (*rehearse)(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+  std::unique_ptr<AccuracyMeter> (*try_bake)(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                              Progress* progress);
   /// Verifies JOB.output. Throws Error(kInput) when it cannot be read. Progress: a unit a row.
   VerifiedFile (*verify)(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress);
@@ -78,8 +78,8 @@ const NdfBake& ndf_bake(Representation representation);
 
 /// Rehearses a job on a map that fits into memory, from level `accuracy.first_level` on (or the job's, if that is
 /// coarser): no level depends on a finer one.
-std::unique_ptr<AccuracyMeter> rehearse_levels(Device& device, BakeJob job, const BakeSource& source,
-                                               AccuracySettings accuracy, BakeReport& report, Progress* progress);
+std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const BakeSource& source,
+                                          AccuracySettings accuracy, BakeReport& report, Progress* progress);
 
 // The rows, each in a file of its own: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
 extern const NdfBake kMovmfBake;

@@ -151,8 +151,8 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
 }
 
 RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region,
-                       const StorePlace& place, BakeOutput& output)
-    : old_(old), header_(header), region_(region), place_(place), output_(output), next_row_(header.levels.size(), 0) {
+                       const SpillPolicy& spill, BakeOutput& output)
+    : old_(old), header_(header), region_(region), spill_(spill), output_(output), next_row_(header.levels.size(), 0) {
   check_old(old, old_.header(), header);
   check_region(region, header);
 }
@@ -168,7 +168,7 @@ RowStore RegionBake::kept(int level) const {
   const MovmfLevel& size = header_.levels[static_cast<std::size_t>(level)];
   const auto width = static_cast<std::size_t>(size.width);
   const std::size_t lobes = size.lobes.size();
-  RowStore store(size.height, lobes * width * sizeof(MultumVmfLobe), place_);
+  RowStore store(size.height, lobes * width * sizeof(MultumVmfLobe), spill_);
   std::vector<MultumVmfLobe> rows(lobes * width);
   store.write(size.height - 1, 1, rows.data());  // what is not looked at is there, as zeros
   const TexelRange where = range(level);

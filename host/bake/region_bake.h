@@ -44,7 +44,7 @@ class RegionBake : public RegionInputs, public MovmfSink {
   /// `old` is the file to bake onto, `header` says what will be written: both must agree in sizes, lobes, encoding,
   /// first level and colours. Throws Error(kInput) naming the file and what differs, Error(kUsage) for a region that is
   /// not in the map.
-  RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, const StorePlace& place,
+  RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, const SpillPolicy& spill,
              BakeOutput& output);
 
   TexelRange range(int level) const override;
@@ -63,7 +63,7 @@ class RegionBake : public RegionInputs, public MovmfSink {
   mutable MovmfReader old_;
   const MovmfMipmap& header_;
   const MapRegion region_;
-  const StorePlace place_;
+  const SpillPolicy spill_;
   BakeOutput& output_;
   std::vector<int> next_row_;  // by level: the first row that is not written yet
 };

@@ -21,12 +21,12 @@ using ShFileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
 // Rows that wait to be written, and texels that are looked at beyond what every bake is taken to need, of many
 // coefficients each.
 std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* meter) {
-  constexpr std::uint64_t kUsualMeter = std::uint64_t{16} << 20;
+  constexpr std::uint64_t kDefaultMeter = std::uint64_t{16} << 20;
   const std::uint64_t meter_bytes = meter != nullptr ? meter->kept_bytes() : 0;
   const int values =
       sh_coefficient_count(run.job.sh_order) + (run.header.has_colours ? 3 : 0) + run.header.weight_count;
   return tile_rows_bytes(run.header, tile_size, static_cast<std::uint64_t>(values)) +
-         (meter_bytes > kUsualMeter ? meter_bytes - kUsualMeter : 0);
+         (meter_bytes > kDefaultMeter ? meter_bytes - kDefaultMeter : 0);
 }
 
 void bake_sh_file(const BakeRun& run, BakeReport& report, Progress* progress) {
@@ -47,8 +47,8 @@ void bake_sh_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   measure_and_commit(run, meter ? &*meter : nullptr, texels / 2, writer, report, progress);
 }
 
-std::unique_ptr<AccuracyMeter> rehearse_sh(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
-                                           Progress* progress) {
+std::unique_ptr<AccuracyMeter> try_sh(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
+                                      Progress* progress) {
   auto meter = std::make_unique<ShMeter>(ShMipmap{run.header, run.job.sh_order, {}}, accuracy);
   NoFile none;
   ShFileSink<NoFile> sink(quantize_sh, none, meter.get(), run.job);
@@ -84,7 +84,7 @@ const NdfBake kShBake = {
     sh_settings,
     [](const BakeJob& job, int width, int height) { validate_box_map(job.fitting.first_level, width, height); },
     bake_sh_file,
-    rehearse_sh,
+    try_sh,
     verify_sh_file,
 };
 

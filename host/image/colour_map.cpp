@@ -84,14 +84,14 @@ std::int64_t separate_row(const std::vector<float>& values, const std::array<flo
   return clamped_count;
 }
 
-ImageReadSettings reading_settings(const ReadingPlace& place, int threads) {
+ImageReadSettings reading_settings(const SpillPolicy& spill, int threads) {
   ImageReadSettings settings;
   settings.threads = threads;
-  settings.band_rows = place.band_rows;
+  settings.band_rows = spill.band_rows;
   return settings;
 }
 
-ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncoding encoding, const ReadingPlace& place,
+ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncoding encoding, const SpillPolicy& spill,
                      int threads, Progress* progress) {
   const RawImageInfo info = reader.info();
   check_channels(path, info);
@@ -100,7 +100,7 @@ ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncodin
   const TransferFunction transfer = transfer_function(info, encoding);
   const SampleConverter converter =
       is_data ? data_converter(info.base_type) : linear_converter(info.base_type, transfer);
-  ColourRows albedo{make_plane_store(width, height, place), info.channel_count,
+  ColourRows albedo{make_plane_store(width, height, spill), info.channel_count,
                     info.format + ", " + (is_data ? "data" : transfer.name)};
   std::atomic<std::int64_t> clamped_count{0};
   std::mutex largest_mutex;
@@ -138,10 +138,10 @@ ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncodin
   return albedo;
 }
 
-ColourRows read_albedo(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
-  ImageReader reader(path, reading_settings(place, threads));
+ColourRows read_albedo(const std::string& path, int width, int height, const SpillPolicy& spill, int threads) {
+  ImageReader reader(path, reading_settings(spill, threads));
   check_albedo_size(path, reader.info(), width, height);
-  return read_rows(reader, path, ColourEncoding::kAuto, place, threads, nullptr);
+  return read_rows(reader, path, ColourEncoding::kAuto, spill, threads, nullptr);
 }
 
 }  // namespace
@@ -154,14 +154,14 @@ double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
-ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const ReadingPlace& place, int threads,
+ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const SpillPolicy& spill, int threads,
                             Progress* progress) {
-  ImageReader reader(path, reading_settings(place, threads));
-  return read_rows(reader, path, encoding, place, threads, progress);
+  ImageReader reader(path, reading_settings(spill, threads));
+  return read_rows(reader, path, encoding, spill, threads, progress);
 }
 
-ColourRows read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
-  return read_albedo(path, width, height, place, threads);
+ColourRows read_albedo_rows(const std::string& path, int width, int height, const SpillPolicy& spill, int threads) {
+  return read_albedo(path, width, height, spill, threads);
 }
 
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "host/base/files/spill_policy.h"
 #include "host/base/progress.h"
 #include "host/image/plane_store.h"
-#include "host/image/reading_place.h"
 
 namespace multum {
 
@@ -50,10 +50,10 @@ struct ColourRows {
 
 /// The same numbers, kept as `place` says; of the file a few bands of rows are in memory. Throws Error(kEnvironment)
 /// when scratch files cannot be written.
-ColourRows read_albedo_rows(const std::string& path, int width, int height, const ReadingPlace& place, int threads);
+ColourRows read_albedo_rows(const std::string& path, int width, int height, const SpillPolicy& spill, int threads);
 
 /// An image of any size. Throws as read_albedo_rows() does.
-ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const ReadingPlace& place, int threads,
+ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const SpillPolicy& spill, int threads,
                             Progress* progress);
 
 // The sRGB transfer functions (IEC 61966-2-1), on 0..1.

@@ -68,10 +68,10 @@ void read_channels(ImageReader& reader, const Wanted& wanted, const std::vector<
       nullptr);
 }
 
-ImageReadSettings settings_of(const ReadingPlace& place, int threads) {
+ImageReadSettings settings_of(const SpillPolicy& spill, int threads) {
   ImageReadSettings settings;
   settings.threads = threads;
-  settings.band_rows = place.band_rows;
+  settings.band_rows = spill.band_rows;
   settings.all_channels = true;
   return settings;
 }
@@ -267,11 +267,11 @@ std::string RoughnessReport::to_text() const {
                      mean, 100.0 * share_zero, 100.0 * share_one);
 }
 
-RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place,
+RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads) {
   const Wanted wanted{file.path, file.is_gloss ? "a gloss map" : "a roughness map", normals.width(), normals.height(),
                       1};
-  ImageReader reader(file.path, settings_of(place, threads));
+  ImageReader reader(file.path, settings_of(spill, threads));
   check_size(wanted, reader.info());
   const std::size_t channel = find_channel(file, reader.info().channel_names);
   std::vector<RoughnessSums> sums(
@@ -300,9 +300,9 @@ RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& fil
   return report_of(file, sums, static_cast<double>(normals.width()) * normals.height());
 }
 
-WeightMap read_weight_map(const std::string& path, int width, int height, const ReadingPlace& place, int threads) {
+WeightMap read_weight_map(const std::string& path, int width, int height, const SpillPolicy& spill, int threads) {
   const Wanted wanted{path, "a map of weights", width, height};
-  ImageReader reader(path, settings_of(place, threads));
+  ImageReader reader(path, settings_of(spill, threads));
   check_size(wanted, reader.info());
   WeightMap map;
   map.count = reader.info().channel_count;
@@ -311,12 +311,12 @@ WeightMap read_weight_map(const std::string& path, int width, int height, const 
                 fmt::format("{}: found {} channels, expected the weights of 1 to 4 basis BRDFs", path, map.count));
   std::vector<std::size_t> channels;
   for (int c = 0; c < map.count; ++c) channels.push_back(static_cast<std::size_t>(c));
-  for (int c = 0; c < map.count; c += 3) map.triples.push_back(make_plane_store(width, height, place));
+  for (int c = 0; c < map.count; c += 3) map.rgb_planes.push_back(make_plane_store(width, height, spill));
   read_channels(reader, wanted, channels, threads, [&](int first_row, int row_count, const auto& rows) {
     const std::vector<float> zeros(rows[0].size());
     const auto plane = [&](std::size_t c) { return c < rows.size() ? rows[c].data() : zeros.data(); };
-    for (std::size_t t = 0; t < map.triples.size(); ++t)
-      map.triples[t].write_rows(first_row, row_count, {plane(3 * t), plane(3 * t + 1), plane(3 * t + 2)});
+    for (std::size_t t = 0; t < map.rgb_planes.size(); ++t)
+      map.rgb_planes[t].write_rows(first_row, row_count, {plane(3 * t), plane(3 * t + 1), plane(3 * t + 2)});
   });
   return map;
 }

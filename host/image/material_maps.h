@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
+#include "host/base/files/spill_policy.h"
 #include "host/image/plane_store.h"
-#include "host/image/reading_place.h"
 
 namespace multum {
 
@@ -70,16 +70,16 @@ constexpr double kColourDifferenceMin = 0.01;
 
 /// Multiplies unit normals by c of the roughness map, which must be of their size. Throws Error(kInput) naming the
 /// file, what was found and what was expected.
-RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const ReadingPlace& place,
+RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads);
 
 /// Weights of 1 to 4 basis BRDFs.
 struct WeightMap {
   int count = 0;
-  std::vector<PlaneStore> triples;  // three planes each, as many as hold them; planes that are not used are 0
+  std::vector<PlaneStore> rgb_planes;  // three planes each, as many as hold them; planes that are not used are 0
 };
 
 /// All channels of a file of 1 to 4. Throws as above.
-WeightMap read_weight_map(const std::string& path, int width, int height, const ReadingPlace& place, int threads);
+WeightMap read_weight_map(const std::string& path, int width, int height, const SpillPolicy& spill, int threads);
 
 }  // namespace multum

@@ -74,4 +74,15 @@ std::array<float, 3> PlaneStore::texel(int column, int row) const {
   return values;
 }
 
+PlaneStore make_plane_store(int width, int height, const SpillPolicy& spill) {
+  const std::int64_t byte_count = std::int64_t{width} * height * 3 * static_cast<std::int64_t>(sizeof(float));
+  return byte_count <= spill.memory_bytes ? PlaneStore(width, height) : PlaneStore(width, height, spill.scratch_folder);
+}
+
+int decoding_rows(int width, const SpillPolicy& spill) {
+  if (spill.band_rows > 0) return spill.band_rows;
+  constexpr int kTexels = 1 << 17, kRowsMin = 4, kRowsMax = 64;
+  return std::clamp(kTexels / width, kRowsMin, kRowsMax);
+}
+
 }  // namespace multum

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/files/scratch_file.h"
+#include "host/base/files/spill_policy.h"
 
 namespace multum {
 
@@ -46,5 +47,10 @@ class PlaneStore {
   std::array<const float*, 3> planes_{};  // null: in the file
   std::optional<ScratchFile> file_;
 };
+
+PlaneStore make_plane_store(int width, int height, const SpillPolicy& spill);
+
+/// Rows per band of decoding: few enough for a thread's cache, enough to be worth a hand-over.
+int decoding_rows(int width, const SpillPolicy& spill);
 
 }  // namespace multum

@@ -9,10 +9,10 @@
 
 namespace multum {
 
-RawImage::RawImage(RawImageInfo info, const ReadingPlace& place) : info_(std::move(info)), converter_(info_.base_type) {
+RawImage::RawImage(RawImageInfo info, const SpillPolicy& spill) : info_(std::move(info)), converter_(info_.base_type) {
   const std::size_t byte_count = info_.row_bytes * static_cast<std::size_t>(info_.height);
-  if (static_cast<std::int64_t>(byte_count) > place.memory_bytes) {
-    file_.emplace(place.scratch_folder);
+  if (static_cast<std::int64_t>(byte_count) > spill.memory_bytes) {
+    file_.emplace(spill.scratch_folder);
   } else {
     samples_ = std::make_unique_for_overwrite<std::byte[]>(byte_count);
     prefer_large_pages(samples_.get(), byte_count);

@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "host/base/files/scratch_file.h"
-#include "host/image/reading_place.h"
+#include "host/base/files/spill_policy.h"
+#include "host/image/plane_store.h"
 #include "host/image/sample_converter.h"
 
 namespace multum {
@@ -55,7 +56,7 @@ struct RawRows {
 class RawImage {
  public:
   /// Throws Error(kEnvironment) when a scratch file is needed and cannot be made.
-  RawImage(RawImageInfo info, const ReadingPlace& place);
+  RawImage(RawImageInfo info, const SpillPolicy& spill);
 
   const RawImageInfo& info() const { return info_; }
   /// Throws Error(kEnvironment) when the disk refuses.

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kWhole[] = "the manifest";
+constexpr char kWholeFile[] = "the manifest";
 
 std::vector<std::string> default_keys() {
   std::vector<std::string> keys = bake_parameters().names(kInManifest);
@@ -130,7 +130,7 @@ struct ManifestEntry {
 
 ManifestEntry read_entry(const std::string& path, const toml::table& toml, const ParameterValues& defaults,
                          const BakeJob& pattern) {
-  ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWhole), {}};
+  ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWholeFile), {}};
   ParameterValues values = defaults;
   read_values(entry.table, values);
   check_own_scopes(entry.table, values);
@@ -179,9 +179,9 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
 
 std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJob& pattern) {
   const toml::table root = parse_toml(path, "a manifest as docs/CI.md describes it");
-  const StrictTable table(path, root, "", {"defaults", "map"}, kWhole);
+  const StrictTable table(path, root, "", {"defaults", "map"}, kWholeFile);
   ParameterValues defaults(bake_parameters());
-  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWhole);
+  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);
   read_values(of_all, defaults);
   target_of(of_all, path, defaults);  // what is wrong with it is wrong here
   std::vector<ManifestEntry> entries;

@@ -17,11 +17,11 @@ namespace multum {
 struct BakePlan {
   std::uint64_t memory_bytes = 0;  // what the windows and buffers of a level may take
   std::map<int, BandPlan> levels;  // by level, of those that are fitted
-  int condense_rows = 1;           // of the map, a band while coarse texels are condensed
-  StorePlace place;                // of what one level leaves for the next
+  int bin_rows = 1;                // of the map, a band while coarse texels are binned
+  SpillPolicy spill;               // of what one level leaves for the next
 
   /// For people: a line each for the whole and for every level.
-  std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count) const;
+  std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const;
 };
 
 /// Memory that windows use when they may: larger bands are no faster.
@@ -30,12 +30,12 @@ constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // of a 
 
 struct PlanMemory {
   std::uint64_t bytes;             // for windows and buffers
-  std::uint64_t writer_bytes = 0;  // of these, what others hold while levels are fitted; condensing comes before
+  std::uint64_t writer_bytes = 0;  // of these, what others hold while levels are fitted; binning comes before
 };
 
 /// `shape`: a device with memory of its own has the windows there, and `memory` is not asked. Throws Error(kUsage) that
 /// names --memory, or Error(kEnvironment) that names the device, when not even a row of some level fits.
-BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int triple_count,
-                        const PlanMemory& memory, const StorePlace& place, const LaunchShape& shape);
+BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count,
+                        const PlanMemory& memory, const SpillPolicy& spill, const LaunchShape& shape);
 
 }  // namespace multum

@@ -22,8 +22,8 @@ constexpr Field kFields[] = {{"lobes", &MovmfSettings::lobe_count},
                              {"iterations_coarse", &MovmfSettings::iteration_count_coarse},
                              {"iterations_top", &MovmfSettings::iteration_count_top},
                              {"sweeps", &MovmfSettings::sweep_count},
-                             {"iterations_again", &MovmfSettings::iteration_count_again},
-                             {"settled_change", &MovmfSettings::settled_change},
+                             {"iterations_again", &MovmfSettings::refit_iterations},
+                             {"settled_change", &MovmfSettings::convergence_tolerance},
                              {"align", &MovmfSettings::alignment},
                              {"first_level", &MovmfSettings::first_level},
                              {"kappa_cap", &MovmfSettings::kappa_cap},
@@ -46,9 +46,9 @@ LobeCounts lobe_counts() {
 
 void make_reference(MovmfSettings& settings) {
   settings.coarse_normals = CoarseNormals::kAll;
-  settings.settled_change = 0.0f;
+  settings.convergence_tolerance = 0.0f;
   settings.iteration_count = settings.iteration_count_coarse = 30;
-  settings.iteration_count_again = 10;
+  settings.refit_iterations = 10;
 }
 
 void make_unaligned(MovmfSettings& settings) {
@@ -76,9 +76,9 @@ std::string settings_json(const MovmfSettings& s) {
   json["representation"] = representation_info(s.representation).name;
   for (const Field& field : kFields)
     std::visit([&](auto member) { json[bake_parameters().at(field.name).hashed_as] = s.*member; }, field.member);
-  json["coarse_normals"] = s.coarse_normals == CoarseNormals::kCondensed ? "condensed" : "all";
+  json["coarse_normals"] = s.coarse_normals == CoarseNormals::kBinned ? "condensed" : "all";
   json["order"] = s.order == FitOrder::kColour ? "colour" : "scanline";
-  json["rehearse_start"] = s.rehearse_start;
+  json["rehearse_start"] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json["aligned_start"] = s.aligned_start;
   return json.dump();

@@ -12,8 +12,8 @@ namespace multum {
 enum class FitOrder { kColour, kScanline };
 
 /// What EM sees of a texel that covers more than kSamplesUnchunkedMax normals: cells of normals that point the same way
-/// (movmf_condense.cl), or every one of them, which costs each level as much as the finest.
-enum class CoarseNormals { kCondensed, kAll };
+/// (movmf_binning.cl), or every one of them, which costs each level as much as the finest.
+enum class CoarseNormals { kBinned, kAll };
 
 /// How many lobes a texel may have.
 struct LobeCounts {
@@ -32,14 +32,14 @@ struct MovmfSettings {
   // neighbours done: what was fitted first has by then seen only its parent.
   int sweep_count = 2;  // 1..8
   // EM iterations a texel in each further sweep, at most; 1..1000. Coarse texels run a third of theirs if that is more.
-  int iteration_count_again = 6;
+  int refit_iterations = 6;
   // A texel is done before when no lobe's kappa or weight changes by more than this share, and none turns by more than
   // this share of its width; 0: never. Coarse texels run all their iterations.
-  float settled_change = 0.01f;  // 0..0.1
-  CoarseNormals coarse_normals = CoarseNormals::kCondensed;
+  float convergence_tolerance = 0.01f;  // 0..0.1
+  CoarseNormals coarse_normals = CoarseNormals::kBinned;
   FitOrder order = FitOrder::kColour;
-  float alignment = 0.1f;      // C of the alignment prior, 0..10; 0: none
-  bool rehearse_start = true;  // try the coarsest level's candidates on a small likeness of the map
+  float alignment = 0.1f;    // C of the alignment prior, 0..10; 0: none
+  bool search_start = true;  // try the coarsest level's candidates on a small proxy map of the map
   // The map repeats: texels are held to those beyond the border as well. bake_file() sets them by its wrap modes.
   bool periodic_x = false;
   bool periodic_y = false;

@@ -18,9 +18,9 @@ struct FitReport {
   std::string plan;            // BakePlan::to_text(), or that of plain averages where they suffice
   double start_seconds = 0.0;  // choosing where the coarsest level starts
   std::uint64_t start_launches = 0;
-  int starts_rehearsed = 0;       // candidates whose pyramid was tried on a small likeness of the map
-  double condense_seconds = 0.0;  // condensing the normals of coarse texels
-  std::uint64_t condense_launches = 0;
+  int starts_tried = 0;          // candidates whose pyramid was tried on a small proxy map of the map
+  double binning_seconds = 0.0;  // binning the normals of coarse texels
+  std::uint64_t binning_launches = 0;
   std::vector<LevelReport> levels;  // finest first
   // Rare numerical events, over all texels and lobes of all levels.
   std::uint64_t lobe_count_total = 0;

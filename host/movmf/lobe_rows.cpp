@@ -63,8 +63,8 @@ MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe
   out.height = size.height;
   out.lobes.assign(lobe_count, std::vector<glm::vec4>(texels));
   const std::size_t weight_count = static_cast<std::size_t>(size.weight_count);
-  const std::size_t colour_triples = size.has_colours ? 1 : 0;
-  const std::size_t triples = colour_triples + (weight_count + 2) / 3;
+  const std::size_t colour_planes = size.has_colours ? 1 : 0;
+  const std::size_t rgb_planes = colour_planes + (weight_count + 2) / 3;
   if (size.has_colours) out.colours.assign(lobe_count, std::vector<glm::vec3>(texels));
   if (weight_count > 0) out.weights.assign(lobe_count, std::vector<float>(texels * weight_count));
   const bool gaussians = size.representation == Representation::kGmm;
@@ -86,12 +86,12 @@ MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe
           events[row].count(lobe, kappa_cap);
         }
       }
-      const auto feature_row = [&](std::size_t triple) {
-        return &features[((row * triples + triple) * lobe_count + j) * width];
+      const auto feature_row = [&](std::size_t rgb_plane) {
+        return &features[((row * rgb_planes + rgb_plane) * lobe_count + j) * width];
       };
       if (size.has_colours) std::copy_n(feature_row(0), width, &out.colours[j][row * width]);
       for (std::size_t k = 0; k < weight_count; ++k) {
-        const glm::vec3* weights = feature_row(colour_triples + k / 3);
+        const glm::vec3* weights = feature_row(colour_planes + k / 3);
         for (std::size_t x = 0; x < width; ++x)
           out.weights[j][(row * width + x) * weight_count + k] = weights[x][static_cast<glm::length_t>(k % 3)];
       }

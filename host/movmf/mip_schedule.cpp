@@ -33,8 +33,8 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
   if (samples <= kSamplesUnchunkedMax) {
     level.method = FitMethod::kTexels;
     fit.sample_capacity = static_cast<int>(samples);
-  } else if (settings.coarse_normals == CoarseNormals::kCondensed) {
-    level.method = FitMethod::kCondensed;
+  } else if (settings.coarse_normals == CoarseNormals::kBinned) {
+    level.method = FitMethod::kBinned;
     fit.cell_side = samples <= kSamplesFewCellsMax ? kCellSideFew : kCellSide;
     fit.sample_capacity = fit.cell_side * fit.cell_side;
   } else {
@@ -51,20 +51,20 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
 
 void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& level) {
   MultumMovmfFit& fit = level.fit;
-  level.iteration_count_again = settings.iteration_count_again;
+  level.refit_iterations = settings.refit_iterations;
   if (level.method != FitMethod::kTexels)
-    level.iteration_count_again = std::max(level.iteration_count_again, settings.iteration_count_coarse / 3);
+    level.refit_iterations = std::max(level.refit_iterations, settings.iteration_count_coarse / 3);
   fit.iteration_count = top                                  ? settings.iteration_count_top
                         : level.method == FitMethod::kTexels ? settings.iteration_count
                                                              : settings.iteration_count_coarse;
-  if (level.method != FitMethod::kTexels || settings.settled_change == 0.0f) return;
+  if (level.method != FitMethod::kTexels || settings.convergence_tolerance == 0.0f) return;
   if (1.0f / fit.total_weight_inverse < kFewNormals + 0.5f) {
     fit.iteration_count = std::min(fit.iteration_count, kIterationsFewNormals);
-    level.iteration_count_again = std::min(level.iteration_count_again, kIterationsFewNormals);
+    level.refit_iterations = std::min(level.refit_iterations, kIterationsFewNormals);
     fit.start_kappa_factor *= kStartFactorFewNormals;
     fit.alignment *= kAlignmentFactorFewNormals;
   } else {
-    fit.settled_change_squared = settings.settled_change * settings.settled_change;
+    fit.convergence_tolerance_squared = settings.convergence_tolerance * settings.convergence_tolerance;
   }
 }
 
@@ -127,7 +127,7 @@ void make_shortened(MipSchedule& schedule) {
   for (LevelSchedule& level : schedule.levels) {
     level.fit.shortened = 1;
     level.fit.extra_copies = kCopiesShortened - 1.0f;
-    if (level.method != FitMethod::kCondensed) continue;
+    if (level.method != FitMethod::kBinned) continue;
     level.fit.cell_side = level.fit.cell_side == kCellSideFew ? kCellSideFewShortened : kCellSideShortened;
     level.fit.sample_capacity = MULTUM_LENGTH_CLASSES * level.fit.cell_side * level.fit.cell_side;
   }

@@ -13,9 +13,9 @@
 namespace multum {
 
 enum class FitMethod {
-  kTexels,     // every normal a sample, one work-item a texel: movmf_em_texels
-  kCondensed,  // movmf_condense, then movmf_em_texels
-  kChunks,     // every normal a sample, chunks of them summed apart: movmf_em_chunks, movmf_em_mstep
+  kTexels,  // every normal a sample, one work-item a texel: movmf_em_texels
+  kBinned,  // movmf_binning, then movmf_em_texels
+  kChunks,  // every normal a sample, chunks of them summed apart: movmf_em_chunks, movmf_em_mstep
 };
 
 struct LevelSchedule {
@@ -23,8 +23,8 @@ struct LevelSchedule {
   MultumMovmfFit fit;  // for the whole level at once; all but slot_count
   FitMethod method;
   FitOrder order;
-  int iteration_count_again;  // of each further sweep; that of the first is in `fit`
-  int step_count;             // of a sweep
+  int refit_iterations;  // of each further sweep; that of the first is in `fit`
+  int step_count;        // of a sweep
 };
 
 struct MipSchedule {
@@ -34,11 +34,11 @@ struct MipSchedule {
   bool uses(FitMethod method) const;
 };
 
-/// A texel of up to this many samples is summed by one work-item in one go; larger ones are condensed, or summed in
+/// A texel of up to this many samples is summed by one work-item in one go; larger ones are binned, or summed in
 /// chunks. By the sample count alone, so that summation order never depends on bands or devices. 1024: the packed
 /// normals of a group still fit a core's cache, and rounding of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;
-/// Cells along a side of the grid of a condensed texel: fewer of texels of up to so many samples, which are many. Both
+/// Cells along a side of the grid of a binned texel: fewer of texels of up to so many samples, which are many. Both
 /// odd, so that the flat normals of a map that tilts both ways alike lie in the middle of a cell and not on an edge.
 constexpr int kSamplesFewCellsMax = 4096;
 constexpr int kCellSideFew = 31;

@@ -45,42 +45,42 @@ class NormalPlanes : public AveragedPlanes {
                          normals[2], nodes, band, 0);
   }
   void add_level(const BoxRows& rows) override {
-    std::vector<std::vector<glm::vec3>> triples;
-    for (int t = 0; t < features_.triple_count(); ++t)
-      triples.push_back(vectors_of(rows, kNormalPlanes + 3 * t, inputs_.threads));
+    std::vector<std::vector<glm::vec3>> rgb_planes;
+    for (int t = 0; t < features_.rgb_plane_count(); ++t)
+      rgb_planes.push_back(vectors_of(rows, kNormalPlanes + 3 * t, inputs_.threads));
     std::vector<glm::vec3> normals = vectors_of(rows, 0, inputs_.threads);
-    if (rows.level == 0) add_finest(rows, std::move(normals), std::move(triples));
-    else add_coarser(rows, normals, triples);
+    if (rows.level == 0) add_finest(rows, std::move(normals), std::move(rgb_planes));
+    else add_coarser(rows, normals, rgb_planes);
   }
 
  private:
   static constexpr int kNormalPlanes = 3;
 
-  void add_finest(const BoxRows& rows, std::vector<glm::vec3> normals, std::vector<std::vector<glm::vec3>> triples) {
+  void add_finest(const BoxRows& rows, std::vector<glm::vec3> normals, std::vector<std::vector<glm::vec3>> rgb_planes) {
     MovmfFinest out;
     out.width = rows.width;
     out.height = rows.height;
     out.lobe.assign(normals.size(), 0);
     out.normals = std::move(normals);
     out.has_roughness = inputs_.has_roughness;
-    split_features(std::move(triples), features_, out.colours, out.weights);
+    split_features(std::move(rgb_planes), features_, out.colours, out.weights);
     report_.lobe_count_total += out.lobe.size();
     sink_.add_finest(rows.first_row, std::move(out));
   }
 
   void add_coarser(const BoxRows& rows, const std::vector<glm::vec3>& normals,
-                   const std::vector<std::vector<glm::vec3>>& triples) {
+                   const std::vector<std::vector<glm::vec3>>& rgb_planes) {
     const LobeRowsSize size{
         rows.width, rows.height, 1, Representation::kMovmf, features_.has_colours, features_.weight_count};
     const std::size_t width = size_of(rows.width);
     std::vector<MultumVmfLobe> lobes(normals.size());
     for (std::size_t i = 0; i < normals.size(); ++i) lobes[i] = {normals[i].x, normals[i].y, normals[i].z, 1.0f};
-    std::vector<glm::vec3> features;  // [row][triple][column]
-    features.reserve(triples.size() * normals.size());
+    std::vector<glm::vec3> features;  // [row][rgb_plane][column]
+    features.reserve(rgb_planes.size() * normals.size());
     for (std::size_t row = 0; row < normals.size(); row += width)
-      for (const std::vector<glm::vec3>& triple : triples)
-        features.insert(features.end(), triple.begin() + static_cast<std::ptrdiff_t>(row),
-                        triple.begin() + static_cast<std::ptrdiff_t>(row + width));
+      for (const std::vector<glm::vec3>& rgb_plane : rgb_planes)
+        features.insert(features.end(), rgb_plane.begin() + static_cast<std::ptrdiff_t>(row),
+                        rgb_plane.begin() + static_cast<std::ptrdiff_t>(row + width));
     sink_.add_level(rows.level, rows.first_row,
                     stored_rows(size, lobes, features, kappa_cap_, inputs_.threads, report_));
   }

@@ -57,19 +57,19 @@ class MovmfMipmapSink : public MovmfSink {
   MovmfMipmap mipmap_;
 };
 
-// Of the likeness's levels that are compared: finer ones hold too few normals.
+// Of the proxy map's levels that are compared: finer ones hold too few normals.
 constexpr int kComparedSideMax = 16;
 
-// One bake of a small likeness after another, each from another start: what they share is made once.
-class Rehearsal {
+// One bake of a small proxy map after another, each from another start: what they share is made once.
+class StartTrial {
  public:
-  Rehearsal(Device& device, const NormalMap& likeness, const MovmfSettings& settings, const MipSchedule& of_map)
+  StartTrial(Device& device, const NormalMap& proxy, const MovmfSettings& settings, const MipSchedule& of_map)
       : device_(device),
-        likeness_(likeness),
-        planes_(planes_of(likeness)),
+        proxy_(proxy),
+        planes_(planes_of(proxy)),
         settings_(settings),
         has_roughness_(!of_map.levels.empty() && of_map.levels[0].fit.shortened != 0),
-        schedule_(make_schedule(likeness, settings, of_map.weighted, has_roughness_)),
+        schedule_(make_schedule(proxy, settings, of_map.weighted, has_roughness_)),
         plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {}, device.shape())) {}
 
   // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
@@ -77,7 +77,7 @@ class Rehearsal {
   // them came 14th by error). 4096 normals take some 50 ms a candidate.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     FitReport ignored;
-    MovmfMipmapSink sink(likeness_.width, likeness_.height, settings_, {}, has_roughness_);
+    MovmfMipmapSink sink(proxy_.width, proxy_.height, settings_, {}, has_roughness_);
     fit_movmf(device_, {&planes_, {}, has_roughness_, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
     const MovmfMipmap mipmap = sink.take();
     AccuracySettings accuracy;
@@ -90,7 +90,7 @@ class Rehearsal {
     };
     while (too_fine(accuracy.first_level)) ++accuracy.first_level;
     double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
-    for (const AccuracyRow& row : measure_accuracy(device_, mipmap, likeness_, accuracy, nullptr))
+    for (const AccuracyRow& row : measure_accuracy(device_, mipmap, proxy_, accuracy, nullptr))
       if (row.brdf != "lambert") error += std::log(row.error + 0.005);
     return error;
   }
@@ -104,7 +104,7 @@ class Rehearsal {
   }
 
   Device& device_;
-  const NormalMap& likeness_;
+  const NormalMap& proxy_;
   const PlaneStore planes_;
   const MovmfSettings settings_;
   const bool has_roughness_;
@@ -114,7 +114,7 @@ class Rehearsal {
 
 std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
                                         const MipSchedule& schedule, FitReport& report) {
-  constexpr int kLikenessSide = 64;
+  constexpr int kProxySide = 64;
   const auto started = std::chrono::steady_clock::now();
   const std::uint64_t launches_before = device.launch_total();
   const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2,
@@ -122,23 +122,23 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
   for (std::vector<MultumVmfLobe>& lobes : candidates)
     lobes = start_lobes(std::move(lobes), settings.representation, search.has_roughness);
-  report.starts_rehearsed = 0;
+  report.starts_tried = 0;
   std::size_t best = 0;
   // Levels that do not grow from the coarsest cannot tell starts apart.
-  if (settings.rehearse_start && settings.aligned_start && candidates.size() > 1) {
+  if (settings.search_start && settings.aligned_start && candidates.size() > 1) {
     MovmfSettings whole = settings;
-    whole.first_level = 0;  // of the likeness, which has fewer levels than the map
-    const NormalMap likeness = sample_likeness(normals, kLikenessSide, search.seed);
+    whole.first_level = 0;  // of the proxy map, which has fewer levels than the map
+    const NormalMap proxy = sample_proxy_map(normals, kProxySide, search.seed);
     // Where the finest levels are not asked for, their kernels are not either.
-    while (settings.first_level > 0 && std::max(mip_level_size(likeness.width, whole.first_level),
-                                                mip_level_size(likeness.height, whole.first_level)) > kComparedSideMax)
+    while (settings.first_level > 0 && std::max(mip_level_size(proxy.width, whole.first_level),
+                                                mip_level_size(proxy.height, whole.first_level)) > kComparedSideMax)
       ++whole.first_level;
     device.prepare({MovmfModel::program(settings.representation, settings.lobe_count, whole.first_level)});
-    const Rehearsal rehearsal(device, likeness, whole, schedule);  // the map's own kernels: no second set of programs
+    const StartTrial start_trial(device, proxy, whole, schedule);  // the map's own kernels: no second set of programs
     double least = HUGE_VAL;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-      const double error = rehearsal.error_from(candidates[c]);
-      ++report.starts_rehearsed;
+      const double error = start_trial.error_from(candidates[c]);
+      ++report.starts_tried;
       if (error >= least) continue;
       least = error;
       best = c;
@@ -174,9 +174,9 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   }
   MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
   if (inputs.has_roughness) make_shortened(schedule);
-  const BakePlan plan = make_bake_plan(schedule, settings, features.triple_count(),
-                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.place, device.shape());
-  report.plan = plan.to_text(schedule, settings, features.triple_count());
+  const BakePlan plan = make_bake_plan(schedule, settings, features.rgb_plane_count(),
+                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.spill, device.shape());
+  report.plan = plan.to_text(schedule, settings, features.rgb_plane_count());
   MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};
   prepare_fit(device, schedule, settings, !features.empty());
   if (inputs.region == nullptr) {  // a region grows from the lobes that are there

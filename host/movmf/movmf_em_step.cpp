@@ -58,23 +58,23 @@ MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool wei
       settings_(settings),
       scalar_{settings.lobe_count, 1, weighted, settings.representation == Representation::kGmm},
       fast_(scalar_),
-      condensed_(scalar_),
+      binned_(scalar_),
       starting_(scalar_),
       packing_(scalar_) {
-  fast_.vector_width = condensed_.vector_width = starting_.vector_width = device.shape().vector_width;
-  condensed_.weighted = true;  // by the number of normals in a cell
+  fast_.vector_width = binned_.vector_width = starting_.vector_width = device.shape().vector_width;
+  binned_.weighted = true;  // by the number of normals in a cell
   starting_.weighted = false;
   packing_.lobes = 1;
 }
 
 std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bool has_features) const {
-  const bool uses_condensed = schedule.uses(FitMethod::kCondensed), uses_texels = schedule.uses(FitMethod::kTexels);
+  const bool uses_binned = schedule.uses(FitMethod::kBinned), uses_texels = schedule.uses(FitMethod::kTexels);
   std::vector<ProgramChoice> programs;
   if (uses_texels) programs.push_back({"movmf_em_texels", fast_});
   if (!schedule.levels.empty()) programs.push_back({"movmf_start", starting_});
-  if (uses_condensed || uses_texels) programs.push_back({"movmf_pack", packing_});
+  if (uses_binned || uses_texels) programs.push_back({"movmf_pack", packing_});
   // Of a map whose sides are no powers of two it is the first one again, which is prepared once.
-  if (uses_condensed) programs.push_back({"movmf_em_texels", condensed_});
+  if (uses_binned) programs.push_back({"movmf_em_texels", binned_});
   if (schedule.uses(FitMethod::kChunks)) {
     programs.push_back({"movmf_em_chunks", fast_});
     programs.push_back({"movmf_em_mstep", scalar_});
@@ -85,7 +85,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
 
 // A kernel is made when a step first needs it: levels differ in their methods.
 Kernel& MovmfEmStep::made(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant) {
-  if (!kernel.is_made()) kernel = device_.kernel(file, name, variant);
+  if (!kernel.is_built()) kernel = device_.kernel(file, name, variant);
   return kernel;
 }
 
@@ -101,7 +101,7 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
   const DeviceBuffer& parent = windows.parent != nullptr ? windows.parent->buffer() : windows.lobes->buffer();
   made(start_kernel_, "movmf_start", "movmf_start", starting_)
       .launch({slots / static_cast<std::size_t>(starting_.vector_width)}, parent, windows.lobes->buffer(),
-              windows.directed->buffer(), list_, start_, fit);
+              windows.alignment_vectors->buffer(), list_, start_, fit);
   if (method == FitMethod::kChunks) run_chunks(fit, texel_count, windows, progress);
   else run_em(method, fit, windows);
   if (windows.features != nullptr) fit_features(method, fit, texel_count, windows);
@@ -122,10 +122,10 @@ void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, const Step
   } else {
     ensure(device_, samples_, sample_bytes(fit, slots, kWeightedPlanes), "packed normals");
     const int parts = device_.shape().pack_parts;
-    made(condensed_pack_kernel_, "movmf_pack", "movmf_condensed_pack", packing_)
-        .launch({groups * static_cast<std::size_t>(parts)}, windows.condensed->buffer(),
-                windows.condensed_counts->buffer(), list_, samples_, sample_counts_, fit, parts);
-    fit_packed(fit, condensed_, em_condensed_kernel_, em_condensed_team_kernel_, windows);
+    made(binned_pack_kernel_, "movmf_pack", "movmf_binned_pack", packing_)
+        .launch({groups * static_cast<std::size_t>(parts)}, windows.binned->buffer(), windows.binned_counts->buffer(),
+                list_, samples_, sample_counts_, fit, parts);
+    fit_packed(fit, binned_, em_binned_kernel_, em_binned_team_kernel_, windows);
   }
 }
 
@@ -138,7 +138,8 @@ void MovmfEmStep::fit_packed(const MultumMovmfFit& fit, const KernelVariant& var
   KernelVariant used = variant;
   if (by_teams) used.vector_width = 1;
   made(by_teams ? team_kernel : kernel, "movmf_em_texels", by_teams ? "movmf_em_team" : "movmf_em_texels", used)
-      .launch(size, samples_, sample_counts_, start_, list_, windows.lobes->buffer(), windows.directed->buffer(), fit);
+      .launch(size, samples_, sample_counts_, start_, list_, windows.lobes->buffer(),
+              windows.alignment_vectors->buffer(), fit);
 }
 
 void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
@@ -157,7 +158,7 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const 
     if (i == 0 && scalar_.planar)
       made(cap_kernel_, "movmf_em_mstep", "movmf_em_cap", scalar_).launch({texel_count}, partial_, start_, list_, fit);
     mstep_kernel_.launch({texel_count * lobe_count()}, partial_, start_, list_, windows.lobes->buffer(),
-                         windows.directed->buffer(), fit, i);
+                         windows.alignment_vectors->buffer(), fit, i);
     // An iteration reads every normal of its texels, seconds on the largest maps: a chance to cancel after each.
     device_.finish();
     progress_advance(progress, 0);
@@ -166,22 +167,22 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const 
 
 void MovmfEmStep::fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count,
                                const StepWindows& windows) {
-  const std::size_t count = method == FitMethod::kCondensed ? windows.condensed_triples.size() : windows.triples.size();
-  for (std::size_t triple = 0; triple < count; ++triple) fit_triple(method, fit, texel_count, windows, triple);
+  const std::size_t count = method == FitMethod::kBinned ? windows.binned_planes.size() : windows.rgb_planes.size();
+  for (std::size_t rgb_plane = 0; rgb_plane < count; ++rgb_plane)
+    fit_rgb_plane(method, fit, texel_count, windows, rgb_plane);
 }
 
-void MovmfEmStep::fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
-                             std::size_t triple) {
+void MovmfEmStep::fit_rgb_plane(FitMethod method, MultumMovmfFit fit, std::size_t texel_count,
+                                const StepWindows& windows, std::size_t rgb_plane) {
   DeviceBuffer& features = windows.features->buffer();
-  const int first_plane = static_cast<int>(triple) * settings_.lobe_count;
-  if (method == FitMethod::kCondensed) {
+  const int first_plane = static_cast<int>(rgb_plane) * settings_.lobe_count;
+  if (method == FitMethod::kBinned) {
     const std::size_t groups = group_count(texel_count);
     ensure(device_, feature_samples_, sample_bytes(fit, groups * MULTUM_GROUP, kWeightedPlanes), "packed features");
     const int parts = device_.shape().pack_parts;
-    condensed_pack_kernel_.launch({groups * static_cast<std::size_t>(parts)},
-                                  windows.condensed_triples[triple]->buffer(), windows.condensed_counts->buffer(),
-                                  list_, feature_samples_, sample_counts_, fit, parts);
-    made(feature_condensed_kernel_, "movmf_features", "movmf_feature_condensed", scalar_)
+    binned_pack_kernel_.launch({groups * static_cast<std::size_t>(parts)}, windows.binned_planes[rgb_plane]->buffer(),
+                               windows.binned_counts->buffer(), list_, feature_samples_, sample_counts_, fit, parts);
+    made(feature_binned_kernel_, "movmf_features", "movmf_feature_binned", scalar_)
         .launch({groups * MULTUM_GROUP}, samples_, feature_samples_, sample_counts_, start_, list_, features, fit,
                 first_plane);
     return;
@@ -189,11 +190,11 @@ void MovmfEmStep::fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t t
   ensure(device_, partial_, partial_bytes(fit, texel_count, lobe_count()), "partial sums");
   made(feature_partial_kernel_, "movmf_features", "movmf_feature_partial", scalar_);
   const auto add_band = [&] {
-    const MapWindow &n = *windows.normals, &c = *windows.triples[triple];
+    const MapWindow &n = *windows.normals, &c = *windows.rgb_planes[rgb_plane];
     feature_partial_kernel_.launch({texel_count * static_cast<std::size_t>(fit.chunk_count)}, n[0], n[1], n[2], c[0],
                                    c[1], c[2], start_, list_, partial_, fit);
   };
-  if (method == FitMethod::kChunks) for_each_chunk_band(fit, *windows.normals, windows.triples[triple], add_band);
+  if (method == FitMethod::kChunks) for_each_chunk_band(fit, *windows.normals, windows.rgb_planes[rgb_plane], add_band);
   else add_band();
   made(feature_sum_kernel_, "movmf_features", "movmf_feature_sum", scalar_)
       .launch({texel_count * lobe_count()}, partial_, list_, features, fit, first_plane);
@@ -206,8 +207,8 @@ std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& set
   std::uint64_t bytes = slots * (sizeof(int) + lobes * MULTUM_START_PLANES * sizeof(float));
   if (level.method == FitMethod::kChunks || has_features) bytes += partial_bytes(level.fit, texel_count, lobes);
   if (level.method != FitMethod::kChunks)
-    bytes += sample_bytes(level.fit, slots, kWeightedPlanes) *
-             (has_features && level.method == FitMethod::kCondensed ? 2 : 1);
+    bytes +=
+        sample_bytes(level.fit, slots, kWeightedPlanes) * (has_features && level.method == FitMethod::kBinned ? 2 : 1);
   return bytes;
 }
 

@@ -16,16 +16,16 @@ namespace multum {
 /// Where a step finds and leaves things. Windows hold the rows that MultumMovmfFit says; a null one is not needed by
 /// the method, or not wanted.
 struct StepWindows {
-  const RowWindow* parent = nullptr;  // lobes of the next coarser level; null where fit.parent_width is 0
-  RowWindow* lobes = nullptr;         // of the level
-  RowWindow* directed = nullptr;      // of the level: what its lobes tell their neighbours
-  RowWindow* features = nullptr;      // of the level, [triple][lobe]; null: none are wanted
-  MapWindow* normals = nullptr;       // kTexels, kChunks
-  std::vector<MapWindow*> triples;    // the same, of features
-  // kCondensed: samples, their numbers, and those of each triple of features.
-  const RowWindow* condensed = nullptr;
-  const RowWindow* condensed_counts = nullptr;
-  std::vector<const RowWindow*> condensed_triples;
+  const RowWindow* parent = nullptr;       // lobes of the next coarser level; null where fit.parent_width is 0
+  RowWindow* lobes = nullptr;              // of the level
+  RowWindow* alignment_vectors = nullptr;  // of the level: what its lobes tell their neighbours
+  RowWindow* features = nullptr;           // of the level, [rgb_plane][lobe]; null: none are wanted
+  MapWindow* normals = nullptr;            // kTexels, kChunks
+  std::vector<MapWindow*> rgb_planes;      // the same, of features
+  // kBinned: samples, their numbers, and those of each triple of features.
+  const RowWindow* binned = nullptr;
+  const RowWindow* binned_counts = nullptr;
+  std::vector<const RowWindow*> binned_planes;
 };
 
 class MovmfEmStep {
@@ -48,17 +48,17 @@ class MovmfEmStep {
                   const StepWindows& windows);
   void run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows, Progress* progress);
   void fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, const StepWindows& windows);
-  void fit_triple(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
-                  std::size_t triple);
+  void fit_rgb_plane(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
+                     std::size_t rgb_plane);
 
   Device& device_;
   const MovmfSettings settings_;
-  KernelVariant scalar_, fast_, condensed_;
+  KernelVariant scalar_, fast_, binned_;
   KernelVariant starting_, packing_;  // no more than these kernels depend on: fewer programs
   Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
-  Kernel condensed_pack_kernel_, em_condensed_kernel_, em_condensed_team_kernel_;
+  Kernel binned_pack_kernel_, em_binned_kernel_, em_binned_team_kernel_;
   Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
-  Kernel feature_partial_kernel_, feature_sum_kernel_, feature_condensed_kernel_;
+  Kernel feature_partial_kernel_, feature_sum_kernel_, feature_binned_kernel_;
   DeviceBuffer list_, start_, samples_, sample_counts_, feature_samples_, partial_;
 };
 

@@ -12,7 +12,7 @@
 #include "host/base/processes/background_task.h"
 #include "host/base/processes/parallel.h"
 #include "host/movmf/lobe_rows.h"
-#include "host/movmf/movmf_condense.h"
+#include "host/movmf/movmf_binning.h"
 #include "host/movmf/movmf_start.h"
 #include "host/pyramid/finest_rows.h"
 
@@ -50,13 +50,12 @@ class MovmfFitter {
   void run() {
     const double start_seconds = now_seconds();
     const std::uint64_t launches_before = device_.launch_total();
-    progress_stage(progress_, "condense normals");
-    on_device_ = map_on_device(device_, *inputs_.normals, inputs_.features.triples);
-    condensed_ =
-        condense_levels(device_, *inputs_.normals, inputs_.features.triples, schedule_, settings_.representation,
-                        plan_.condense_rows, on_device_ ? &*on_device_ : nullptr, plan_.place, progress_);
-    report_.condense_seconds = now_seconds() - start_seconds;
-    report_.condense_launches = device_.launch_total() - launches_before;
+    progress_stage(progress_, "bin normals");
+    on_device_ = map_on_device(device_, *inputs_.normals, inputs_.features.rgb_planes);
+    binned_ = bin_levels(device_, *inputs_.normals, inputs_.features.rgb_planes, schedule_, settings_.representation,
+                         plan_.bin_rows, on_device_ ? &*on_device_ : nullptr, plan_.spill, progress_);
+    report_.binning_seconds = now_seconds() - start_seconds;
+    report_.binning_launches = device_.launch_total() - launches_before;
     for (const LevelSchedule& level : schedule_.levels) fit(level);
     if (schedule_.levels.empty() && settings_.first_level == 0) fit_single_texel();
   }
@@ -65,7 +64,7 @@ class MovmfFitter {
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   bool has_features() const { return !inputs_.features.empty(); }
   // Planes of features, [triple][lobe].
-  std::size_t feature_planes() const { return lobe_count() * inputs_.features.triples.size(); }
+  std::size_t feature_planes() const { return lobe_count() * inputs_.features.rgb_planes.size(); }
   LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
 
   void fit(const LevelSchedule& level) {
@@ -75,9 +74,9 @@ class MovmfFitter {
     LevelInputs inputs;
     inputs.normals = inputs_.normals;
     inputs.on_device = on_device_ ? &*on_device_ : nullptr;
-    inputs.features = inputs_.features.triples;
-    const auto condensed = condensed_.find(level.level);
-    if (condensed != condensed_.end()) inputs.condensed = &condensed->second;
+    inputs.features = inputs_.features.rgb_planes;
+    const auto binned = binned_.find(level.level);
+    if (binned != binned_.end()) inputs.binned = &binned->second;
     const bool has_parent = level.fit.parent_width > 0 && settings_.aligned_start;
     if (has_parent) inputs.parent = &coarser();
     std::optional<RowStore> there;  // lobes before the fit
@@ -96,7 +95,7 @@ class MovmfFitter {
         [&](const FittedRows& rows) { hand_over(level, rows, store); }, progress_);
     handing_over_.wait();
     keep(level, std::move(store), std::move(there));
-    condensed_.erase(level.level);
+    binned_.erase(level.level);
     LevelReport& report = report_of(level.level);
     report.seconds = now_seconds() - start_seconds - (zero_seconds_ - zero_seconds);
     report.launches = device_.launch_total() - launches_before - (zero_launches_ - zero_launches);
@@ -118,7 +117,7 @@ class MovmfFitter {
     if (inputs_.checkpoint != nullptr)
       store.kept = &inputs_.checkpoint->open_level(level.level, level.fit.height, row_bytes(level), feature_bytes);
     else if (level.level > std::max(1, settings_.first_level))
-      store.own.emplace(level.fit.height, row_bytes(level), plan_.place);
+      store.own.emplace(level.fit.height, row_bytes(level), plan_.spill);
     return store;
   }
 
@@ -176,7 +175,7 @@ class MovmfFitter {
   RowStore parentless_start(const LevelSchedule& level) const {
     const MultumMovmfFit& fit = level.fit;
     const auto width = static_cast<std::size_t>(fit.width);
-    RowStore store(fit.height, row_bytes(level), plan_.place);
+    RowStore store(fit.height, row_bytes(level), plan_.spill);
     std::vector<MultumVmfLobe> row(lobe_count() * width);
     for (int y = 0; y < fit.height; ++y) {
       const int first = first_covered_row(fit, y), rows = std::max(1, first_covered_row(fit, y + 1) - first);
@@ -252,7 +251,7 @@ class MovmfFitter {
     const std::size_t texels = static_cast<std::size_t>(map_width_) * static_cast<std::size_t>(out.row_count);
     DeviceBuffer nearest = device_.make_buffer(texels, "numbers of lobes");
     const MapWindow& normals = *rows.normals;
-    if (!level_zero_kernel_.is_made()) {
+    if (!level_zero_kernel_.is_built()) {
       const ProgramChoice program = level_zero_program(schedule_, settings_);
       level_zero_kernel_ = device_.kernel(program.file, "movmf_level_zero", program.variant);
     }
@@ -293,7 +292,7 @@ class MovmfFitter {
   Kernel level_zero_kernel_;
   const int map_width_, map_height_;
   std::optional<MapWindows> on_device_;  // the whole map, where the device has room for it
-  std::map<int, CondensedLevel> condensed_;
+  std::map<int, BinnedLevel> binned_;
   // The level before, rows [lobe][column]: in the checkpoint, or here.
   BakeCheckpoint::Level* coarser_kept_ = nullptr;
   std::optional<RowStore> coarser_;
@@ -309,7 +308,7 @@ void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSetting
   std::vector<ProgramChoice> programs =
       MovmfEmStep(device, settings, schedule.weighted).programs(schedule, has_features);
   if (settings.first_level == 0) programs.push_back(level_zero_program(schedule, settings));
-  for (const ProgramChoice& program : condense_programs(schedule, settings.representation, device.shape()))
+  for (const ProgramChoice& program : binning_programs(schedule, settings.representation, device.shape()))
     programs.push_back(program);
   device.prepare(programs);
 }

@@ -19,7 +19,7 @@ struct MovmfBakeInputs {
   bool has_roughness = false;                           // normals are shortened (host/image/material_maps.h)
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for windows and buffers; changes no byte of the result
   std::uint64_t writer_bytes = 0;                       // of these, what the sink holds while levels are fitted
-  StorePlace place;                                     // of what does not fit in memory
+  SpillPolicy spill{.memory_bytes = 4 << 20};           // of what does not fit in memory
   int threads = 1;                                      // of the host's own loops
   BakeCheckpoint* checkpoint = nullptr;                 // null: nothing is kept for another process
   const RegionInputs* region = nullptr;                 // null: the whole map

@@ -86,7 +86,7 @@ class LevelFit {
     const auto row_bytes = [](int columns, std::size_t texel) { return static_cast<std::size_t>(columns) * texel; };
     const std::size_t lobe_row = row_bytes(fit_.width, sizeof(MultumVmfLobe));
     lobes_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the lobes of a level");
-    directed_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
+    alignment_vectors_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
     if (has_features())
       features_ = RowWindow(device, lobe_count_ * static_cast<int>(inputs.features.size()),
                             row_bytes(fit_.width, 3 * sizeof(float)), rows.level, "the features of a level");
@@ -94,27 +94,27 @@ class LevelFit {
       parent_ = RowWindow(device, lobe_count_, row_bytes(fit_.parent_width, sizeof(MultumVmfLobe)), rows.parent,
                           "the lobes of the next coarser level");
     else fit_.parent_width = fit_.parent_height = 0;
-    if (level.method == FitMethod::kCondensed) {
-      const std::size_t samples = condensed_bytes(fit_);
-      condensed_ = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed normals");
-      condensed_counts_ = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
+    if (level.method == FitMethod::kBinned) {
+      const std::size_t samples = binned_bytes(fit_);
+      binned_ = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "binned normals");
+      binned_counts_ = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
       for (std::size_t t = 0; t < inputs.features.size(); ++t)
-        condensed_triples_.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "condensed features");
+        binned_planes_.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "binned features");
     } else {
       if (inputs.on_device == nullptr || !whole_)
         windows_of_map_.emplace(device, *inputs.normals, inputs.features, rows.map);
       map_ = windows_of_map_ ? &*windows_of_map_ : inputs.on_device;
     }
     windows_.lobes = &lobes_;
-    windows_.directed = &directed_;
+    windows_.alignment_vectors = &alignment_vectors_;
     if (inputs.parent != nullptr) windows_.parent = &parent_;
     if (map_ != nullptr) {
       windows_.normals = &map_->normals;
-      for (MapWindow& triple : map_->triples) windows_.triples.push_back(&triple);
+      for (MapWindow& rgb_plane : map_->rgb_planes) windows_.rgb_planes.push_back(&rgb_plane);
     }
-    windows_.condensed = &condensed_;
-    windows_.condensed_counts = &condensed_counts_;
-    for (const RowWindow& triple : condensed_triples_) windows_.condensed_triples.push_back(&triple);
+    windows_.binned = &binned_;
+    windows_.binned_counts = &binned_counts_;
+    for (const RowWindow& rgb_plane : binned_planes_) windows_.binned_planes.push_back(&rgb_plane);
   }
 
   void run(const std::function<void(const FittedRows&)>& finished) {
@@ -157,8 +157,8 @@ class LevelFit {
     const RowStore* there = inputs_.kept != nullptr ? inputs_.kept : inputs_.start;
     const RowWindow::Fill fill = there == nullptr ? nullptr : fill_planes(*there);
     lobes_.move_to(rows.begin, count, fill);
-    if (inputs_.kept == nullptr) directed_.move_to(rows.begin, count, nullptr);
-    else directed_.move_to(rows.begin, count, fill_directed(fill));
+    if (inputs_.kept == nullptr) alignment_vectors_.move_to(rows.begin, count, nullptr);
+    else alignment_vectors_.move_to(rows.begin, count, fill_alignment_vectors(fill));
     if (has_features()) features_.move_to(rows.begin, count, nullptr);
     fit_.first_row = wrapped_row(rows.begin, fit_.height);
     fit_.window_rows = lobes_.capacity_rows();
@@ -169,12 +169,12 @@ class LevelFit {
       fit_.parent_first_row = wrapped_row(begin, fit_.parent_height);
       fit_.parent_window_rows = parent_.capacity_rows();
     }
-    if (level_.method == FitMethod::kCondensed) {
-      const CondensedLevel& from = *inputs_.condensed;
-      condensed_.move_to(rows.begin, count, fill_condensed(from, from.samples, condensed_bytes(fit_)));
-      condensed_counts_.move_to(rows.begin, count, fill_planes(from.counts));
-      for (std::size_t t = 0; t < condensed_triples_.size(); ++t)
-        condensed_triples_[t].move_to(rows.begin, count, fill_condensed(from, from.triples[t], condensed_bytes(fit_)));
+    if (level_.method == FitMethod::kBinned) {
+      const BinnedLevel& from = *inputs_.binned;
+      binned_.move_to(rows.begin, count, fill_binned(from, from.samples, binned_bytes(fit_)));
+      binned_counts_.move_to(rows.begin, count, fill_planes(from.counts));
+      for (std::size_t t = 0; t < binned_planes_.size(); ++t)
+        binned_planes_[t].move_to(rows.begin, count, fill_binned(from, from.rgb_planes[t], binned_bytes(fit_)));
     } else if (level_.method == FitMethod::kTexels) {
       const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
       const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
@@ -190,7 +190,7 @@ class LevelFit {
   }
 
   // Lobes that are there before the fit: what they tell their neighbours, as movmf_em_texels.cl writes it.
-  RowWindow::Fill fill_directed(const RowWindow::Fill& fill_lobes) {
+  RowWindow::Fill fill_alignment_vectors(const RowWindow::Fill& fill_lobes) {
     return [this, fill_lobes](int row, int count, const std::vector<unsigned char*>& planes) {
       fill_lobes(row, count, planes);
       for (unsigned char* plane : planes) {
@@ -215,7 +215,7 @@ class LevelFit {
     MultumMovmfFit fit = fit_;
     if (sweep > 0) {
       fit.order = MULTUM_ORDER_AGAIN;
-      fit.iteration_count = level_.iteration_count_again;
+      fit.iteration_count = level_.refit_iterations;
     }
     windows_.features = has_features() && step >= steps_ - level_.step_count ? &features_ : nullptr;
     std::vector<int> texels = step_texels(level_, step % level_.step_count, rows.begin, rows.end, lobes_.first_row());
@@ -239,8 +239,8 @@ class LevelFit {
   const int handed_rows_;  // at a time
   const RowRange wanted_;  // rows that are handed over
   Progress* progress_;
-  RowWindow lobes_, directed_, features_, parent_, condensed_, condensed_counts_;
-  std::vector<RowWindow> condensed_triples_;
+  RowWindow lobes_, alignment_vectors_, features_, parent_, binned_, binned_counts_;
+  std::vector<RowWindow> binned_planes_;
   std::optional<MapWindows> windows_of_map_;
   MapWindows* map_ = nullptr;  // those, or the whole map
   StepWindows windows_;
@@ -254,26 +254,27 @@ void fit_level(Device& device, MovmfEmStep& em_step, const LevelSchedule& level,
   LevelFit(device, em_step, level, settings, inputs, plan, progress).run(finished);
 }
 
-std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int triple_count,
+std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,
                               const BandPlan& plan) {
   const MultumMovmfFit& fit = level.fit;
   const WindowRows rows = window_rows(level, settings, plan);
   const auto product = [](int a, int b) { return static_cast<std::uint64_t>(a) * static_cast<std::uint64_t>(b); };
   const auto lobes = static_cast<std::uint64_t>(settings.lobe_count);
-  const auto triples = static_cast<std::uint64_t>(triple_count);
-  const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe), feature_bytes = triples * lobes * 3 * sizeof(float);
+  const auto rgb_planes = static_cast<std::uint64_t>(rgb_plane_count);
+  const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe),
+                      feature_bytes = rgb_planes * lobes * 3 * sizeof(float);
   std::uint64_t texel_bytes = 2 * lobe_bytes + feature_bytes;
-  if (level.method == FitMethod::kCondensed) texel_bytes += condensed_bytes(fit) * (1 + triples) + sizeof(int);
+  if (level.method == FitMethod::kBinned) texel_bytes += binned_bytes(fit) * (1 + rgb_planes) + sizeof(int);
   std::uint64_t bytes = product(fit.width, rows.level) * texel_bytes;
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
-  if (level.method != FitMethod::kCondensed)
-    bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + triples);
+  if (level.method != FitMethod::kBinned)
+    bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + rgb_planes);
   // A quarter of a band's texels is the largest step, of a scan line's wavefront one texel each two rows.
   const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
   const std::uint64_t step_texels = level.order == FitOrder::kScanline
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)
                                         : product((fit.width + 1) / 2, (step_rows + 1) / 2);
-  bytes += em_step_bytes(level, settings, triple_count > 0, step_texels);
+  bytes += em_step_bytes(level, settings, rgb_plane_count > 0, step_texels);
   // Rows that are handed over: as they are fitted, and as they are stored.
   return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + feature_bytes);
 }

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "host/movmf/fit_report.h"
-#include "host/movmf/movmf_condense.h"
+#include "host/movmf/movmf_binning.h"
 #include "host/movmf/movmf_em_step.h"
 
 namespace multum {
@@ -31,10 +31,10 @@ struct TexelRange {
 /// What the fit of a level reads.
 struct LevelInputs {
   const PlaneStore* normals = nullptr;
-  MapWindows* on_device = nullptr;            // the same, whole; null: windows of it are made
-  std::vector<const PlaneStore*> features;    // triples
-  const CondensedLevel* condensed = nullptr;  // kCondensed
-  const RowStore* parent = nullptr;           // lobes of the next coarser level, by rows [lobe][column]; null: none
+  MapWindows* on_device = nullptr;          // the same, whole; null: windows of it are made
+  std::vector<const PlaneStore*> features;  // rgb_planes
+  const BinnedLevel* binned = nullptr;      // kBinned
+  const RowStore* parent = nullptr;         // lobes of the next coarser level, by rows [lobe][column]; null: none
   // Where there is no parent: the lobes that each texel starts from, by rows as above.
   const RowStore* start = nullptr;
   int first_row = 0;  // rows above are done already and are not handed over
@@ -64,7 +64,7 @@ void fit_level(Device& device, MovmfEmStep& em_step, const LevelSchedule& level,
                Progress* progress);
 
 /// Bytes of the windows and buffers of fit_level(), about.
-std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int triple_count,
+std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,
                               const BandPlan& plan);
 
 }  // namespace multum

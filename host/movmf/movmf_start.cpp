@@ -184,22 +184,21 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
   return candidates;
 }
 
-NormalMap sample_likeness(const PlaneStore& map, int side_max, std::uint64_t seed) {
-  NormalMap likeness;
-  likeness.width = std::min(map.width(), side_max);
-  likeness.height = std::min(map.height(), side_max);
-  for (int y = 0; y < likeness.height; ++y)
-    for (int x = 0; x < likeness.width; ++x) {
-      const std::uint64_t random =
-          split_mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * likeness.width + x));
-      const int source_x = position_in_cell(x, likeness.width, map.width(), random & 0xffffffffu);
-      const int source_y = position_in_cell(y, likeness.height, map.height(), random >> 32);
+NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t seed) {
+  NormalMap proxy;
+  proxy.width = std::min(map.width(), side_max);
+  proxy.height = std::min(map.height(), side_max);
+  for (int y = 0; y < proxy.height; ++y)
+    for (int x = 0; x < proxy.width; ++x) {
+      const std::uint64_t random = split_mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * proxy.width + x));
+      const int source_x = position_in_cell(x, proxy.width, map.width(), random & 0xffffffffu);
+      const int source_y = position_in_cell(y, proxy.height, map.height(), random >> 32);
       const std::array<float, 3> n = map.texel(source_x, source_y);
-      likeness.x.push_back(n[0]);
-      likeness.y.push_back(n[1]);
-      likeness.z.push_back(n[2]);
+      proxy.x.push_back(n[0]);
+      proxy.y.push_back(n[1]);
+      proxy.z.push_back(n[2]);
     }
-  return likeness;
+  return proxy;
 }
 
 std::vector<glm::dvec3> spread_half_vectors(int count) {

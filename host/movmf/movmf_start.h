@@ -47,7 +47,7 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
 /// A map of at most `side_max` a side, each of whose texels is a normal picked at random from the part of the map that
 /// it stands for: the same distributions at coarse levels. At random, because patterns repeat: a knurled plate sampled
 /// on a grid lost three of its four directions.
-NormalMap sample_likeness(const PlaneStore& map, int side_max, std::uint64_t seed);
+NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t seed);
 
 /// `count`, a multiple of 4, half vectors of lights and views that are spread over the upper hemisphere, weighted by
 /// their cosines: what a surface is lit by and seen from. The same after a quarter turn about z; none of those that

@@ -78,7 +78,7 @@ class Kernel {
     std::size_t local = 0;  // 0: the device's usual size
   };
 
-  bool is_made() const { return kernel_ != nullptr; }
+  bool is_built() const { return kernel_ != nullptr; }
 
   template <typename... Arguments>
   void launch(const WorkSize& size, const Arguments&... arguments) {

@@ -9,7 +9,7 @@
 //   EM of a texel            by one work-item                  by a team of 64 where texels are too few to keep the
 //                                                              device busy by themselves (movmf_em_texels.cl)
 //   cells of coarse texels   a table a chunk of columns        one table that all add to, where the device adds longs
-//                                                              atomically (movmf_condense.cl)
+//                                                              atomically (movmf_binning.cl)
 //   copies                   none: buffers are mapped            of 32 MiB at most, while the host makes the next
 //   rows fitted at once      what caches hold                  what an eighth of its memory holds: few, large launches
 //

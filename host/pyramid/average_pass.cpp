@@ -24,14 +24,14 @@ class AveragePass {
         features_(features),
         width_(inputs.normals->width()),
         height_(inputs.normals->height()),
-        plane_count_(planes.plane_count() + 3 * features.triple_count()),
+        plane_count_(planes.plane_count() + 3 * features.rgb_plane_count()),
         pyramid_(device, {width_, height_, plane_count_, inputs.first_level}, {inputs.memory_bytes, row_values()}),
         take_features_(device.kernel("mip_box", "mip_features", {1, 1, false})) {
     const std::size_t band = size_of(width_) * sizeof(float) * size_of(pyramid_.band_rows());
     for (DeviceBuffer& plane : normals_) plane = device_.make_buffer(band, "normals");
-    triples_.resize(features.triples.size());
-    for (AveragedPlanes::MapPlanes& triple : triples_)
-      for (DeviceBuffer& plane : triple) plane = device_.make_buffer(band, "features");
+    rgb_planes_.resize(features.rgb_planes.size());
+    for (AveragedPlanes::MapPlanes& rgb_plane : rgb_planes_)
+      for (DeviceBuffer& plane : rgb_plane) plane = device_.make_buffer(band, "features");
   }
 
   std::string plan_text() const {
@@ -54,7 +54,7 @@ class AveragePass {
  private:
   // Of a row: map planes, and what comes of it, as it waits to be written.
   std::size_t row_values() const {
-    const std::size_t map_planes = kMapPlanes * (1 + features_.triples.size());
+    const std::size_t map_planes = kMapPlanes * (1 + features_.rgb_planes.size());
     return (map_planes + 3 * size_of(plane_count_ + 1)) * size_of(width_);
   }
 
@@ -72,16 +72,16 @@ class AveragePass {
     read(*inputs_.normals, normals_, [&](const std::array<float*, 3>& values) {
       planes_.see_normals({values[0], values[1], values[2]}, size_of(band.row_count) * size_of(width_));
     });
-    for (std::size_t t = 0; t < triples_.size(); ++t)
-      read(*features_.triples[t], triples_[t], [](const std::array<float*, 3>&) {});
+    for (std::size_t t = 0; t < rgb_planes_.size(); ++t)
+      read(*features_.rgb_planes[t], rgb_planes_[t], [](const std::array<float*, 3>&) {});
   }
 
   void make_finest(const MultumBoxBand& band) {
     planes_.make_finest(normals_, pyramid_.nodes(), band);
     int first_plane = planes_.plane_count();
-    for (const AveragedPlanes::MapPlanes& triple : triples_) {
-      take_features_.launch({size_of(band.row_count) * size_of(width_), kBoxLocalSize}, triple[0], triple[1], triple[2],
-                            pyramid_.nodes(), band, first_plane);
+    for (const AveragedPlanes::MapPlanes& rgb_plane : rgb_planes_) {
+      take_features_.launch({size_of(band.row_count) * size_of(width_), kBoxLocalSize}, rgb_plane[0], rgb_plane[1],
+                            rgb_plane[2], pyramid_.nodes(), band, first_plane);
       first_plane += static_cast<int>(kMapPlanes);
     }
   }
@@ -94,7 +94,7 @@ class AveragePass {
   BoxPyramid pyramid_;
   Kernel take_features_;
   AveragedPlanes::MapPlanes normals_;
-  std::vector<AveragedPlanes::MapPlanes> triples_;
+  std::vector<AveragedPlanes::MapPlanes> rgb_planes_;
 };
 
 }  // namespace

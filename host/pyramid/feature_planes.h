@@ -13,20 +13,20 @@
 namespace multum {
 
 struct FeaturePlanes {
-  std::vector<const PlaneStore*> triples;
+  std::vector<const PlaneStore*> rgb_planes;
   bool has_colours = false;  // the first triple
   int weight_count = 0;      // in those after it
 
   /// `albedo` and `weights` may be null, and must outlive it.
   static FeaturePlanes of(const PlaneStore* albedo, const WeightMap* weights);
 
-  bool empty() const { return triples.empty(); }
-  int triple_count() const { return static_cast<int>(triples.size()); }
+  bool empty() const { return rgb_planes.empty(); }
+  int rgb_plane_count() const { return static_cast<int>(rgb_planes.size()); }
   bool all_of_size(int width, int height) const;
 };
 
 /// Features of some texels, [triple][texel], as files have them: colours, and weights texel by texel.
-void split_features(std::vector<std::vector<glm::vec3>> triples, const FeaturePlanes& features,
+void split_features(std::vector<std::vector<glm::vec3>> rgb_planes, const FeaturePlanes& features,
                     std::vector<glm::vec3>& colours, std::vector<float>& weights);
 
 }  // namespace multum

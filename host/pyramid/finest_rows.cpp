@@ -37,10 +37,10 @@ MovmfFinest finest_rows(const PlaneStore& normals, const FeaturePlanes& features
   if (representation == Representation::kGmm)
     for (glm::vec3& n : rows.normals) n = has_roughness ? rough_point(n) : glm::vec3(n.x, n.y, n.x * n.x + n.y * n.y);
   rows.has_roughness = has_roughness;
-  std::vector<std::vector<glm::vec3>> triples;
-  for (const PlaneStore* triple : features.triples)
-    triples.push_back(interleaved(*triple, first_row, row_count, threads));
-  split_features(std::move(triples), features, rows.colours, rows.weights);
+  std::vector<std::vector<glm::vec3>> rgb_planes;
+  for (const PlaneStore* rgb_plane : features.rgb_planes)
+    rgb_planes.push_back(interleaved(*rgb_plane, first_row, row_count, threads));
+  split_features(std::move(rgb_planes), features, rows.colours, rows.weights);
   return rows;
 }
 

@@ -76,7 +76,7 @@ void check_job(const MipJob& job) {
   if (!job.report.empty()) check_writable(job.report);
 }
 
-ReadingPlace reading_place(const MipJob& job) {
+SpillPolicy spill_policy(const MipJob& job) {
   const std::string folder = std::filesystem::path(job.output).parent_path().string();
   return {!job.scratch_folder.empty() ? job.scratch_folder
           : folder.empty()            ? "."
@@ -219,7 +219,7 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   }
   Seconds seconds;
   progress_stage(progress, "read");
-  const ColourRows source = read_colour_rows(job.input, reading_of(job), reading_place(job), job.threads, progress);
+  const ColourRows source = read_colour_rows(job.input, reading_of(job), spill_policy(job), job.threads, progress);
   if (job.kind == PyramidKind::kPosition && source.channel_count != 3)
     throw Error(ErrorCode::kInput, fmt::format("{}: found {} colour channel, expected the 3 of positions x, y, z",
                                                job.input, source.channel_count));

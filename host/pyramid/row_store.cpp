@@ -7,11 +7,11 @@
 
 namespace multum {
 
-RowStore::RowStore(int row_count, std::size_t row_bytes, const StorePlace& place)
+RowStore::RowStore(int row_count, std::size_t row_bytes, const SpillPolicy& spill)
     : row_count_(row_count), row_bytes_(row_bytes) {
   const std::size_t bytes = static_cast<std::size_t>(row_count) * row_bytes;
-  if (bytes <= place.bytes_in_memory) memory_.resize(bytes);
-  else file_.emplace(place.folder);
+  if (bytes <= static_cast<std::uint64_t>(spill.memory_bytes)) memory_.resize(bytes);
+  else file_.emplace(spill.scratch_folder);
 }
 
 RowStore::RowStore(int row_count, std::size_t row_bytes, const std::string& folder, const std::string& name)

@@ -9,18 +9,13 @@
 #include <vector>
 
 #include "host/base/files/scratch_file.h"
+#include "host/base/files/spill_policy.h"
 
 namespace multum {
 
-/// Where rows are kept: in memory up to so many bytes a store, larger stores in a scratch file in `folder`.
-struct StorePlace {
-  std::string folder = ".";
-  std::uint64_t bytes_in_memory = std::uint64_t{4} << 20;
-};
-
 class RowStore {
  public:
-  RowStore(int row_count, std::size_t row_bytes, const StorePlace& place);
+  RowStore(int row_count, std::size_t row_bytes, const SpillPolicy& spill);
   /// In a file of that name in `folder`, where an earlier process may have left rows.
   RowStore(int row_count, std::size_t row_bytes, const std::string& folder, const std::string& name);
 

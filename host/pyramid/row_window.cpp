@@ -126,21 +126,21 @@ MapWindow::MapWindow(Device& device, const PlaneStore& store, int capacity_rows,
 MapWindows::MapWindows(Device& device, const PlaneStore& normals_store, const std::vector<const PlaneStore*>& stores,
                        int capacity_rows)
     : normals(device, normals_store, capacity_rows, "normals") {
-  for (const PlaneStore* store : stores) triples.emplace_back(device, *store, capacity_rows, "features");
+  for (const PlaneStore* store : stores) rgb_planes.emplace_back(device, *store, capacity_rows, "features");
 }
 
 void MapWindows::move_to(int first_row, int row_count) {
   normals.move_to(first_row, row_count);
-  for (MapWindow& triple : triples) triple.move_to(first_row, row_count);
+  for (MapWindow& rgb_plane : rgb_planes) rgb_plane.move_to(first_row, row_count);
 }
 
 std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
-                                        const std::vector<const PlaneStore*>& triples) {
+                                        const std::vector<const PlaneStore*>& rgb_planes) {
   const std::uint64_t texels =
       static_cast<std::uint64_t>(normals.width()) * static_cast<std::uint64_t>(normals.height());
-  const std::uint64_t bytes = texels * 3 * sizeof(float) * (1 + triples.size());
+  const std::uint64_t bytes = texels * 3 * sizeof(float) * (1 + rgb_planes.size());
   if (bytes > device.shape().window_bytes_useful / 2) return std::nullopt;  // of a CPU 0: its maps are where they are
-  MapWindows map(device, normals, triples, normals.height());
+  MapWindows map(device, normals, rgb_planes, normals.height());
   map.move_to(0, normals.height());
   return map;
 }

@@ -81,9 +81,9 @@ class MapWindow {
 /// The same rows of a map's normals and of its features.
 struct MapWindows {
   MapWindow normals;
-  std::vector<MapWindow> triples;
+  std::vector<MapWindow> rgb_planes;
 
-  MapWindows(Device& device, const PlaneStore& normals, const std::vector<const PlaneStore*>& triples,
+  MapWindows(Device& device, const PlaneStore& normals, const std::vector<const PlaneStore*>& rgb_planes,
              int capacity_rows);
   void move_to(int first_row, int row_count);
 };
@@ -91,6 +91,6 @@ struct MapWindows {
 /// All rows, copied once for all levels, on a device with memory of its own that has room for them beside the windows
 /// of levels; else none, and windows of some rows do.
 std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
-                                        const std::vector<const PlaneStore*>& triples);
+                                        const std::vector<const PlaneStore*>& rgb_planes);
 
 }  // namespace multum

@@ -73,8 +73,8 @@ std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& 
       const double a = share[j] / total_weight;
       const glm::dvec3 r = share[j] > 0.0 ? sum[j] / share[j] : glm::dvec3(0.0);
       const double length = glm::length(r);
-      const bool directed = length > 1e-6 && a > 1e-7;
-      moments[j] = {directed ? r : lobes[j].mu * length, std::clamp(1.0 - length, 0.0, 1.0), a};
+      const bool alignment_vectors = length > 1e-6 && a > 1e-7;
+      moments[j] = {alignment_vectors ? r : lobes[j].mu * length, std::clamp(1.0 - length, 0.0, 1.0), a};
     }
     if (iteration + 1 == options.iterations) break;
     // M-step, equation 16, with the prior.

@@ -151,7 +151,7 @@ int HelperProcess::kill_and_wait() {
 }
 
 // `why`: it is killed for this; empty: it has ended by itself, and its status says how.
-void HelperProcess::bury(const std::string& why) {
+void HelperProcess::reap(const std::string& why) {
   const int status = kill_and_wait();
   if (!why.empty()) throw HelperEnded(why);
   std::string end;
@@ -195,15 +195,15 @@ void HelperProcess::send(std::string_view request) {
   for (std::size_t sent = 0; sent < frame.size();) {
     const ssize_t count = ::send(socket_, frame.data() + sent, frame.size() - sent, MSG_NOSIGNAL);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) bury("");
+    if (count <= 0) reap("");
     sent += static_cast<std::size_t>(count);
   }
 }
 
 void HelperProcess::check(const HelperLimits& limits, Clock::time_point asked) {
-  if (Clock::now() - asked > limits.time_max) bury("took more than " + text_of(limits.time_max) + " and was ended");
+  if (Clock::now() - asked > limits.time_max) reap("took more than " + text_of(limits.time_max) + " and was ended");
   if (own_memory_bytes(pid_) > limits.memory_max)
-    bury(fmt::format("took more than {} bytes of memory and was ended", limits.memory_max));
+    reap(fmt::format("took more than {} bytes of memory and was ended", limits.memory_max));
 }
 
 std::string HelperProcess::receive(const HelperLimits& limits, const std::function<void()>& while_waiting) {
@@ -215,8 +215,8 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     std::uint64_t size = 0;
     if (received_.size() >= sizeof(size)) {
       std::memcpy(&size, received_.data(), sizeof(size));
-      if (size > kAnswerMax) bury(fmt::format("announced an answer of {} bytes and was ended", size));
-      if (received_.size() > sizeof(size) + size) bury("said more than it was asked and was ended");
+      if (size > kAnswerMax) reap(fmt::format("announced an answer of {} bytes and was ended", size));
+      if (received_.size() > sizeof(size) + size) reap("said more than it was asked and was ended");
       if (received_.size() == sizeof(size) + size) return received_.substr(sizeof(size));
     }
     pollfd waited = {socket_, POLLIN, 0};
@@ -229,7 +229,7 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     if (ready <= 0) continue;
     const ssize_t count = ::recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (count <= 0) bury("");
+    if (count <= 0) reap("");
     received_.append(bytes.data(), static_cast<std::size_t>(count));
   }
 }

@@ -59,7 +59,7 @@ class HelperProcess {
   std::string receive(const HelperLimits& limits, const std::function<void()>& while_waiting);
   void check(const HelperLimits& limits, std::chrono::steady_clock::time_point asked);
   int kill_and_wait();
-  [[noreturn]] void bury(const std::string& why);
+  [[noreturn]] void reap(const std::string& why);
 
   std::string program_;
   pid_t pid_ = -1;

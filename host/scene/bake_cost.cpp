@@ -17,7 +17,7 @@ constexpr double kFitLevelOne = 160.0;  // level 1, whose texels see the fewest 
 constexpr double kFitLobeOne = 40.0;    // and more a lobe
 constexpr double kFitFine = 60.0;       // each of levels 2 to 5, which see all normals
 constexpr double kFitLobeFine = 15.0;
-constexpr double kFitCoarse = 60.0;        // all coarser levels together, which see condensed normals
+constexpr double kFitCoarse = 60.0;        // all coarser levels together, which see binned normals
 constexpr double kColourFactor = 0.6;      // more, a triple of features
 constexpr double kWriteTexture = 30.0;     // a texture and texel that is stored
 constexpr double kMeasureLambert = 5.0;    // Lambert
@@ -35,19 +35,19 @@ bool is_fitted(const BakeShape& s) {
   return holds_lobes(s.representation) && !(s.representation == Representation::kMovmf && s.lobe_count == 1);
 }
 
-double fit_ns(const BakeShape& s, int triples) {
+double fit_ns(const BakeShape& s, int rgb_planes) {
   const auto lobes = static_cast<double>(s.lobe_count);
   double ns = kFitCoarse;
   if (s.first_level <= 1) ns += kFitLevelOne + kFitLobeOne * lobes;
   ns += std::clamp(6 - std::max(s.first_level, 2), 0, 4) * (kFitFine + kFitLobeFine * lobes);
-  return ns * (1.0 + kColourFactor * triples);
+  return ns * (1.0 + kColourFactor * rgb_planes);
 }
 
-double plane_count(const BakeShape& s, int triples) {
+double plane_count(const BakeShape& s, int rgb_planes) {
   switch (s.representation) {
-    case Representation::kMoments: return 8.0 + 3.0 * triples;
-    case Representation::kSh: return sh_coefficient_count(s.sh_order) + 3.0 * triples;
-    default: return 3.0 + 3.0 * triples;
+    case Representation::kMoments: return 8.0 + 3.0 * rgb_planes;
+    case Representation::kSh: return sh_coefficient_count(s.sh_order) + 3.0 * rgb_planes;
+    default: return 3.0 + 3.0 * rgb_planes;
   }
 }
 
@@ -64,11 +64,11 @@ int texture_count(const BakeShape& s) {
 
 BakeCost bake_cost(const BakeShape& s) {
   const double texels = static_cast<double>(s.width) * s.height;
-  const int triples = (s.has_colours ? 1 : 0) + (s.weight_count + 2) / 3;
+  const int rgb_planes = (s.has_colours ? 1 : 0) + (s.weight_count + 2) / 3;
   const double stored = level_texels(s, s.first_level) * texture_count(s);
   const double mean_colours = s.mean_colours ? level_texels(s, 0) : 0.0;
   double ns = texels * kRead * (1.0 + (s.has_colours || s.mean_colours ? 1.0 : 0.0) + (s.weight_count > 0 ? 1.0 : 0.0));
-  ns += texels * (is_fitted(s) ? fit_ns(s, triples) : kAveragePlane * plane_count(s, triples));
+  ns += texels * (is_fitted(s) ? fit_ns(s, rgb_planes) : kAveragePlane * plane_count(s, rgb_planes));
   if (s.mean_colours) ns += texels * 3.0 * kAveragePlane;
   ns += (stored + mean_colours) * kWriteTexture;
   ns += texels * (kMeasureLambert + kMeasureExponent * s.exponent_count) * (s.has_colours ? 3.0 : 1.0);

@@ -18,7 +18,7 @@ std::string count_text(int count, const char* what) {
 
 class EffectRows {
  public:
-  EffectRows(const Scene& scene, MapPlanner& planner, MapPlan& plan)
+  EffectRows(const SceneDescription& scene, MapPlanner& planner, MapPlan& plan)
       : scene_(scene), planner_(planner), plan_(plan), needs_(planner.needs()), chosen_(plan.chosen.shape) {}
 
   void add() {
@@ -52,13 +52,13 @@ class EffectRows {
   }
   // Of the default bake with a change.
   template <typename Change>
-  BakeCost usual_with(const Change& change) const {
-    BakeShape s = plan_.usual.shape;
+  BakeCost default_with(const Change& change) const {
+    BakeShape s = plan_.default_bake.shape;
     change(s);
     return bake_cost(s);
   }
   BakeCost saved_by(const std::function<void(BakeShape&)>& change) const {
-    return plan_.usual.cost - usual_with(change);
+    return plan_.default_bake.cost - default_with(change);
   }
   BakeCost chosen_without(const std::function<void(BakeShape&)>& change) const {
     BakeShape s = chosen_;
@@ -75,7 +75,7 @@ class EffectRows {
       add_row("normals under texels", false,
               fmt::format("no two normals are more than {:.2g} apart (unit vectors): one texel stands for all",
                           planner_.survey().normal_range),
-              plan_.usual.cost - plan_.chosen.cost);
+              plan_.default_bake.cost - plan_.chosen.cost);
       return;
     }
     double spread = 0.0;
@@ -110,7 +110,7 @@ class EffectRows {
             fmt::format("{} off {}: {}", parts_name(), seen_texels(),
                         plan_.candidates.size() == 1
                             ? fmt::format("tolerance {}", percent_text(scene_.budget.tolerance))
-                            : fmt::format("the default's 4 lobes {}, limit {}", parts_text(plan_.usual.error),
+                            : fmt::format("the default's 4 lobes {}, limit {}", parts_text(plan_.default_bake.error),
                                           parts_text(plan_.limit))) +
                 (needs_.exponent_max > kEstimatedExponentMax
                      ? fmt::format("; highlights as of s = {:g}", kEstimatedExponentMax)
@@ -239,7 +239,7 @@ class EffectRows {
     if (chosen_.representation != Representation::kMovmf) return;
     const auto kept = static_cast<double>(storage_kappa_max(StorageEncoding::kSnorm16));
     const std::optional<double> share =
-        is_estimated() ? planner_.share_beyond_storage(chosen_.lobe_count) : std::nullopt;
+        is_estimated() ? planner_.share_unrepresentable(chosen_.lobe_count) : std::nullopt;
     if (!share) {
       add_row("32-bit storage", false,
               needs_.width_in_map ? "highlights are as broad as the roughness says"
@@ -278,7 +278,7 @@ class EffectRows {
             needed ? chosen_without(none) : saved_by(none));
   }
 
-  const Scene& scene_;
+  const SceneDescription& scene_;
   MapPlanner& planner_;
   MapPlan& plan_;
   const MapNeeds& needs_;
@@ -287,6 +287,8 @@ class EffectRows {
 
 }  // namespace
 
-void add_effect_rows(const Scene& scene, MapPlanner& planner, MapPlan& plan) { EffectRows(scene, planner, plan).add(); }
+void add_effect_rows(const SceneDescription& scene, MapPlanner& planner, MapPlan& plan) {
+  EffectRows(scene, planner, plan).add();
+}
 
 }  // namespace multum

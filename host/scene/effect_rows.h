@@ -7,6 +7,6 @@
 namespace multum {
 
 /// Appends to plan.effects; plan.chosen is what is baked.
-void add_effect_rows(const Scene& scene, MapPlanner& planner, MapPlan& plan);
+void add_effect_rows(const SceneDescription& scene, MapPlanner& planner, MapPlan& plan);
 
 }  // namespace multum

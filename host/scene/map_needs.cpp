@@ -14,7 +14,7 @@ namespace {
 bool is_black(const glm::vec3& colour) { return colour == glm::vec3(0.0f); }
 
 // `weight`: of the map's, that it is blended by; -1: none.
-void add_material(const Scene& scene, const SceneMaterial& material, int weight, MapNeeds& needs) {
+void add_material(const SceneDescription& scene, const SceneMaterial& material, int weight, MapNeeds& needs) {
   needs.width_in_map |= material.width_in_map;
   for (const Brdf& brdf : material.brdfs) {
     if (!is_black(brdf.diffuse)) needs.add_diffuse(weight);
@@ -28,7 +28,7 @@ void add_material(const Scene& scene, const SceneMaterial& material, int weight,
 
 }  // namespace
 
-MapNeeds needs_of(const Scene& scene, std::size_t map, int width, int level_count) {
+MapNeeds needs_of(const SceneDescription& scene, std::size_t map, int width, int level_count) {
   MapNeeds needs;
   bool is_first = true;
   for (const SceneObject& object : scene.objects) {

@@ -48,6 +48,6 @@ struct MapNeeds {
 };
 
 /// `map`: of scene.maps, of `width` texels and `level_count` levels.
-MapNeeds needs_of(const Scene& scene, std::size_t map, int width, int level_count);
+MapNeeds needs_of(const SceneDescription& scene, std::size_t map, int width, int level_count);
 
 }  // namespace multum

@@ -12,9 +12,9 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kTexelsASample = 65536;
-constexpr int kLobesUsual = 4, kLobesMax = 8;
+constexpr int kLobesDefault = 4, kLobesMax = 8;
 // Lobes as sharp as the storage loses, as a share: fewer are in every map (host/bake/movmf_file_bake.cpp).
-constexpr double kBeyondStorageMax = 1.0 / 3.0;
+constexpr double kUnrepresentableMax = 1.0 / 3.0;
 
 BakeCandidate finished(BakeCandidate candidate) {
   candidate.cost = bake_cost(candidate.shape);
@@ -23,7 +23,7 @@ BakeCandidate finished(BakeCandidate candidate) {
 
 }  // namespace
 
-MapPlanner::MapPlanner(const Scene& scene, std::size_t map, std::shared_ptr<BakeSource> source,
+MapPlanner::MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
                        const PlanSettings& settings)
     : scene_(scene), map_(scene.maps[map]), source_(std::move(source)) {
   const PlaneStore& normals = source_->map.normals;
@@ -53,11 +53,11 @@ MapPlan MapPlanner::plan() {
   const double range = survey_.normal_range * (needs_.specular ? std::sqrt(needs_.exponent_max) : 1.0);
   plan_.is_constant =
       range <= 0.5 * scene_.budget.tolerance && !needs_.width_in_map && !needs_.weighted && plan_.level_count > 1;
-  add_usual();
+  add_default();
   const double target = scene_.budget.target_error.value_or(0.0), tolerance = scene_.budget.tolerance;
-  plan_.limit = scene_.budget.target_error
-                    ? PartErrors{target, target}
-                    : PartErrors{plan_.usual.error.diffuse + tolerance, plan_.usual.error.specular + tolerance};
+  plan_.limit = scene_.budget.target_error ? PartErrors{target, target}
+                                           : PartErrors{plan_.default_bake.error.diffuse + tolerance,
+                                                        plan_.default_bake.error.specular + tolerance};
   if (plan_.is_constant) add_constant();
   else add_candidates();
   choose();
@@ -88,15 +88,15 @@ BakeShape MapPlanner::shape(Representation representation, int lobes) const {
   return s;
 }
 
-std::optional<double> MapPlanner::share_beyond_storage(int lobe_count) {
+std::optional<double> MapPlanner::share_unrepresentable(int lobe_count) {
   const auto kept = static_cast<double>(storage_kappa_max(StorageEncoding::kSnorm16));
   if (needs_.width_in_map || needs_.exponent_max <= kept) return std::nullopt;
   return errors_->share_sharper(lobe_count, kept);
 }
 
 StorageEncoding MapPlanner::lobe_encoding(int lobes) {
-  return share_beyond_storage(lobes).value_or(0.0) > kBeyondStorageMax ? StorageEncoding::kFloat
-                                                                       : StorageEncoding::kSnorm16;
+  return share_unrepresentable(lobes).value_or(0.0) > kUnrepresentableMax ? StorageEncoding::kFloat
+                                                                          : StorageEncoding::kSnorm16;
 }
 
 template <typename Error>
@@ -113,20 +113,20 @@ PartErrors MapPlanner::lobes_error(int lobes, ColourModel colours) {
 }
 
 // What `multum bake` does of itself.
-void MapPlanner::add_usual() {
-  BakeShape s = shape(Representation::kMovmf, kLobesUsual);
+void MapPlanner::add_default() {
+  BakeShape s = shape(Representation::kMovmf, kLobesDefault);
   s.first_level = 0;
   s.has_colours = source_->albedo.has_value();
   s.exponent_count = 3;
-  plan_.usual = finished({"vmf, 4 lobes", s, s.has_colours, {}, {}});
+  plan_.default_bake = finished({"vmf, 4 lobes", s, s.has_colours, {}, {}});
   if (plan_.is_constant) return;
   // One lobe within the tolerance needs no comparison: the default bake is taken to be no worse.
   if (!scene_.budget.target_error) {
     const PartErrors one = lobes_error(1, ColourModel::kLobes);
-    plan_.usual_error_is_bound = one.worst() <= scene_.budget.tolerance;
-    if (plan_.usual_error_is_bound) plan_.usual.error = one;
+    plan_.default_error_is_bound = one.worst() <= scene_.budget.tolerance;
+    if (plan_.default_error_is_bound) plan_.default_bake.error = one;
   }
-  if (!plan_.usual_error_is_bound) plan_.usual.error = lobes_error(kLobesUsual, ColourModel::kLobes);
+  if (!plan_.default_error_is_bound) plan_.default_bake.error = lobes_error(kLobesDefault, ColourModel::kLobes);
 }
 
 void MapPlanner::add_constant() {
@@ -153,12 +153,12 @@ void MapPlanner::add_lobes(int lobes) {
 }
 
 void MapPlanner::add_candidates() {
-  const int most = scene_.budget.target_error ? kLobesMax : kLobesUsual;
+  const int most = scene_.budget.target_error ? kLobesMax : kLobesDefault;
   for (int lobes = 1; lobes <= most; ++lobes) {
     add_lobes(lobes);
     if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
   }
-  if (plan_.usual_error_is_bound) return;  // no other takes fewer textures
+  if (plan_.default_error_is_bound) return;  // no other takes fewer textures
   // Of widths in the map and of weights, only lobes are estimated; sums of vMFs are shaded over lobes alone.
   if (needs_.width_in_map || needs_.weighted || needs_.takes_vmf) return;
   add_gaussians();

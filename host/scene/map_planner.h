@@ -17,7 +17,8 @@ class MapPlanner {
  public:
   /// Surveys the map; `map`: of scene.maps, read as `source`. `scene` must outlive it. Throws Error(kInput) where the
   /// map has not a weight for each material.
-  MapPlanner(const Scene& scene, std::size_t map, std::shared_ptr<BakeSource> source, const PlanSettings& settings);
+  MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
+             const PlanSettings& settings);
 
   /// The cheapest candidate within the limit; rows of the table are left out, and the job's settings. Once. With
   /// a target error that no candidate is estimated to reach, the nearest; throws Error(kVerification) where that is far
@@ -28,7 +29,7 @@ class MapPlanner {
   const MapSurvey& survey() const { return survey_; }
   LobeErrors& errors() { return *errors_; }
   /// What part of the lobes is sharper than 16 bits keep; unset where nothing that is seen asks.
-  std::optional<double> share_beyond_storage(int lobe_count);
+  std::optional<double> share_unrepresentable(int lobe_count);
 
  private:
   void check_weights() const;
@@ -37,7 +38,7 @@ class MapPlanner {
   template <typename Error>
   PartErrors part_errors(const Error& error, ColourModel colours) const;
   PartErrors lobes_error(int lobes, ColourModel colours);
-  void add_usual();
+  void add_default();
   void add_constant();
   void add_lobes(int lobes);
   void add_candidates();
@@ -45,7 +46,7 @@ class MapPlanner {
   void choose_nearest();
   void choose();
 
-  const Scene& scene_;
+  const SceneDescription& scene_;
   const SceneMap& map_;
   std::shared_ptr<BakeSource> source_;
   MapPlan plan_;

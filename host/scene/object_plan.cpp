@@ -31,7 +31,7 @@ double least_half_cosine(double tilt_degrees, double z_min) {
   return std::cos(0.5 * std::min(between, std::numbers::pi));
 }
 
-void add_fresnel(const Scene& scene, const SceneObject& object, const MapPlan& map, ObjectPlan& plan) {
+void add_fresnel(const SceneDescription& scene, const SceneObject& object, const MapPlan& map, ObjectPlan& plan) {
   const auto brdf_of = [&](std::size_t m) -> const Brdf& { return scene.materials[m].brdfs.front(); };
   const bool has_any = std::any_of(object.materials.begin(), object.materials.end(),
                                    [&](std::size_t m) { return has_fresnel(brdf_of(m)); });
@@ -54,7 +54,7 @@ void add_fresnel(const Scene& scene, const SceneObject& object, const MapPlan& m
 
 }  // namespace
 
-ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapPlan& map) {
+ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object, const MapPlan& map) {
   ObjectPlan plan;
   plan.name = object.name;
   plan.map = object.map;

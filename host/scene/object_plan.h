@@ -7,6 +7,6 @@
 namespace multum {
 
 /// `map`: the plan of the map that it shows, complete.
-ObjectPlan plan_object(const Scene& scene, const SceneObject& object, const MapPlan& map);
+ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object, const MapPlan& map);
 
 }  // namespace multum

@@ -132,8 +132,8 @@ Json map_json(const MapPlan& map, const SceneFiles& files) {
                {"height", map.height},
                {"seen_levels", {map.first_seen, map.last_seen}},
                {"chosen", candidate_json(map.chosen)},
-               {"default", candidate_json(map.usual)},
-               {"default_error_is_bound", map.usual_error_is_bound},
+               {"default", candidate_json(map.default_bake)},
+               {"default_error_is_bound", map.default_error_is_bound},
                {"stated_difference", map.stated_difference},
                {"candidates", candidates},
                {"effects", effects_json(map.effects)},
@@ -164,20 +164,20 @@ std::string trials_text() {
 
 // What the bake costs, and how near it is taken to be.
 std::string outcome_text(const MapPlan& map) {
-  const BakeCost &usual = map.usual.cost, &least = map.trials ? map.trials->fewest.cost : map.chosen.cost,
+  const BakeCost &by_default = map.default_bake.cost, &least = map.trials ? map.trials->fewest.cost : map.chosen.cost,
                  &most = map.trials ? map.trials->most.cost : map.chosen.cost;
   const auto share = [&](double BakeCost::*value) {
-    const std::string low = saved(usual.*value, least.*value), high = saved(usual.*value, most.*value);
+    const std::string low = saved(by_default.*value, least.*value), high = saved(by_default.*value, most.*value);
     return low == high ? low : low + " to " + high;
   };
   return fmt::format(
       "bake {} in place of {} ({}){}, textures {} in place of {} ({}); estimated error {}{} beside {}{}, "
       "at most {} from the default bake's pictures{}",
-      range_text(least.ms, most.ms, time_text), time_text(usual.ms), share(&BakeCost::ms),
-      map.trials ? trials_text() : "", range_text(least.bytes, most.bytes, bytes_text), bytes_text(usual.bytes),
+      range_text(least.ms, most.ms, time_text), time_text(by_default.ms), share(&BakeCost::ms),
+      map.trials ? trials_text() : "", range_text(least.bytes, most.bytes, bytes_text), bytes_text(by_default.bytes),
       share(&BakeCost::bytes), percent_text(map.chosen.error.worst()),
-      map.trials ? " with " + map.chosen.name : std::string(), map.usual_error_is_bound ? "at most " : "",
-      percent_text(map.usual.error.worst()), percent_text(map.stated_difference),
+      map.trials ? " with " + map.chosen.name : std::string(), map.default_error_is_bound ? "at most " : "",
+      percent_text(map.default_bake.error.worst()), percent_text(map.stated_difference),
       map.trials ? fmt::format("; the rows' costs are those of {}", map.chosen.name) : "");
 }
 
@@ -204,7 +204,7 @@ std::string absolute(const std::string& path) {
 
 // The object on multum-view's plane, at its nearest, seen as steeply as 45 degrees allow: 10 units away, a unit being
 // the right number of metres.
-Json view_json(const Scene& scene, const SceneObject& object, const ObjectPlan& plan, const MapPlan& map,
+Json view_json(const SceneDescription& scene, const SceneObject& object, const ObjectPlan& plan, const MapPlan& map,
                const SceneFiles& files) {
   constexpr double kUnits = 10.0, kPlaneSize = 60.0;
   const double width = object.width > 0.0 ? object.width : map.width / object.texels_per_metre;
@@ -275,7 +275,7 @@ std::string percent_number(double share) {
   return share < 0.0995 ? fmt::format("{:.2g}", 100.0 * share) : fmt::format("{:.0f}", 100.0 * share);
 }
 
-std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
+std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int width) {
   width = std::max(width, 60);
   std::string text;
   const auto add = [&](const std::string& words) {
@@ -283,7 +283,7 @@ std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
   };
   for (const MapPlan& map : plan.maps) {
     add(fmt::format("map {}: {} x {}, levels {} to {} are seen; {} in place of {}", map.name, map.width, map.height,
-                    map.first_seen, map.last_seen, bakes_text(map), map.usual.name));
+                    map.first_seen, map.last_seen, bakes_text(map), map.default_bake.name));
     text += head("why");
     text += effect_rows(map.effects, width);
     add(outcome_text(map));
@@ -298,18 +298,18 @@ std::string plan_text(const Scene& scene, const ScenePlan& plan, int width) {
   const bool has_trials = plan.cost_min.bytes < plan.cost_max.bytes;
   add(fmt::format("in all: bake {}{} in place of {}, textures {} in place of {}; planned in {}{}",
                   range_text(plan.cost_min.ms, plan.cost_max.ms, time_text), has_trials ? trials_text() : "",
-                  time_text(plan.usual_cost.ms), range_text(plan.cost_min.bytes, plan.cost_max.bytes, bytes_text),
-                  bytes_text(plan.usual_cost.bytes), time_text(1e3 * plan.plan_seconds),
+                  time_text(plan.default_cost.ms), range_text(plan.cost_min.bytes, plan.cost_max.bytes, bytes_text),
+                  bytes_text(plan.default_cost.bytes), time_text(1e3 * plan.plan_seconds),
                   scene.budget.bytes ? fmt::format("; budget {}", bytes_text(*scene.budget.bytes)) : ""));
   return text;
 }
 
-Json plan_json(const Scene& scene, const ScenePlan& plan, const SceneFiles& files) {
+Json plan_json(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files) {
   Json json = {{"software", std::string("multum ") + MULTUM_VERSION},
                {"bake_ms", plan.cost.ms},
-               {"default_bake_ms", plan.usual_cost.ms},
+               {"default_bake_ms", plan.default_cost.ms},
                {"bytes", plan.cost.bytes},
-               {"default_bytes", plan.usual_cost.bytes},
+               {"default_bytes", plan.default_cost.bytes},
                {"bytes_range", {plan.cost_min.bytes, plan.cost_max.bytes}},
                {"maps", Json::array()},
                {"objects", Json::array()}};

@@ -11,7 +11,7 @@
 namespace multum {
 
 /// Lines of at most `width` characters, 60 at least.
-std::string plan_text(const Scene& scene, const ScenePlan& plan, int width);
+std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int width);
 
 /// Where a scene's files are: those of a map in `folder`, by its name.
 struct SceneFiles {
@@ -24,7 +24,7 @@ struct SceneFiles {
 
 /// Decisions with their numbers, and how multum-view draws each object: `multum-view --scene plan.json` reads it.
 /// Files are named against the folder of results.
-nlohmann::json plan_json(const Scene& scene, const ScenePlan& plan, const SceneFiles& files);
+nlohmann::json plan_json(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files);
 
 /// "1.2 s", "34 ms"; "5.3 MiB", "812 B"; "1.2 %", "14 %" of 0.14.
 std::string time_text(double ms);

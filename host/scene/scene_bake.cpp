@@ -66,7 +66,7 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
 }
 
 // Other settings are estimates, that one bake holds to the target.
-bool misses_target(const Scene& scene, const BakeJob& job, const std::vector<AccuracySummary>& errors) {
+bool misses_target(const SceneDescription& scene, const BakeJob& job, const std::vector<AccuracySummary>& errors) {
   if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
   return !reached_error(errors, target_brdf(job)).meets(*scene.budget.target_error);
 }
@@ -85,8 +85,8 @@ std::vector<AccuracySummary> errors_of(const nlohmann::json& row) {
 }
 
 // `earlier`: the map's row in the report of before, by which what was written then is known again; null: none.
-SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles& files, const nlohmann::json& earlier,
-                        Device& device, Progress* progress) {
+SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
+                        const nlohmann::json& earlier, Device& device, Progress* progress) {
   const auto start = Clock::now();
   SceneMapReport report;
   report.name = map.name;
@@ -99,7 +99,7 @@ SceneMapReport bake_map(const Scene& scene, const MapPlan& map, const SceneFiles
     report.is_by_trials = misses_target(scene, job, report.bake.unchanged ? errors_of(earlier) : report.bake.error);
   }
   if (report.is_by_trials) {
-    if (!holds_lobes(job.representation)) job.encoding = map.usual.shape.encoding;
+    if (!holds_lobes(job.representation)) job.encoding = map.default_bake.shape.encoding;
     job.representation = Representation::kMovmf;
     report.bake =
         bake_lobes_to_target(job, *scene.budget.target_error, map.source.get(), device, progress, report.options);
@@ -140,7 +140,7 @@ std::map<std::string, nlohmann::json> earlier_rows(const std::string& path) {
 
 }  // namespace
 
-SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
+SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
                        const SceneMapDone& done, Progress* progress) {
   const auto start = Clock::now();
   write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
@@ -181,10 +181,10 @@ nlohmann::json SceneReport::to_json() const {
   nlohmann::json json = {{"seconds", seconds},
                          {"plan_seconds", plan.plan_seconds},
                          {"compare_seconds", compare_seconds},
-                         {"default_estimate_ms", plan.usual_cost.ms},
+                         {"default_estimate_ms", plan.default_cost.ms},
                          {"bytes", plan.cost.bytes},
-                         {"bytes_saved", plan.usual_cost.bytes - plan.cost.bytes},
-                         {"ms_saved_estimate", plan.usual_cost.ms - plan.cost.ms},
+                         {"bytes_saved", plan.default_cost.bytes - plan.cost.bytes},
+                         {"ms_saved_estimate", plan.default_cost.ms - plan.cost.ms},
                          {"launches", launches},
                          {"builds", builds},
                          {"maps", nlohmann::json::array()}};
@@ -201,10 +201,10 @@ nlohmann::json SceneReport::to_json() const {
                           {"seconds", map.seconds},
                           {"file_bytes", map.file_bytes},
                           {"estimate_ms", planned.chosen.cost.ms},
-                          {"default_estimate_ms", planned.usual.cost.ms},
+                          {"default_estimate_ms", planned.default_bake.cost.ms},
                           {"bytes", planned.chosen.cost.bytes},
-                          {"bytes_saved", planned.usual.cost.bytes - planned.chosen.cost.bytes},
-                          {"ms_saved_estimate", planned.usual.cost.ms - planned.chosen.cost.ms},
+                          {"bytes_saved", planned.default_bake.cost.bytes - planned.chosen.cost.bytes},
+                          {"ms_saved_estimate", planned.default_bake.cost.ms - planned.chosen.cost.ms},
                           {"by_trials", map.is_by_trials},
                           {"bake", nlohmann::json::parse(map.bake.to_json())}};
     if (!map.options.empty()) row["options"] = map.options;
@@ -238,7 +238,7 @@ std::string SceneReport::to_text() const {
     else if (plan.maps[m].stated_difference == 0.0 && !map.is_by_trials)
       text += fmt::format("{}: as the default bake has it\n", map.name);
   }
-  const double bytes = plan.usual_cost.bytes - plan.cost.bytes;
+  const double bytes = plan.default_cost.bytes - plan.cost.bytes;
   const std::string textures = fmt::format("textures {}, {} {} than the default bake's\n", bytes_text(plan.cost.bytes),
                                            bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
@@ -247,7 +247,7 @@ std::string SceneReport::to_text() const {
   return text +
          fmt::format("baked in {} and planned in {}, compared in {} (by the model of time {}, the default bake {}); ",
                      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
-                     time_text(plan.cost.ms), time_text(plan.usual_cost.ms)) +
+                     time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
          textures;
 }
 

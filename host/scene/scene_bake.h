@@ -47,7 +47,7 @@ struct SceneReport {
 using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&)>;
 
 /// The folder must be there. Throws Error for the first map that fails, Cancelled; maps before it stay.
-SceneReport bake_scene(const Scene& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
+SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
                        const SceneMapDone& done, Progress* progress);
 
 }  // namespace multum

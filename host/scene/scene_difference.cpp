@@ -18,9 +18,9 @@ namespace {
 constexpr int kMosaicSide = 128, kMosaicBlock = 32, kMosaics = 3;
 constexpr double kStudent = 4.303;  // 95 %, of kMosaics - 1 degrees of freedom
 
-// Towards the scene's distant lights that are above the surface, the usual ones where there are none; half vectors
+// Towards the scene's distant lights that are above the surface, the by_default ones where there are none; half vectors
 // with views from above and from two tilts.
-AccuracyDirections scene_directions(const Scene& scene, std::size_t map) {
+AccuracyDirections scene_directions(const SceneDescription& scene, std::size_t map) {
   AccuracyDirections directions = accuracy_directions();
   std::vector<glm::dvec3> lights;
   for (const SceneLight& light : scene.lights)
@@ -41,7 +41,7 @@ AccuracyDirections scene_directions(const Scene& scene, std::size_t map) {
 }
 
 // What `multum bake` of the same maps does of itself.
-BakeJob usual_job(const Scene& scene, const MapPlan& map) {
+BakeJob default_job(const SceneDescription& scene, const MapPlan& map) {
   const BakeJob pattern;
   BakeJob job = map.job;
   job.representation = pattern.representation;
@@ -56,14 +56,14 @@ BakeJob usual_job(const Scene& scene, const MapPlan& map) {
 }
 
 // Of a mosaic: the maps that a job does not name are taken out for so long.
-std::unique_ptr<AccuracyMeter> rehearsed(Device& device, const BakeJob& job, BakeSource& mosaic,
-                                         const AccuracySettings& accuracy, Progress* progress) {
+std::unique_ptr<AccuracyMeter> tried(Device& device, const BakeJob& job, BakeSource& mosaic,
+                                     const AccuracySettings& accuracy, Progress* progress) {
   std::optional<PlaneStore> albedo;
   std::optional<WeightMap> weights;
   if (job.albedo.empty()) albedo.swap(mosaic.albedo);
   if (job.weights.empty()) weights.swap(mosaic.weights);
   BakeReport unused;
-  std::unique_ptr<AccuracyMeter> meter = rehearse_levels(device, job, mosaic, accuracy, unused, progress);
+  std::unique_ptr<AccuracyMeter> meter = try_levels(device, job, mosaic, accuracy, unused, progress);
   if (job.albedo.empty()) albedo.swap(mosaic.albedo);
   if (job.weights.empty()) weights.swap(mosaic.weights);
   return meter;
@@ -73,18 +73,18 @@ struct Estimate {
   double value = 0.0, confidence = 0.0;
 };
 
-// sum of differences / sum of the usual over mosaics: the delta method.
+// sum of differences / sum of the by_default over mosaics: the delta method.
 Estimate ratio(const std::vector<LevelDifference>& of_mosaics) {
-  double difference = 0.0, usual = 0.0, squares = 0.0;
+  double difference = 0.0, by_default = 0.0, squares = 0.0;
   for (const LevelDifference& one : of_mosaics) {
     difference += one.difference;
-    usual += one.usual;
+    by_default += one.by_default;
   }
-  if (!(usual > 0.0)) return {};
-  const double value = difference / usual;
-  for (const LevelDifference& one : of_mosaics) squares += std::pow(one.difference - value * one.usual, 2.0);
+  if (!(by_default > 0.0)) return {};
+  const double value = difference / by_default;
+  for (const LevelDifference& one : of_mosaics) squares += std::pow(one.difference - value * one.by_default, 2.0);
   const auto n = static_cast<double>(of_mosaics.size());
-  return {value, of_mosaics.size() < 2 ? 0.0 : kStudent * std::sqrt(n / (n - 1.0) * squares) / usual};
+  return {value, of_mosaics.size() < 2 ? 0.0 : kStudent * std::sqrt(n / (n - 1.0) * squares) / by_default};
 }
 
 }  // namespace
@@ -98,7 +98,8 @@ std::vector<BakeSource> difference_mosaics(const BakeSource& source) {
   return mosaics;
 }
 
-SceneDifference measure_difference(const Scene& scene, const MapPlan& map, Device& device, Progress* progress) {
+SceneDifference measure_difference(const SceneDescription& scene, const MapPlan& map, Device& device,
+                                   Progress* progress) {
   MULTUM_CHECK(map.mosaics != nullptr);
   Progress quiet = cancel_only(progress);
   std::size_t number = 0;
@@ -107,8 +108,8 @@ SceneDifference measure_difference(const Scene& scene, const MapPlan& map, Devic
   accuracy.exponents = map.job.measured_exponents;
   accuracy.samples_per_level = 0;
   accuracy.directions = scene_directions(scene, number);
-  BakeJob usual = usual_job(scene, map);
-  usual.fitting.rehearse_start = false;  // a likeness of a likeness: a second a map, and no other start on most
+  BakeJob by_default = default_job(scene, map);
+  by_default.fitting.search_start = false;  // a proxy map of a proxy map: a second a map, and no other start on most
   std::vector<std::vector<LevelDifference>> found;  // [mosaic][level and BRDF]
   int first = 0;
   for (BakeSource& mosaic : *map.mosaics) {
@@ -117,9 +118,9 @@ SceneDifference measure_difference(const Scene& scene, const MapPlan& map, Devic
     accuracy.first_level = first;
     BakeJob own = map.job;
     own.fitting.first_level = first;
-    own.fitting.rehearse_start = false;
-    const auto meter = rehearsed(device, own, mosaic, accuracy, &quiet);
-    const auto other = rehearsed(device, usual, mosaic, accuracy, &quiet);
+    own.fitting.search_start = false;
+    const auto meter = tried(device, own, mosaic, accuracy, &quiet);
+    const auto other = tried(device, by_default, mosaic, accuracy, &quiet);
     // Where the scene shows no colours, those of the default bake are not seen either.
     const bool has_colours = !own.albedo.empty() || map.mean_colours;
     found.push_back(
@@ -136,7 +137,7 @@ SceneDifference measure_difference(const Scene& scene, const MapPlan& map, Devic
     for (std::size_t i = 0; i < found.front().size(); ++i) {
       const LevelDifference& shape = found.front()[i];
       if (part == "lambert" && !map.is_diffuse) continue;
-      if (shape.brdf != part || shape.level < first || !(shape.usual > 0.0)) continue;
+      if (shape.brdf != part || shape.level < first || !(shape.by_default > 0.0)) continue;
       std::vector<LevelDifference> of_mosaics;
       for (const auto& mosaic : found) of_mosaics.push_back(mosaic[i]);
       const Estimate level = ratio(of_mosaics);

@@ -28,6 +28,7 @@ struct SceneDifference {
 std::vector<BakeSource> difference_mosaics(const BakeSource& source);
 
 /// `map.mosaics` must be there. Throws Cancelled.
-SceneDifference measure_difference(const Scene& scene, const MapPlan& map, Device& device, Progress* progress);
+SceneDifference measure_difference(const SceneDescription& scene, const MapPlan& map, Device& device,
+                                   Progress* progress);
 
 }  // namespace multum

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kWhole[] = "the scene";
+constexpr char kWholeFile[] = "the scene";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const NumberRange kMetres = {1e-6, 1e9, false, false, "metres from 1e-6 to 1e9"};
 const NumberRange kAny = {-kInfinity, kInfinity, true, true, "a number"};
@@ -78,7 +78,7 @@ void check_file(const StrictTable& table, const std::string& key, const std::str
 StrictTable map_table(const std::string& path, const toml::table& toml) {
   std::vector<std::string> keys = bake_parameters().names(kInScene);
   keys.insert(keys.end(), {"name", "normal"});
-  return {path, toml, "map", keys, kWhole};
+  return {path, toml, "map", keys, kWholeFile};
 }
 
 SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJob& pattern, Names& names,
@@ -161,7 +161,7 @@ void check_keys_of_family(const StrictTable& table, const BrdfFamily& family, co
 SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names, bool reads_files) {
   const StrictTable table(path, toml, "material",
                           {"name", "brdf", "exponent", "sigma", "roughness", "f0", "diffuse", "specular", "file"},
-                          kWhole);
+                          kWholeFile);
   SceneMaterial material;
   material.name = names.add(table);
   const std::string name = table.text("brdf");
@@ -198,7 +198,7 @@ std::vector<std::string> material_names(const StrictTable& table) {
 }
 
 // Does a map hold what an object's materials need?
-void check_materials(const StrictTable& table, const SceneObject& object, const Scene& scene) {
+void check_materials(const StrictTable& table, const SceneObject& object, const SceneDescription& scene) {
   const SceneMap& map = scene.maps[object.map];
   const char* const key = table.has("material") ? "material" : "materials";
   if (object.materials.size() > kMaterialCountMax)
@@ -219,11 +219,11 @@ void check_materials(const StrictTable& table, const SceneObject& object, const 
   }
 }
 
-SceneObject read_object(const std::string& path, const toml::table& toml, const Scene& scene, Names& objects,
+SceneObject read_object(const std::string& path, const toml::table& toml, const SceneDescription& scene, Names& objects,
                         const Names& maps, const Names& materials) {
   const StrictTable table(path, toml, "object",
                           {"name", "map", "material", "materials", "texels_per_metre", "width", "distance", "tilt"},
-                          kWhole);
+                          kWholeFile);
   SceneObject object;
   object.name = objects.add(table);
   object.map = maps.index(table, "map", table.text("map"));
@@ -249,7 +249,7 @@ SceneObject read_object(const std::string& path, const toml::table& toml, const 
 }
 
 SceneLight read_light(const std::string& path, const toml::table& toml) {
-  const StrictTable table(path, toml, "light", {"direction", "irradiance", "position", "intensity"}, kWhole);
+  const StrictTable table(path, toml, "light", {"direction", "irradiance", "position", "intensity"}, kWholeFile);
   SceneLight light;
   light.is_point = table.has("position");
   if (light.is_point == table.has("direction"))
@@ -270,11 +270,11 @@ SceneLight read_light(const std::string& path, const toml::table& toml) {
 }
 
 SceneCamera read_camera(const std::string& path, const toml::table& toml) {
-  const StrictTable table(path, toml, "camera", {"fov", "resolution"}, kWhole);
+  const StrictTable table(path, toml, "camera", {"fov", "resolution"}, kWholeFile);
   SceneCamera camera;
   camera.fov_degrees = table.number("fov", {1.0, 170.0, false, false, "degrees from 1 to 170"}, camera.fov_degrees);
   if (!table.has("resolution")) return camera;
-  const std::vector<int> size = table.wholes("resolution");
+  const std::vector<int> size = table.integers("resolution");
   if (size.size() != 2 || size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536)
     table.refuse("resolution", "is not two whole numbers from 1 to 65536, as [1920, 1080]");
   camera.width = size[0];
@@ -283,7 +283,7 @@ SceneCamera read_camera(const std::string& path, const toml::table& toml) {
 }
 
 SceneBudget read_budget(const std::string& path, const toml::table& toml) {
-  const StrictTable table(path, toml, "budget", {"bytes", "bake_ms", "target_error", "tolerance"}, kWhole);
+  const StrictTable table(path, toml, "budget", {"bytes", "bake_ms", "target_error", "tolerance"}, kWholeFile);
   SceneBudget budget;
   const auto optional = [&](const char* key, const NumberRange& range, std::optional<double>& value) {
     if (table.has(key)) value = table.number(key, range, 0.0);
@@ -296,25 +296,25 @@ SceneBudget read_budget(const std::string& path, const toml::table& toml) {
   return budget;
 }
 
-void read_lights(const std::string& path, const StrictTable& root, Scene& scene, bool reads_files) {
+void read_lights(const std::string& path, const StrictTable& root, SceneDescription& scene, bool reads_files) {
   std::size_t counts[2] = {};
   for (const toml::table* toml : root.tables("light", false)) {
     scene.lights.push_back(read_light(path, *toml));
     if (++counts[scene.lights.back().is_point ? 1 : 0] > kLightCountMax)
       root.refuse("light", fmt::format("is there more than {} times of one kind", kLightCountMax));
   }
-  const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWhole);
+  const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWholeFile);
   if (root.has("environment")) scene.environment = resolved(path, environment.text("file"));
   if (reads_files) check_file(environment, "file", scene.environment);
   if (scene.lights.empty() && scene.environment.empty())
     root.refuse("", "has no light, expected [[light]] or [environment]");
 }
 
-Scene read_scene(const std::string& path, const BakeJob& pattern, bool reads_files) {
+SceneDescription read_scene(const std::string& path, const BakeJob& pattern, bool reads_files) {
   const toml::table toml = parse_toml(path, "a scene as docs/SCENE.md describes it");
   const StrictTable root(path, toml, "", {"camera", "budget", "map", "material", "object", "light", "environment"},
-                         kWhole);
-  Scene scene;
+                         kWholeFile);
+  SceneDescription scene;
   scene.camera = read_camera(path, root.table("camera"));
   scene.budget = read_budget(path, root.table("budget"));
   Names maps("map"), materials("material"), objects("object");
@@ -334,11 +334,11 @@ Scene read_scene(const std::string& path, const BakeJob& pattern, bool reads_fil
 
 }  // namespace
 
-Scene read_scene(const std::string& path, const BakeJob& pattern) { return read_scene(path, pattern, true); }
+SceneDescription read_scene(const std::string& path, const BakeJob& pattern) { return read_scene(path, pattern, true); }
 
 std::vector<std::string> scene_files(const std::string& path) {
   const BakeJob pattern;  // named: GCC 12 warns of an empty one in braces
-  const Scene scene = read_scene(path, pattern, false);
+  const SceneDescription scene = read_scene(path, pattern, false);
   std::vector<std::string> files;
   for (const SceneMap& map : scene.maps)
     for (const std::string& file : input_files(map.job)) files.push_back(file);

@@ -59,7 +59,7 @@ struct SceneBudget {
   double tolerance = 0.02;             // what leaving an effect out may change, relative L1
 };
 
-struct Scene {
+struct SceneDescription {
   SceneCamera camera;
   SceneBudget budget;
   std::vector<SceneMap> maps;
@@ -72,7 +72,7 @@ struct Scene {
 /// Reads and validates; each map's job is `pattern` with what the scene says. Paths are against the scene's own folder.
 /// Of other files measured BRDFs are read, and the rest must be there. Throws Error(kInput) that names the file, the
 /// line, what was found and what was expected.
-Scene read_scene(const std::string& path, const BakeJob& pattern);
+SceneDescription read_scene(const std::string& path, const BakeJob& pattern);
 
 /// The files that a scene names. None of them is looked at. Throws as read_scene() does.
 std::vector<std::string> scene_files(const std::string& path);

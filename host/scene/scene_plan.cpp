@@ -51,15 +51,16 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   job.measured_exponents = needs.exponents();
   for (double& exponent : job.measured_exponents) exponent = std::stod(fmt::format("{:.4g}", exponent));
   job.stored_only = s.first_level > 0;
-  const bool as_usual =
-      !budget.target_error && plan.chosen.name == plan.usual.name && s.encoding == plan.usual.shape.encoding;
+  const bool as_default = !budget.target_error && plan.chosen.name == plan.default_bake.name &&
+                          s.encoding == plan.default_bake.shape.encoding;
   if (plan.is_constant) job.measure = false;  // how far normals are apart is known
-  plan.stated_difference =
-      as_usual && !plan.is_constant ? 0.0 : plan.chosen.error.worst() + plan.usual.error.worst() + budget.tolerance;
+  plan.stated_difference = as_default && !plan.is_constant
+                               ? 0.0
+                               : plan.chosen.error.worst() + plan.default_bake.error.worst() + budget.tolerance;
   // What trials choose reaches the target, and need not be nearer.
   if (plan.trials)
     plan.stated_difference =
-        std::max(plan.chosen.error.worst(), *budget.target_error) + plan.usual.error.worst() + budget.tolerance;
+        std::max(plan.chosen.error.worst(), *budget.target_error) + plan.default_bake.error.worst() + budget.tolerance;
 }
 
 // Down to the scene's budgets, each time the step that adds the least error.
@@ -90,7 +91,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
 
 }  // namespace
 
-ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress* progress) {
+ScenePlan plan_scene(const SceneDescription& scene, const PlanSettings& settings, Progress* progress) {
   const auto start = std::chrono::steady_clock::now();
   ScenePlan plan;
   if (!scene.environment.empty()) check_environment_map(scene.environment);
@@ -124,7 +125,7 @@ ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress*
     plan.cost += map.chosen.cost;
     plan.cost_min += map.trials ? map.trials->fewest.cost : map.chosen.cost;
     plan.cost_max += map.trials ? map.trials->most.cost : map.chosen.cost;
-    plan.usual_cost += map.usual.cost;
+    plan.default_cost += map.default_bake.cost;
   }
   for (const SceneObject& object : scene.objects)
     plan.objects.push_back(plan_object(scene, object, plan.maps[object.map]));

@@ -64,9 +64,9 @@ struct MapPlan {
   double z_min = 0.0;                     // of the map's normals
   bool is_diffuse = false;                // some material is
   bool is_constant = false;               // every normal stands for all: the coarsest level is enough
-  BakeCandidate chosen, usual;            // the default bake
+  BakeCandidate chosen, default_bake;     // the default bake
   std::optional<TrialRange> trials;       // set: the bake's trials are to choose, and `chosen` is an estimate
-  bool usual_error_is_bound = false;      // of the default bake it is known that its error is no more
+  bool default_error_is_bound = false;    // of the default bake it is known that its error is no more
   PartErrors limit;                       // that candidates were held to
   std::vector<BakeCandidate> candidates;  // by textures, then time
   double stated_difference = 0.0;         // from pictures of the default bake, relative L1, by the estimates
@@ -90,7 +90,7 @@ struct ObjectPlan {
 struct ScenePlan {
   std::vector<MapPlan> maps;
   std::vector<ObjectPlan> objects;
-  BakeCost cost, usual_cost;
+  BakeCost cost, default_cost;
   BakeCost cost_min, cost_max;  // of `cost`, what trials may make of it
   double plan_seconds = 0.0;
 };
@@ -104,6 +104,6 @@ struct PlanSettings {
 
 /// Reads every map once. Throws Error(kInput) for maps that cannot be used, Error(kVerification) where no candidate
 /// reaches the scene's target error or its budgets, saying what the nearest does.
-ScenePlan plan_scene(const Scene& scene, const PlanSettings& settings, Progress* progress);
+ScenePlan plan_scene(const SceneDescription& scene, const PlanSettings& settings, Progress* progress);
 
 }  // namespace multum

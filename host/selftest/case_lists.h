@@ -12,7 +12,7 @@ std::vector<NumericalCase> numerics_cases();   // kernels/device: exponentials, 
 std::vector<NumericalCase> em_cases();         // movmf_em_texels
 std::vector<NumericalCase> planar_cases();     // the same kernels and their rounding, of planar Gaussians
 std::vector<NumericalCase> level_cases();      // movmf_start, movmf_pack, movmf_level_zero
-std::vector<NumericalCase> sum_cases();        // movmf_em_chunks, movmf_em_mstep, movmf_features, movmf_condense
+std::vector<NumericalCase> sum_cases();        // movmf_em_chunks, movmf_em_mstep, movmf_features, movmf_binning
 std::vector<NumericalCase> shading_cases();    // movmf_shade
 std::vector<NumericalCase> sh_cases();         // sh_project, sh_shade
 std::vector<NumericalCase> pyramid_cases();    // mip_box, reflectance_pyramid

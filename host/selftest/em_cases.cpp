@@ -145,7 +145,7 @@ void a_bad_texel_stays_alone(Device& device, WorstError& worst) {
         {repeated({tilted(3.0 * t), tilted(40.0, 0.2 * t)}, 64), equal_lobes({tilted(10), tilted(45)}, 10.0)});
   EmSettings settings;
   settings.iterations = 8;
-  settings.settled_change = 0.01f;
+  settings.convergence_tolerance = 0.01f;
   for (const EmForm form : em_forms(device)) {
     const std::vector<FittedTexel> expected = fit_texels(device, good, settings, form);
     for (const double bad : {kNan, kInf, -kInf, 1e38}) {
@@ -170,7 +170,7 @@ void denormals_and_signed_zeros(Device& device, WorstError& worst) {
   }
 }
 
-// Shares of a texel from 2^-28 to 1, as a condensed texel of 2^28 normals may have them.
+// Shares of a texel from 2^-28 to 1, as a binned texel of 2^28 normals may have them.
 void huge_and_tiny_weights(Device& device, WorstError& worst) {
   for (const double scale : {0x1p-30, 1.0, 0x1p28}) {
     EmTexel texel{{}, equal_lobes({tilted(10, 0.0), tilted(50, 2.0)}, 20.0)};
@@ -245,8 +245,8 @@ std::vector<NumericalCase> input_cases() {
         "lanes share nothing, not even when to stop (readers repair such normals: docs/READING.md)", kNothingWrong,
         "texels changed", "not a bit may change"},
        a_bad_texel_stays_alone,
-       {em_edit("moving = moving & (change > fit.settled_change_squared);",
-                "moving = moving & (change > fit.settled_change_squared); first_sample = samples;")}},
+       {em_edit("moving = moving & (change > fit.convergence_tolerance_squared);",
+                "moving = moving & (change > fit.convergence_tolerance_squared); first_sample = samples;")}},
       {{"denormals-and-signed-zeros", "movmf_em_texels, movmf_em_team",
         "a share of a denormal amplitude has a logarithm of -149 or none",
         "an amplitude weighs at least 1e-6 in the E-step", 1e-5, "absolute, of a and a r", kEmBoundReason},

@@ -79,7 +79,7 @@ MultumMovmfFit one_group_fit(const EmTexel& texel, const EmSettings& settings) {
   fit.slot_count = MULTUM_GROUP;
   fit.iteration_count = settings.iterations;
   fit.sample_capacity = static_cast<int>(texel.samples.size());
-  fit.settled_change_squared = settings.settled_change * settings.settled_change;
+  fit.convergence_tolerance_squared = settings.convergence_tolerance * settings.convergence_tolerance;
   fit.kappa_cap = settings.kappa_cap;
   fit.kappa_cap_slope = settings.kappa_cap_slope;
   fit.total_weight_inverse = static_cast<float>(1.0 / total_weight(texel));
@@ -138,7 +138,7 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
   const DeviceBuffer list_buffer = device.wrap_buffer(list.data(), list.size() * sizeof(int), "texels");
   DeviceBuffer start_buffer = device.make_buffer(start.size() * sizeof(float), "start");
   DeviceBuffer level_buffer = device.make_buffer(level_bytes, "lobes");
-  const DeviceBuffer directed_buffer = device.make_buffer(level_bytes, "directions");
+  const DeviceBuffer alignment_buffer = device.make_buffer(level_bytes, "directions");
   device.write(start_buffer, start.data(), start_buffer.byte_count());
   device.write(level_buffer, level.data(), level_bytes);
   const bool by_team = form == EmForm::kTeam;
@@ -148,7 +148,7 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
   device
       .kernel("movmf_em_texels", by_team ? "movmf_em_team" : "movmf_em_texels",
               {static_cast<int>(lobe_count), width, true, settings.planar})
-      .launch(size, sample_buffer, count_buffer, start_buffer, list_buffer, level_buffer, directed_buffer,
+      .launch(size, sample_buffer, count_buffer, start_buffer, list_buffer, level_buffer, alignment_buffer,
               one_group_fit(texels.front(), settings));
   device.read(level_buffer, level.data(), level_bytes);
   device.read(start_buffer, start.data(), start_buffer.byte_count());

@@ -33,7 +33,7 @@ struct EmSettings {
   int iterations = 5;
   float kappa_cap = 500.0f;
   float kappa_cap_slope = 10.0f;
-  float settled_change = 0.0f;
+  float convergence_tolerance = 0.0f;
 };
 
 struct FittedTexel {

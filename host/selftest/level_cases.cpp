@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What surrounds a launch of EM: starts from a parent's lobes and the packing of covered normals (movmf_start.cl) and
-// of condensed ones (movmf_condense.cl), and the finest level (movmf_level_zero.cl).
+// of binned ones (movmf_binning.cl), and the finest level (movmf_level_zero.cl).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -45,13 +45,14 @@ std::vector<double> start_from(Device& device, const MultumVmfLobe& parent, int 
   const MultumVmfLobe nothing = {};
   const DeviceBuffer parents = device.wrap_buffer(&parent, sizeof(parent), "parent");
   const DeviceBuffer level = device.wrap_buffer(&nothing, sizeof(nothing), "level");
-  const DeviceBuffer directed = device.wrap_buffer(&nothing, sizeof(nothing), "directions");
+  const DeviceBuffer alignment_vectors = device.wrap_buffer(&nothing, sizeof(nothing), "directions");
   const DeviceBuffer texels = device.wrap_buffer(list.data(), list.size() * sizeof(int), "texels");
   std::vector<float> start(MULTUM_START_PLANES * kGroup, NAN);
   DeviceBuffer out = device.make_buffer(start.size() * sizeof(float), "start");
   device.write(out, start.data(), out.byte_count());
   device.kernel("movmf_start", "movmf_start", {1, width, false})
-      .launch({kGroup / static_cast<std::size_t>(width)}, parents, level, directed, texels, out, one_texel_fit());
+      .launch({kGroup / static_cast<std::size_t>(width)}, parents, level, alignment_vectors, texels, out,
+              one_texel_fit());
   device.read(out, start.data(), out.byte_count());
   std::vector<double> planes;
   for (std::size_t p = 0; p < MULTUM_START_PLANES; ++p) planes.push_back(static_cast<double>(start[p * kGroup + 3]));
@@ -180,11 +181,11 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
   fit.slot_count = 2 * MULTUM_GROUP;
   fit.sample_capacity = kCapacity;
   std::vector<int> counts, list(2 * kGroup, -1);
-  std::vector<float> condensed(kTexels * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison);
+  std::vector<float> binned(kTexels * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison);
   for (int t = 0; t < kTexels; ++t) {
     counts.push_back(t == 0 ? kCapacity : (t * 7) % 11);
     for (int i = 0; i < counts.back() * MULTUM_CONDENSED_SAMPLE; ++i)
-      condensed[static_cast<std::size_t>(t * kCapacity * MULTUM_CONDENSED_SAMPLE + i)] =
+      binned[static_cast<std::size_t>(t * kCapacity * MULTUM_CONDENSED_SAMPLE + i)] =
           static_cast<float>(std::pow(-10.0, i % 31 - 15));
     list[static_cast<std::size_t>(t == 0 ? 2 : 11 + t)] =
         t;  // all but one in the second group and the end of the first
@@ -192,8 +193,8 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
   const DeviceBuffer samples =
       uploaded(device, std::vector<float>(2 * kGroup * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison), "samples");
   const DeviceBuffer sample_counts = uploaded(device, std::vector<int>(2, -1), "sample counts");
-  device.kernel("movmf_pack", "movmf_condensed_pack", {1, 1, false})
-      .launch({2 * static_cast<std::size_t>(part_count), 64}, uploaded(device, condensed, "condensed"),
+  device.kernel("movmf_pack", "movmf_binned_pack", {1, 1, false})
+      .launch({2 * static_cast<std::size_t>(part_count), 64}, uploaded(device, binned, "binned"),
               uploaded(device, counts, "counts"), uploaded(device, list, "texels"), samples, sample_counts, fit,
               part_count);
   const std::vector<float> found = downloaded<float>(device, samples);
@@ -212,7 +213,7 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
           const auto at = static_cast<std::size_t>(texel * kCapacity + n) * MULTUM_CONDENSED_SAMPLE + k;
           const float value = found[((group * kCapacity + i) * MULTUM_CONDENSED_SAMPLE + k) * kGroup + lane];
           const bool has = texel >= 0 && n < counts[static_cast<std::size_t>(texel)];
-          const float expected = n >= most ? kPoison : has ? condensed[at] : k == 2 ? 1.0f : 0.0f;
+          const float expected = n >= most ? kPoison : has ? binned[at] : k == 2 ? 1.0f : 0.0f;
           const bool same = std::isnan(expected) ? std::isnan(value) : value == expected;
           worst.add(same ? 0.0 : 1.0, fmt::format("group {}, lane {}, sample {}, value {}", group, lane, i, k));
         }
@@ -296,7 +297,7 @@ std::vector<NumericalCase> level_cases() {
         "a root, two quotients and the cancellation of 1 - |p|^2"},
        shortened_normals_as_points,
        {{"movmf_pack", "MAX_V(length, (real)(1e-6f))", "length"}}},
-      {{"uneven-cells-side-by-side", "movmf_condensed_pack", "what lies behind a texel's cells counts as its samples",
+      {{"uneven-cells-side-by-side", "movmf_binned_pack", "what lies behind a texel's cells counts as its samples",
         "samples of weight 0 up to the number of the texel that has most", kNothingWrong, "values wrong",
         "none may be: copies"},
        uneven_cells_by_any_parts,

@@ -148,7 +148,7 @@ void caps_of_narrow_texels(Device& device, WorstError& worst) {
       }
 }
 
-// Cells whose normals are one, at any tilt: what they scatter, as movmf_condense_means finds it.
+// Cells whose normals are one, at any tilt: what they scatter, as movmf_bin_means finds it.
 void scatter_of_equal_normals(Device& device, WorstError& worst) {
   constexpr int kCells = 400;
   std::vector<std::int64_t> cells;
@@ -163,8 +163,7 @@ void scatter_of_equal_normals(Device& device, WorstError& worst) {
   DeviceBuffer out = device.make_buffer(samples.size() * sizeof(float), "samples");
   device.write(out, samples.data(), out.byte_count());
   const DeviceBuffer counts = device.make_buffer(sizeof(int), "counts");
-  device.kernel("movmf_condense", "movmf_condense_means", {1, 1, false, true})
-      .launch({1}, in, out, counts, 1, 1, kCells, 1);
+  device.kernel("movmf_binning", "movmf_bin_means", {1, 1, false, true}).launch({1}, in, out, counts, 1, 1, kCells, 1);
   device.read(out, samples.data(), out.byte_count());
   for (std::size_t i = 0; i < kCells; ++i)
     worst.add(std::max(-static_cast<double>(samples[i * MULTUM_CONDENSED_SAMPLE + 2]), 0.0) +
@@ -284,11 +283,11 @@ std::vector<NumericalCase> fit_cases() {
         "1.2e-7 of a squared distance of 3 degrees, against the least variance"},
        caps_of_narrow_texels,
        {{"movmf_em_mstep", "1.0f / MAX_V(sum_s[j], (real_v)(1e-30f))", "1.0f / sum_s[j]"}}},
-      {{"planar-scatter-of-equal-normals", "movmf_condense_means (planar)",
+      {{"planar-scatter-of-equal-normals", "movmf_bin_means (planar)",
         "E|p|^2 of a cell less the square of its mean is below 0", "held at 0 and above", kNothingWrong,
         "how far below 0", "never"},
        scatter_of_equal_normals,
-       {{"movmf_condense", "MAX_V(mean.z - fma(mean.x, mean.x, mean.y * mean.y), 0.0f)",
+       {{"movmf_binning", "MAX_V(mean.z - fma(mean.x, mean.x, mean.y * mean.y), 0.0f)",
          "mean.z - fma(mean.x, mean.x, mean.y * mean.y)"}}},
   };
 }

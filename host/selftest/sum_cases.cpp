@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sums over as many texels as a level may cover, 2^28, from a stream that repeats one band of normals: its exact sum is
 // known. By chunks (movmf_em_chunks.cl, movmf_em_mstep.cl), of colours (movmf_features.cl) and into cells
-// (movmf_condense.cl).
+// (movmf_binning.cl).
 //
 // Why a float does not do: it counts no further than 2^24, where a sum stands still when its last place is twice what
 // is added; and 2^16 partial sums, each right, lose half a unit in the last place of the total an addition, always the
@@ -130,9 +130,9 @@ std::vector<MultumVmfLobe> lobes_of_chunks(Device& device, const DeviceBuffer& p
   std::vector<MultumVmfLobe> lobes(texel.lobes.size(), MultumVmfLobe{NAN, NAN, NAN, NAN});
   DeviceBuffer level = device.make_buffer(lobes.size() * sizeof(MultumVmfLobe), "lobes");
   device.write(level, lobes.data(), level.byte_count());
-  const DeviceBuffer directed = device.make_buffer(level.byte_count(), "directions");
+  const DeviceBuffer alignment_vectors = device.make_buffer(level.byte_count(), "directions");
   device.kernel("movmf_em_mstep", "movmf_em_mstep", {static_cast<int>(lobes.size()), 1, false})
-      .launch({lobes.size()}, partial, start_buffer, texels, level, directed, fit, 0);
+      .launch({lobes.size()}, partial, start_buffer, texels, level, alignment_vectors, fit, 0);
   device.read(level, lobes.data(), level.byte_count());
   return lobes;
 }
@@ -285,7 +285,7 @@ void colours_far_from_every_lobe(Device& device, WorstError& worst) {
     std::vector<float> colours(6, NAN);
     DeviceBuffer out = device.make_buffer(colours.size() * sizeof(float), "colours");
     device.write(out, colours.data(), out.byte_count());
-    device.kernel("movmf_features", "movmf_feature_condensed", {2, 1, false})
+    device.kernel("movmf_features", "movmf_feature_binned", {2, 1, false})
         .launch({1}, device.wrap_buffer(normals.data(), normals.size() * sizeof(float), "samples"),
                 device.wrap_buffer(values.data(), values.size() * sizeof(float), "colours"),
                 device.wrap_buffer(counts.data(), sizeof(int), "sample counts"),
@@ -330,8 +330,8 @@ void texels_2_28_into_cells(Device& device, WorstError& worst, bool atomic) {
   std::vector<std::int64_t> cells(static_cast<std::size_t>(chunk_count) * kCells * MULTUM_CELL_SUMS, 0);
   DeviceBuffer out = device.make_buffer(cells.size() * sizeof(std::int64_t), "cells");
   device.fill_zero(out);
-  Kernel add = atomic ? device.kernel("movmf_condense_team", "movmf_condense_add", {1, 1, false})
-                      : device.kernel("movmf_condense", "movmf_condense_cells", {1, 1, false});
+  Kernel add = atomic ? device.kernel("movmf_binning_team", "movmf_bin_add", {1, 1, false})
+                      : device.kernel("movmf_binning", "movmf_bin_cells", {1, 1, false});
   const auto add_band = [&](int index) {
     fit.map_first_row = index * kBandRows;
     if (atomic)
@@ -384,8 +384,8 @@ void means_of_2_58(Device& device, WorstError& worst, bool by_team) {
   DeviceBuffer out = device.make_buffer(samples.size() * sizeof(float), "samples"),
                counts = device.make_buffer(sizeof(int), "counts");
   device.write(out, samples.data(), out.byte_count());
-  Kernel add_up = by_team ? device.kernel("movmf_condense_team", "movmf_condense_team_means", {1, 1, false})
-                          : device.kernel("movmf_condense", "movmf_condense_means", {1, 1, false});
+  Kernel add_up = by_team ? device.kernel("movmf_binning_team", "movmf_bin_team_means", {1, 1, false})
+                          : device.kernel("movmf_binning", "movmf_bin_means", {1, 1, false});
   add_up.launch(by_team ? Kernel::WorkSize{MULTUM_TEAM, MULTUM_TEAM} : Kernel::WorkSize{1}, in, out, counts, 1,
                 chunk_count, 3, 1);
   device.read(out, samples.data(), out.byte_count());
@@ -420,9 +420,9 @@ void axes_of_no_extent(Device& device, WorstError& worst) {
     std::vector<float> axes(2 * MULTUM_AXIS_FLOATS, kNan);
     DeviceBuffer axis_buffer = device.make_buffer(axes.size() * sizeof(float), "axes");
     device.write(axis_buffer, axes.data(), axis_buffer.byte_count());
-    device.kernel("movmf_condense", "movmf_condense_probe", {1, 1, false})
+    device.kernel("movmf_binning", "movmf_bin_probe", {1, 1, false})
         .launch({MULTUM_PROBE_SIDE}, xb, yb, zb, probes, fit, 0);
-    device.kernel("movmf_condense", "movmf_condense_axes", {1, 1, false}).launch({2}, probes, axis_buffer, fit, 0);
+    device.kernel("movmf_binning", "movmf_bin_axes", {1, 1, false}).launch({2}, probes, axis_buffer, fit, 0);
     device.read(axis_buffer, axes.data(), axis_buffer.byte_count());
     for (std::size_t i = 0; i < axes.size(); ++i) {
       const double value = static_cast<double>(axes[i]);
@@ -453,8 +453,8 @@ std::vector<NumericalCase> sum_cases() {
       {{"colours-of-65536-partial-sums", "movmf_feature_sum", "the same", "the same", 3e-7, "relative", "the same"},
        many_partial_colours,
        {{"movmf_features", compensated, plain + compensated}}},
-      {{"colours-far-from-every-lobe", "movmf_feature_condensed", "shares of 0 / 0",
-        "logarithms, the largest subtracted", 1e-4, "of the channel's total", "exponents of 1e6 carry 6e-8 each"},
+      {{"colours-far-from-every-lobe", "movmf_feature_binned", "shares of 0 / 0", "logarithms, the largest subtracted",
+        1e-4, "of the channel's total", "exponents of 1e6 carry 6e-8 each"},
        colours_far_from_every_lobe,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"colours-of-uneven-chunks", "movmf_feature_partial",
@@ -463,26 +463,24 @@ std::vector<NumericalCase> sum_cases() {
         "of the chunk's total of the channel", "exponents of 1e6 carry 6e-8 each"},
        colours_of_uneven_chunks,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
-      {{"texels-2-to-28-into-cells", "movmf_condense_cells, movmf_condense_add", "one float stops at 2^24",
+      {{"texels-2-to-28-into-cells", "movmf_bin_cells, movmf_bin_add", "one float stops at 2^24",
         "whole numbers of 2^-30 in 64 bits: 2^58 at most, in any order", 2e-9, "absolute, of means",
         "2^-30 a normal, rounded towards 0"},
        texels_2_28_by_any_way,
        {},
        floats_stand_still},
-      {{"means-of-sums-to-2-to-58", "movmf_condense_means, movmf_condense_team_means",
-        "32 bits overflow at two normals", "64 bits", 2e-7, "absolute, of means; relative, of weights",
-        "two conversions and a division"},
+      {{"means-of-sums-to-2-to-58", "movmf_bin_means, movmf_bin_team_means", "32 bits overflow at two normals",
+        "64 bits", 2e-7, "absolute, of means; relative, of weights", "two conversions and a division"},
        means_of_2_58_by_any_form,
-       {{"movmf_condense", "long4 sum = vload4(cell, chunks);",
+       {{"movmf_binning", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"},
-        {"movmf_condense_team", "long4 sum = vload4(cell, chunks);",
+        {"movmf_binning_team", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"}}},
-      {{"axes-of-no-extent", "movmf_condense_probe, movmf_condense_axes",
-        "bins a unit of 63 / 0; straight down lies at 0 / 0", "an extent of 1e-6 at least, 1 + z of 1e-6 at least",
-        kNothingWrong, "values that are no axis", "none may be"},
+      {{"axes-of-no-extent", "movmf_bin_probe, movmf_bin_axes", "bins a unit of 63 / 0; straight down lies at 0 / 0",
+        "an extent of 1e-6 at least, 1 + z of 1e-6 at least", kNothingWrong, "values that are no axis", "none may be"},
        axes_of_no_extent,
-       {{"movmf_condense", "MAX_V(high - low, 1e-6f)", "(high - low)"},
-        {"movmf_condense", "sqrt(MAX_V(1.0f + z, 1e-6f))", "sqrt(1.0f + z)"}}},
+       {{"movmf_binning", "MAX_V(high - low, 1e-6f)", "(high - low)"},
+        {"movmf_binning", "sqrt(MAX_V(1.0f + z, 1e-6f))", "sqrt(1.0f + z)"}}},
   };
 }
 

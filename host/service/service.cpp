@@ -65,12 +65,13 @@ class Service {
         events_(static_cast<std::uint64_t>(wall_clock_ms()) * 1000),
         ledger_(std::make_unique<QueueThread>(find_ledger(settings_.data, settings_.retry, options.begins_anew),
                                               [this](std::function<void()> task) {
-                                                asio::post(io_, [this, task = std::move(task)] { turns_.add(task); });
+                                                asio::post(io_,
+                                                           [this, task = std::move(task)] { task_queue_.add(task); });
                                               })),
         dispatcher_(io_, *ledger_, events_, data_, settings_, roots_, take_up_ledger(*ledger_, data_, settings_.data),
                     options.worker_command),
         api_(io_, *ledger_, dispatcher_, events_, data_, settings_, roots_, read_token(settings_.token_file)),
-        server_(io_, server_settings(), events_, turns_),
+        server_(io_, server_settings(), events_, task_queue_),
         signals_(io_, SIGTERM, SIGINT),
         reload_signal_(io_, SIGHUP),
         watchdog_(io_),
@@ -230,7 +231,7 @@ class Service {
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   EventHub events_;
-  Turns turns_{io_};
+  TaskQueue task_queue_{io_};
   std::unique_ptr<QueueThread> ledger_;
   Dispatcher dispatcher_;
   HttpApi api_;

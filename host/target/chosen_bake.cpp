@@ -119,9 +119,9 @@ class TimeGuess {
  public:
   TimeGuess(const SettingTrials& trials, double read_seconds) : trials_(trials), read_seconds_(read_seconds) {}
   double seconds(const SettingTrial& trial) const {
-    constexpr double kUsualCorrection = 0.75;  // trials are so small that launches show
+    constexpr double kDefaultCorrection = 0.75;  // trials are so small that launches show
     const auto found = correction_.find(is_fit(trial));
-    return read_seconds_ + raw(trial) * (found == correction_.end() ? kUsualCorrection : found->second);
+    return read_seconds_ + raw(trial) * (found == correction_.end() ? kDefaultCorrection : found->second);
   }
   void learn(const Attempt& attempt) {
     correction_[is_fit(attempt.trial)] = (attempt.seconds - read_seconds_) / std::max(1e-6, raw(attempt.trial));

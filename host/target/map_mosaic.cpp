@@ -77,8 +77,8 @@ BakeSource make_mosaic(const BakeSource& source, const MosaicSettings& settings)
   if (source.weights) {
     mosaic.weights.emplace();
     mosaic.weights->count = source.weights->count;
-    for (const PlaneStore& triple : source.weights->triples)
-      mosaic.weights->triples.push_back(cut_planes(triple, cuts));
+    for (const PlaneStore& rgb_plane : source.weights->rgb_planes)
+      mosaic.weights->rgb_planes.push_back(cut_planes(rgb_plane, cuts));
   }
   mosaic.has_roughness = source.has_roughness;
   mosaic.mean_cosine = source.mean_cosine;

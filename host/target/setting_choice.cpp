@@ -21,7 +21,7 @@ namespace {
 constexpr int kOrders[] = {2, 3, 4, 6, 8, 10, 13, 16, 20};
 
 // Of candidates with as many textures, in the order of their bakes' times (docs/ACCURACY.md).
-enum Effort { kAveraged, kQuickFit, kUsualFit, kLongFit };
+enum Effort { kAveraged, kQuickFit, kDefaultFit, kLongFit };
 
 SettingCandidate candidate(const ParameterValues& values, int texture_count, Effort effort) {
   return {values, options_text(values), texture_count, effort};
@@ -44,8 +44,8 @@ std::vector<SettingCandidate> all_candidates() {
     all.push_back(candidate(bake_values({{"ndf", "sh"}, {"sh_order", order}}), sh_part_count(order), kAveraged));
   const LobeCounts counts = lobe_counts();
   for (int lobes = counts.fewest; lobes <= counts.most; ++lobes) {
-    for (const Effort effort : {kQuickFit, kUsualFit}) all.push_back(lobe_candidate("vmf", lobes, effort));
-    all.push_back(lobe_candidate("gmm", lobes, kUsualFit));
+    for (const Effort effort : {kQuickFit, kDefaultFit}) all.push_back(lobe_candidate("vmf", lobes, effort));
+    all.push_back(lobe_candidate("gmm", lobes, kDefaultFit));
   }
   // Of fewer lobes, another lobe does more than the long fit, in less time.
   all.push_back(lobe_candidate("vmf", counts.most, kLongFit));
@@ -75,10 +75,11 @@ TargetBrdf parse_target_brdf(const std::string& text, const std::string& option)
 }
 
 std::vector<Highlight> TargetBrdf::more_highlights() const {
-  const std::vector<double> usual = AccuracySettings().exponents;
-  const bool is_usual = brdf.kind == BrdfKind::kBlinnPhong &&
-                        std::find(usual.begin(), usual.end(), static_cast<double>(brdf.exponent)) != usual.end();
-  if (!has_highlight() || is_usual) return {};
+  const std::vector<double> exponents = AccuracySettings().exponents;
+  const bool is_default =
+      brdf.kind == BrdfKind::kBlinnPhong &&
+      std::find(exponents.begin(), exponents.end(), static_cast<double>(brdf.exponent)) != exponents.end();
+  if (!has_highlight() || is_default) return {};
   return {make_highlight(name, brdf)};
 }
 
@@ -130,7 +131,7 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
   accuracy.highlights = highlights_;
   BakeReport report;
   Progress quiet = cancel_only(progress);
-  const std::unique_ptr<AccuracyMeter> meter = rehearse_levels(device_, job, mosaic_, accuracy, report, &quiet);
+  const std::unique_ptr<AccuracyMeter> meter = try_levels(device_, job, mosaic_, accuracy, report, &quiet);
   meter->run(device_, mosaic_.map.normals, mosaic_.colours(), &quiet);
   const ReachedError reached = reached_error(meter->summaries(), brdf_);
   double fixed_seconds = report.fit.start_seconds;

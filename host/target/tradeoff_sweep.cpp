@@ -25,7 +25,7 @@
 namespace multum {
 namespace {
 
-constexpr int kUsualLobes = 4;
+constexpr int kDefaultLobes = 4;
 constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 
 // A way to draw a bake.
@@ -46,7 +46,7 @@ struct SweptBake {
 
 // With four lobes of the default, some settings changed.
 SweptBake changed(const std::string& group, Given changes) {
-  SweptBake swept{bake_values({{"ndf", "vmf"}, {"lobes", kUsualLobes}}), {{group, "", "", true}}};
+  SweptBake swept{bake_values({{"ndf", "vmf"}, {"lobes", kDefaultLobes}}), {{group, "", "", true}}};
   for (const auto& [name, value] : changes) swept.values.set(name, value);
   return swept;
 }
@@ -67,15 +67,16 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
 }
 
 // The default's bake is drawn by every formula and every sum of terms.
-SweptBake usual_bake(const TradeoffJob& job) {
+SweptBake default_bake(const TradeoffJob& job) {
   const TargetBrdf& brdf = job.brdf;
-  SweptBake usual = changed("lobes", {});
-  if (job.length == SweepLength::kQuick) return usual;
+  SweptBake by_default = changed("lobes", {});
+  if (job.length == SweepLength::kQuick) return by_default;
   usual.views.push_back({"shading formula", "--shade-first", "", false});
-  if (job.has_roughness()) return usual;  // the BRDF is the map's, and its formula the product's
-  if (brdf.brdf.kind == BrdfKind::kBlinnPhong) usual.views.push_back({"shading formula", "--formula paper", "", false});
-  if (brdf.has_highlight()) add_term_views(brdf, usual.views);
-  return usual;
+  if (job.has_roughness()) return by_default;  // the BRDF is the map's, and its formula the product's
+  if (brdf.brdf.kind == BrdfKind::kBlinnPhong)
+    by_default.views.push_back({"shading formula", "--formula paper", "", false});
+  if (brdf.has_highlight()) add_term_views(brdf, by_default.views);
+  return by_default;
 }
 
 void add_representations(const TargetBrdf& brdf, SweepLength length, std::vector<SweptBake>& sweep) {
@@ -83,15 +84,15 @@ void add_representations(const TargetBrdf& brdf, SweepLength length, std::vector
   for (const char* shading : kMomentShadings)
     moments.views.push_back({"moments", fmt::format("--moments {}", shading), "", true});
   sweep.push_back(moments);
-  for (const int order : length == SweepLength::kQuick   ? std::vector<int>{4, 8}
-                         : length == SweepLength::kUsual ? std::vector<int>{2, 4, 6, 8, 12}
-                                                         : std::vector<int>{2, 3, 4, 6, 8, 10, 13, 16, 20}) {
+  for (const int order : length == SweepLength::kQuick     ? std::vector<int>{4, 8}
+                         : length == SweepLength::kDefault ? std::vector<int>{2, 4, 6, 8, 12}
+                                                           : std::vector<int>{2, 3, 4, 6, 8, 10, 13, 16, 20}) {
     sweep.push_back({bake_values({{"ndf", "sh"}, {"sh_order", order}}), {{"harmonics", "", "", true}}});
   }
   if (brdf.is_sum()) return;
-  for (const int count : length == SweepLength::kQuick   ? std::vector<int>{4}
-                         : length == SweepLength::kUsual ? std::vector<int>{1, 2, 4, 6}
-                                                         : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
+  for (const int count : length == SweepLength::kQuick     ? std::vector<int>{4}
+                         : length == SweepLength::kDefault ? std::vector<int>{1, 2, 4, 6}
+                                                           : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
     sweep.push_back({bake_values({{"ndf", "gmm"}, {"lobes", count}}), {{"Gaussians", "", "", true}}});
 }
 
@@ -100,9 +101,9 @@ void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
   add("iterations", {{"sweeps", 1}, {"no_rehearsal", true}});
   add("storage", {{"data_format", "half"}});
   // Without level 0 lobes take a quarter of the memory: more of them fit into as much.
-  for (const int lobes : length == SweepLength::kQuick   ? std::vector<int>{2, 4}
-                         : length == SweepLength::kUsual ? std::vector<int>{1, 2, 3, 4, 6, 8}
-                                                         : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
+  for (const int lobes : length == SweepLength::kQuick     ? std::vector<int>{2, 4}
+                         : length == SweepLength::kDefault ? std::vector<int>{1, 2, 3, 4, 6, 8}
+                                                           : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
     add("first level", {{"lobes", lobes}, {"first_level", 1}});
   if (length == SweepLength::kQuick) return;
   for (const int iterations : {3, 6}) add("iterations", {{"iterations", iterations}});
@@ -130,7 +131,7 @@ std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
   std::vector<SweptBake> sweep;
   for (const int count :
        length == SweepLength::kQuick ? std::vector<int>{1, 2, 4, 6} : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    sweep.push_back(count == kUsualLobes ? usual_bake(job) : changed("lobes", {{"lobes", count}}));
+    sweep.push_back(count == kDefaultLobes ? default_bake(job) : changed("lobes", {{"lobes", count}}));
   add_representations(job.brdf, length, sweep);
   add_changes(length, sweep);
   return sweep;

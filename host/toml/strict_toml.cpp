@@ -168,7 +168,7 @@ std::vector<std::string> StrictTable::texts(const std::string& key, bool is_requ
   return result;
 }
 
-std::vector<int> StrictTable::wholes(const std::string& key) const {
+std::vector<int> StrictTable::integers(const std::string& key) const {
   const toml::node* node = find(key, true);
   if (!node->is_array()) refuse_value(key, *node, "a list of whole numbers");
   std::vector<int> result;

@@ -56,7 +56,7 @@ class StrictTable {
   /// One number, or a list of at most `count_max`; none where the key is missing.
   std::vector<double> numbers(const std::string& key, const NumberRange& range, std::size_t count_max) const;
   std::vector<std::string> texts(const std::string& key, bool is_required) const;
-  std::vector<int> wholes(const std::string& key) const;
+  std::vector<int> integers(const std::string& key) const;
   /// Four rows of four finite numbers, for column vectors.
   glm::dmat4 matrix(const std::string& key) const;
   /// The table of this key; empty where there is none.

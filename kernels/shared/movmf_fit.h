@@ -5,7 +5,7 @@
 
 // Texels are fitted in groups of this many slots: the width of the vector variant, and the unit of the packed layouts.
 #define MULTUM_GROUP 16
-// Work-items that fit one texel together, on devices that have enough of them (movmf_em_texels.cl, movmf_condense.cl).
+// Work-items that fit one texel together, on devices that have enough of them (movmf_em_texels.cl, movmf_binning.cl).
 #define MULTUM_TEAM 64
 
 // Values of MovmfFit::order: which same-level neighbours are done when a texel is fitted.
@@ -21,7 +21,7 @@
 #define MULTUM_START_CAP 8        // the texel's cap of kappa, known after the first E-step
 #define MULTUM_START_PLANES 9
 
-// The grid of a condensed texel (movmf_condense.cl): normals along a side that axes are made from, bins of an axis,
+// The grid of a binned texel (movmf_binning.cl): normals along a side that axes are made from, bins of an axis,
 // floats that describe an axis.
 #define MULTUM_PROBE_SIDE 32
 #define MULTUM_PROBE_COUNT (MULTUM_PROBE_SIDE * MULTUM_PROBE_SIDE)
@@ -55,16 +55,16 @@ typedef struct MultumMovmfFit {
   int periodic_x;       // not 0: beyond the border lies the other one, whose texels are neighbours too
   int periodic_y;
   int iteration_count;
-  int sample_capacity;           // samples of a texel, at most (movmf_em_texels.cl): of a condensed one its cells
-  int cell_side;                 // cells along a side of a condensed texel's grid; 0: not condensed
-  int shortened;                 // not 0: normals are mean vectors of a BRDF's lobes, of lengths up to 1
-  float extra_copies;            // a sample counts as one and so many more facets when EM shares it out
-  float settled_change_squared;  // a texel in which nothing moves by more is done; 0: run every iteration
-  int chunk_rows;                // rows a chunk sums (movmf_em_chunks.cl)
-  int chunk_count;               // chunks a texel
-  float start_kappa_factor;      // kappa of a start is the parent's times this
-  float start_amplitude_min;     // and its amplitude at least this
-  float alignment;               // C of the alignment prior, >= 0
+  int sample_capacity;                  // samples of a texel, at most (movmf_em_texels.cl): of a binned one its cells
+  int cell_side;                        // cells along a side of a binned texel's grid; 0: not binned
+  int shortened;                        // not 0: normals are mean vectors of a BRDF's lobes, of lengths up to 1
+  float extra_copies;                   // a sample counts as one and so many more facets when EM shares it out
+  float convergence_tolerance_squared;  // a texel in which nothing moves by more is done; 0: run every iteration
+  int chunk_rows;                       // rows a chunk sums (movmf_em_chunks.cl)
+  int chunk_count;                      // chunks a texel
+  float start_kappa_factor;             // kappa of a start is the parent's times this
+  float start_amplitude_min;            // and its amplitude at least this
+  float alignment;                      // C of the alignment prior, >= 0
   float kappa_cap;  // cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
   float kappa_cap_slope;
   float total_weight_inverse;  // 1 / (finest texels that a texel covers)

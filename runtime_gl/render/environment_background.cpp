@@ -32,7 +32,7 @@ glm::vec3 radiance(const EnvironmentMap& map, glm::dvec2 st) {
 
 }  // namespace
 
-FloatImage environment_background(const Scene& scene, int width, int height) {
+FloatImage environment_background(const RenderScene& scene, int width, int height) {
   MULTUM_CHECK(scene.environment != nullptr);
   const EnvironmentMap& map = scene.environment->map;
   const std::array<glm::vec3, 3> axes = environment_axes(scene.environment_up);

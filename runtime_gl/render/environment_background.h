@@ -8,7 +8,7 @@
 namespace multum::gl {
 
 /// Of a scene that has an environment. Alpha is 1.
-FloatImage environment_background(const Scene& scene, int width, int height);
+FloatImage environment_background(const RenderScene& scene, int width, int height);
 
 /// The picture before the background, which shows as far as alpha, the picture's coverage, leaves it. Alpha is then 1.
 FloatImage before_background(const FloatImage& picture, const FloatImage& background);

@@ -44,7 +44,7 @@ std::array<glm::vec3, 3> environment_axes(const glm::vec3& up) {
   return {glm::cross(up, z), up, z};
 }
 
-ShaderParts environment_shader_parts(const Scene& scene, bool samples_light) {
+ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light) {
   if (scene.environment == nullptr) return {};
   ShaderParts parts{{"MULTUM_ENVIRONMENT"}, {}};
   if (samples_light) {
@@ -62,7 +62,7 @@ ShaderParts environment_shader_parts(const Scene& scene, bool samples_light) {
   return parts;
 }
 
-void EnvironmentShading::set_map(const Scene& scene) {
+void EnvironmentShading::set_map(const RenderScene& scene) {
   if (light_ == scene.environment) return;
   light_ = scene.environment;
   const std::vector<EnvironmentMap>& levels = light_->levels.levels;
@@ -96,7 +96,7 @@ EnvironmentShading::Tables EnvironmentShading::make_tables(const Brdf& brdf) con
   return made;
 }
 
-void EnvironmentShading::set_half_vector_light(const Scene& scene, glm::ivec2 viewport) {
+void EnvironmentShading::set_half_vector_light(const RenderScene& scene, glm::ivec2 viewport) {
   const glm::mat4 inverse = glm::inverse(view_projection(scene.camera, viewport.x, viewport.y, glm::vec2(0.0f)));
   const std::array<glm::vec3, 3> axes = environment_axes(scene.environment_up);
   constexpr int kNodes = kGridColumns * kGridRows;
@@ -119,7 +119,7 @@ void EnvironmentShading::set_half_vector_light(const Scene& scene, glm::ivec2 vi
   half_vector_light_->upload_level(0, &texels[0].x);
 }
 
-void EnvironmentShading::set_sample(const ShaderProgram& shader, const Scene& scene, int sample) const {
+void EnvironmentShading::set_sample(const ShaderProgram& shader, const RenderScene& scene, int sample) const {
   shader.set("u_sample", sample);
   if (scene.environment == nullptr) return;
   std::vector<glm::vec3> directions;
@@ -129,8 +129,8 @@ void EnvironmentShading::set_sample(const ShaderProgram& shader, const Scene& sc
   shader.set_vec3("u_light_samples", glm::value_ptr(directions[0]), kEnvironmentSampleCount);
 }
 
-void EnvironmentShading::set(const ShaderProgram& shader, const Scene& scene, bool samples_light, glm::ivec2 viewport,
-                             int unit) {
+void EnvironmentShading::set(const ShaderProgram& shader, const RenderScene& scene, bool samples_light,
+                             glm::ivec2 viewport, int unit) {
   if (scene.environment == nullptr) return;
   const std::array<glm::vec3, 3> axes = environment_axes(scene.environment_up);
   shader.set_vec3("u_environment_axes", glm::value_ptr(axes[0]), 3);

@@ -21,20 +21,20 @@ constexpr int kEnvironmentSampleCount = 32;
 std::array<glm::vec3, 3> environment_axes(const glm::vec3& up);
 
 /// `samples_light`: that of the material. Nothing without an environment.
-ShaderParts environment_shader_parts(const Scene& scene, bool samples_light);
+ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light);
 
 class EnvironmentShading {
  public:
   explicit EnvironmentShading(const GlFunctions& gl) : gl_(&gl) {}
 
   /// Gives textures units from `unit` on. Keeps what is still right from the call before.
-  void set(const ShaderProgram& shader, const Scene& scene, bool samples_light, glm::ivec2 viewport, int unit);
+  void set(const ShaderProgram& shader, const RenderScene& scene, bool samples_light, glm::ivec2 viewport, int unit);
 
   /// Of what samples light: the directions of the picture's sample number `sample`.
-  void set_sample(const ShaderProgram& shader, const Scene& scene, int sample) const;
+  void set_sample(const ShaderProgram& shader, const RenderScene& scene, int sample) const;
 
  private:
-  void set_map(const Scene& scene);
+  void set_map(const RenderScene& scene);
   // What lobes reflect of an environment by a BRDF.
   struct Tables {
     std::vector<float> term_spreads;
@@ -42,7 +42,7 @@ class EnvironmentShading {
     std::vector<glm::vec3> half_zonal;  // to kHalfVectorOrder, where asked for
   };
   Tables make_tables(const Brdf& brdf) const;
-  void set_half_vector_light(const Scene& scene, glm::ivec2 viewport);
+  void set_half_vector_light(const RenderScene& scene, glm::ivec2 viewport);
 
   const GlFunctions* gl_;
   std::shared_ptr<const EnvironmentLight> light_;  // what map_ holds

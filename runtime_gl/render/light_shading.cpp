@@ -9,7 +9,7 @@
 
 namespace multum::gl {
 
-ShaderParts light_shader_parts(const Scene& scene) {
+ShaderParts light_shader_parts(const RenderScene& scene) {
   ShaderParts parts{{}, {shader_light_lights_glsl}};
   if (!scene.lights.empty()) parts.flags.push_back("MULTUM_DIRECTIONAL_LIGHTS " + std::to_string(scene.lights.size()));
   if (!scene.point_lights.empty())
@@ -25,7 +25,7 @@ void set_vectors(const ShaderProgram& shader, const char* uniform, const std::ve
 
 }  // namespace
 
-void set_lights(const ShaderProgram& shader, const Scene& scene) {
+void set_lights(const ShaderProgram& shader, const RenderScene& scene) {
   MULTUM_CHECK(scene.lights.size() <= kLightCountMax && scene.point_lights.size() <= kLightCountMax);
   std::vector<glm::vec3> directions, irradiances, positions, intensities;
   for (const Light& light : scene.lights) {

@@ -7,7 +7,7 @@
 
 namespace multum::gl {
 
-ShaderParts light_shader_parts(const Scene& scene);
-void set_lights(const ShaderProgram& shader, const Scene& scene);
+ShaderParts light_shader_parts(const RenderScene& scene);
+void set_lights(const ShaderProgram& shader, const RenderScene& scene);
 
 }  // namespace multum::gl

@@ -39,7 +39,7 @@ void append(const ShaderParts& parts, ShaderSources& sources) {
 Renderer::Renderer(const GlFunctions& gl, int width, int height)
     : gl_(gl), framebuffer_(gl, width, height), sum_(gl, width, height), full_screen_(gl), environment_(gl) {}
 
-ShaderSources scene_shader_sources(const Material& material, const Scene& scene) {
+ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene) {
   ShaderSources sources{
       material.name(), {}, {shader_scene_vert}, {shader_common_movmf_shading_glsl, shader_common_reflection_glsl}};
   append(brdf_shader_parts(scene.brdf), sources);
@@ -50,7 +50,7 @@ ShaderSources scene_shader_sources(const Material& material, const Scene& scene)
   return sources;
 }
 
-const ShaderProgram& Renderer::program(const Material& material, const Scene& scene) {
+const ShaderProgram& Renderer::program(const Material& material, const RenderScene& scene) {
   const ShaderSources sources = scene_shader_sources(material, scene);
   std::string key = sources.name;
   for (const std::string& flag : sources.flags) key += "|" + flag;
@@ -71,7 +71,7 @@ std::vector<ShaderVariant> Renderer::variants() const {
   return variants;
 }
 
-void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene) {
+void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const RenderScene& scene) {
   shader.set_vec3("u_eye", glm::value_ptr(scene.camera.eye), 1);
   shader.set("u_uv_scale", scene.uv_scale);
   brdf_.set(shader, scene.brdf, material.zonal_order());
@@ -81,7 +81,8 @@ void Renderer::set_scene(const ShaderProgram& shader, const Material& material, 
   check_gl(gl_, "setting the scene's uniforms");
 }
 
-void Renderer::draw_once(const ShaderProgram& shader, const Mesh& mesh, const Scene& scene, glm::vec2 jitter) const {
+void Renderer::draw_once(const ShaderProgram& shader, const Mesh& mesh, const RenderScene& scene,
+                         glm::vec2 jitter) const {
   const glm::mat4 matrix = view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), jitter);
   shader.set_mat4("u_view_projection", glm::value_ptr(matrix));
   framebuffer_.clear_depth();
@@ -113,12 +114,12 @@ class DrawTimer {
 
 }  // namespace
 
-Picture Renderer::draw(const Mesh& mesh, const Material& material, const Scene& scene) {
+Picture Renderer::draw(const Mesh& mesh, const Material& material, const RenderScene& scene) {
   return draw({{&mesh, &material, scene.brdf}}, scene);
 }
 
-Picture Renderer::draw(const std::vector<SceneObject>& objects, const Scene& scene) {
-  std::vector<Scene> scenes(objects.size(), scene);
+Picture Renderer::draw(const std::vector<SceneObject>& objects, const RenderScene& scene) {
+  std::vector<RenderScene> scenes(objects.size(), scene);
   std::vector<const ShaderProgram*> shaders;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     scenes[i].brdf = objects[i].brdf;
@@ -167,7 +168,7 @@ void Renderer::accumulate(const ShaderProgram& adder) const {
   gl_.Enable(GL_DEPTH_TEST);
 }
 
-Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count,
+Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const RenderScene& scene, int sample_count,
                              Progress* progress) {
   MULTUM_CHECK(sample_count > 0);
   const ShaderProgram& shader = program(material, scene);

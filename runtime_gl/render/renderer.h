@@ -40,19 +40,19 @@ struct ShaderVariant {
 };
 
 /// The fragment shader of a material, a BRDF and lights: each text once, and the flags of all.
-ShaderSources scene_shader_sources(const Material& material, const Scene& scene);
+ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
 class Renderer {
  public:
   Renderer(const GlFunctions& gl, int width, int height);
 
   /// Compiles what the material, the BRDF and the lights need, the first time that they meet.
-  Picture draw(const Mesh& mesh, const Material& material, const Scene& scene);
-  Picture draw(const std::vector<SceneObject>& objects, const Scene& scene);
+  Picture draw(const Mesh& mesh, const Material& material, const RenderScene& scene);
+  Picture draw(const std::vector<SceneObject>& objects, const RenderScene& scene);
   /// The mean of `sample_count` pictures, each shifted by a fraction of a pixel (low-discrepancy
   /// sequence, box filter of one pixel). Of the finest map's normals: the BRDF at every sample's own normal.
   /// Counts samples in `progress`.
-  Picture draw_truth(const Mesh& mesh, const Material& material, const Scene& scene, int sample_count,
+  Picture draw_truth(const Mesh& mesh, const Material& material, const RenderScene& scene, int sample_count,
                      Progress* progress = nullptr);
   /// Of all that was drawn, but for how pictures are added up.
   std::vector<ShaderVariant> variants() const;
@@ -62,10 +62,10 @@ class Renderer {
     ShaderSources sources;
     ShaderProgram program;
   };
-  const ShaderProgram& program(const Material& material, const Scene& scene);
+  const ShaderProgram& program(const Material& material, const RenderScene& scene);
   void accumulate(const ShaderProgram& adder) const;
-  void set_scene(const ShaderProgram& shader, const Material& material, const Scene& scene);
-  void draw_once(const ShaderProgram& shader, const Mesh& mesh, const Scene& scene, glm::vec2 jitter) const;
+  void set_scene(const ShaderProgram& shader, const Material& material, const RenderScene& scene);
+  void draw_once(const ShaderProgram& shader, const Mesh& mesh, const RenderScene& scene, glm::vec2 jitter) const;
 
   const GlFunctions& gl_;
   Framebuffer framebuffer_;

@@ -31,7 +31,7 @@ enum class EnvironmentMode {
   kPrefiltered,  // mips convolved with vMFs, by the spread of what is reflected
 };
 
-struct Scene {
+struct RenderScene {
   Camera camera;
   std::vector<Light> lights = std::vector<Light>(1);
   std::vector<PointLight> point_lights;

@@ -143,8 +143,8 @@ TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
                 "up", "--no-measure", "-d", storage, "--report", path("report.json")});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
-    const std::uint64_t count = report["counts"]["beyond_storage"];
-    const double share = report["beyond_storage_share"];
+    const std::uint64_t count = report["counts"]["unrepresentable"];
+    const double share = report["unrepresentable_share"];
     EXPECT_EQ(count > 0, share > 0.0);
     EXPECT_LE(share, 1.0);
     EXPECT_TRUE(contains(result.out, fmt::format("{} sharper than the data format holds", count))) << result.out;
@@ -176,10 +176,10 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
     EXPECT_GE(stage["seconds"].get<double>(), 0.0);
   }
   EXPECT_EQ(stages, (std::vector<std::string>{"read", "fit", "measure", "write"}));
-  EXPECT_GT(report["start"]["rehearsed"], 1);
-  EXPECT_GT(report["condense"]["launches"], 0);
+  EXPECT_GT(report["start"]["tried"], 1);
+  EXPECT_GT(report["binning"]["launches"], 0);
   std::uint64_t launches_of_fit = report["start"]["launches"], launches_of_kernels = 0;
-  launches_of_fit += report["condense"]["launches"].get<std::uint64_t>();
+  launches_of_fit += report["binning"]["launches"].get<std::uint64_t>();
   EXPECT_GT(launches_of_fit, 0u);
   ASSERT_EQ(report["levels"].size(), 7u);
   for (int l = 0; l < 7; ++l) {
@@ -192,10 +192,10 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   }
   for (const auto& [kernel, count] : report["launches"].items()) launches_of_kernels += count.get<std::uint64_t>();
   EXPECT_EQ(launches_of_fit + 1, launches_of_kernels)
-      << "but for one to measure all, the start's, condensing's and the levels'";
+      << "but for one to measure all, the start's, binning's and the levels'";
   EXPECT_EQ(report["counts"]["lobes"], 4 * (4096 + 1024 + 256 + 64 + 16 + 4 + 1));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
-  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes", "beyond_storage"})
+  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes", "unrepresentable", "beyond_storage"})
     EXPECT_TRUE(report["counts"][count].is_number_unsigned()) << count;
   for (const char* count : {"unused_texels", "nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
     EXPECT_EQ(report["input"][count], 0) << count;

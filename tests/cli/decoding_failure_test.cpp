@@ -12,8 +12,8 @@ namespace fs = std::filesystem;
 
 class DecodingFailureTest : public CliTest {
  protected:
-  // The programs, in a folder of their own; beside them helper_drill is multum-decode, which fails as the name of its
-  // file says (tests/unit/sandbox/helper_drill.cpp). Empty `decoder`: there is none.
+  // The programs, in a folder of their own; beside them failing_helper is multum-decode, which fails as the name of its
+  // file says (tests/unit/sandbox/failing_helper.cpp). Empty `decoder`: there is none.
   void install(const std::string& decoder) {
     fs::remove_all(path("bin"));
     fs::create_directories(path("bin"));
@@ -46,7 +46,7 @@ class DecodingFailureTest : public CliTest {
 };
 
 TEST_F(DecodingFailureTest, BakeRefusesWhatEndsItsDecoder) {
-  install("helper_drill");
+  install("failing_helper");
 #ifndef MULTUM_SHADOW_MEMORY  // which has its own words for signals
   expect_refused({"multum", "bake", map_named("segfault.png")}, kInput,
                  {"segfault.png: ", "decodes", "signal 11", "Segmentation fault", "expected"});
@@ -86,7 +86,7 @@ TEST_F(DecodingFailureTest, SweepsAndPlansReadByTheDecoder) {
 }
 
 TEST_F(DecodingFailureTest, TheViewerRefusesWhatEndsItsDecoder) {
-  install("helper_drill");
+  install("failing_helper");
   const std::string baked = path("map.ndf.exr");
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", baked, "-q", "--no-measure"}).exit_code, 0);
   write_bytes(path("exit.obj"), "");

@@ -87,7 +87,7 @@ std::set<std::string> all_kernels() {
 }
 
 TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
-  // The coarsest texel is condensed, or fitted in chunks, in 60 iterations: condensed by a team, it has few normals.
+  // The coarsest texel is binned, or fitted in chunks, in 60 iterations: binned by a team, it has few normals.
   write_maps("odd", normal_image(35, 31));  // texels cover fractions
   write_maps("odd_of_few", few_normals(35, 31));
   write_maps("even_of_few", few_normals(64, 32));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the service takes from requests: bodies of JSON, queries, paths, addresses. tests/service/fuzz_drill.py sends
-// whole requests to a running one.
+// What the service takes from requests: bodies of JSON, queries, paths, addresses.
+// tests/service/fault_injection/fuzz.py sends whole requests to a running one.
 #include <nlohmann/json.hpp>
 
 #include "host/service/http/http_reply.h"
@@ -63,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           break;
         }
         case 4:
-          for (const std::string& part : split_path(text)) parse_whole(part);
+          for (const std::string& part : split_path(text)) parse_integer(part);
           check_upload_name(text);
           break;
         default: parse_listen_address(text);

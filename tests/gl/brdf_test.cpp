@@ -168,7 +168,7 @@ TEST_F(BrdfTest, AVariantHoldsWhatItNeeds) {
   const TestMap map = make_flat_map(4);
   const MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
   const NormalMaterial truth(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
-  Scene scene;
+  RenderScene scene;
   const ShaderSources phong = scene_shader_sources(lobes, scene);
   for (const char* word :
        {"float multum_movmf_blinn_phong(", "MULTUM_DIRECTIONAL_LIGHTS 1", "uniform sampler2D u_lobes"})

@@ -74,11 +74,11 @@ class EnvironmentTest : public testing::TestWithParam<ContextBackend> {
   std::unique_ptr<HeadlessContext> context_;
   std::unique_ptr<Mesh> mesh_;
   std::unique_ptr<Renderer> renderer_;
-  Scene scene_;
+  RenderScene scene_;
 };
 
 /// The plane's point in the middle of pixel (x, y) sees this much light, facing up: the sum over every texel.
-glm::dvec3 exact_radiance(const EnvironmentMap& map, const Scene& scene, const glm::dvec3& v) {
+glm::dvec3 exact_radiance(const EnvironmentMap& map, const RenderScene& scene, const glm::dvec3& v) {
   glm::dvec3 sum(0.0);
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
@@ -106,7 +106,7 @@ glm::dvec3 exact_radiance(const EnvironmentMap& map, const Scene& scene, const g
 // Behind what is drawn lies the sky that lights it, whichever way the camera looks.
 TEST(EnvironmentBackground, IsTheSkyThatLightsTheScene) {
   const EnvironmentMap map = make_sky(256, 0.3);
-  Scene scene;
+  RenderScene scene;
   scene.environment = make_environment_light(map);
   for (const bool is_z_up : {true, false}) {
     scene.environment_up = scene.camera.up = is_z_up ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);

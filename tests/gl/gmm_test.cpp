@@ -29,15 +29,15 @@ class GmmTest : public testing::TestWithParam<ContextBackend> {
     if (context_ == nullptr) return;  // none could be made
     EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
   }
-  FloatImage gaussians(const TestMap& map, const Scene& scene, int first_level = 0) {
+  FloatImage gaussians(const TestMap& map, const RenderScene& scene, int first_level = 0) {
     MovmfMipmap mipmap = as_gaussians(map.mipmap);
     drop_finer_levels(mipmap, first_level);
     return renderer_->draw(*mesh_, *make_lobe_material(context_->functions(), mipmap, 1.0f, &map.image), scene).image;
   }
-  FloatImage lobes(const TestMap& map, const Scene& scene) {
+  FloatImage lobes(const TestMap& map, const RenderScene& scene) {
     return renderer_->draw(*mesh_, *make_lobe_material(context_->functions(), map.mipmap, 1.0f), scene).image;
   }
-  FloatImage truth(const TestMap& map, const Scene& scene, int samples) {
+  FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
     return renderer_->draw_truth(*mesh_, material, scene, samples).image;
   }
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, GmmTest, testing::ValuesIn(test_backends()),
 // Upright normals: the shape of Blinn-Phong as a Gaussian is all that differs, 6 % at s = 20 and 1 % at 100.
 TEST_P(GmmTest, AFlatMapIsNearTheTruth) {
   const TestMap map = make_flat_map(16);
-  Scene scene;
+  RenderScene scene;
   scene.uv_scale = 60.0f;
   scene.lights = {{{0.0f, 1.0f, 0.4f}, glm::vec3(3.0f)}, {{-0.4f, 0.5f, 1.0f}, glm::vec3(1.0f)}};
   for (const auto& [exponent, bound] : {std::pair{20.0f, 0.06}, {100.0f, 0.02}, {500.0f, 0.02}}) {
@@ -65,7 +65,7 @@ TEST_P(GmmTest, AFlatMapIsNearTheTruth) {
 TEST_P(GmmTest, TwoTiltsAreNearTheTruth) {
   for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, true);
-    const Scene scene = distant_scene();
+    const RenderScene scene = distant_scene();
     EXPECT_LT(picture_error(gaussians(map, scene), truth(map, scene, 512)).relative_l1, 0.05);
   }
 }
@@ -75,7 +75,7 @@ TEST_P(GmmTest, TwoTiltsAreNearTheTruth) {
 // makes 2.1 % of their error, on a flat map too (AFlatMapIsNearTheTruth).
 TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheTruth) {
   const TestMap map = make_two_tilt_map(16, 15.0, StorageEncoding::kFloat, false);
-  Scene scene = distant_scene();
+  RenderScene scene = distant_scene();
   for (const auto& [kind, bound] :
        {std::pair{BrdfKind::kLambert, 0.01}, {BrdfKind::kTorranceSparrow, 0.03}, {BrdfKind::kCookTorrance, 0.01}}) {
     scene.brdf.kind = kind;
@@ -93,11 +93,11 @@ TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheTruth) {
 // Levels that are left to the normal map come from there; from the first that is stored on nothing changes.
 TEST_P(GmmTest, FilesThatBeginAtACoarserLevel) {
   const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, true);
-  Scene far = distant_scene();
+  RenderScene far = distant_scene();
   far.uv_scale = 240.0f;
   EXPECT_LT(picture_error(gaussians(map, far, 1), gaussians(map, far)).relative_l1, 1e-5);
   const TestMap wave = make_wave_map(64, WrapMode::kPeriodic);
-  Scene near = distant_scene();
+  RenderScene near = distant_scene();
   near.uv_scale = 0.5f;  // magnified: normals as they are
   EXPECT_LT(picture_error(gaussians(wave, near, 1), gaussians(wave, near)).relative_l1, 0.02);
 }

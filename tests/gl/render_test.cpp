@@ -36,26 +36,27 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
     if (context_ == nullptr) return;
     EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
   }
-  FloatImage movmf(const TestMap& map, const Scene& scene, LobeFormula formula = LobeFormula::kProduct) {
+  FloatImage movmf(const TestMap& map, const RenderScene& scene, LobeFormula formula = LobeFormula::kProduct) {
     MovmfMaterial material(context_->functions(), map.mipmap, 1.0f, &map.image);
     material.set_formula(formula);
     return renderer_->draw(*mesh_, material, scene).image;
   }
   /// The same from a file that begins at `first_level`.
-  FloatImage movmf_from(int first_level, TestMap map, const Scene& scene, LobeFormula formula = LobeFormula::kProduct) {
+  FloatImage movmf_from(int first_level, TestMap map, const RenderScene& scene,
+                        LobeFormula formula = LobeFormula::kProduct) {
     drop_finer_levels(map.mipmap, first_level);
     return movmf(map, scene, formula);
   }
-  FloatImage truth(const TestMap& map, const Scene& scene, int samples) {
+  FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
     return renderer_->draw_truth(*mesh_, material, scene, samples).image;
   }
-  FloatImage moments(const TestMap& map, const MomentMipmap& mipmap, const Scene& scene, MomentShading shading) {
+  FloatImage moments(const TestMap& map, const MomentMipmap& mipmap, const RenderScene& scene, MomentShading shading) {
     MomentMaterial material(context_->functions(), mipmap, 1.0f, &map.image);
     material.set_shading(shading);
     return renderer_->draw(*mesh_, material, scene).image;
   }
-  FloatImage baseline(const TestMap& map, const Scene& scene, Baseline which) {
+  FloatImage baseline(const TestMap& map, const RenderScene& scene, Baseline which) {
     NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kMipmapped, 1.0f);
     material.set_baseline(which);
     return renderer_->draw(*mesh_, material, scene).image;
@@ -68,7 +69,7 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
 TEST_P(RenderTest, FlatMapEqualsTruthFromNearAndFar) {
   const TestMap map = make_flat_map(16);
   for (const float exponent : {5.0f, 100.0f, 5000.0f}) {
-    Scene scene;  // the default view runs from magnified to far
+    RenderScene scene;  // the default view runs from magnified to far
     scene.uv_scale = 60.0f;
     scene.brdf.exponent = exponent;
     scene.lights = {{{0.0f, 1.0f, 0.4f}, glm::vec3(3.0f)}, {{-0.4f, 0.5f, 1.0f}, glm::vec3(1.0f)}};
@@ -85,7 +86,7 @@ TEST_P(RenderTest, FlatMapEqualsTruthFromNearAndFar) {
 TEST_P(RenderTest, TwoTiltsEqualTruthWhereMipsFail) {
   for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, false);
-    const Scene scene = distant_scene();
+    const RenderScene scene = distant_scene();
     const FloatImage exact = truth(map, scene, 1024);
     // The lobes are exact; 1024 samples count the two kinds of texels to about 1 %.
     EXPECT_LT(picture_error(movmf(map, scene), exact).relative_l1, 0.02);
@@ -100,7 +101,7 @@ TEST_P(RenderTest, TheTruthOfTexelsIsWhatTheFilterAverages) {
     map.image.wrap_s = map.image.wrap_t = wrap;
     for (std::size_t i = 0; i < map.image.normals.size(); ++i)
       map.image.albedo.emplace_back(i % 2 == 0 ? 1.0f : 0.1f, i % 24 < 12 ? 0.8f : 0.2f, i % 7 < 3 ? 0.9f : 0.3f);
-    Scene scene;
+    RenderScene scene;
     scene.uv_scale = wrap == WrapMode::kBlack ? 1.0f : 9.0f;  // a repeat ends at the near border of the plane
     scene.brdf.specular = glm::vec3(0.0f);
     const NormalMaterial texels(context_->functions(), map.image, NormalMaterial::Sampling::kFootprint, 1.0f);
@@ -114,7 +115,7 @@ TEST_P(RenderTest, TheTruthOfTexelsIsWhatTheFilterAverages) {
 // Lobes that are not aligned are mixed up by the filter, and not by shading first; of aligned ones both are alike.
 TEST_P(RenderTest, ShadingFirstNeedsNoAlignment) {
   TestMap map = make_two_tilt_map(64, 25.0, StorageEncoding::kFloat, false);
-  const Scene scene = distant_scene();
+  const RenderScene scene = distant_scene();
   const auto draw = [&](bool shade_first) {
     MovmfMaterial material(context_->functions(), map.mipmap, 1.0f, &map.image);
     material.set_shade_first(shade_first);
@@ -130,7 +131,7 @@ TEST_P(RenderTest, ShadingFirstNeedsNoAlignment) {
 
 TEST_P(RenderTest, ColoursFollowTheirLobes) {
   const TestMap map = make_two_tilt_map(64, 40.0, StorageEncoding::kSnorm16, true);
-  Scene scene = distant_scene();
+  RenderScene scene = distant_scene();
   scene.brdf.specular = glm::vec3(0.0f);
   scene.lights = {{{0.2f, 0.0f, 1.0f}, glm::vec3(3.0f)}};  // reaches both tilts
   EXPECT_LT(picture_error(movmf(map, scene), truth(map, scene, 256)).relative_l1, 0.03);
@@ -155,7 +156,7 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
     map.image.normals[i] = {0.0f, i < 2 ? 0.6f : -0.6f, 0.8f};
     finest.lobes[0][i] = glm::vec4(map.image.normals[i], 1.0f);
   }
-  Scene scene;
+  RenderScene scene;
   scene.camera.eye = {0.0f, 30.0f, 60.0f};
   scene.camera.target = {0.0f, 30.0f, 0.0f};
   scene.camera.up = {0.0f, 1.0f, 0.0f};
@@ -179,7 +180,7 @@ TEST_P(RenderTest, MomentsEqualTheBaselines) {
       if (GetParam() == ContextBackend::kEgl && coloured != (wrap == WrapMode::kBlack)) continue;
       for (std::size_t i = 0; coloured && i < map.image.normals.size(); ++i)
         map.image.albedo.emplace_back(0.5f + 0.5f * map.image.normals[i]);
-      Scene scene;  // from magnified to far
+      RenderScene scene;  // from magnified to far
       scene.uv_scale = wrap == WrapMode::kPeriodic ? 30.0f : 1.0f;
       // Each with colours and without, beyond two kinds of border.
       const bool is_sharp = coloured == (wrap == WrapMode::kMirror || wrap == WrapMode::kBlack);
@@ -209,10 +210,10 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
   MomentMipmap coarse = whole;
   coarse.header.first_level = 1;
   coarse.levels[0] = {coarse.levels[0].width, coarse.levels[0].height, {}, {}, {}};
-  const Scene far = distant_scene();
+  const RenderScene far = distant_scene();
   for (const MomentShading shading : {MomentShading::kToksvig, MomentShading::kLean, MomentShading::kLeanJacobian})
     EXPECT_LT(picture_error(moments(map, coarse, far, shading), moments(map, whole, far, shading)).relative_l1, 1e-6);
-  Scene near = far;
+  RenderScene near = far;
   near.uv_scale = 0.5f;  // magnified
   const FloatImage toksvig = baseline(map, near, Baseline::kToksvig);
   for (const MomentShading shading : {MomentShading::kToksvig, MomentShading::kLean, MomentShading::kLeanJacobian})
@@ -231,7 +232,7 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
 TEST_P(RenderTest, WrapModesEqualTruth) {
   // Seen from straight above, a corner of the map in the middle of the picture: the map's last row and column lie at
   // x = -10 and y = 40, and three of the picture's quarters are beyond the border.
-  Scene scene;
+  RenderScene scene;
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};
   scene.camera.up = {0.0f, 1.0f, 0.0f};
@@ -258,8 +259,8 @@ TEST_P(RenderTest, WrapModesEqualTruth) {
 }
 
 /// The plain from near to far, every level of detail from magnified on; slopes of up to 0.8 are nowhere in the shade.
-Scene plain_scene() {
-  Scene scene;
+RenderScene plain_scene() {
+  RenderScene scene;
   scene.uv_scale = 60.0f;
   scene.lights = {{{0.8f, 0.2f, 1.0f}, glm::vec3(3.0f)}};
   scene.brdf.specular = glm::vec3(0.0f);
@@ -270,7 +271,7 @@ Scene plain_scene() {
 // levels from two shaded lobes that were mixed: only wrong weights, or a wrong level, would show.
 TEST_P(RenderTest, TheNormalMapsLevelsMixWithTheLobesAsTrilinearFilteringMixes) {
   const TestMap map = make_noise_map(64, 0.4f, WrapMode::kPeriodic);
-  const Scene scene = plain_scene();
+  const RenderScene scene = plain_scene();
   const FloatImage whole = movmf(map, scene);
   // The picture must have something to tell: levels that are too coarse by one, as a control.
   TestMap blurred = map;
@@ -300,7 +301,7 @@ TEST_P(RenderTest, TheFinestLevelsTakeTheirColoursFromTheAlbedoMap) {
     colours = std::move(coarse);
   }
   map.mipmap.encoding = StorageEncoding::kFloat;
-  const Scene scene = plain_scene();
+  const RenderScene scene = plain_scene();
   const FloatImage whole = movmf(map, scene);
   for (const int first_level : {1, 3})
     EXPECT_LT(picture_error(movmf_from(first_level, map, scene), whole).relative_l1,
@@ -315,7 +316,7 @@ TEST_P(RenderTest, TheFinestLevelsTakeTheirColoursFromTheAlbedoMap) {
 
 TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
   const TestMap map = make_noise_map(16, 0.4f, WrapMode::kBlack);
-  Scene scene = plain_scene();
+  RenderScene scene = plain_scene();
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};
   scene.camera.up = {0.0f, 1.0f, 0.0f};
@@ -327,7 +328,7 @@ TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
 
 // From where level 1 is seen alone, the picture is the same but for rounding.
 TEST_P(RenderTest, FromTheFirstLevelOnNothingChanges) {
-  const Scene far = distant_scene();
+  const RenderScene far = distant_scene();
   for (const bool coloured : {false, true}) {
     const TestMap map = make_two_tilt_map(64, 25.0, StorageEncoding::kSnorm16, coloured);
     EXPECT_LT(picture_error(movmf_from(1, map, far), movmf(map, far)).relative_l1, 1e-5);
@@ -340,7 +341,7 @@ TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
     TestMap map = make_two_tilt_map(8, 20.0, StorageEncoding::kFloat, coloured);
     if (variant >= 2) drop_finer_levels(map.mipmap, 2);
     for (const BrdfKind kind : {BrdfKind::kBlinnPhong, BrdfKind::kTorranceSparrow}) {
-      Scene scene = distant_scene();
+      RenderScene scene = distant_scene();
       scene.brdf.kind = kind;
       std::vector<FloatImage> pictures = {movmf(map, scene), truth(map, scene, 2)};
       if (kind == BrdfKind::kBlinnPhong) pictures.push_back(movmf(map, scene, LobeFormula::kPaper));
@@ -367,7 +368,7 @@ TEST_P(RenderTest, EveryLobeCountDraws) {
       level.colours.assign(lobes, std::vector<glm::vec3>(level.lobes[0].size(), white));
     }
     map.image.albedo.assign(16, glm::vec3(1.0f));
-    const Scene scene = distant_scene();
+    const RenderScene scene = distant_scene();
     const FloatImage plain = movmf(make_flat_map(4), scene);
     EXPECT_LT(picture_error(movmf(map, scene), plain).relative_l1, 1e-3) << lobes;
     EXPECT_LT(picture_error(movmf_from(1, map, scene), plain).relative_l1, 1e-3) << lobes << ", and two maps";
@@ -408,7 +409,7 @@ TEST(Render, OsmesaEqualsEgl) {
     const Mesh mesh(context->functions(), make_quad(60.0f));
     Renderer renderer(context->functions(), kRenderWidth, kRenderHeight);
     const MovmfMaterial material(context->functions(), map.mipmap, 1.0f);
-    Scene scene;
+    RenderScene scene;
     scene.uv_scale = 60.0f;
     pictures.push_back(renderer.draw(mesh, material, scene).image);
     software += gl_string(context->functions(), GL_RENDERER).find("llvmpipe") != std::string::npos ? "s" : "g";

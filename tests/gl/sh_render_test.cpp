@@ -24,8 +24,8 @@ namespace {
 
 constexpr int kShWidth = 96, kShHeight = 72;
 
-Scene scene_of(float exponent, float uv_scale = 60.0f) {
-  Scene scene;  // from far enough that a pixel covers several texels of a 32-texel unit
+RenderScene scene_of(float exponent, float uv_scale = 60.0f) {
+  RenderScene scene;  // from far enough that a pixel covers several texels of a 32-texel unit
   scene.camera.eye = {0.0f, -8.0f, 12.0f};
   scene.camera.target = {0.0f, 8.0f, 0.0f};
   scene.uv_scale = uv_scale;
@@ -47,17 +47,17 @@ class ShRenderTest : public testing::TestWithParam<ContextBackend> {
       EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
     }
   }
-  FloatImage draw(const ShMipmap& mipmap, const Scene& scene, const NormalImage* source = nullptr,
+  FloatImage draw(const ShMipmap& mipmap, const RenderScene& scene, const NormalImage* source = nullptr,
                   ShCosine cosine = ShCosine::kIrradiance) {
     ShMaterial material(context_->functions(), mipmap, 1.0f, source);
     material.set_cosine(cosine);
     return renderer_->draw(*mesh_, material, scene).image;
   }
-  FloatImage truth(const TestMap& map, const Scene& scene, int samples) {
+  FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
     return renderer_->draw_truth(*mesh_, material, scene, samples).image;
   }
-  FloatImage lobes(const TestMap& map, const Scene& scene) {
+  FloatImage lobes(const TestMap& map, const RenderScene& scene) {
     return renderer_->draw(*mesh_, MovmfMaterial(context_->functions(), map.mipmap, 1.0f), scene).image;
   }
   double error(const FloatImage& drawn, const FloatImage& exact) { return picture_error(drawn, exact).relative_l1; }
@@ -74,9 +74,9 @@ INSTANTIATE_TEST_SUITE_P(Contexts, ShRenderTest, testing::ValuesIn(test_backends
 // Highlights as broad as the order: nearer with each order, and near the truth; sharp ones are blurred, which is told.
 TEST_P(ShRenderTest, OrdersDrawWhatTheyHave) {
   const TestMap map = make_two_tilt_map(32, 25.0, StorageEncoding::kFloat, false);
-  const Scene broad = scene_of(10.0f), sharp = scene_of(200.0f);
+  const RenderScene broad = scene_of(10.0f), sharp = scene_of(200.0f);
   const FloatImage exact = truth(map, broad, 256), exact_sharp = truth(map, sharp, 256);
-  const auto at = [&](int order, const Scene& scene, const FloatImage& expected) {
+  const auto at = [&](int order, const RenderScene& scene, const FloatImage& expected) {
     return error(draw(make_harmonics(map.image, order, StorageEncoding::kFloat), scene), expected);
   };
   EXPECT_GT(at(2, broad, exact), at(4, broad, exact));
@@ -87,7 +87,7 @@ TEST_P(ShRenderTest, OrdersDrawWhatTheyHave) {
 
 TEST_P(ShRenderTest, HalfsAreAsGoodAsFloats) {
   const TestMap map = make_noise_map(32, 1.0f, WrapMode::kPeriodic);
-  const Scene scene = scene_of(20.0f);
+  const RenderScene scene = scene_of(20.0f);
   const FloatImage exact = draw(make_harmonics(map.image, 8, StorageEncoding::kFloat), scene);
   EXPECT_LT(error(draw(make_harmonics(map.image, 8, StorageEncoding::kHalf), scene), exact), 2e-3);
 }
@@ -95,7 +95,7 @@ TEST_P(ShRenderTest, HalfsAreAsGoodAsFloats) {
 // Of one normal a level: all of the highlight's cosines are the same.
 TEST_P(ShRenderTest, AFlatMapIsItsBrdfCutOff) {
   const TestMap map = make_flat_map(8);
-  const Scene scene = scene_of(10.0f);
+  const RenderScene scene = scene_of(10.0f);
   const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);
   EXPECT_LT(error(draw(harmonics, scene), lobes(map, scene)), 0.02);
   EXPECT_LT(error(draw(harmonics, scene, nullptr, ShCosine::kMeanNormal),
@@ -110,7 +110,7 @@ TEST_P(ShRenderTest, LevelsThatAreLeftToTheNormalMap) {
   ShMipmap coarse = whole;
   coarse.header.first_level = 2;
   for (std::size_t l = 0; l < 2; ++l) coarse.levels[l].parts.clear();
-  const Scene far = scene_of(20.0f, 600.0f), near = scene_of(20.0f, 0.3f);
+  const RenderScene far = scene_of(20.0f, 600.0f), near = scene_of(20.0f, 0.3f);
   EXPECT_LT(error(draw(coarse, far, &map.image), draw(whole, far)), 1e-5);
   TestMap one_lobe = make_one_lobe_map(map.image);
   EXPECT_LT(error(draw(coarse, near, &map.image), lobes(one_lobe, near)), 1e-4);
@@ -139,7 +139,7 @@ TEST_P(ShRenderTest, BeyondABlackBorderThereIsNothing) {
 TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
   const int high = GetParam() == ContextBackend::kOsmesa ? 20 : 8;
   const TestMap map = make_two_tilt_map(8, 25.0, StorageEncoding::kFloat, false);
-  const Scene scene = scene_of(5.0f);
+  const RenderScene scene = scene_of(5.0f);
   const FloatImage exact = lobes(map, scene);
   const double least = error(draw(make_harmonics(map.image, 1, StorageEncoding::kHalf), scene), exact);
   const double most = error(draw(make_harmonics(map.image, high, StorageEncoding::kHalf), scene), exact);
@@ -158,7 +158,7 @@ TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
                               std::max(0.0, d.y) * glm::dvec3(0.2, 0.5, 1.0));
     }
   const TestMap map = make_two_tilt_map(16, 60.0, StorageEncoding::kFloat, false);
-  Scene scene = scene_of(10.0f);
+  RenderScene scene = scene_of(10.0f);
   scene.lights.clear();
   scene.environment = make_environment_light(sky);
   scene.brdf.kind = BrdfKind::kLambert;
@@ -173,7 +173,7 @@ TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
 TEST_P(ShRenderTest, TheHighlightsCosineIsTheNearest) {
   const TestMap map = make_noise_map(64, 1.5f, WrapMode::kPeriodic);
   const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);
-  const Scene scene = scene_of(10.0f);
+  const RenderScene scene = scene_of(10.0f);
   const FloatImage exact = truth(map, scene, 256);
   const double chosen = error(draw(harmonics, scene), exact);
   for (const ShCosine other : {ShCosine::kMeanNormal, ShCosine::kMeanDirection}) {

@@ -169,8 +169,8 @@ MovmfMipmap as_gaussians(MovmfMipmap mipmap) {
   return mipmap;
 }
 
-Scene distant_scene() {
-  Scene scene;
+RenderScene distant_scene() {
+  RenderScene scene;
   scene.camera.eye = {0.0f, -8.0f, 12.0f};
   scene.camera.target = {0.0f, 8.0f, 0.0f};
   scene.uv_scale = 60.0f;

@@ -41,6 +41,6 @@ MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
 MovmfMipmap as_gaussians(MovmfMipmap mipmap);
 
 /// From far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.
-Scene distant_scene();
+RenderScene distant_scene();
 
 }  // namespace multum::gl

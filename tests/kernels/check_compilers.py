@@ -18,7 +18,7 @@ import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-# movmf_condense_axes counts 63 bins and movmf_condense_cells notes 64 cells in arrays; 8 lobes' sums are 320 bytes.
+# movmf_bin_axes counts 63 bins and movmf_bin_cells notes 64 cells in arrays; 8 lobes' sums are 320 bytes.
 STACK_MAX = 512
 REGISTERS_MAX = 255  # of one work-item of NVIDIA's GPUs
 CLANG = ["clang", "-x", "cl", "-Xclang", "-finclude-default-header", "-Wall", "-Werror", "-Wno-unused-function"]
@@ -50,7 +50,7 @@ def spirv(source, definitions, standard, folder):
                       "-DMULTUM_VECTOR_WIDTH=1", *definitions, str(source), "-o", str(bitcode)]]
     translator = shutil.which("llvm-spirv-14") or shutil.which("llvm-spirv")
     if translator:
-        # Not as a profile of OpenCL: those know no 64-bit atomics, an extension that movmf_condense_add uses.
+        # Not as a profile of OpenCL: those know no 64-bit atomics, an extension that movmf_bin_add uses.
         version, environment = ("1.0", "spv1.0") if standard == "CL1.2" else ("1.2", "spv1.2")
         steps.append([translator, f"--spirv-max-version={version}", str(bitcode), "-o", str(module)])
         if shutil.which("spirv-val"):

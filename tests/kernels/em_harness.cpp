@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/asset/lobes/movmf_mipmap.h"
-#include "host/movmf/movmf_condense.h"
+#include "host/movmf/movmf_binning.h"
 #include "host/movmf/movmf_em_step.h"
 #include "host/opencl/launch_shape.h"
 #include "host/reference/planar_em.h"
@@ -41,7 +41,7 @@ MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
   settings.representation = how.representation;
   settings.lobe_count = lobe_count;
   settings.iteration_count = settings.iteration_count_coarse = settings.iteration_count_top = how.iterations;
-  settings.settled_change = how.settled_change;
+  settings.convergence_tolerance = how.convergence_tolerance;
   settings.alignment = how.alignment;
   settings.kappa_cap = how.kappa_cap;
   settings.kappa_cap_slope = how.kappa_cap_slope;
@@ -59,7 +59,7 @@ MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settin
   level.method = how.method;
   fit.iteration_count = how.iterations;
   fit.parent_window_rows = fit.parent_height;
-  if (how.method == FitMethod::kCondensed) {
+  if (how.method == FitMethod::kBinned) {
     fit.cell_side = kCellSideFew;
     fit.sample_capacity = fit.cell_side * fit.cell_side;
   }
@@ -102,7 +102,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   const std::size_t lobe_row = static_cast<std::size_t>(fit.width) * sizeof(MultumVmfLobe);
   // Neighbours of lower colour rank are read as if they were done: the prior sees only zeros there.
   RowWindow lobes = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
-  RowWindow directed = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
+  RowWindow alignment_vectors = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
   const RowWindow parents =
       window_of(device, lobe_count, static_cast<std::size_t>(fit.parent_width) * sizeof(MultumVmfLobe),
                 fit.parent_height, parent.data());
@@ -112,17 +112,17 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   StepWindows windows;
   windows.parent = &parents;
   windows.lobes = &lobes;
-  windows.directed = &directed;
+  windows.alignment_vectors = &alignment_vectors;
   windows.normals = &normals;
-  const auto condensed =
-      condense_levels(device, planes, {}, schedule, settings.representation, how.condense_rows, nullptr, {}, nullptr);
+  const auto binned =
+      bin_levels(device, planes, {}, schedule, settings.representation, how.bin_rows, nullptr, {}, nullptr);
   RowWindow samples, counts;
-  if (how.method == FitMethod::kCondensed) {
-    const CondensedLevel& from = condensed.at(how.level);
-    samples = window_of(device, from.samples, fill_condensed(from, from.samples, condensed_bytes(fit)));
+  if (how.method == FitMethod::kBinned) {
+    const BinnedLevel& from = binned.at(how.level);
+    samples = window_of(device, from.samples, fill_binned(from, from.samples, binned_bytes(fit)));
     counts = window_of(device, from.counts, fill_planes(from.counts));
-    windows.condensed = &samples;
-    windows.condensed_counts = &counts;
+    windows.binned = &samples;
+    windows.binned_counts = &counts;
   }
   std::vector<int> list(texels);
   std::iota(list.begin(), list.end(), 0);

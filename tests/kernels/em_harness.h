@@ -22,8 +22,8 @@ struct LevelFit {
   bool scalar = false;
   bool shortened = false;                 // of normals whose lengths are a BRDF's width
   FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals a texel
-  int condense_rows = 1 << 15;            // of the map, a band while texels are condensed
-  float settled_change = 0.0f;
+  int bin_rows = 1 << 15;                 // of the map, a band while texels are binned
+  float convergence_tolerance = 0.0f;
   // kGmm: lobes are (mean x, mean y, sigma^2, amplitude), and so are the reference's r.
   Representation representation = Representation::kMovmf;
 };

@@ -114,13 +114,13 @@ TEST_P(Families, CondensedShortenedNormalsGiveTheLobesOfAllOfThem) {
   how.shortened = true;
   how.method = FitMethod::kChunks;
   const auto all = fit_with_kernels(map, parent, 3, how);
-  how.method = FitMethod::kCondensed;
+  how.method = FitMethod::kBinned;
   for (const int rows : {1 << 15, 7}) {
-    how.condense_rows = rows;
-    const auto condensed = fit_with_kernels(map, parent, 3, how);
+    how.bin_rows = rows;
+    const auto binned = fit_with_kernels(map, parent, 3, how);
     for (std::size_t i = 0; i < all.size(); ++i) {
-      EXPECT_NEAR(condensed[i].amplitude, all[i].amplitude, 0.02) << i;
-      EXPECT_NEAR(condensed[i].mean_z, all[i].mean_z, 0.02) << i;
+      EXPECT_NEAR(binned[i].amplitude, all[i].amplitude, 0.02) << i;
+      EXPECT_NEAR(binned[i].mean_z, all[i].mean_z, 0.02) << i;
     }
   }
 }
@@ -129,7 +129,7 @@ WeightMap weights_of(int width, int height, int count, const std::function<float
   WeightMap map;
   map.count = count;
   for (int first = 0; first < count; first += 3) {
-    PlaneStore& triple = map.triples.emplace_back(width, height);
+    PlaneStore& triple = map.rgb_planes.emplace_back(width, height);
     std::array<std::vector<float>, 3> planes;
     for (int i = 0; i < width * height; ++i)
       for (int c = 0; c < 3; ++c)
@@ -144,7 +144,7 @@ MovmfSettings quick_settings(Representation representation = Representation::kMo
   settings.representation = representation;
   settings.lobe_count = 3;
   settings.iteration_count_coarse = settings.iteration_count_top = 8;
-  settings.rehearse_start = false;
+  settings.search_start = false;
   return settings;
 }
 
@@ -164,7 +164,7 @@ MovmfMipmap bake(const NormalMap& map, const WeightMap* weights, bool has_roughn
 
 // Weights that are linear in the normals: of every lobe the mean vector says what its weights are.
 TEST_P(Families, WeightsOfEveryLobeAreThoseOfItsOwnNormals) {
-  for (const CoarseNormals coarse : {CoarseNormals::kCondensed, CoarseNormals::kAll})
+  for (const CoarseNormals coarse : {CoarseNormals::kBinned, CoarseNormals::kAll})
     for (const auto& [width, height] : {std::pair{128, 128}, std::pair{75, 98}}) {
       const NormalMap map = bumpy_map(width, height, 35);
       const WeightMap weights = weights_of(width, height, 4, [&](int i, int k) {
@@ -258,7 +258,7 @@ TEST_P(Families, MomentsOverAllLobesAreThoseOfTheRoughNormals) {
   }
 }
 
-// Half the texels of a flat map are sharp, half rough: lobes tell them apart, at fine levels and at condensed ones.
+// Half the texels of a flat map are sharp, half rough: lobes tell them apart, at fine levels and at binned ones.
 TEST_P(Families, LobesTellSharpFromRough) {
   const bool planar = GetParam() == Representation::kGmm;
   double sharp = mean_cosine_of_roughness(0.2), rough = mean_cosine_of_roughness(0.8);

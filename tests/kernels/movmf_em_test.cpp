@@ -52,9 +52,9 @@ struct Case {
 
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.width << "x" << c.height << " level " << c.level << ", " << c.lobes << " lobes"
-       << (c.method == FitMethod::kChunks      ? ", chunked"
-           : c.method == FitMethod::kCondensed ? ", condensed"
-                                               : "")
+       << (c.method == FitMethod::kChunks   ? ", chunked"
+           : c.method == FitMethod::kBinned ? ", binned"
+                                            : "")
        << (c.representation == Representation::kGmm ? ", Gaussians" : "");
 }
 
@@ -148,15 +148,15 @@ glm::dvec3 kept_by_shares(const glm::dvec3& r, Representation representation) {
   return representation == kGmm ? glm::dvec3(r.x, r.y, 2.0 * r.z + r.x * r.x + r.y * r.y) : r;
 }
 
-LevelFit condensed_fit(int level, Representation representation = Representation::kMovmf) {
+LevelFit binned_fit(int level, Representation representation = Representation::kMovmf) {
   LevelFit how;
   how.representation = representation;
   how.level = level;
-  how.method = FitMethod::kCondensed;
+  how.method = FitMethod::kBinned;
   return how;
 }
 
-struct CondensedCase {
+struct BinnedCase {
   int width, height, level, lobes;
   Representation representation = Representation::kMovmf;
 };
@@ -172,19 +172,19 @@ NormalMap facets_with_outliers(int width, int height) {
   return map;
 }
 
-class CondensedTest : public ::testing::TestWithParam<CondensedCase> {
+class BinnedTest : public ::testing::TestWithParam<BinnedCase> {
  protected:
   const int lobes_ = GetParam().lobes;
   const NormalMap map_ = facets_with_outliers(GetParam().width, GetParam().height);
   const std::vector<MultumVmfLobe> parent_ =
       random_parent(map_, GetParam().level, lobes_, 92, GetParam().representation);
-  LevelFit how_ = condensed_fit(GetParam().level, GetParam().representation);
+  LevelFit how_ = binned_fit(GetParam().level, GetParam().representation);
 };
 
-// Condensed texels lose where a normal lies in its cell, and nothing else: 4 iterations end close to the reference on
+// Binned texels lose where a normal lies in its cell, and nothing else: 4 iterations end close to the reference on
 // every normal. Cells are a 1/31 of the extent in the mean, lobes about a quarter: the blur is some 1/100 of a lobe's
 // spread, and moves what two lobes share by less than that. Each texel's mean normal is exact.
-TEST_P(CondensedTest, EqualsReferenceClosely) {
+TEST_P(BinnedTest, EqualsReferenceClosely) {
   how_.iterations = 4;
   const auto expected = fit_with_reference(map_, parent_, lobes_, how_);
   const auto found = fit_with_kernels(map_, parent_, lobes_, how_);
@@ -207,7 +207,7 @@ TEST_P(CondensedTest, EqualsReferenceClosely) {
   }
 }
 
-TEST_P(CondensedTest, ScalarEqualsVectorBitForBit) {
+TEST_P(BinnedTest, ScalarEqualsVectorBitForBit) {
   const auto vector = fit_with_kernels(map_, parent_, lobes_, how_);
   how_.scalar = true;
   const auto scalar = fit_with_kernels(map_, parent_, lobes_, how_);
@@ -215,14 +215,14 @@ TEST_P(CondensedTest, ScalarEqualsVectorBitForBit) {
 }
 
 // The map streams by in bands of rows: sums are whole numbers, so that no band can be seen in them.
-TEST_P(CondensedTest, BandsOfAnyHeightGiveTheSameBytes) {
-  const int all_rows = how_.condense_rows;
+TEST_P(BinnedTest, BandsOfAnyHeightGiveTheSameBytes) {
+  const int all_rows = how_.bin_rows;
   for (const bool scalar : {false, true}) {
     how_.scalar = scalar;
-    how_.condense_rows = all_rows;
+    how_.bin_rows = all_rows;
     const auto whole = fit_with_kernels(map_, parent_, lobes_, how_);
     for (const int rows : {1, 7, 64}) {
-      how_.condense_rows = rows;
+      how_.bin_rows = rows;
       const auto banded = fit_with_kernels(map_, parent_, lobes_, how_);
       EXPECT_EQ(0, std::memcmp(whole.data(), banded.data(), whole.size() * sizeof(MultumVmfLobe)))
           << rows << " rows" << (scalar ? ", scalar" : "");
@@ -230,11 +230,11 @@ TEST_P(CondensedTest, BandsOfAnyHeightGiveTheSameBytes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Maps, CondensedTest,
-                         ::testing::Values(CondensedCase{128, 64, 6, 4}, CondensedCase{128, 128, 6, 8},
-                                           CondensedCase{129, 150, 6, 3}, CondensedCase{64, 64, 4, 2},
-                                           CondensedCase{3000, 1, 11, 2}, CondensedCase{128, 64, 6, 4, kGmm},
-                                           CondensedCase{129, 150, 6, 3, kGmm}),
+INSTANTIATE_TEST_SUITE_P(Maps, BinnedTest,
+                         ::testing::Values(BinnedCase{128, 64, 6, 4}, BinnedCase{128, 128, 6, 8},
+                                           BinnedCase{129, 150, 6, 3}, BinnedCase{64, 64, 4, 2},
+                                           BinnedCase{3000, 1, 11, 2}, BinnedCase{128, 64, 6, 4, kGmm},
+                                           BinnedCase{129, 150, 6, 3, kGmm}),
                          [](const auto& c) {
                            return std::to_string(c.param.width) + "x" + std::to_string(c.param.height) + "_level" +
                                   std::to_string(c.param.level) + "_lobes" + std::to_string(c.param.lobes) +
@@ -244,7 +244,7 @@ INSTANTIATE_TEST_SUITE_P(Maps, CondensedTest,
 // One normal over and over has no extent at all.
 TEST(CondensedFlatTest, OneNormalStaysWhole) {
   const NormalMap map = make_map(64, 64, [](int, int) { return glm::normalize(glm::dvec3(0.3, -0.2, 0.9)); });
-  const auto found = fit_with_kernels(map, random_parent(map, 5, 2, 8), 2, condensed_fit(5));
+  const auto found = fit_with_kernels(map, random_parent(map, 5, 2, 8), 2, binned_fit(5));
   for (std::size_t t = 0; t < 4; ++t) {
     const double a = static_cast<double>(found[t].amplitude), b = static_cast<double>(found[t + 4].amplitude);
     EXPECT_NEAR(a + b, 1.0, 1e-6);
@@ -261,7 +261,7 @@ TEST(SettledTest, ScalarEqualsVectorAndTheLongRunIsNear) {
   how.level = 3;
   how.iterations = 60;
   const auto all = fit_with_kernels(map, parent, 4, how);
-  how.settled_change = 0.01f;
+  how.convergence_tolerance = 0.01f;
   const auto vector = fit_with_kernels(map, parent, 4, how);
   how.scalar = true;
   const auto scalar = fit_with_kernels(map, parent, 4, how);

@@ -107,7 +107,7 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   WeightMap weights;
   weights.count = 2;
   const ColourMap weighted = random_colours(width, height, 25);  // which its planes point into
-  weights.triples.push_back(planes_of(weighted));
+  weights.rgb_planes.push_back(planes_of(weighted));
   AverageInputs inputs;
   inputs.weights = &weights;
   inputs.has_roughness = true;

@@ -32,7 +32,7 @@ struct Case {
 
 void PrintTo(const Case& c, std::ostream* out) {
   *out << (c.materials ? "materials, " : "") << c.width << " x " << c.height << (c.periodic ? " periodic" : "")
-       << (c.colours ? " colours" : "") << (c.coarse == CoarseNormals::kAll ? " all" : " condensed") << " from level "
+       << (c.colours ? " colours" : "") << (c.coarse == CoarseNormals::kAll ? " all" : " binned") << " from level "
        << c.first_level << (c.representation == Representation::kGmm ? ", Gaussians" : "");
 }
 
@@ -89,15 +89,15 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
     if (c.materials) {
       weights_.count = 4;
       for (unsigned seed : {3u, 4u})
-        fill(weights_.triples.emplace_back(c.width, c.height), random_planes(c, seed, false));
+        fill(weights_.rgb_planes.emplace_back(c.width, c.height), random_planes(c, seed, false));
       inputs_.weights = &weights_;
       inputs_.has_roughness = true;
     }
     settings_.representation = c.representation;
     settings_.lobe_count = 2;
     settings_.iteration_count = settings_.iteration_count_coarse = settings_.iteration_count_top = 3;
-    settings_.iteration_count_again = 2;
-    settings_.rehearse_start = false;
+    settings_.refit_iterations = 2;
+    settings_.search_start = false;
     settings_.periodic_x = settings_.periodic_y = c.periodic;
     settings_.coarse_normals = c.coarse;
     settings_.first_level = c.first_level;
@@ -134,15 +134,14 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
 INSTANTIATE_TEST_SUITE_P(
     Maps, BakeBandsTest,
     ::testing::Values(
-        Case{64, 256, true, false, CoarseNormals::kCondensed, 0}, Case{64, 256, false, true, CoarseNormals::kAll, 0},
-        Case{50, 237, true, true, CoarseNormals::kCondensed, 0}, Case{37, 190, true, false, CoarseNormals::kAll, 0},
-        Case{101, 99, false, false, CoarseNormals::kCondensed, 1},
-        Case{96, 2000, true, true, CoarseNormals::kCondensed, 4},
-        Case{70, 1900, false, false, CoarseNormals::kCondensed, 4}, Case{70, 160, false, true, CoarseNormals::kAll, 5},
-        Case{61, 240, true, true, CoarseNormals::kCondensed, 0, true},
-        Case{50, 237, true, true, CoarseNormals::kCondensed, 0, false, Representation::kGmm},
+        Case{64, 256, true, false, CoarseNormals::kBinned, 0}, Case{64, 256, false, true, CoarseNormals::kAll, 0},
+        Case{50, 237, true, true, CoarseNormals::kBinned, 0}, Case{37, 190, true, false, CoarseNormals::kAll, 0},
+        Case{101, 99, false, false, CoarseNormals::kBinned, 1}, Case{96, 2000, true, true, CoarseNormals::kBinned, 4},
+        Case{70, 1900, false, false, CoarseNormals::kBinned, 4}, Case{70, 160, false, true, CoarseNormals::kAll, 5},
+        Case{61, 240, true, true, CoarseNormals::kBinned, 0, true},
+        Case{50, 237, true, true, CoarseNormals::kBinned, 0, false, Representation::kGmm},
         Case{37, 190, true, true, CoarseNormals::kAll, 0, true, Representation::kGmm},
-        Case{61, 240, true, true, CoarseNormals::kCondensed, 0, true, Representation::kGmm}));
+        Case{61, 240, true, true, CoarseNormals::kBinned, 0, true, Representation::kGmm}));
 
 TEST_P(BakeBandsTest, AnyMemoryGivesTheSameBytes) {
   const auto& [mipmap, plan] = whole();
@@ -166,8 +165,8 @@ TEST_P(BakeBandsTest, AnyMemoryGivesTheSameBytes) {
 
 TEST_P(BakeBandsTest, ScratchFilesAndThreadsGiveTheSameBytes) {
   const MovmfMipmap& in_memory = whole().mipmap;
-  inputs_.place.bytes_in_memory = 0;
-  inputs_.place.folder = ::testing::TempDir();
+  inputs_.spill.memory_bytes = 0;
+  inputs_.spill.scratch_folder = ::testing::TempDir();
   inputs_.threads = 3;
   PlaneStore stored(GetParam().width, GetParam().height, ::testing::TempDir());
   fill(stored, random_planes(GetParam(), 1, true));

@@ -118,7 +118,7 @@ TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
 // may compete evenly and fall either way; and candidates for the start of nearly the same worth may change places when
 // rounding does: none are rehearsed here.
 void expect_lobes_turn(MovmfSettings settings) {
-  settings.rehearse_start = false;
+  settings.search_start = false;
   const NormalMap map = make_four_quarter_map(64, 3).normals;
   NormalMap turned = map;
   for (std::size_t i = 0; i < map.x.size(); ++i) {

@@ -36,7 +36,7 @@ Baked bake(NormalMap map) {
   MovmfSettings fitting;
   fitting.lobe_count = 1;
   fitting.sweep_count = 1;
-  fitting.rehearse_start = false;
+  fitting.search_start = false;
   FitReport report;
   Baked baked{std::move(map), {}};
   baked.mipmap = bake_movmf(test_device(), baked.map, nullptr, fitting, report, nullptr);

@@ -47,7 +47,7 @@ std::map<std::string, double> errors_of(const NormalMap& map, Representation rep
   MovmfSettings settings;
   settings.representation = representation;
   settings.lobe_count = 2;
-  settings.rehearse_start = false;  // two bumps are found from anywhere
+  settings.search_start = false;  // two bumps are found from anywhere
   FitReport report;
   MovmfMipmap mipmap = bake_movmf(test_device(), map, nullptr, settings, report, nullptr);
   EXPECT_EQ(report.nonfinite, 0u);
@@ -95,7 +95,7 @@ TEST(GmmMomentsTest, FirstAndSecondMomentsAreThoseOfTheNormals) {
   FitReport report;
   MovmfSettings settings;
   settings.representation = Representation::kGmm;
-  settings.rehearse_start = false;
+  settings.search_start = false;
   const MovmfMipmap mipmap = bake_movmf(test_device(), map, nullptr, settings, report, nullptr);
   glm::dvec3 exact(0.0);
   for (std::size_t i = 0; i < map.x.size(); ++i) {

@@ -441,7 +441,7 @@ class ServiceTest(ClientCase):
         os.makedirs(folder)
         built = os.path.dirname(os.path.abspath(MULTUM))
         shutil.copy(MULTUM, os.path.join(folder, "multum"))
-        shutil.copy(os.path.join(built, "helper_drill"), os.path.join(folder, "multum-decode"))
+        shutil.copy(os.path.join(built, "failing_helper"), os.path.join(folder, "multum-decode"))
         service = self.service = Service(os.path.join(folder, "multum"), self.folder, config=QUICK).start()
         subprocess.run([MULTUM, "testmap", "--size", "16", self.output("q")], check=True, capture_output=True)
         for name, code, words in (("segfault", 3, "ended by signal 11"), ("exit", 3, "ended with exit code 7"),

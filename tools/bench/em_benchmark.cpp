@@ -38,7 +38,7 @@ class LevelBench {
     slots_ = list.size();
     fit_.slot_count = static_cast<int>(slots_);
     fit_.iteration_count = options.iterations;
-    fit_.settled_change_squared = 0.0f;  // both programs run every iteration
+    fit_.convergence_tolerance_squared = 0.0f;  // both programs run every iteration
     for (const std::vector<float>* plane : {&map.x, &map.y, &map.z}) {
       planes_.push_back(*plane);
       planes_.back().resize(plane->size() + MULTUM_GROUP, 0.0f);
@@ -62,10 +62,10 @@ class LevelBench {
     device.write(parent_buffer, parent.data(), parent.size() * sizeof(MultumVmfLobe));
     start_.resize(slots_ * lobes_ * MULTUM_START_PLANES);
     start_buffer_ = device.make_buffer(start_.size() * sizeof(float), "start");
-    directed_buffer_ = device.make_buffer(result_.size() * sizeof(MultumVmfLobe), "directions");
-    device.fill_zero(directed_buffer_);
+    alignment_buffer_ = device.make_buffer(result_.size() * sizeof(MultumVmfLobe), "directions");
+    device.fill_zero(alignment_buffer_);
     device.kernel("movmf_start", "movmf_start", scalar)
-        .launch({slots_}, parent_buffer, result_buffer_, directed_buffer_, list_buffer_, start_buffer_, fit_);
+        .launch({slots_}, parent_buffer, result_buffer_, alignment_buffer_, list_buffer_, start_buffer_, fit_);
     device.read(start_buffer_, start_.data(), start_.size() * sizeof(float));
     if (level.method == FitMethod::kChunks) {
       partial_buffer_ =
@@ -94,13 +94,13 @@ class LevelBench {
               plane_buffers_[0], plane_buffers_[1], plane_buffers_[2], start_buffer_, list_buffer_, partial_buffer_,
               fit_);
           mstep_kernel_.launch({texels * lobes_}, partial_buffer_, start_buffer_, list_buffer_, result_buffer_,
-                               directed_buffer_, fit_, i);
+                               alignment_buffer_, fit_, i);
         }
       } else {
         texels_kernel_.launch(by_teams_ ? Kernel::WorkSize{slots_ * MULTUM_TEAM, MULTUM_TEAM}
                                         : Kernel::WorkSize{slots_ / static_cast<std::size_t>(width_)},
                               sample_buffer_, sample_count_buffer_, start_buffer_, list_buffer_, result_buffer_,
-                              directed_buffer_, fit_);
+                              alignment_buffer_, fit_);
       }
       device_.finish();
     });
@@ -157,7 +157,7 @@ class LevelBench {
   std::vector<MultumVmfLobe> result_;
   std::vector<DeviceBuffer> plane_buffers_;
   DeviceBuffer list_buffer_, start_buffer_, sample_buffer_, sample_count_buffer_, partial_buffer_, result_buffer_,
-      directed_buffer_;
+      alignment_buffer_;
   Kernel texels_kernel_, partial_kernel_, mstep_kernel_;
 };
 

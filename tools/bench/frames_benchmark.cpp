@@ -32,8 +32,8 @@ constexpr float kAnisotropies[] = {1.0f, 16.0f};
 // The picture of `multum-view` untold: the map sixty times across a plane seen at a glancing angle.
 constexpr float kRepeats = 60.0f;
 
-gl::Scene plane_scene() {
-  gl::Scene scene;
+gl::RenderScene plane_scene() {
+  gl::RenderScene scene;
   scene.uv_scale = kRepeats;
   scene.brdf.exponent = 100.0f;
   return scene;
@@ -116,7 +116,7 @@ std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::v
   toksvig->set_baseline(gl::Baseline::kToksvig);
   subjects.push_back({"averaged normals, Toksvig",
                       anisotropy,
-                      usual_gpu_bytes(image.width, image.height),
+                      default_gpu_bytes(image.width, image.height),
                       std::move(toksvig),
                       {},
                       {}});
@@ -131,7 +131,7 @@ void time_in_turns(const gl::GlFunctions& functions, const FramesBenchmarkOption
                    std::vector<Subject>& subjects, ContentHash& hash, Progress* progress) {
   const gl::Mesh mesh(functions, plane());
   gl::Renderer renderer(functions, options.width, options.height);
-  const gl::Scene scene = plane_scene();
+  const gl::RenderScene scene = plane_scene();
   for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first compiles, and does not count
     double first = 0.0;
     for (Subject& subject : subjects) {

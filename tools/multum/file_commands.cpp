@@ -112,10 +112,10 @@ const InfoKind& info_kind(Representation representation) {
 
 // Beside what renderers usually keep of the same map.
 std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
-  const std::uint64_t usual = usual_gpu_bytes(file.width, file.height);
+  const std::uint64_t by_default = default_gpu_bytes(file.width, file.height);
   return fmt::format("on the GPU      {}{}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n",
                      size_text(bytes), file.first_level > 0 ? " beside the normal map itself" : "",
-                     static_cast<double>(bytes) / static_cast<double>(usual), size_text(usual));
+                     static_cast<double>(bytes) / static_cast<double>(by_default), size_text(by_default));
 }
 
 int print_pyramid(const std::string& path) {

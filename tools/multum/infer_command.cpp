@@ -12,7 +12,7 @@
 #include "host/base/shown_text.h"
 #include "host/parameters/infer_parameters.h"
 #include "host/texture_inference/job/animation_job_reading.h"
-#include "host/texture_inference/pipeline/animation_infer.h"
+#include "host/texture_inference/pipeline/inference_pipeline.h"
 #include "host/texture_inference/report/inference_comparison.h"
 #include "host/texture_inference/report/inference_frames.h"
 #include "host/texture_inference/report/inference_page.h"
@@ -65,7 +65,7 @@ int run_infer(InferOptions& o) {
   apply(o.values, o.settings);
   o.settings.viewer = find_viewer();
   const std::unique_ptr<Progress> progress = make_progress(o.common);
-  const AnimationField field(read_animation_job(o.job));
+  const ParameterizedScene field(read_animation_job(o.job));
   make_folder(o.settings.output);
   const std::string shown = o.values.text("report_sample").value_or("");
   const int sample = shown.empty() ? middle_sample(field.job()) : sample_named(field.job(), shown);

@@ -26,13 +26,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWidthUsual = 100;
+constexpr int kWidthDefault = 100;
 
 // Of the terminal that stdout is, if it is one.
 int terminal_width() {
   winsize size{};
   return isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col
-                                                                                                       : kWidthUsual;
+                                                                                                       : kWidthDefault;
 }
 
 struct PlanOptions {
@@ -54,7 +54,7 @@ int run_plan(const PlanOptions& o) {
   check_is_scene(o.scene);
   BakeJob pattern;
   pattern.threads = pattern.writing.threads = apply(o.common);
-  const Scene scene = read_scene(o.scene, pattern);
+  const SceneDescription scene = read_scene(o.scene, pattern);
   if (!o.output.empty()) check_writable(o.output);
   const auto progress = make_progress(o.common);
   PlanSettings settings;
@@ -72,7 +72,7 @@ int run_plan(const PlanOptions& o) {
 }
 
 // Nothing that is read may be written.
-void check_outputs(const std::string& scene_file, const Scene& scene, const SceneFiles& files) {
+void check_outputs(const std::string& scene_file, const SceneDescription& scene, const SceneFiles& files) {
   std::vector<std::string> inputs = {scene_file}, outputs = {files.plan(), files.report()};
   for (const SceneMap& map : scene.maps) {
     for (const std::string& input : input_files(map.job)) inputs.push_back(input);
@@ -103,7 +103,7 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
   const SceneFiles files{pattern.output};
   pattern.output.clear();
   if (pattern.scratch_folder.empty()) pattern.scratch_folder = files.folder;
-  const Scene scene = read_scene(scene_file, pattern);
+  const SceneDescription scene = read_scene(scene_file, pattern);
   check_outputs(scene_file, scene, files);
   std::error_code failed;
   fs::create_directories(files.folder, failed);

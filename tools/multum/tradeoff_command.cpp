@@ -43,7 +43,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   if (job.has_roughness()) job.brdf.name = "roughness";
   if (o.budget_ms) job.bake_seconds = *o.budget_ms / 1e3;
   if (o.bake_ms_max) job.bake_seconds_max = *o.bake_ms_max / 1e3;
-  job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kUsual;
+  job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kDefault;
   if (!o.no_pictures) job.viewer = find_viewer();
   const std::vector<std::string> outputs = {o.output, o.json, o.markdown};
   check_paths_differ(input_files(job.bake), outputs);

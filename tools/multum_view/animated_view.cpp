@@ -34,9 +34,9 @@ Brdf brdf_between(const Brdf& from, const Brdf& to, double t) {
 
 }  // namespace
 
-gl::Scene scene_between(const gl::Scene& from, const gl::Scene& to, double t) {
+gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene& to, double t) {
   const auto share = static_cast<float>(t);
-  gl::Scene scene = from;
+  gl::RenderScene scene = from;
   scene.camera.eye = glm::mix(from.camera.eye, to.camera.eye, share);
   scene.camera.target = glm::mix(from.camera.target, to.camera.target, share);
   scene.camera.fov_y_degrees = glm::mix(from.camera.fov_y_degrees, to.camera.fov_y_degrees, share);

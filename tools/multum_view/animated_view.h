@@ -11,7 +11,7 @@ namespace multum {
 
 /// What of `from` and `to` changes at `t`, 0..1: linearly, but roughnesses and exponents by equal factors. Both scenes
 /// have the same kind of BRDF and as many lights.
-gl::Scene scene_between(const gl::Scene& from, const gl::Scene& to, double t);
+gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene& to, double t);
 
 /// FOLDER/frame_0000.png, ...: the options' picture or sheet of every frame. Returns a row for each, for the report.
 nlohmann::json draw_animation(const ViewOptions& options, PictureDrawer& drawer);

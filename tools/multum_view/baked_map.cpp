@@ -72,7 +72,7 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
   }
   if (map.harmonics) return std::make_unique<gl::ShMaterial>(gl, *map.harmonics, options.anisotropy, &source);
   auto material = std::make_unique<gl::MomentMaterial>(gl, *map.moments, options.anisotropy, &source);
-  material->set_shading(options.moments.value_or(kUsualMomentShading));
+  material->set_shading(options.moments.value_or(kDefaultMomentShading));
   return material;
 }
 
@@ -131,7 +131,7 @@ std::string environment_note(const ViewOptions& options, const BakedHeader& bake
   const bool compares_lean = std::any_of(options.compare.begin(), options.compare.end(),
                                          [](const std::string& name) { return name.starts_with("lean"); });
   const bool draws_lean = baked.representation == Representation::kMoments &&
-                          options.moments.value_or(kUsualMomentShading) != gl::MomentShading::kToksvig;
+                          options.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
   if (options.environment.empty() || (!compares_lean && !draws_lean)) return "";
   return "--environment: lean and lean-jacobian are the same as toksvig in its light, one lobe of the mean normal";
 }

@@ -42,6 +42,6 @@ std::string environment_note(const ViewOptions& options, const BakedHeader& bake
 
 /// Of files of moments, when no option says it: the one of least error on most maps, by the bakes' own measurements
 /// (docs/ALGORITHMS.md, "Moments").
-constexpr gl::MomentShading kUsualMomentShading = gl::MomentShading::kLeanJacobian;
+constexpr gl::MomentShading kDefaultMomentShading = gl::MomentShading::kLeanJacobian;
 
 }  // namespace multum

@@ -103,7 +103,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   const MovmfMipmap mipmap = read_coarse_levels(options.result);
   const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
   const gl::Mesh mesh(context->functions(), plane_data());
-  gl::Scene scene;
+  gl::RenderScene scene;
   scene.uv_scale = kPlaneSize;
   if (mipmap.has_roughness) scene.brdf.exponent = kRoughnessExponent;
   gl::Renderer renderer(context->functions(), kWidth, kHeight);

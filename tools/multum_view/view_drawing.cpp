@@ -25,7 +25,7 @@ bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
 // Basis BRDFs one after another, each times its weight: what a surface reflects is their sum, whatever they are.
 template <typename Draw>
-gl::Picture draw_blended(const ViewOptions& options, gl::Scene scene, gl::Material& material, const Draw& draw) {
+gl::Picture draw_blended(const ViewOptions& options, gl::RenderScene scene, gl::Material& material, const Draw& draw) {
   if (options.basis.size() <= 1) return draw(scene);
   gl::Picture sum{};
   for (std::size_t k = 0; k < options.basis.size(); ++k) {
@@ -47,7 +47,7 @@ gl::Picture draw_blended(const ViewOptions& options, gl::Scene scene, gl::Materi
 
 }  // namespace
 
-std::shared_ptr<const gl::FloatImage> background_of(const ViewOptions& options, const gl::Scene& scene) {
+std::shared_ptr<const gl::FloatImage> background_of(const ViewOptions& options, const gl::RenderScene& scene) {
   if (scene.environment == nullptr || options.no_background) return nullptr;
   return std::make_shared<const gl::FloatImage>(gl::environment_background(scene, options.width, options.height));
 }
@@ -72,11 +72,11 @@ PictureDrawer::PictureDrawer(const ViewOptions& options, const gl::GlFunctions& 
   }
 }
 
-std::vector<NamedPicture> PictureDrawer::draw(const gl::Scene& scene) {
+std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   std::vector<NamedPicture> pictures;
   const auto drawn = [&](gl::Material& material) {
     return draw_blended(options_, scene, material,
-                        [&](const gl::Scene& one) { return renderer_.draw(mesh_, material, one); });
+                        [&](const gl::RenderScene& one) { return renderer_.draw(mesh_, material, one); });
   };
   pictures.push_back({"multum", drawn(*baked_)});
   for (const std::string& name : options_.compare) {
@@ -84,7 +84,7 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::Scene& scene) {
       const std::unique_ptr<Progress> progress = make_terminal_progress(true);
       progress->start(static_cast<std::uint64_t>(options_.samples) * std::max<std::size_t>(options_.basis.size(), 1));
       progress->stage("draw the truth");
-      const auto draw = [&](const gl::Scene& one) {
+      const auto draw = [&](const gl::RenderScene& one) {
         return renderer_.draw_truth(mesh_, *finest_, one, options_.samples, progress.get());
       };
       pictures.insert(pictures.begin(), {name, draw_blended(options_, scene, *finest_, draw)});

@@ -18,7 +18,7 @@ struct NamedPicture {
 };
 
 /// What a picture of the scene has behind it: the environment. Null: nothing, which is black.
-std::shared_ptr<const gl::FloatImage> background_of(const ViewOptions& options, const gl::Scene& scene);
+std::shared_ptr<const gl::FloatImage> background_of(const ViewOptions& options, const gl::RenderScene& scene);
 
 /// The picture with what is behind it.
 gl::FloatImage shown_image(const NamedPicture& picture);
@@ -30,7 +30,7 @@ class PictureDrawer {
   PictureDrawer(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh, const BakedMap& map,
                 const gl::NormalImage& source);
   /// The truth first, where it is asked for, then the baked map, then the baselines.
-  std::vector<NamedPicture> draw(const gl::Scene& scene);
+  std::vector<NamedPicture> draw(const gl::RenderScene& scene);
   std::vector<gl::ShaderVariant> variants() const { return renderer_.variants(); }
 
  private:

@@ -90,8 +90,8 @@ void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::Nor
     const auto count = static_cast<std::size_t>(map.count);
     image.weight_count = map.count;
     image.weights.resize(image.normals.size() * count);
-    for (std::size_t t = 0; t < map.triples.size(); ++t) {
-      const std::array<std::vector<float>, 3> planes = map.triples[t].take_planes();
+    for (std::size_t t = 0; t < map.rgb_planes.size(); ++t) {
+      const std::array<std::vector<float>, 3> planes = map.rgb_planes[t].take_planes();
       for (std::size_t k = 3 * t; k < std::min(count, 3 * t + 3); ++k)
         for (std::size_t i = 0; i < image.normals.size(); ++i) image.weights[i * count + k] = planes[k - 3 * t][i];
     }
@@ -115,7 +115,7 @@ gl::MeshData to_mesh_data(const TriangleMesh& mesh) {
 }
 
 void frame_mesh(const TriangleMesh& mesh, ViewOptions& options) {
-  gl::Scene& scene = options.scene;
+  gl::RenderScene& scene = options.scene;
   glm::vec3 low = mesh.positions[0];
   glm::vec3 high = low;
   for (const glm::vec3& p : mesh.positions) {
@@ -160,7 +160,7 @@ std::string distant_path(const ViewOptions& options, float factor) {
 }
 
 gl::MeshData make_mesh(ViewOptions& options) {
-  gl::Scene& scene = options.scene;
+  gl::RenderScene& scene = options.scene;
   if (options.mesh.empty()) {
     scene.uv_scale = options.repeat > 0.0f ? options.repeat : kPlaneSize;
     return to_mesh_data(make_plane(kPlaneSize));

@@ -214,7 +214,7 @@ void finish_animation(const RawOptions& raw, ViewOptions& options) {
   if (options.frames_folder.empty() == has_end)
     throw Error(ErrorCode::kUsage, has_end ? "--to-camera, --to-light and the like go with --animate FOLDER"
                                            : "--animate: say what changes: --to-camera, --to-light, --to-brdf, ...");
-  gl::Scene& last = options.last_scene;
+  gl::RenderScene& last = options.last_scene;
   last = options.scene;
   if (!has_end) return;
   if (!options.output.empty() || !options.pictures.empty())
@@ -253,7 +253,7 @@ void finish_animation(const RawOptions& raw, ViewOptions& options) {
 void finish(const RawOptions& raw, ViewOptions& options) {
   check_subject(raw, options);
   options.lookups = parse_lookups(raw.lookups);
-  gl::Scene& scene = options.scene;
+  gl::RenderScene& scene = options.scene;
   if (!raw.camera.empty()) parse_camera("--camera", raw.camera, scene.camera);
   options.has_camera = !raw.camera.empty();
   if (!raw.distances.empty()) parse_distances(raw.distances, options);

@@ -34,14 +34,14 @@ struct ViewOptions {
   std::string report;                          // JSON; empty: none
   std::string shaders;                         // JSON of the variants that were drawn with; empty: none
   gl::ContextBackend context = gl::ContextBackend::kAuto;
-  gl::Scene scene;
+  gl::RenderScene scene;
   std::vector<Brdf> basis;  // what --brdf says, more than one: blended by the file's weights
   bool has_brdf = false;    // --brdf was given: it is not the usual one
   bool has_camera = false;
   std::vector<float> distances;  // of pictures, times the camera's own; empty: one picture from there
   std::string frames_folder;     // of --animate; empty: one picture
   int frame_count = 24;
-  gl::Scene last_scene;  // of the last frame
+  gl::RenderScene last_scene;  // of the last frame
   bool has_last_camera = false;
   glm::vec3 up{0.0f, 0.0f, 1.0f};  // unit; the camera's, also where the camera frames the mesh
   gl::LobeFormula formula = gl::LobeFormula::kProduct;

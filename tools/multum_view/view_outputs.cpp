@@ -167,7 +167,7 @@ void write_report(const ViewOptions& options, const std::string& context, const 
                            {"truth_of", options.truth_of_texels ? "texels" : "pixel"},
                            {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
                            {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
-                           {"moments", moment_shading_name(options.moments.value_or(kUsualMomentShading))},
+                           {"moments", moment_shading_name(options.moments.value_or(kDefaultMomentShading))},
                            {"anisotropy", options.anisotropy},
                            {"pictures", pictures}};
   if (options.brdf_is_in_map) report.update({{"brdf", "roughness-map"}});

@@ -89,13 +89,13 @@ std::vector<Imf::Header> make_sh_headers(const BakedHeader& header, int order, c
 
 }  // namespace
 
-int sh_tile_size(int map_width, int order, int usual) {
+int sh_tile_size(int map_width, int order, int default_size) {
   constexpr std::uint64_t kWaitingMax = std::uint64_t{64} << 20;
   constexpr int kLeast = 16;
   // Twice that of the finest level: the others are as wide together.
   const std::uint64_t row_bytes = 2 * static_cast<std::uint64_t>(map_width) *
                                   static_cast<std::uint64_t>(sh_coefficient_count(order)) * sizeof(float);
-  int size = usual;
+  int size = default_size;
   while (size > kLeast && row_bytes * static_cast<std::uint64_t>(size) > kWaitingMax) size /= 2;
   return size;
 }

@@ -13,7 +13,7 @@ namespace multum {
 
 /// Sides of tiles: as usual where a row of them is small; lower where many coefficients lie side by side, since of
 /// every level a row of tiles waits until it is full. Depends on nothing but the file: so do its bytes.
-int sh_tile_size(int map_width, int order, int usual);
+int sh_tile_size(int map_width, int order, int default_size);
 
 /// As MovmfWriter (host/asset/lobes/movmf_writer.h), but that level 0 is one as the others.
 class ShWriter {

@@ -22,7 +22,7 @@ namespace multum {
 namespace {
 
 constexpr int kQuickLevelMax = 3;  // ISA-L's
-constexpr int kUsualLevel = 6;     // zlib's for -1
+constexpr int kDefaultLevel = 6;   // zlib's for -1
 
 struct FreeCompressor {
   void operator()(libdeflate_compressor* compressor) const { libdeflate_free_compressor(compressor); }
@@ -103,7 +103,7 @@ extern "C" int compress2(Bytef* destination, uLongf* destination_size, const Byt
   // What does not compress takes a few bytes more than compressBound() by the quick way.
   if (size == 0)
     size = multum::compress_well(source, source_size, destination, *destination_size,
-                                 level < 0 ? multum::kUsualLevel : level);
+                                 level < 0 ? multum::kDefaultLevel : level);
   if (size == 0) return Z_BUF_ERROR;
   *destination_size = size;
   return Z_OK;

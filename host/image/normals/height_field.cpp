@@ -152,11 +152,11 @@ std::string suggested_scale(const RawImageInfo& info, double slope_rms, bool is_
       text += fmt::format("; its texels are {:g} m wide: heights in metres need --height-scale {:.4g}",
                           info.texel_metres, of_metres);
   } else if (is_slope_odd && slope_rms > 0.0) {
-    constexpr double kSlopeUsual = 0.5;  // 27 degrees, in the middle of what is expected
+    constexpr double kSlopeDefault = 0.5;  // 27 degrees, in the middle of what is expected
     text += fmt::format(
         "; --height-scale {:g} would make it {:g}. Heights and texels in metres give it exactly: metres of a value "
         "difference of 1 / metres of a texel",
-        rounded(std::abs(scale) * kSlopeUsual / slope_rms), kSlopeUsual);
+        rounded(std::abs(scale) * kSlopeDefault / slope_rms), kSlopeDefault);
   }
   return text;
 }
@@ -222,15 +222,15 @@ RowSums row_normals(const HeightRows& heights, int row, const NormalMapSettings&
 }  // namespace
 
 NormalMapRows normals_from_heights(const std::string& path, const RawImage& image, std::int64_t nonfinite_count,
-                                   const NormalMapSettings& settings, const ReadingPlace& place, int threads,
+                                   const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
                                    Progress* progress) {
   progress_stage(progress, "heights to normals");
   const int width = image.info().width;
   const int height = image.info().height;
   const Heights heights{image, nonfinite_count == 0, settings};
-  NormalMapRows map{make_plane_store(width, height, place), {}};
+  NormalMapRows map{make_plane_store(width, height, spill), {}};
   std::vector<RowSums> sums(static_cast<std::size_t>(height));
-  for_each_row_band(height, decoding_rows(width, place), threads, progress, [&](int, int row_begin, int row_end) {
+  for_each_row_band(height, decoding_rows(width, spill), threads, progress, [&](int, int row_begin, int row_end) {
     const HeightRows rows = heights.rows_and_neighbours(row_begin, row_end);
     std::array<std::vector<float>, 3> normals;
     for (std::vector<float>& plane : normals) plane.resize(rows.index(0, row_end) - rows.index(0, row_begin));

@@ -15,7 +15,7 @@ namespace multum {
 /// kBlack: 0) before slopes are taken. Fills the report's counts and encoding (with the rms slope: a wrong height_scale
 /// shows there). Throws and cancels as decode_normals() does.
 NormalMapRows normals_from_heights(const std::string& path, const RawImage& image, std::int64_t nonfinite_count,
-                                   const NormalMapSettings& settings, const ReadingPlace& place, int threads,
+                                   const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
                                    Progress* progress);
 
 }  // namespace multum

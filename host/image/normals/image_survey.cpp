@@ -60,11 +60,11 @@ void ImageSurvey::ChromaSums::add(const ChromaSums& sums) {
 
 std::array<ImageSurvey::ChromaSums, 2> ImageSurvey::chroma_sums() const {
   constexpr double kOutlierShareMax = 0.01;  // as many as may be repaired, NormalMapSettings::repair_share_max
-  ChromaSums all, usual;
+  ChromaSums all, without_outliers;
   for (const ChromaSums& sums : chroma_) all.add(sums);
   for (const ChromaSums& sums : chroma_)
-    if (usual.count < (1.0 - kOutlierShareMax) * all.count) usual.add(sums);
-  return {all, usual};
+    if (without_outliers.count < (1.0 - kOutlierShareMax) * all.count) without_outliers.add(sums);
+  return {all, without_outliers};
 }
 
 // Rms of the values of floats, 1 of integers.
@@ -79,13 +79,13 @@ double ImageSurvey::chroma_of(const ChromaSums& sums) const {
 }
 
 double ImageSurvey::chroma_rms() const {
-  const auto [all, usual] = chroma_sums();
-  return std::max(chroma_of(all), chroma_of(usual));
+  const auto [all, without_outliers] = chroma_sums();
+  return std::max(chroma_of(all), chroma_of(without_outliers));
 }
 
 double ImageSurvey::grey_deviation() const {
-  const auto [all, usual] = chroma_sums();
-  const ChromaSums& sums = chroma_of(all) >= chroma_of(usual) ? all : usual;
+  const auto [all, without_outliers] = chroma_sums();
+  const ChromaSums& sums = chroma_of(all) >= chroma_of(without_outliers) ? all : without_outliers;
   if (sums.count == 0.0) return 0.0;
   const double mean = sums.grey / sums.count, unit = unit_of(sums);
   const double variance = (sums.values - sums.chroma) / sums.count - mean * mean;

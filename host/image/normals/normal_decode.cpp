@@ -171,14 +171,14 @@ void check_repair_share(const std::string& path, const NormalMapRows& map, const
 }
 
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,
-                             const NormalMapSettings& settings, const ReadingPlace& place, int threads,
+                             const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
                              Progress* progress) {
   const RawImageInfo& info = image.info();
   MULTUM_CHECK(info.channel_count == 2 || info.channel_count == 3);
   progress_stage(progress, "decode normals");
   const Decoding decoding{image, encoding, zero_length_of(info.sample_type)};
-  NormalMapRows map{make_plane_store(info.width, info.height, place), {}};
-  const int band_rows = decoding_rows(info.width, place);
+  NormalMapRows map{make_plane_store(info.width, info.height, spill), {}};
+  const int band_rows = decoding_rows(info.width, spill);
   std::vector<TexelCounts> counts(static_cast<std::size_t>(row_band_count(info.height, band_rows)));
   for_each_row_band(info.height, band_rows, threads, progress, [&](int band, int row_begin, int row_end) {
     const DecodedRows rows =

@@ -59,7 +59,7 @@ inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b)
 /// its encoding. Throws Error(kInput) when more than repair_share_max of the texels needed repair, and when too many
 /// are black; Error(kEnvironment) when scratch files cannot be written. Cancels between bands.
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,
-                             const NormalMapSettings& settings, const ReadingPlace& place, int threads,
+                             const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
                              Progress* progress);
 
 /// Throws Error(kInput) with the counts when they exceed settings.repair_share_max of all texels; `hint` ends its

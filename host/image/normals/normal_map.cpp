@@ -44,7 +44,7 @@ void check_finite(const std::string& path, const ImageSurvey& survey, int width,
 std::string step_text(const SeamStep& step) {
   return fmt::format(
       "the step across its border is {:.3g} rms, steps inside are {:.3g} in the median and {:.3g} at most", step.border,
-      step.usual, step.largest);
+      step.median, step.largest);
 }
 
 struct Direction {
@@ -95,13 +95,13 @@ NormalMapSettings with_wrap(NormalMapSettings settings, const RawImage& image, D
 
 }  // namespace
 
-NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings,
-                                   const ReadingPlace& place, int threads, Progress* progress) {
+NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings, const SpillPolicy& spill,
+                                   int threads, Progress* progress) {
   check_settings(settings);
   progress_stage(progress, "read " + path);
-  ImageReader reader(path, {settings.texel_count_max, threads, place.band_rows});
+  ImageReader reader(path, {settings.texel_count_max, threads, spill.band_rows});
   const RawImageInfo info = reader.info();
-  RawImage image(info, place);
+  RawImage image(info, spill);
   ImageSurvey survey(info, likely_encodings(info, settings));
   const auto keep = [&](const RawBand& band) {
     image.write(band);
@@ -114,8 +114,8 @@ NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSetti
   const NormalMapSettings wrapped = with_wrap(settings, image, encoding);
   NormalMapRows map =
       encoding.is_height_field
-          ? normals_from_heights(path, image, survey.nonfinite_count(), wrapped, place, threads, progress)
-          : decode_normals(path, image, encoding.vectors, wrapped, place, threads, progress);
+          ? normals_from_heights(path, image, survey.nonfinite_count(), wrapped, spill, threads, progress)
+          : decode_normals(path, image, encoding.vectors, wrapped, spill, threads, progress);
   map.report.wrap_s = wrapped.wrap_s;
   map.report.wrap_t = wrapped.wrap_t;
   if (!encoding.is_height_field) map.report.encoding = encoding.description;

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "host/base/files/spill_policy.h"
 #include "host/base/progress.h"
 #include "host/base/wrap_mode.h"
 #include "host/image/colour_map.h"
 #include "host/image/plane_store.h"
-#include "host/image/reading_place.h"
 
 namespace multum {
 
@@ -89,7 +89,7 @@ NormalMap read_normal_map(const std::string& path, const NormalMapSettings& sett
 /// The same numbers, kept as `place` says. Of the file and of the map a few bands of rows are in memory, but for
 /// formats that OpenImageIO decodes whole (docs/READING.md). Throws Error(kEnvironment) when scratch files cannot be
 /// written.
-NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings,
-                                   const ReadingPlace& place, int threads, Progress* progress);
+NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings, const SpillPolicy& spill,
+                                   int threads, Progress* progress);
 
 }  // namespace multum

@@ -47,7 +47,7 @@ SeamStep step_of(const Sum& border, const std::vector<Sum>& inside) {
 // Measured on both directions of 55 real maps: of those that tile, the border is at most 1.35 times the largest step
 // inside and then 1.8 times the median; of those that do not (terrain, photographs) at least 1.46 and 1.9 times.
 // Maps with hard lines along the border may not tile and still be below.
-bool SeamStep::is_seam() const { return border > 1.85 * usual && border > 1.4 * largest; }
+bool SeamStep::is_seam() const { return border > 1.85 * median && border > 1.4 * largest; }
 
 MapSeams measure_seams(const RawImage& image) {
   const RawImageInfo& info = image.info();

@@ -11,7 +11,7 @@ namespace multum {
 /// Of one direction; rms differences over the pairs of texels of two columns or rows, in the file's own numbers.
 struct SeamStep {
   double border = 0.0;   // from the last to the first
-  double usual = 0.0;    // median of those inside
+  double median = 0.0;   // median of those inside
   double largest = 0.0;  // of those inside that were looked at
 
   /// Whether the border is a step that the map has nowhere inside. False where there are too few texels to tell.

@@ -88,7 +88,7 @@ struct HttpApi::State {
   }
 
   asio::awaitable<Job> job_of(std::string text) {
-    const std::optional<std::int64_t> id = parse_whole(text);
+    const std::optional<std::int64_t> id = parse_integer(text);
     std::optional<Job> job;
     if (id) co_await in_ledger([&](JobQueue& queue) { job = queue.find(*id); });
     if (!job) throw Refusal{404, "not_found", fmt::format("there is no job {}", text.substr(0, 30))};
@@ -338,7 +338,8 @@ struct HttpApi::State {
     response.is_stream = true;
     response.job = job;
     const auto last = request.headers.find("last-event-id");
-    const std::optional<std::int64_t> after = last != request.headers.end() ? parse_whole(last->second) : std::nullopt;
+    const std::optional<std::int64_t> after =
+        last != request.headers.end() ? parse_integer(last->second) : std::nullopt;
     response.after = after && *after >= 0 ? static_cast<std::uint64_t>(*after) : events.last();
     return response;
   }

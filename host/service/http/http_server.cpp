@@ -126,11 +126,11 @@ std::string lower(std::string_view text) {
 }  // namespace
 
 struct HttpServer::State : std::enable_shared_from_this<State> {
-  State(asio::io_context& context, Settings the_settings, EventHub& hub, Turns& the_turns)
+  State(asio::io_context& context, Settings the_settings, EventHub& hub, TaskQueue& the_tasks)
       : io(context),
         settings(std::move(the_settings)),
         events(hub),
-        turns(the_turns),
+        turns(the_tasks),
         budget(settings.memory_max),
         streams_max(std::max(1, settings.connections_max / 4 * 3)) {}
 
@@ -466,7 +466,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   Settings settings;
   EventHub& events;
   Counters counters;
-  Turns& turns;
+  TaskQueue& turns;
   MemoryBudget budget;
   const int streams_max;
   int open = 0, spare = 0;  // lines
@@ -477,7 +477,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   std::string unix_path;
 };
 
-HttpServer::HttpServer(asio::io_context& io, Settings settings, EventHub& events, Turns& turns)
+HttpServer::HttpServer(asio::io_context& io, Settings settings, EventHub& events, TaskQueue& turns)
     : state_(std::make_shared<State>(io, std::move(settings), events, turns)) {}
 
 HttpServer::~HttpServer() { close(); }

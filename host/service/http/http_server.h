@@ -16,7 +16,7 @@
 #include "host/base/files/open_file.h"
 #include "host/service/http/event_hub.h"
 #include "host/service/http/memory_budget.h"
-#include "host/service/http/turns.h"
+#include "host/service/http/task_queue.h"
 #include "host/service/http/upload_file.h"
 
 namespace multum {
@@ -80,7 +80,7 @@ class HttpServer {
   };
 
   /// Requests that are not urgent are answered in `turns`.
-  HttpServer(boost::asio::io_context& io, Settings settings, EventHub& events, Turns& turns);
+  HttpServer(boost::asio::io_context& io, Settings settings, EventHub& events, TaskQueue& turns);
   ~HttpServer();
 
   /// Throws Error(kEnvironment) when the address is taken or cannot be listened on. Returns the port.

@@ -57,18 +57,18 @@ std::string output_of(const std::string& named, const JobRoots& roots) {
 }
 
 // 4.0 is a whole number in JSON Schema.
-void make_whole(Json& json) {
+void make_integers(Json& json) {
   if (json.is_number_float()) {
     const double value = json.get<double>();
     if (std::abs(value) <= 9007199254740992.0 && value == std::floor(value)) json = static_cast<std::int64_t>(value);
   } else if (json.is_structured()) {
-    for (Json& child : json) make_whole(child);
+    for (Json& child : json) make_integers(child);
   }
 }
 
 }  // namespace
 
-std::optional<std::int64_t> parse_whole(const std::string& text) {
+std::optional<std::int64_t> parse_integer(const std::string& text) {
   std::int64_t value = 0;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
@@ -96,7 +96,7 @@ Json parse_body(const HttpRequest& request) {
   }
   Json json = deepest <= 64 ? Json::parse(request.body, nullptr, false) : Json(Json::value_t::discarded);
   if (json.is_discarded()) throw Refusal{400, "usage", "the body is no JSON"};
-  make_whole(json);
+  make_integers(json);
   return json;
 }
 
@@ -156,7 +156,7 @@ JobFilter parse_filter(const HttpRequest& request) {
     } else if (name == "queue") {
       filter.queue = value;
     } else if (name == "before" || name == "limit") {
-      const std::optional<std::int64_t> number = parse_whole(value);
+      const std::optional<std::int64_t> number = parse_integer(value);
       if (!number || *number < 1 || (name == "limit" && *number > 1000))
         throw Refusal{400, "usage", name + " is no whole number from 1" + (name == "limit" ? " to 1000" : "")};
       if (name == "before") filter.before = *number;

@@ -15,7 +15,7 @@
 namespace multum {
 
 /// A number and nothing else.
-std::optional<std::int64_t> parse_whole(const std::string& text);
+std::optional<std::int64_t> parse_integer(const std::string& text);
 /// "/v1/jobs/7" -> v1, jobs, 7.
 std::vector<std::string> split_path(const std::string& path);
 

@@ -31,7 +31,7 @@ constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";  /
 // A BRDF of a family: no file's name, which would be looked for beyond the folders that jobs may read.
 constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|cook-torrance|ggx):[0-9.,eE+-]{1,60})$";
 
-const ParameterTable& drill_parameters() {
+const ParameterTable& fault_injection_parameters() {
   static const ParameterTable table(
       "drill",
       {{.name = "seconds",
@@ -82,11 +82,11 @@ JobType infer_type() {
           .table = &infer_parameters()};
 }
 
-JobType drill_type() {
+JobType fault_injection_type() {
   return {.name = "drill",
           .summary = "does nothing, or fails as asked: for trying out queues, limits and alarms",
           .needs_output = false,
-          .table = &drill_parameters()};
+          .table = &fault_injection_parameters()};
 }
 
 // What a job takes is less than what a command line does: no control characters, no files but those of its inputs.
@@ -144,7 +144,7 @@ const Parameter* JobType::find(const std::string& parameter) const {
 }
 
 const std::vector<JobType>& job_types() {
-  static const std::vector<JobType> types = {bake_type(), scene_type(), infer_type(), drill_type()};
+  static const std::vector<JobType> types = {bake_type(), scene_type(), infer_type(), fault_injection_type()};
   return types;
 }
 

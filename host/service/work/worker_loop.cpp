@@ -23,7 +23,7 @@
 #include "host/service/files/path_roots.h"
 #include "host/service/files/result_copy.h"
 #include "host/service/files/staging.h"
-#include "host/service/work/drill.h"
+#include "host/service/work/fault_injection.h"
 #include "host/service/work/job_types.h"
 
 namespace multum {
@@ -205,7 +205,7 @@ class Worker {
   int run_arguments(const std::vector<std::string>& arguments, const Progress::Callback& callback) {
     if (arguments.front() == "drill") {
       Progress progress(callback);
-      return run_drill(arguments, progress, is_deaf_);
+      return run_fault_injection(arguments, progress, is_deaf_);
     }
     return run_(arguments, callback);
   }

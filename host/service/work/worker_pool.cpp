@@ -134,10 +134,10 @@ void WorkerPool::read(const std::shared_ptr<Worker>& worker) {
   worker->socket.async_read_some(asio::buffer(worker->bytes),
                                  [this, worker](const boost::system::error_code& error, std::size_t count) {
                                    if (worker->is_ended) return;
-                                   if (error) return bury(worker, "");
+                                   if (error) return reap(worker, "");
                                    worker->received.append(worker->bytes.data(), count);
                                    take_lines(*worker);
-                                   if (worker->received.size() > kLineMax) return bury(worker, "it talks nonsense");
+                                   if (worker->received.size() > kLineMax) return reap(worker, "it talks nonsense");
                                    if (!worker->is_ended) read(worker);
                                  });
 }
@@ -256,7 +256,7 @@ std::vector<std::int64_t> WorkerPool::running() const {
   return jobs;
 }
 
-void WorkerPool::bury(const std::shared_ptr<Worker>& worker, const std::string& why) {
+void WorkerPool::reap(const std::shared_ptr<Worker>& worker, const std::string& why) {
   worker->is_ended = true;
   boost::system::error_code ignored;
   worker->socket.close(ignored);
@@ -283,11 +283,11 @@ void WorkerPool::tick() {
   const auto all = workers_;  // those that are buried leave the list
   for (const auto& [owner, worker] : all) {
     if (now - worker->heard > settings_.lease) {
-      bury(worker, fmt::format("its worker was silent for {} ms and was killed", settings_.lease.count()));
+      reap(worker, fmt::format("its worker was silent for {} ms and was killed", settings_.lease.count()));
     } else if (now > worker->kill_at) {
-      bury(worker, worker->why_killed);
+      reap(worker, worker->why_killed);
     } else if (worker->job != 0 && settings_.no_progress.count() > 0 && now - worker->got_on > settings_.no_progress) {
-      bury(worker, fmt::format("it made no progress for {} ms and was killed", settings_.no_progress.count()));
+      reap(worker, fmt::format("it made no progress for {} ms and was killed", settings_.no_progress.count()));
     }
   }
   try {

@@ -85,7 +85,7 @@ class WorkerPool {
   void take_lines(Worker& worker);
   void send(const std::shared_ptr<Worker>& worker, const std::string& line);
   void write_next(const std::shared_ptr<Worker>& worker);
-  void bury(const std::shared_ptr<Worker>& worker, const std::string& why);
+  void reap(const std::shared_ptr<Worker>& worker, const std::string& why);
   void tick();
 
   boost::asio::io_context& io_;

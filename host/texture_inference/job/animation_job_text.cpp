@@ -65,23 +65,23 @@ std::string settings_text(const AnimationJob& job, const std::string& folder) {
       quoted(job.depth), job.depth_tolerance, job.supersampling, job.radiance_max, job.coverage_min);
 }
 
-// Only what differs from `usual`; `with_comments` writes everything.
-std::string texture_text(const AnimationTexture& t, const AnimationTexture& usual, bool with_comments) {
+// Only what differs from `defaults`; `with_comments` writes everything.
+std::string texture_text(const AnimationTexture& t, const AnimationTexture& defaults, bool with_comments) {
   std::string text;
-  const auto line = [&](const char* key, const auto& value, bool is_usual, const char* comment) {
-    if (is_usual && !with_comments) return;
+  const auto line = [&](const char* key, const auto& value, bool is_default, const char* comment) {
+    if (is_default && !with_comments) return;
     text += fmt::format("{} = {}{}{}\n", key, value, with_comments ? "  # " : "", with_comments ? comment : "");
   };
-  line("wrap", quoted(t.wrap), t.wrap == usual.wrap, "\"clamp\" or \"periodic\"");
-  line("stretch_max", t.stretch_max, t.stretch_max == usual.stretch_max, "pixels that one texel may become at most");
-  line("resolution_scale", t.resolution_scale, t.resolution_scale == usual.resolution_scale,
+  line("wrap", quoted(t.wrap), t.wrap == defaults.wrap, "\"clamp\" or \"periodic\"");
+  line("stretch_max", t.stretch_max, t.stretch_max == defaults.stretch_max, "pixels that one texel may become at most");
+  line("resolution_scale", t.resolution_scale, t.resolution_scale == defaults.resolution_scale,
        "of each side, up to 8, after the stretch has been held");
-  line("power_of_two", t.power_of_two, t.power_of_two == usual.power_of_two, "rounds each side up");
-  line("side_max", t.side_max, t.side_max == usual.side_max, "texels, 1 to 16384");
-  line("anisotropy", t.anisotropy, t.anisotropy == usual.anisotropy, "1 to 16, of the sampler");
-  line("pyramid_weight", t.pyramid_weight, t.pyramid_weight == usual.pyramid_weight,
+  line("power_of_two", t.power_of_two, t.power_of_two == defaults.power_of_two, "rounds each side up");
+  line("side_max", t.side_max, t.side_max == defaults.side_max, "texels, 1 to 16384");
+  line("anisotropy", t.anisotropy, t.anisotropy == defaults.anisotropy, "1 to 16, of the sampler");
+  line("pyramid_weight", t.pyramid_weight, t.pyramid_weight == defaults.pyramid_weight,
        "of pyramidal regularisation; 0: none");
-  line("range_weight", t.range_weight, t.range_weight == usual.range_weight, "of range regularisation; 0: none");
+  line("range_weight", t.range_weight, t.range_weight == defaults.range_weight, "of range regularisation; 0: none");
   return text;
 }
 

@@ -80,7 +80,7 @@ void check_objects_told(const StrictTable& table, const AnimationJob& job, const
 
 AnimationSample read_sample(const StrictTable& table, const std::vector<std::string>& meshes, const AnimationJob& job) {
   AnimationSample sample;
-  sample.at = table.wholes("at");
+  sample.at = table.integers("at");
   sample.name = table.text("name", default_name(sample.at));
   sample.radiance = existing_file(table, "radiance", job);
   if (table.has("geometry")) sample.geometry = existing_file(table, "geometry", job);

@@ -29,15 +29,15 @@ namespace {
 // Gaps and periods are told from float coordinates near 1 with an error of 2^-24 and what exporters add to it.
 constexpr double kPeriodTolerance = 1e-5;
 
-struct Scene {
+struct SeenMesh {
   const ObjectMesh& mesh;
   const std::vector<MappingView>& views;
   std::vector<VisiblePixels> pixels;             // one per view
   std::vector<std::uint32_t> visible_triangles;  // in any view, ascending
 };
 
-Scene look(const ObjectMesh& mesh, const std::vector<MappingView>& views) {
-  Scene scene{mesh, views, std::vector<VisiblePixels>(views.size()), {}};
+SeenMesh look(const ObjectMesh& mesh, const std::vector<MappingView>& views) {
+  SeenMesh scene{mesh, views, std::vector<VisiblePixels>(views.size()), {}};
   for_each_item(static_cast<int>(views.size()), 0, [&](int i) {
     const auto view = static_cast<std::size_t>(i);
     scene.pixels[view] = find_visible_pixels(mesh, views[view]);
@@ -86,7 +86,7 @@ std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
 
 // Whether visible triangles meet across the seam: vertices in one place whose coordinates are whole periods apart in
 // `direction` and equal in the other. Places are compared to a millionth of the object's size.
-bool is_joined(const Scene& scene, glm::length_t direction) {
+bool is_joined(const SeenMesh& scene, glm::length_t direction) {
   struct Corner {
     glm::dvec3 place;
     glm::dvec2 uv;
@@ -120,7 +120,7 @@ bool is_joined(const Scene& scene, glm::length_t direction) {
 }
 
 // Step 1: reposition the branch cut in a texture dimension that has wrapping enabled.
-void cut_branch(const Scene& scene, std::size_t direction, TextureMapping* mapping) {
+void cut_branch(const SeenMesh& scene, std::size_t direction, TextureMapping* mapping) {
   const auto axis = static_cast<glm::length_t>(direction);
   WrapMode* wrap = direction == 0 ? &mapping->wrap_s : &mapping->wrap_t;
   std::vector<Interval> intervals;
@@ -145,7 +145,7 @@ std::array<bool, 2> periodic_directions(const TextureMapping& mapping) {
 // Step 2: the least-squares most isometric affine map, eq. 7, texels of the screen's resolution. The start is a root of
 // the mean of S^T S over visible pixels, S the Jacobian of texture coordinates to screen: its singular values are those
 // of S in the mean, however the mesh scales u and v.
-glm::dmat2 isometric_map(const Scene& scene, bool is_diagonal) {
+glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   glm::dmat2 mean(0.0);
   std::vector<IsometricEdge> edges;
   for (std::size_t view = 0; view < scene.views.size(); ++view) {
@@ -205,7 +205,7 @@ Stretch view_stretch(const VisiblePixels& pixels, const glm::dmat2& map) {
   return stretch;
 }
 
-Stretch largest_stretch(const Scene& scene, const glm::dmat2& map) {
+Stretch largest_stretch(const SeenMesh& scene, const glm::dmat2& map) {
   std::vector<Stretch> views(scene.views.size());
   for_each_item(static_cast<int>(views.size()), 0, [&](int i) {
     const auto view = static_cast<std::size_t>(i);
@@ -230,7 +230,7 @@ glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double facto
 }
 
 // Steps 3 and 4: scale along the direction of maximal stretch until the threshold holds everywhere.
-glm::dmat2 hold_stretch(const Scene& scene, glm::dmat2 map, double threshold, bool is_diagonal,
+glm::dmat2 hold_stretch(const SeenMesh& scene, glm::dmat2 map, double threshold, bool is_diagonal,
                         TextureMapping* mapping) {
   constexpr int kRoundsMax = 100;   // "usually a very small number"
   constexpr double kAlmost = 1.01;  // the last per cent, and what the rounds leave, is scaled in all directions at once
@@ -327,7 +327,7 @@ void set_resolution(const std::vector<glm::dvec2>& hull, const glm::dmat2& map, 
   }
 }
 
-std::vector<glm::dvec2> hull_of_views(const Scene& scene, const TextureMapping& mapping) {
+std::vector<glm::dvec2> hull_of_views(const SeenMesh& scene, const TextureMapping& mapping) {
   std::vector<std::vector<glm::dvec2>> hulls(scene.views.size());
   for_each_item(static_cast<int>(hulls.size()), 0, [&](int i) {
     const auto view = static_cast<std::size_t>(i);
@@ -346,7 +346,7 @@ TextureMapping optimise_texture_mapping(const ObjectMesh& mesh, const std::vecto
                                         const AnimationTexture& texture) {
   MULTUM_CHECK(texture.stretch_max > 0.0 && texture.resolution_scale > 0.0 && texture.side_max >= 1);
   TextureMapping mapping;
-  const Scene scene = look(mesh, views);
+  const SeenMesh scene = look(mesh, views);
   for (const VisiblePixels& pixels : scene.pixels) mapping.visible_pixels += pixels.count;
   if (mapping.visible_pixels == 0) {
     mapping.width = mapping.height = 0;

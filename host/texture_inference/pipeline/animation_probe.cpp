@@ -22,7 +22,7 @@ constexpr std::uint64_t kUnitsAMatrix = 4;  // of progress: about as long as fou
 
 }  // namespace
 
-AnimationProbe::AnimationProbe(const AnimationField& field, ObjectMappings mappings, ProbeSettings settings)
+AnimationProbe::AnimationProbe(const ParameterizedScene& field, ObjectMappings mappings, ProbeSettings settings)
     : field_(field),
       mappings_(std::move(mappings)),
       settings_(std::move(settings)),

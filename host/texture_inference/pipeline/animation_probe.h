@@ -9,7 +9,7 @@
 
 #include "host/asset/inferred/filter_matrix.h"
 #include "host/base/progress.h"
-#include "host/texture_inference/pipeline/animation_field.h"
+#include "host/texture_inference/pipeline/parameterized_scene.h"
 
 namespace multum {
 
@@ -27,7 +27,7 @@ struct ProbeSettings {
 
 class AnimationProbe {
  public:
-  AnimationProbe(const AnimationField& field, ObjectMappings mappings, ProbeSettings settings);
+  AnimationProbe(const ParameterizedScene& field, ObjectMappings mappings, ProbeSettings settings);
 
   /// Measures what is not there yet. Throws Error(kEnvironment) when the program cannot be started or crashes, with
   /// what it said.
@@ -56,7 +56,7 @@ class AnimationProbe {
   bool is_there(int pose, std::size_t object) const;
   void measure(int pose, const std::vector<std::size_t>& objects, Progress* progress) const;
 
-  const AnimationField& field_;
+  const ParameterizedScene& field_;
   ObjectMappings mappings_;
   ProbeSettings settings_;
   std::string geometry_hash_;

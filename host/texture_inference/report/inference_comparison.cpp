@@ -42,7 +42,7 @@ AnimationJob at_sample(AnimationJob job, int sample) {
 
 class Comparer {
  public:
-  Comparer(const AnimationField& field, const ObjectMappings& mappings, const AnimationInferSettings& settings,
+  Comparer(const ParameterizedScene& field, const ObjectMappings& mappings, const AnimationInferSettings& settings,
            Progress* progress)
       : field_(field),
         mappings_(mappings),
@@ -137,7 +137,7 @@ class Comparer {
     return texels;
   }
 
-  const AnimationField& field_;
+  const ParameterizedScene& field_;
   const ObjectMappings& mappings_;
   const AnimationInferSettings& settings_;
   Progress* progress_;
@@ -147,7 +147,7 @@ class Comparer {
 
 }  // namespace
 
-InferenceComparison compare_inference(const AnimationField& field, int sample, const ObjectMappings& mappings,
+InferenceComparison compare_inference(const ParameterizedScene& field, int sample, const ObjectMappings& mappings,
                                       const AnimationInferSettings& settings, Progress* progress) {
   const AnimationJob& job = field.job();
   InferenceComparison comparison;
@@ -156,7 +156,7 @@ InferenceComparison compare_inference(const AnimationField& field, int sample, c
   const auto block = static_cast<std::size_t>(field.grid().block_of(sample));
   ObjectMappings mappings_there;
   for (const std::vector<TextureMapping>& of_blocks : mappings) mappings_there.push_back({of_blocks[block]});
-  const AnimationField field_there(at_sample(job, sample));
+  const ParameterizedScene field_there(at_sample(job, sample));
   Comparer comparer(field_there, mappings_there, settings, progress);
   comparer.append_rows(1, comparison);
   if (job.supersampling > 1) comparer.append_rows(job.supersampling, comparison);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/texture_inference/pipeline/animation_infer.h"
+#include "host/texture_inference/pipeline/inference_pipeline.h"
 
 namespace multum {
 
@@ -27,7 +27,7 @@ struct InferenceComparison {
 /// With one sample a pixel, as hardware draws without antialiasing, and with the job's supersampling, where anisotropic
 /// filtering is left out: its footprints take many draws to measure. Measures the matrices that it needs in
 /// OUTPUT/comparison.
-InferenceComparison compare_inference(const AnimationField& field, int sample, const ObjectMappings& mappings,
+InferenceComparison compare_inference(const ParameterizedScene& field, int sample, const ObjectMappings& mappings,
                                       const AnimationInferSettings& settings, Progress* progress);
 
 }  // namespace multum

@@ -12,7 +12,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/processes/viewer_process.h"
 #include "host/image/files/exr_layers.h"
-#include "host/texture_inference/pipeline/animation_infer.h"
+#include "host/texture_inference/pipeline/inference_pipeline.h"
 #include "host/texture_inference/pipeline/inference_rows.h"
 #include "host/texture_inference/report/pixel_mean.h"
 
@@ -56,7 +56,7 @@ bool has_rgb(const std::string& path) {
 
 }  // namespace
 
-std::vector<float> ray_traced_picture(const AnimationField& field, int sample) {
+std::vector<float> ray_traced_picture(const ParameterizedScene& field, int sample) {
   const AnimationJob& job = field.job();
   const std::string& path = job.samples[static_cast<std::size_t>(sample)].radiance;
   std::vector<float> picture;
@@ -117,7 +117,7 @@ FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFr
   return errors;
 }
 
-InferenceFrames render_frames(const AnimationField& field, const FrameSettings& settings,
+InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettings& settings,
                               const std::vector<int>& samples, Progress* progress) {
   const auto start = std::chrono::steady_clock::now();
   const AnimationJob& job = field.job();

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/base/progress.h"
-#include "host/texture_inference/pipeline/animation_field.h"
+#include "host/texture_inference/pipeline/parameterized_scene.h"
 
 namespace multum {
 
@@ -50,12 +50,12 @@ FrameMean mean_frame_error(const InferenceFrames& frames);
 FrameMean mean_object_error(const InferenceFrames& frames, std::size_t object);
 
 /// Draws `samples` with the textures in the output folder and compares them. Throws Error, Cancelled.
-InferenceFrames render_frames(const AnimationField& field, const FrameSettings& settings,
+InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettings& settings,
                               const std::vector<int>& samples, Progress* progress);
 
 /// The ray-traced picture that a frame is to match: R G B where the file has them, else the sum of the job's layers;
 /// clipped at radiance_max, which becomes 1.
-std::vector<float> ray_traced_picture(const AnimationField& field, int sample);
+std::vector<float> ray_traced_picture(const ParameterizedScene& field, int sample);
 
 /// A frame that multum-view wrote. Throws Error(kInput) when it is not of the job's size.
 RenderedFrame read_frame(const AnimationJob& job, const std::string& path);

@@ -439,7 +439,7 @@ std::string inference_page(const InferenceReport& report, const ReportPictures& 
   return InferencePage(report, pictures).html();
 }
 
-void write_inference_report(const AnimationField& field, const InferenceReport& report) {
+void write_inference_report(const ParameterizedScene& field, const InferenceReport& report) {
   const std::string& folder = report.settings.output;
   write_text_file(folder + "/report.json", inference_report_json(report));
   const ReportPictures pictures = write_report_pictures(field, report);

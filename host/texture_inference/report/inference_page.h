@@ -13,6 +13,6 @@ namespace multum {
 std::string inference_page(const InferenceReport& report, const ReportPictures& pictures);
 
 /// Writes report.json, the pictures and report.html into the output folder.
-void write_inference_report(const AnimationField& field, const InferenceReport& report);
+void write_inference_report(const ParameterizedScene& field, const InferenceReport& report);
 
 }  // namespace multum

@@ -27,7 +27,7 @@ std::string file_name(std::size_t object, const std::string& name, const std::st
 
 class PictureWriter {
  public:
-  PictureWriter(const AnimationField& field, const InferenceReport& report)
+  PictureWriter(const ParameterizedScene& field, const InferenceReport& report)
       : field_(field), report_(report), job_(report.job) {}
 
   ReportPictures run() {
@@ -87,7 +87,7 @@ class PictureWriter {
     return {file, image.width, image.height};
   }
 
-  const AnimationField& field_;
+  const ParameterizedScene& field_;
   const InferenceReport& report_;
   const AnimationJob& job_;
   ReportPictures pictures_;
@@ -95,7 +95,7 @@ class PictureWriter {
 
 }  // namespace
 
-ReportPictures write_report_pictures(const AnimationField& field, const InferenceReport& report) {
+ReportPictures write_report_pictures(const ParameterizedScene& field, const InferenceReport& report) {
   return PictureWriter(field, report).run();
 }
 

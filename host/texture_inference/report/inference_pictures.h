@@ -36,7 +36,7 @@ struct ReportPictures {
 constexpr double kErrorScale = 20.0;  // as in the paper's figure 6
 
 /// Writes OUTPUT/report/*.png for the report's sample; without frames, those of textures alone.
-ReportPictures write_report_pictures(const AnimationField& field, const InferenceReport& report);
+ReportPictures write_report_pictures(const ParameterizedScene& field, const InferenceReport& report);
 
 struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/texture_inference/pipeline/animation_infer.h"
+#include "host/texture_inference/pipeline/inference_pipeline.h"
 #include "host/texture_inference/report/inference_comparison.h"
 #include "host/texture_inference/report/inference_frames.h"
 

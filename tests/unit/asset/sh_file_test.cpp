@@ -88,11 +88,11 @@ void expect_same(const ShMipmap& found, const ShMipmap& expected) {
   }
 }
 
-constexpr ShShape kUsual = {4, 40, 24, true, StorageEncoding::kHalf, 0};
+constexpr ShShape kDefault = {4, 40, 24, true, StorageEncoding::kHalf, 0};
 
 class ShFileTest : public ::testing::TestWithParam<ShShape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, ShFileTest,
-                         ::testing::Values(ShShape{8, 1, 1, false, StorageEncoding::kHalf, 0}, kUsual,
+                         ::testing::Values(ShShape{8, 1, 1, false, StorageEncoding::kHalf, 0}, kDefault,
                                            ShShape{3, 40, 24, false, StorageEncoding::kFloat, 2},
                                            ShShape{1, 1, 300, true, StorageEncoding::kFloat, 0},
                                            ShShape{20, 9, 5, true, StorageEncoding::kHalf, 1}));
@@ -146,7 +146,7 @@ TEST_P(ShFileTest, PortionsMakeTheSameFile) {
 
 TEST(ShWriterTest, WithoutCommitNothingStays) {
   const TemporaryFolder folder;
-  { ShWriter writer(folder / "a.exr", random_harmonics(kUsual, 1).header, 4, {}); }
+  { ShWriter writer(folder / "a.exr", random_harmonics(kDefault, 1).header, 4, {}); }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
@@ -172,7 +172,7 @@ class ShRefusalTest : public ::testing::Test {
   ShRefusalTest() {
     BakedWriteOptions options;
     options.compression = "none";
-    write_sh_mipmap(good_, random_harmonics(kUsual, 2), options);
+    write_sh_mipmap(good_, random_harmonics(kDefault, 2), options);
   }
 
   void expect_refusal(const std::string& path, std::vector<std::string> parts) const {
@@ -226,7 +226,7 @@ TEST_F(ShRefusalTest, FilesThatAreSomethingElse) {
 // Which checks fail of a file with texels changed after they were rounded.
 std::vector<std::string> failures(int level, const std::function<void(ShLevel&)>& change) {
   const TemporaryFolder folder;
-  ShMipmap mipmap = random_harmonics(kUsual, 9);
+  ShMipmap mipmap = random_harmonics(kDefault, 9);
   change(mipmap.levels[static_cast<std::size_t>(level)]);
   write_sh_mipmap(folder / "a.exr", mipmap, {.is_checked = false});
   std::vector<std::string> failed;

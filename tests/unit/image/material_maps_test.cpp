@@ -215,9 +215,9 @@ TEST(WeightMaps, EveryChannelIsAWeight) {
     write_test_image(folder / "a.png", four_channels(TypeDesc::UINT16, channels));
     const WeightMap map = read_weight_map(folder / "a.png", 3, 2, {}, 2);
     ASSERT_EQ(map.count, channels);
-    ASSERT_EQ(map.triples.size(), channels == 4 ? 2u : 1u);
-    for (int k = 0; k < 3 * static_cast<int>(map.triples.size()); ++k) {
-      const float found = map.triples[static_cast<std::size_t>(k) / 3].texel(2, 1)[static_cast<std::size_t>(k) % 3];
+    ASSERT_EQ(map.rgb_planes.size(), channels == 4 ? 2u : 1u);
+    for (int k = 0; k < 3 * static_cast<int>(map.rgb_planes.size()); ++k) {
+      const float found = map.rgb_planes[static_cast<std::size_t>(k) / 3].texel(2, 1)[static_cast<std::size_t>(k) % 3];
       EXPECT_NEAR(found, k < channels ? 0.6 + 0.02 * k : 0.0, 1e-4) << channels << " channels, weight " << k;
     }
   }

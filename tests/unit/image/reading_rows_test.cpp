@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where an image is kept and how many rows are looked at together changes no bit of the result, no count and no
 // refusal; scratch files are not seen and leave nothing behind.
-#include "host/image/reading_place.h"
+#include "host/base/files/spill_policy.h"
+#include "host/image/plane_store.h"
 
 #include <cmath>
 #include <cstring>
@@ -47,9 +48,9 @@ class ReadingRowsTest : public ::testing::Test {
   template <typename Body>
   void for_each_place(const Body& body) {
     for (const int band_rows : {1, 2, 7, 0}) {
-      for (const std::int64_t memory_bytes : {std::int64_t{0}, std::int64_t{4096}, ReadingPlace().memory_bytes}) {
+      for (const std::int64_t memory_bytes : {std::int64_t{0}, std::int64_t{4096}, SpillPolicy().memory_bytes}) {
         SCOPED_TRACE("bands of " + std::to_string(band_rows) + ", memory of " + std::to_string(memory_bytes));
-        body(ReadingPlace{scratch_.path(), memory_bytes, band_rows});
+        body(SpillPolicy{scratch_.path(), memory_bytes, band_rows});
         EXPECT_TRUE(scratch_.names().empty());
       }
     }
@@ -58,9 +59,9 @@ class ReadingRowsTest : public ::testing::Test {
   void expect_same_everywhere(const std::string& path, const NormalMapSettings& settings = {}) {
     SCOPED_TRACE(path);
     const NormalMap whole = read_map(path, settings);
-    for_each_place([&](const ReadingPlace& place) {
+    for_each_place([&](const SpillPolicy& spill) {
       for (const int threads : {1, 3}) {
-        const NormalMapRows rows = read_normal_map_rows(path, settings, place, threads, nullptr);
+        const NormalMapRows rows = read_normal_map_rows(path, settings, spill, threads, nullptr);
         ASSERT_EQ(rows.normals.width(), whole.width);
         expect_same_bits(planes_of(rows.normals), {whole.x, whole.y, whole.z});
         expect_same_report(rows.report, whole.report);
@@ -179,9 +180,9 @@ TEST_F(ReadingRowsTest, AlbedoOfEveryKind) {
   for (const std::string& path : paths) {
     SCOPED_TRACE(path);
     const ColourMap whole = read_albedo_map(path, 61, 47, 2);
-    for_each_place([&](const ReadingPlace& place) {
+    for_each_place([&](const SpillPolicy& spill) {
       for (const int threads : {1, 3})
-        expect_same_bits(planes_of(read_albedo_rows(path, 61, 47, place, threads).planes), {whole.r, whole.g, whole.b});
+        expect_same_bits(planes_of(read_albedo_rows(path, 61, 47, spill, threads).planes), {whole.r, whole.g, whole.b});
     });
   }
 }
@@ -194,33 +195,33 @@ TEST_F(ReadingRowsTest, RefusalsNameTheSame) {
   const std::string path = write("a.exr", image);
   NormalMapSettings strict;
   strict.check_nan = true;
-  for_each_place([&](const ReadingPlace& place) {
+  for_each_place([&](const SpillPolicy& spill) {
     expect_error(ErrorCode::kInput, {"a.exr", "41 of 4096", "1.00 %", "41 not finite"},
-                 [&] { read_normal_map_rows(path, {}, place, 2, nullptr); });
+                 [&] { read_normal_map_rows(path, {}, spill, 2, nullptr); });
     expect_error(ErrorCode::kInput, {"column 7, row 10", "41 texels"},
-                 [&] { read_normal_map_rows(path, strict, place, 2, nullptr); });
+                 [&] { read_normal_map_rows(path, strict, spill, 2, nullptr); });
   });
 }
 
 TEST_F(ReadingRowsTest, AFolderThatIsNotThereIsNamed) {
   const std::string path = write("a.png", normal_image(64, 64));
-  const ReadingPlace place{"/no/such/folder", 0};
+  const SpillPolicy spill{"/no/such/folder", 0};
   expect_error(ErrorCode::kEnvironment, {"/no/such/folder"},
-               [&] { read_normal_map_rows(path, {}, place, 2, nullptr); });
-  expect_error(ErrorCode::kEnvironment, {"/no/such/folder"}, [&] { read_albedo_rows(path, 64, 64, place, 2); });
+               [&] { read_normal_map_rows(path, {}, spill, 2, nullptr); });
+  expect_error(ErrorCode::kEnvironment, {"/no/such/folder"}, [&] { read_albedo_rows(path, 64, 64, spill, 2); });
 }
 
 TEST_F(ReadingRowsTest, CancellingAtAnyCallLeavesNothing) {
   const std::string path = write("a.png", normal_image(64, 64));
-  const ReadingPlace place{scratch_.path(), 0, 8};
+  const SpillPolicy spill{scratch_.path(), 0, 8};
   int call_count = 0;
   Progress counting([&](const ProgressEvent&) { return ++call_count > 0; });
-  read_normal_map_rows(path, {}, place, 2, &counting);
+  read_normal_map_rows(path, {}, spill, 2, &counting);
   EXPECT_GE(call_count, 3 + 8);  // three stages, eight bands
   for (int stop_at = 1; stop_at <= call_count; ++stop_at) {
     int calls = 0;
     Progress progress([&](const ProgressEvent&) { return ++calls < stop_at; });
-    EXPECT_THROW(read_normal_map_rows(path, {}, place, 2, &progress), Cancelled) << stop_at;
+    EXPECT_THROW(read_normal_map_rows(path, {}, spill, 2, &progress), Cancelled) << stop_at;
     EXPECT_TRUE(scratch_.names().empty());
   }
 }

@@ -92,8 +92,8 @@ TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
       "repair_max = 0.125\nno_rehearsal = true\ncoarse_normals = \"condensed\"\n";
   const BakeJob job = read(whole)[0].job;
   BakeJob expected;
-  expected.fitting.settled_change = 0.0f;  // of --reference
-  expected.fitting.iteration_count_again = 10;
+  expected.fitting.convergence_tolerance = 0.0f;  // of --reference
+  expected.fitting.refit_iterations = 10;
   expected.fitting.lobe_count = 5;
   expected.fitting.iteration_count = expected.fitting.iteration_count_coarse = 9;
   expected.fitting.sweep_count = 3;
@@ -101,7 +101,7 @@ TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
   expected.fitting.alignment = 0.3f;
   expected.fitting.kappa_cap = 250.0f;
   expected.fitting.first_level = 2;
-  expected.fitting.rehearse_start = false;
+  expected.fitting.search_start = false;
   expected.encoding = StorageEncoding::kHalf;
   expected.writing.compression = "zips:4";
   expected.reading.wrap_s = WrapMode::kMirror;

@@ -37,7 +37,7 @@ TEST(BakeSettingsTest, RefusalsNameTheSettingItsValueAndItsRange) {
   expect_refused({"--lobes", "9", "1 to 8"}, [](auto& s) { s.lobe_count = 9; });
   expect_refused({"--lobes", "0", "1 to 8"}, [](auto& s) { s.lobe_count = 0; });
   expect_refused({"--iterations", "0", "1 to 1000"}, [](auto& s) { s.iteration_count = 0; });
-  expect_refused({"settled", "0.2", "0 to 0.1"}, [](auto& s) { s.settled_change = 0.2f; });
+  expect_refused({"settled", "0.2", "0 to 0.1"}, [](auto& s) { s.convergence_tolerance = 0.2f; });
   expect_refused({"iterations_top", "1001", "1 to 1000"}, [](auto& s) { s.iteration_count_top = 1001; });
   expect_refused({"--align", "-1", "0 to 10"}, [](auto& s) { s.alignment = -1.0f; });
   expect_refused({"--align", "nan"}, [](auto& s) { s.alignment = std::nanf(""); });
@@ -59,13 +59,13 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
                                        [](auto& s) { s.iteration_count_coarse = 5; },
                                        [](auto& s) { s.iteration_count_top = 5; },
                                        [](auto& s) { s.sweep_count = 3; },
-                                       [](auto& s) { s.iteration_count_again = 7; },
-                                       [](auto& s) { s.settled_change = 0.02f; },
+                                       [](auto& s) { s.refit_iterations = 7; },
+                                       [](auto& s) { s.convergence_tolerance = 0.02f; },
                                        [](auto& s) { s.coarse_normals = CoarseNormals::kAll; },
                                        [](auto& s) { s.order = FitOrder::kScanline; },
                                        [](auto& s) { s.alignment = 0.5f; },
                                        [](auto& s) { s.aligned_start = false; },
-                                       [](auto& s) { s.rehearse_start = false; },
+                                       [](auto& s) { s.search_start = false; },
                                        [](auto& s) { s.periodic_x = true; },
                                        [](auto& s) { s.periodic_y = true; },
                                        [](auto& s) { s.first_level = 1; },

@@ -108,7 +108,7 @@ TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
     EXPECT_EQ(level.method, coarse ? FitMethod::kChunks : FitMethod::kTexels);
     EXPECT_EQ(fit.sample_capacity, coarse ? 0 : fit.sample_columns * fit.sample_rows);
     const double texels = static_cast<double>(fit.map_width) * fit.map_height / fit.width / fit.height;
-    EXPECT_EQ(fit.settled_change_squared, 0.0f);
+    EXPECT_EQ(fit.convergence_tolerance_squared, 0.0f);
     EXPECT_TRUE(!coarse || fit.chunk_rows * fit.sample_columns <= kSamplesPerChunk || fit.chunk_rows == 1);
     EXPECT_NEAR(static_cast<double>(fit.total_weight_inverse) * texels, 1.0, 1e-6);
   }
@@ -118,13 +118,13 @@ TEST(MipScheduleMethodTest, CoarseTexelsAreCondensedAndSettledOnesStop) {
   for (const LevelSchedule& level : make_mip_schedule(256, 128, MovmfSettings()).levels) {
     SCOPED_TRACE(level.level);
     const bool coarse = level.level > 5;
-    EXPECT_EQ(level.method, coarse ? FitMethod::kCondensed : FitMethod::kTexels);
+    EXPECT_EQ(level.method, coarse ? FitMethod::kBinned : FitMethod::kTexels);
     EXPECT_EQ(level.fit.sample_capacity, coarse ? level.fit.cell_side * level.fit.cell_side : 1 << (2 * level.level));
     EXPECT_EQ(level.fit.cell_side, level.level > 6 ? kCellSide : coarse ? kCellSideFew : 0);
-    EXPECT_EQ(level.fit.settled_change_squared > 0.0f, !coarse && level.level > 1);
+    EXPECT_EQ(level.fit.convergence_tolerance_squared > 0.0f, !coarse && level.level > 1);
     if (level.level == 1) {
       EXPECT_EQ(level.fit.iteration_count, kIterationsFewNormals);
-      EXPECT_EQ(level.iteration_count_again, MovmfSettings().iteration_count_again);
+      EXPECT_EQ(level.refit_iterations, MovmfSettings().refit_iterations);
     }
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the coarsest level starts: candidates, and the likeness that they are rehearsed on.
+// Where the coarsest level starts: candidates, and the proxy map that they are rehearsed on.
 #include "host/movmf/movmf_start.h"
 
 #include <gtest/gtest.h>
@@ -67,21 +67,21 @@ TEST(MovmfStartTest, CandidatesDifferAndAreFewAndFiniteAndTheSameForAnyThreads) 
 
 TEST(MovmfStartTest, ALikenessTakesEachNormalFromWhereItLies) {
   struct Case {
-    int width, height, likeness_width, likeness_height;
+    int width, height, proxy_width, proxy_height;
   };
   for (const Case& test : {Case{1024, 512, 64, 64}, Case{403, 50, 64, 50}, Case{1, 300, 1, 64}, Case{1, 1, 1, 1}}) {
     SCOPED_TRACE(test.width);
     // Each normal says where it stands.
     const NormalMap map = make_map(test.width, test.height, [](int x, int y) { return glm::dvec3(x, y, 0.0); });
-    const NormalMap likeness = sample_likeness(planes_of(map), 64, 1);
-    ASSERT_EQ(likeness.width, test.likeness_width);
-    ASSERT_EQ(likeness.height, test.likeness_height);
-    const double cell_x = static_cast<double>(test.width) / likeness.width;
-    const double cell_y = static_cast<double>(test.height) / likeness.height;
-    for (int y = 0; y < likeness.height; ++y)
-      for (int x = 0; x < likeness.width; ++x) {
-        const auto i = static_cast<std::size_t>(y * likeness.width + x);
-        const double from_x = static_cast<double>(likeness.x[i]), from_y = static_cast<double>(likeness.y[i]);
+    const NormalMap proxy = sample_proxy_map(planes_of(map), 64, 1);
+    ASSERT_EQ(proxy.width, test.proxy_width);
+    ASSERT_EQ(proxy.height, test.proxy_height);
+    const double cell_x = static_cast<double>(test.width) / proxy.width;
+    const double cell_y = static_cast<double>(test.height) / proxy.height;
+    for (int y = 0; y < proxy.height; ++y)
+      for (int x = 0; x < proxy.width; ++x) {
+        const auto i = static_cast<std::size_t>(y * proxy.width + x);
+        const double from_x = static_cast<double>(proxy.x[i]), from_y = static_cast<double>(proxy.y[i]);
         EXPECT_TRUE(from_x > x * cell_x - 1.0 && from_x < (x + 1) * cell_x) << x << " " << from_x;
         EXPECT_TRUE(from_y > y * cell_y - 1.0 && from_y < (y + 1) * cell_y) << y << " " << from_y;
       }

@@ -156,7 +156,7 @@ TEST_F(ProgramCacheTest, AProgramThatDoesNotBuildIsToldToWhoAsksForIt) {
 
 // The first bake of a machine builds what it launches, side by side, and nothing else.
 TEST_F(ProgramCacheTest, ABakePreparesWhatItLaunches) {
-  constexpr int kWidth = 256, kHeight = 192;  // large enough for condensed levels, and weighted ones
+  constexpr int kWidth = 256, kHeight = 192;  // large enough for binned levels, and weighted ones
   NormalMap map;
   map.width = kWidth;
   map.height = kHeight;

@@ -17,7 +17,7 @@ namespace multum::testing {
 namespace {
 
 constexpr HelperLimits kLimits = {std::uint64_t{256} << 20, std::chrono::milliseconds(20000)};
-const std::string kDrill = std::string(MULTUM_BIN_DIR) + "/helper_drill";
+const std::string kFailingHelper = std::string(MULTUM_BIN_DIR) + "/failing_helper";
 
 int open_files() {
   int count = 0;
@@ -27,7 +27,7 @@ int open_files() {
 
 /// What a child's end is called, after one request.
 std::string end_of(const std::string& request, const HelperLimits& limits = kLimits) {
-  HelperProcess helper(kDrill);
+  HelperProcess helper(kFailingHelper);
   const pid_t pid = helper.pid();
   std::string end;
   try {
@@ -78,7 +78,7 @@ TEST(HelperProcessTest, AChildHasItsOwnFilesAndLimits) {
 }
 
 TEST(HelperProcessTest, MemoryIsShared) {
-  HelperProcess helper(kDrill);
+  HelperProcess helper(kFailingHelper);
   std::byte* const memory = helper.memory().reserve(4096);
   helper.ask("write", kLimits, {});
   EXPECT_EQ(memory[0], std::byte{42});
@@ -88,7 +88,7 @@ TEST(HelperProcessTest, MemoryIsShared) {
 }
 
 TEST(HelperProcessTest, WhoWaitsMayStopWaiting) {
-  HelperProcess helper(kDrill);
+  HelperProcess helper(kFailingHelper);
   int called = 0;
   const auto stop = [&] {
     if (++called == 2) throw Cancelled();
@@ -114,7 +114,7 @@ TEST(HelperProcessTest, AChildEndsWithWhoAsked) {
   ASSERT_EQ(::pipe(pipe_ends), 0);
   const pid_t asker = ::fork();
   if (asker == 0) {
-    HelperProcess helper(kDrill);
+    HelperProcess helper(kFailingHelper);
     const pid_t pid = helper.pid();
     if (::write(pipe_ends[1], &pid, sizeof(pid)) != sizeof(pid)) ::_exit(1);
     helper.ask("hang", kLimits, {});

@@ -165,7 +165,7 @@ TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsARefusal) {
 }
 
 TEST_F(ImageDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
-  DecodingChild drill = child_of("helper_drill");
+  DecodingChild drill = child_of("failing_helper");
   drill.memory_base = std::uint64_t{256} << 20;
   drill.time_base_ms = 700;
   set_image_opener(open_in_child(drill));

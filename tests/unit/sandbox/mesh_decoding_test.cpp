@@ -105,7 +105,7 @@ TEST_F(MeshDecodingTest, RefusalsSayTheSame) {
 }
 
 TEST_F(MeshDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
-  DecodingChild drill = child_of("helper_drill");
+  DecodingChild drill = child_of("failing_helper");
   drill.time_base_ms = 700;
   set_mesh_child(drill);
   for (const auto& [name, reason] : std::vector<std::pair<std::string, std::string>>{

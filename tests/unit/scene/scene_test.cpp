@@ -59,7 +59,7 @@ class SceneTest : public ::testing::Test {
  protected:
   // Whatever is in it, the map is there.
   SceneTest() { write_bytes(folder_ / "wall.exr", ""); }
-  Scene read(const std::string& text) const {
+  SceneDescription read(const std::string& text) const {
     write_bytes(path(), text);
     return read_scene(path(), pattern_);
   }
@@ -88,7 +88,7 @@ class SceneTest : public ::testing::Test {
 };
 
 TEST_F(SceneTest, IsRead) {
-  const Scene scene = read(kScene);
+  const SceneDescription scene = read(kScene);
   EXPECT_EQ(scene.camera.width, 320);
   EXPECT_EQ(scene.camera.fov_degrees, 60.0);
   EXPECT_EQ(scene.budget.tolerance, 0.05);
@@ -279,7 +279,7 @@ TEST_F(SceneTest, WeightsThatGoWithSlopesAreFound) {
   const PlaneStore normals(64, 64, {x.data(), y.data(), z.data()});
   WeightMap weights;
   weights.count = 2;
-  weights.triples.emplace_back(64, 64, std::array<const float*, 3>{first.data(), second.data(), y.data()});
+  weights.rgb_planes.emplace_back(64, 64, std::array<const float*, 3>{first.data(), second.data(), y.data()});
   const MapSurvey survey = survey_map(normals, {nullptr, &weights}, {});
   LobeErrors errors(survey, {});
   for (const int weight : {0, 1}) {
@@ -392,7 +392,7 @@ TEST_F(SceneTest, AFlatMapIsOneTexel) {
   EXPECT_EQ(map.job.fitting.first_level, 5);
   EXPECT_FALSE(effect(map.effects, "normals under texels").needed);
   EXPECT_FALSE(effect(map.effects, "several lobes, EM").needed);
-  EXPECT_LT(map.chosen.cost.bytes, 0.01 * map.usual.cost.bytes);
+  EXPECT_LT(map.chosen.cost.bytes, 0.01 * map.default_bake.cost.bytes);
 }
 
 TEST_F(SceneTest, SumsOfVmfsTakeLobes) {
@@ -429,7 +429,7 @@ TEST_F(SceneTest, WhereAllIsNeededThePlanIsTheDefault) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   const MapPlan map = plan(kScene).maps[0];
   EXPECT_EQ(map.job.fitting.lobe_count, 4);
-  EXPECT_EQ(map.chosen.name, map.usual.name);
+  EXPECT_EQ(map.chosen.name, map.default_bake.name);
   EXPECT_EQ(map.stated_difference, 0.0);
   EXPECT_TRUE(effect(map.effects, "several lobes, EM").needed);
   EXPECT_TRUE(effect(map.effects, "aligned lobes").needed);
@@ -454,7 +454,7 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   for (const char* target : {"0.2", "0.5", "1.9"}) {
     SCOPED_TRACE(target);
-    const Scene scene = read(with(kScene, "tolerance = 0.05", fmt::format("target_error = {}", target)));
+    const SceneDescription scene = read(with(kScene, "tolerance = 0.05", fmt::format("target_error = {}", target)));
     const ScenePlan found = plan_scene(scene, {1}, nullptr);
     const MapPlan& map = found.maps[0];
     const nlohmann::json json = plan_json(scene, found, {"."});
@@ -487,7 +487,7 @@ TEST_F(SceneTest, WhatWasTriedIsAListInOrder) {
   write_bytes(folder_ / "albedo.exr", read_bytes(folder_ / "wall.exr"));
   const std::string coloured = with(kScene, "normal = \"wall.exr\"", "normal = \"wall.exr\"\nalbedo = \"albedo.exr\"");
   for (const std::string& scene_text : {std::string(kScene), coloured}) {
-    const Scene scene = read(scene_text);
+    const SceneDescription scene = read(scene_text);
     const ScenePlan found = plan_scene(scene, {1}, nullptr);
     const PlannedEffect& lobes = effect(found.maps[0].effects, "several lobes, EM");
     ASSERT_EQ(lobes.list.size(), 4u);
@@ -506,7 +506,7 @@ TEST_F(SceneTest, WhatWasTriedIsAListInOrder) {
 
 TEST_F(SceneTest, TheTableKeepsToItsWidth) {
   write_map(64, noise);
-  const Scene scene = read(kScene);
+  const SceneDescription scene = read(kScene);
   const ScenePlan found = plan_scene(scene, {1}, nullptr);
   for (const int width : {80, 120}) {
     std::istringstream lines(plan_text(scene, found, width));

@@ -23,7 +23,7 @@ std::string base64(const std::string& bytes) {
   const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
   std::string text;
-  for (std::size_t i = 0; i + 2 < bytes.size(); i += 3) {  // all our buffers are of whole triples
+  for (std::size_t i = 0; i + 2 < bytes.size(); i += 3) {  // all our buffers are of whole rgb_planes
     const unsigned bits = static_cast<unsigned>(byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2));
     for (int shift = 18; shift >= 0; shift -= 6) text += digits[bits >> shift & 63];
   }
@@ -64,7 +64,7 @@ nlohmann::json sample_json(int view, int param, bool moves) {
 std::string gltf_text(const GltfScene& scene) {
   std::array<float, 6> tripled = scene.uvs;
   for (float& value : tripled) value *= 3.0f;
-  const std::array<std::uint16_t, 6> indices = {0, 1, scene.last_index, 0, 0, 0};  // the last three: whole triples
+  const std::array<std::uint16_t, 6> indices = {0, 1, scene.last_index, 0, 0, 0};  // the last three: whole rgb_planes
   const std::string buffer = bytes_of(scene.positions) + bytes_of(scene.uvs) + bytes_of(tripled) + bytes_of(indices);
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + scene.nodes +
          R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2},"indices":3}]}],)"

@@ -28,14 +28,14 @@ constexpr const char* kOddName = "<b>&\"";
 constexpr const char* kOddNameEscaped = "&lt;b&gt;&amp;&quot;";
 
 // Two views and three lights; a vase of two layers, and an object with an odd name that is never seen.
-struct Scene {
+struct ReportScene {
   AnimationJob job;
   AnimationInferSettings settings;
   AnimationInferResult result;
   InferenceFrames frames;
   InferenceComparison comparison;
 
-  Scene() {
+  ReportScene() {
     job.path = "/somewhere/secret/job.toml";
     job.width = 8;
     job.height = 4;
@@ -97,7 +97,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST(InferenceReport, MeansAreOfPixelsAndHeldOutOnesAreApart) {
-  const Scene scene;
+  const ReportScene scene;
   const std::vector<LayerSummary> layers = summarise_layers(scene.report());
   ASSERT_EQ(layers.size(), 1u) << "black layers have no summary";
   const LayerSummary& one = layers[0];
@@ -115,7 +115,7 @@ TEST(InferenceReport, MeansAreOfPixelsAndHeldOutOnesAreApart) {
 }
 
 TEST(InferenceReport, IterationsOfTexturesThatWereThereAreNotKnown) {
-  Scene scene;
+  ReportScene scene;
   scene.result.textures[0].was_there = true;
   scene.result.textures[0].iterations = 0;
   EXPECT_DOUBLE_EQ(summarise_layers(scene.report())[0].iterations_median, 11.0);
@@ -125,7 +125,7 @@ TEST(InferenceReport, IterationsOfTexturesThatWereThereAreNotKnown) {
 }
 
 TEST(InferenceReport, JsonHoldsTheFigures) {
-  const Scene scene;
+  const ReportScene scene;
   const std::string text = inference_report_json(scene.report());
   EXPECT_EQ(text.find("secret"), std::string::npos) << "folders of the machine are nobody's business";
   const nlohmann::json json = nlohmann::json::parse(text);
@@ -166,12 +166,12 @@ TEST(InferenceReport, EveryKeyIsDocumented) {
   ASSERT_LT(texture, parameter);
   ASSERT_LT(begin, end);
   // An object's texture has the job's keys.
-  expect_documented(nlohmann::json::parse(inference_report_json(Scene().report())),
+  expect_documented(nlohmann::json::parse(inference_report_json(ReportScene().report())),
                     page.substr(begin, end - begin) + page.substr(texture, parameter - texture), {"vase", kOddName});
 }
 
 TEST(InferenceReport, WithoutFramesAndComparisonJsonSaysSo) {
-  const Scene scene;
+  const ReportScene scene;
   const InferenceReport report = {scene.job, scene.settings, scene.result, 0};
   const nlohmann::json json = nlohmann::json::parse(inference_report_json(report));
   EXPECT_TRUE(json["frames"].is_null());
@@ -182,16 +182,17 @@ TEST(InferenceReport, WithoutFramesAndComparisonJsonSaysSo) {
 }
 
 TEST(InferenceReport, TextHasALineForEachLayer) {
-  const Scene scene;
+  const ReportScene scene;
   EXPECT_EQ(inference_report_text(scene.report()),
             "vase diffuse: MSE 15.2 (forward mapping 30.5), held out 5.0, 2 textures of 148 x 96, 1 not converged\n"
             "frames: MSE 5.0 over 2 samples, at most 8.0 (v1_p2)\n");
 }
 
 TEST(InferenceReport, BlocksHaveTheirOwnTextureCoordinates) {
-  Scene scene;
+  ReportScene scene;
   scene.result.blocks = {"view00-00", "view01-01"};
-  scene.result.mappings = {{Scene::sized(148, 96), Scene::sized(9, 200)}, {Scene::sized(0, 0), Scene::sized(5, 6)}};
+  scene.result.mappings = {{ReportScene::sized(148, 96), ReportScene::sized(9, 200)},
+                           {ReportScene::sized(0, 0), ReportScene::sized(5, 6)}};
   scene.result.textures[1].block = 1;
   EXPECT_NE(inference_report_text(scene.report()).find(", 2 textures of 9 x 200 to 148 x 96,"), std::string::npos);
   const nlohmann::json json = nlohmann::json::parse(inference_report_json(scene.report()));
@@ -205,7 +206,7 @@ TEST(InferenceReport, BlocksHaveTheirOwnTextureCoordinates) {
 }
 
 TEST(InferenceReport, SamplesAreFoundByIndicesAndByName) {
-  const Scene scene;
+  const ReportScene scene;
   EXPECT_EQ(sample_named(scene.job, "1,0"), 3);
   EXPECT_EQ(sample_named(scene.job, "v1_p0"), 3);
   EXPECT_EQ(middle_sample(scene.job), 4);
@@ -213,7 +214,7 @@ TEST(InferenceReport, SamplesAreFoundByIndicesAndByName) {
 }
 
 TEST(InferencePage, HasEveryObjectAndEscapesNames) {
-  const Scene scene;
+  const ReportScene scene;
   ReportPictures pictures;
   pictures.has_frame = true;
   const auto row = [](const std::string& name, int width, int height) {
@@ -239,7 +240,7 @@ TEST(InferencePage, HasEveryObjectAndEscapesNames) {
 }
 
 TEST(InferencePage, ASampleOfTheGridIsOneCell) {
-  const Scene scene;
+  const ReportScene scene;
   const std::string page = inference_page(scene.report(), {});
   // Whole frames and the vase have two samples each; the odd one is seen in none and has no map.
   EXPECT_EQ(count(page, "<rect class=\"cell\""), 4u);

@@ -140,7 +140,7 @@ std::vector<Variant> compared_variants() {
   one_sweep.settings.sweep_count = 1;
   variants.push_back(one_sweep);
   Variant unrehearsed{"4 lobes, start not rehearsed", with_lobes(4)};
-  unrehearsed.settings.rehearse_start = false;
+  unrehearsed.settings.search_start = false;
   variants.push_back(unrehearsed);
   Variant scanline{"4 lobes, scan-line order (the paper's)", with_lobes(4)};
   scanline.settings.order = FitOrder::kScanline;
@@ -213,7 +213,7 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
   const FourQuarterMap map = make_four_quarter_map(options.size, 7);
   FitReport report;
   MovmfMipmap mipmap = bake_stored(device, map.normals, nullptr, {"", with_lobes(4)}, options.threads, report);
-  const auto usual = static_cast<double>(usual_gpu_bytes(options.size, options.size));
+  const auto usual = static_cast<double>(default_gpu_bytes(options.size, options.size));
   std::string rows;
   for (const int first_level : {0, 1, 2}) {
     std::printf("four-quarter map, stored from level %d on\n", first_level);

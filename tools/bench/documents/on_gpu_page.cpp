@@ -121,7 +121,7 @@ std::string first_bake_text(const Json& result) {
 
 // The steps of whole bakes, each on every device that did it.
 std::string bakes_text(const Json& result) {
-  MarkdownTable table({"map", "device", "read, s", "start search, s", "condense, s", "levels, s", "write, s",
+  MarkdownTable table({"map", "device", "read, s", "start search, s", "bin, s", "levels, s", "write, s",
                        "whole process, s", "its processor time, s", "device memory, MiB",
                        "copied to and from it, MiB"});
   for (const Json* step : steps_named(result, "bake ")) {
@@ -131,7 +131,7 @@ std::string bakes_text(const Json& result) {
     const Json& copies = bake.at("transfers");
     table.add({std::to_string((*step)["result"].at("size").get<int>()), one_line(bake.at("device")),
                rounded_text(stage(bake, "read")), rounded_text(bake.at("start").at("seconds").get<double>()),
-               rounded_text(bake.at("condense").at("seconds").get<double>()), rounded_text(levels),
+               rounded_text(bake.at("binning").at("seconds").get<double>()), rounded_text(levels),
                rounded_text(stage(bake, "write")), rounded_text(bake.at("process").at("wall_s").get<double>()),
                rounded_text(bake.at("process").at("cpu_s").get<double>()),
                fmt::format("{:.0f}", mib(bake.at("device_bytes_peak"))),

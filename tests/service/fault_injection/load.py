@@ -3,7 +3,7 @@
 """How much the service takes: submissions a second, empty jobs a second through whole leases, and how soon /healthz
 answers while streams are open and submissions in flight. Prints; the numbers are no test.
 
-  load_drill.py MULTUM [--jobs 2000] [--streams 64] [--in-flight 2000]
+  fault_injection/load.py MULTUM [--jobs 2000] [--streams 64] [--in-flight 2000]
 """
 import argparse
 import multiprocessing
@@ -15,7 +15,7 @@ import tempfile
 import threading
 import time
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from service_harness import Service, percentile  # noqa: E402
 
 BODY = b'{"type":"drill","parameters":{"seconds":0}}'

@@ -16,8 +16,8 @@
 #include "host/asset/inferred/inferred_texture.h"
 #include "host/base/progress.h"
 #include "host/opencl/device.h"
-#include "host/texture_inference/pipeline/animation_field.h"
 #include "host/texture_inference/pipeline/animation_probe.h"
+#include "host/texture_inference/pipeline/parameterized_scene.h"
 #include "host/texture_inference/solver/texture_inference.h"
 
 namespace multum {
@@ -72,7 +72,7 @@ struct AnimationInferResult {
 };
 
 /// Throws Error, Cancelled. What is finished stays.
-AnimationInferResult infer_animation(const AnimationField& field, const AnimationInferSettings& settings,
+AnimationInferResult infer_animation(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                      Progress* progress);
 
 }  // namespace multum

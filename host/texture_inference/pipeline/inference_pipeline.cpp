@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/texture_inference/pipeline/animation_infer.h"
+#include "host/texture_inference/pipeline/inference_pipeline.h"
 
 #include <fmt/format.h>
 
@@ -43,9 +43,9 @@ struct ObjectSystem {
   std::unique_ptr<TextureInference> inference;
 };
 
-class AnimationBaker {
+class InferencePipeline {
  public:
-  AnimationBaker(const AnimationField& field, const AnimationInferSettings& settings, Progress* progress)
+  InferencePipeline(const ParameterizedScene& field, const AnimationInferSettings& settings, Progress* progress)
       : field_(field),
         job_(field.job()),
         settings_(settings),
@@ -359,7 +359,7 @@ class AnimationBaker {
     return texels;
   }
 
-  const AnimationField& field_;
+  const ParameterizedScene& field_;
   const AnimationJob& job_;
   const AnimationInferSettings& settings_;
   Progress* progress_;
@@ -373,9 +373,9 @@ class AnimationBaker {
 
 }  // namespace
 
-AnimationInferResult infer_animation(const AnimationField& field, const AnimationInferSettings& settings,
+AnimationInferResult infer_animation(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                      Progress* progress) {
-  return AnimationBaker(field, settings, progress).run();
+  return InferencePipeline(field, settings, progress).run();
 }
 
 }  // namespace multum

@@ -3,7 +3,7 @@
 """What the queue costs: the same bakes by a shell's loop and by a service with one worker, in turn, each from nothing.
 Prints; the numbers are no test.
 
-  overhead_drill.py MULTUM [--maps 8] [--size 512] [--rounds 5]
+  fault_injection/overhead.py MULTUM [--maps 8] [--size 512] [--rounds 5]
 """
 import argparse
 import os
@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from service_harness import Service  # noqa: E402
 
 

@@ -12,11 +12,11 @@
 namespace multum {
 
 /// On the thread of its io_context.
-class Turns {
+class TaskQueue {
  public:
-  explicit Turns(boost::asio::io_context& io) : io_(io) {}
-  Turns(const Turns&) = delete;
-  Turns& operator=(const Turns&) = delete;
+  explicit TaskQueue(boost::asio::io_context& io) : io_(io) {}
+  TaskQueue(const TaskQueue&) = delete;
+  TaskQueue& operator=(const TaskQueue&) = delete;
 
   void add(std::function<void()> task) {
     tasks_.push_back(std::move(task));

@@ -3,7 +3,7 @@
 """kill -9 of workers and of the daemon, over many small jobs that write a file each: nothing is lost, nothing is
 published twice, nothing half made is left, and nothing stays "running".
 
-  kill_drill.py MULTUM [--jobs 2000] [--worker-kills 200] [--daemon-kills 20]
+  fault_injection/kills.py MULTUM [--jobs 2000] [--worker-kills 200] [--daemon-kills 20]
 """
 import argparse
 import glob
@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from service_harness import Service  # noqa: E402
 
 CONFIG = """

@@ -4,7 +4,7 @@
 file says: what its schemas refuse by 400, what they take by success, what is not there by 404, and nothing by 500. At
 the end the service is up, and has no more memory, files or threads than before.
 
-  fuzz_drill.py MULTUM [--requests 10000] [--seed 1]
+  fault_injection/fuzz.py MULTUM [--requests 10000] [--seed 1]
 """
 import argparse
 import collections
@@ -16,7 +16,7 @@ import sys
 import tempfile
 import urllib.parse
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, fail, process_state  # noqa: E402
 

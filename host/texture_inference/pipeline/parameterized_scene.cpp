@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/texture_inference/pipeline/animation_field.h"
+#include "host/texture_inference/pipeline/parameterized_scene.h"
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ void check_size(const AnimationJob& job, const std::string& path, const ExrLayer
                                                layers.height, job.path, job.width, job.height));
 }
 
-AnimationField::AnimationField(AnimationJob job)
+ParameterizedScene::ParameterizedScene(AnimationJob job)
     : job_(std::move(job)), grid_(job_), meshes_(read_object_meshes(job_.geometry_file, job_.uv_set)) {
   for (const AnimationObject& object : job_.objects) {
     const auto found =
@@ -40,19 +40,19 @@ AnimationField::AnimationField(AnimationJob job)
   check_cameras();
 }
 
-void AnimationField::draw_items() {
+void ParameterizedScene::draw_items() {
   for (int p = 0; p < static_cast<int>(poses().size()); ++p)
     items_.push_back(draw_item_buffer(placed(p), camera(p).projection, job_.width, job_.height));
 }
 
-std::vector<PlacedObject> AnimationField::placed(int pose) const {
+std::vector<PlacedObject> ParameterizedScene::placed(int pose) const {
   std::vector<PlacedObject> placed;
   for (std::size_t m = 0; m < meshes_.size(); ++m)
     placed.push_back({&meshes_[m], object_to_camera(static_cast<int>(m), pose)});
   return placed;
 }
 
-void AnimationField::check_cameras() {
+void ParameterizedScene::check_cameras() {
   if (job_.depth.empty()) return;
   for (const AnimationPose& pose : poses()) {
     const auto with_depth = std::find_if(pose.samples.begin(), pose.samples.end(), [&](int s) {
@@ -70,25 +70,25 @@ void AnimationField::check_cameras() {
   }
 }
 
-const AnimationCamera& AnimationField::camera(int pose) const {
+const AnimationCamera& ParameterizedScene::camera(int pose) const {
   return job_.cameras[static_cast<std::size_t>(poses()[static_cast<std::size_t>(pose)].camera)];
 }
 
-glm::dmat4 AnimationField::object_to_camera(int mesh, int pose) const {
+glm::dmat4 ParameterizedScene::object_to_camera(int mesh, int pose) const {
   return camera(pose).world_to_camera *
          object_place(meshes_[static_cast<std::size_t>(mesh)], poses()[static_cast<std::size_t>(pose)].object_to_world);
 }
 
-glm::dmat4 AnimationField::world_to_clip(int pose) const {
+glm::dmat4 ParameterizedScene::world_to_clip(int pose) const {
   return camera(pose).projection * camera(pose).world_to_camera;
 }
 
-ForwardView AnimationField::forward_view(std::size_t object, int pose, const ObjectLayer& layer) const {
+ForwardView ParameterizedScene::forward_view(std::size_t object, int pose, const ObjectLayer& layer) const {
   const int mesh = mesh_of(object);
   return {camera(pose).projection * object_to_camera(mesh, pose), &items(pose), mesh, &layer};
 }
 
-TextureMapping AnimationField::find_mapping(std::size_t object, int block) const {
+TextureMapping ParameterizedScene::find_mapping(std::size_t object, int block) const {
   std::vector<MappingView> views;
   for (std::size_t p = 0; p < poses().size(); ++p) {
     if (poses()[p].block != block) continue;
@@ -99,7 +99,7 @@ TextureMapping AnimationField::find_mapping(std::size_t object, int block) const
                                   job_.objects[object].texture);
 }
 
-std::vector<std::vector<float>> AnimationField::coverages(int number) const {
+std::vector<std::vector<float>> ParameterizedScene::coverages(int number) const {
   const AnimationSample& sample = job_.samples[static_cast<std::size_t>(number)];
   if (!sample.object_index.empty()) {
     std::vector<int> indices;
@@ -122,7 +122,7 @@ std::vector<std::vector<float>> AnimationField::coverages(int number) const {
 // An object-index image says of each pixel what its middle shows. Where the geometry has that object in the pixel too,
 // the geometry says how much of it, and of what else; where it has not, as with displaced or unlisted things, the image
 // is taken at its word.
-void AnimationField::unmix_silhouettes(int pose, std::vector<std::vector<float>>& coverages) const {
+void ParameterizedScene::unmix_silhouettes(int pose, std::vector<std::vector<float>>& coverages) const {
   constexpr int kSubPixels = 4;  // along each side of a pixel: steps of 1/16
   const int factor = std::clamp(kItemBufferSideMax / std::max(job_.width, job_.height), 1, kSubPixels);
   const std::vector<std::vector<float>> drawn =
@@ -137,7 +137,7 @@ void AnimationField::unmix_silhouettes(int pose, std::vector<std::vector<float>>
     }
 }
 
-std::vector<float> AnimationField::layer_picture(int number, const AnimationLayer& layer) const {
+std::vector<float> ParameterizedScene::layer_picture(int number, const AnimationLayer& layer) const {
   const AnimationSample& sample = job_.samples[static_cast<std::size_t>(number)];
   std::vector<std::string> names;
   for (const std::string& pass : layer.passes)
@@ -152,8 +152,8 @@ std::vector<float> AnimationField::layer_picture(int number, const AnimationLaye
   return picture;
 }
 
-std::vector<ObjectLayer> AnimationField::segment(int sample, const AnimationLayer& layer, int threads,
-                                                 SegmentationReport* report) const {
+std::vector<ObjectLayer> ParameterizedScene::segment(int sample, const AnimationLayer& layer, int threads,
+                                                     SegmentationReport* report) const {
   const std::vector<std::vector<float>> covered = coverages(sample);
   const std::vector<float> picture = layer_picture(sample, layer);
   SegmentationSettings settings;

@@ -20,11 +20,11 @@ namespace multum {
 /// Throws Error(kInput) when a picture is not of the job's size.
 void check_size(const AnimationJob& job, const std::string& path, const ExrLayers& layers);
 
-class AnimationField {
+class ParameterizedScene {
  public:
   /// Reads the geometry; checks one picture of every pose against its camera (camera_check.h) where there is a depth
   /// channel. Throws Error(kInput).
-  explicit AnimationField(AnimationJob job);
+  explicit ParameterizedScene(AnimationJob job);
 
   const AnimationJob& job() const { return job_; }
   const std::vector<ObjectMesh>& meshes() const { return meshes_; }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// LD_PRELOAD for fault_drill.py: one of the system calls with which a daemon writes files fails. The file that
-// MULTUM_FAULTS names is memory that the drill shares:
+// LD_PRELOAD for fault_injection/failed_calls.py: one of the system calls with which a daemon writes files fails. The
+// file that MULTUM_FAULTS names is memory that the drill shares:
 //   [0] which call is to fail, from 1; 0: none   [1] its errno   [2] calls so far   [3] calls that failed
-// Workers have the library too, and nothing fails in them: their ends are other tests' (kill_drill.py).
+// Workers have the library too, and nothing fails in them: their ends are other tests' (fault_injection/kills.py).
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The normals of a coarse texel, condensed: sorted into the cells of a grid over directions, each cell a sample of EM
+// The normals of a coarse texel, binned: sorted into the cells of a grid over directions, each cell a sample of EM
 // with the number of its normals as weight and their mean vector as normal. Cells are so much smaller than lobes that
 // EM does the same with some thousand of them as with all normals, and first moments stay exact. docs/ALGORITHMS.md,
-// "Condensed normals".
+// "Binned normals".
 //
 // Directions lie at p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to cells, by
 // three quarters from how many normals lie where and by a quarter from their extent: a few steep edges do not coarsen
@@ -16,9 +16,9 @@
 // The map streams by in bands of rows. Sums are whole numbers of 2^-30, so that no order of bands, chunks or threads
 // can be seen in them, and nothing is rounded away that thousands of nearly equal normals differ by: 2^28 of them add
 // up to 2^58 at most. A launch is for the texels of one row of a level. This file has only a scalar variant; those for
-// devices with atomic additions and teams of work-items are in movmf_condense_team.cl, the same bytes.
+// devices with atomic additions and teams of work-items are in movmf_binning_team.cl, the same bytes.
 
-#include "device/condensed_cells.clh"
+#include "device/binned_cells.clh"
 
 #define CELL_BLOCK 64
 
@@ -37,9 +37,9 @@ static int place_in_part(int index, int count, int size, uint seed) {
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   probes [texel][MULTUM_PROBE_COUNT][2]   written: p
 // Bound by memory latency: 32 scattered reads an item.
-__kernel void movmf_condense_probe(__global const float* normal_x, __global const float* normal_y,
-                                   __global const float* normal_z, __global float* probes, MultumMovmfFit fit,
-                                   int texel_row) {
+__kernel void movmf_bin_probe(__global const float* normal_x, __global const float* normal_y,
+                              __global const float* normal_z, __global float* probes, MultumMovmfFit fit,
+                              int texel_row) {
   const int item = (int)get_global_id(0);
   const int texel = item / MULTUM_PROBE_SIDE, j = item % MULTUM_PROBE_SIDE;
   if (texel >= fit.width) return;
@@ -60,8 +60,7 @@ __kernel void movmf_condense_probe(__global const float* normal_x, __global cons
 
 // The axes of one texel's grid, from its probes. One work-item = one axis of one texel; global size 2 * width.
 //   axes [texel][2][MULTUM_AXIS_FLOATS]  written: the low end, bins a unit of p, and the cell at each bin's edge
-__kernel void movmf_condense_axes(__global const float* probes, __global float* axes, MultumMovmfFit fit,
-                                  int texel_row) {
+__kernel void movmf_bin_axes(__global const float* probes, __global float* axes, MultumMovmfFit fit, int texel_row) {
   const int item = (int)get_global_id(0);
   const int texel = item / 2, k = item % 2;
   if (texel >= fit.width) return;
@@ -99,11 +98,11 @@ __kernel void movmf_condense_axes(__global const float* probes, __global float* 
 // `are_normals`: of Gaussians over (x, y) the third value is E[x^2 + y^2] then, which x and y alone do not tell of a
 // cell.
 // Bound by the latency of scattered adds.
-__kernel void movmf_condense_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
-                                   __global const float* restrict normal_z, __global const float* restrict value_x,
-                                   __global const float* restrict value_y, __global const float* restrict value_z,
-                                   __global const float* restrict axes, __global long* restrict cells,
-                                   MultumMovmfFit fit, int texel_row, int chunk_count, int are_normals) {
+__kernel void movmf_bin_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
+                              __global const float* restrict normal_z, __global const float* restrict value_x,
+                              __global const float* restrict value_y, __global const float* restrict value_z,
+                              __global const float* restrict axes, __global long* restrict cells, MultumMovmfFit fit,
+                              int texel_row, int chunk_count, int are_normals) {
   const int item = (int)get_global_id(0);
   const int x = item / chunk_count, chunk = item % chunk_count;
   if (x >= fit.width) return;
@@ -146,8 +145,8 @@ __kernel void movmf_condense_cells(__global const float* restrict normal_x, __gl
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written
 // `are_normals`: as above; what is written is what planar_family.clh takes for a sample. Memory bound.
-__kernel void movmf_condense_means(__global const long* cells, __global float* samples, __global int* sample_counts,
-                                   int texel_count, int chunk_count, int cell_count, int are_normals) {
+__kernel void movmf_bin_means(__global const long* cells, __global float* samples, __global int* sample_counts,
+                              int texel_count, int chunk_count, int cell_count, int are_normals) {
   const int texel = (int)get_global_id(0);
   if (texel >= texel_count) return;
   __global const long* in = cells + (size_t)texel * chunk_count * cell_count * MULTUM_CELL_SUMS;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/movmf/movmf_condense.h"
+#include "host/movmf/movmf_binning.h"
 
 #include <algorithm>
 #include <cstring>
@@ -30,30 +30,31 @@ int chunk_count_of(const MultumMovmfFit& fit, const LaunchShape& shape) {
 }
 
 // One level while the map passes: buffers for the rows of texels that the band meets, row y in slot y % slots.
-class LevelCondenser {
+class LevelBinner {
  public:
-  LevelCondenser(Device& device, const LevelSchedule& level, const KernelVariant& variant, int band_rows,
-                 std::size_t triple_count, const StorePlace& place)
+  LevelBinner(Device& device, const LevelSchedule& level, const KernelVariant& variant, int band_rows,
+              std::size_t rgb_plane_count, const SpillPolicy& spill)
       : device_(device),
         fit_(level.fit),
         width_(static_cast<std::size_t>(level.fit.width)),
         chunk_count_(chunk_count_of(level.fit, device.shape())),
-        axes_(level.fit.height, width_ * kAxisBytes, place),
-        row_bytes_(width_ * condensed_bytes(level.fit)),
+        axes_(level.fit.height, width_ * kAxisBytes, spill),
+        row_bytes_(width_ * binned_bytes(level.fit)),
         result_{
-            RowStore(level.fit.height, row_bytes_, place), RowStore(level.fit.height, width_ * sizeof(int), place), {}},
+            RowStore(level.fit.height, row_bytes_, spill), RowStore(level.fit.height, width_ * sizeof(int), spill), {}},
         slots_(static_cast<std::size_t>(rows_met(level.fit, band_rows))),
         host_(std::max(row_bytes_, width_ * kAxisBytes)),
         numbers_(width_) {
-    const auto kernel = [&](const char* name) { return device.kernel("movmf_condense", name, variant); };
-    const auto team_kernel = [&](const char* name) { return device.kernel("movmf_condense_team", name, variant); };
-    probe_kernel_ = kernel("movmf_condense_probe");
-    axes_kernel_ = kernel("movmf_condense_axes");
-    cells_kernel_ = is_atomic() ? team_kernel("movmf_condense_add") : kernel("movmf_condense_cells");
-    means_kernel_ = by_teams() ? team_kernel("movmf_condense_team_means") : kernel("movmf_condense_means");
-    for (std::size_t t = 0; t < triple_count; ++t) result_.triples.emplace_back(level.fit.height, row_bytes_, place);
-    samples_ = device.make_buffer(row_bytes_, "condensed normals");
-    counts_ = device.make_buffer(width_ * sizeof(int), "numbers of condensed normals");
+    const auto kernel = [&](const char* name) { return device.kernel("movmf_binning", name, variant); };
+    const auto team_kernel = [&](const char* name) { return device.kernel("movmf_binning_team", name, variant); };
+    probe_kernel_ = kernel("movmf_bin_probe");
+    axes_kernel_ = kernel("movmf_bin_axes");
+    cells_kernel_ = is_atomic() ? team_kernel("movmf_bin_add") : kernel("movmf_bin_cells");
+    means_kernel_ = by_teams() ? team_kernel("movmf_bin_team_means") : kernel("movmf_bin_means");
+    for (std::size_t t = 0; t < rgb_plane_count; ++t)
+      result_.rgb_planes.emplace_back(level.fit.height, row_bytes_, spill);
+    samples_ = device.make_buffer(row_bytes_, "binned normals");
+    counts_ = device.make_buffer(width_ * sizeof(int), "numbers of binned normals");
     for (Slot& slot : slots_) {
       slot.axes = device.make_buffer(width_ * kAxisBytes, "axes of cells");
       slot.probes = device.make_buffer(width_ * kProbeBytes, "probes of normals");
@@ -76,7 +77,7 @@ class LevelCondenser {
     for (Slot& slot : slots_) {
       slot.probes = DeviceBuffer();
       slot.cells = make_cells();
-      for (std::size_t t = 0; t < result_.triples.size(); ++t) slot.triple_cells.push_back(make_cells());
+      for (std::size_t t = 0; t < result_.rgb_planes.size(); ++t) slot.rgb_cells.push_back(make_cells());
     }
   }
 
@@ -87,23 +88,22 @@ class LevelCondenser {
         axes_.read(y, 1, host_.data());
         device_.write(slot.axes, host_.data(), width_ * kAxisBytes);
         device_.fill_zero(slot.cells);
-        for (DeviceBuffer& cells : slot.triple_cells) device_.fill_zero(cells);
+        for (DeviceBuffer& cells : slot.rgb_cells) device_.fill_zero(cells);
       }
       add_to(slot.cells, slot, y, normals, normals, true);
-      for (std::size_t t = 0; t < features.size(); ++t)
-        add_to(slot.triple_cells[t], slot, y, normals, features[t], false);
+      for (std::size_t t = 0; t < features.size(); ++t) add_to(slot.rgb_cells[t], slot, y, normals, features[t], false);
       if (!ends) return;
       store_means(slot.cells, y, result_.samples, true);
-      for (std::size_t t = 0; t < features.size(); ++t) store_means(slot.triple_cells[t], y, result_.triples[t], false);
+      for (std::size_t t = 0; t < features.size(); ++t) store_means(slot.rgb_cells[t], y, result_.rgb_planes[t], false);
     });
   }
 
-  CondensedLevel take() { return std::move(result_); }
+  BinnedLevel take() { return std::move(result_); }
 
  private:
   struct Slot {
     DeviceBuffer probes, axes, cells;
-    std::vector<DeviceBuffer> triple_cells;
+    std::vector<DeviceBuffer> rgb_cells;
   };
 
   bool is_atomic() const { return device_.shape().atomic_cells; }
@@ -150,7 +150,7 @@ class LevelCondenser {
     device_.read_ranges({{&samples_, 0, row_bytes_}}, [&](const Device::Bytes& samples) {
       for (std::size_t x = 0; x < width_; ++x) {
         const std::size_t bytes = static_cast<std::size_t>(numbers_[x]) * kSampleBytes;
-        std::memcpy(host_.data() + end, samples[0] + x * condensed_bytes(fit_), bytes);
+        std::memcpy(host_.data() + end, samples[0] + x * binned_bytes(fit_), bytes);
         end += bytes;
       }
     });
@@ -163,7 +163,7 @@ class LevelCondenser {
   const int chunk_count_;
   RowStore axes_;
   const std::size_t row_bytes_;  // of samples
-  CondensedLevel result_;
+  BinnedLevel result_;
   std::vector<Slot> slots_;
   std::vector<unsigned char> host_;
   std::vector<int> numbers_;
@@ -173,11 +173,11 @@ class LevelCondenser {
 
 }  // namespace
 
-std::size_t condensed_bytes(const MultumMovmfFit& fit) {
+std::size_t binned_bytes(const MultumMovmfFit& fit) {
   return static_cast<std::size_t>(fit.sample_capacity) * kSampleBytes;
 }
 
-RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samples, std::size_t texel_bytes) {
+RowWindow::Fill fill_binned(const BinnedLevel& level, const RowStore& samples, std::size_t texel_bytes) {
   return [&level, &samples, texel_bytes](int row, int count, const std::vector<unsigned char*>& planes) {
     std::vector<int> numbers(level.counts.row_bytes() / sizeof(int));
     std::vector<unsigned char> packed(samples.row_bytes());
@@ -201,32 +201,32 @@ RowWindow::Fill fill_condensed(const CondensedLevel& level, const RowStore& samp
 
 namespace {
 
-KernelVariant condense_variant(const MipSchedule& schedule, Representation representation) {
+KernelVariant binning_variant(const MipSchedule& schedule, Representation representation) {
   return {1, 1, schedule.weighted, representation == Representation::kGmm};
 }
 
 }  // namespace
 
-std::vector<ProgramChoice> condense_programs(const MipSchedule& schedule, Representation representation,
-                                             const LaunchShape& shape) {
-  if (!schedule.uses(FitMethod::kCondensed)) return {};
-  const KernelVariant variant = condense_variant(schedule, representation);
-  std::vector<ProgramChoice> programs = {{"movmf_condense", variant}};
-  if (shape.atomic_cells || shape.has_teams()) programs.push_back({"movmf_condense_team", variant});
+std::vector<ProgramChoice> binning_programs(const MipSchedule& schedule, Representation representation,
+                                            const LaunchShape& shape) {
+  if (!schedule.uses(FitMethod::kBinned)) return {};
+  const KernelVariant variant = binning_variant(schedule, representation);
+  std::vector<ProgramChoice> programs = {{"movmf_binning", variant}};
+  if (shape.atomic_cells || shape.has_teams()) programs.push_back({"movmf_binning_team", variant});
   return programs;
 }
 
-std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& normals,
-                                              const std::vector<const PlaneStore*>& features,
-                                              const MipSchedule& schedule, Representation representation, int band_rows,
-                                              MapWindows* on_device, const StorePlace& place, Progress* progress) {
-  const KernelVariant variant = condense_variant(schedule, representation);
-  std::map<int, LevelCondenser> levels;
+std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
+                                      const std::vector<const PlaneStore*>& features, const MipSchedule& schedule,
+                                      Representation representation, int band_rows, MapWindows* on_device,
+                                      const SpillPolicy& spill, Progress* progress) {
+  const KernelVariant variant = binning_variant(schedule, representation);
+  std::map<int, LevelBinner> levels;
   for (const LevelSchedule& level : schedule.levels)
-    if (level.method == FitMethod::kCondensed)
-      levels.try_emplace(level.level, device, level, variant, band_rows, features.size(), place);
-  std::map<int, CondensedLevel> condensed;
-  if (levels.empty()) return condensed;
+    if (level.method == FitMethod::kBinned)
+      levels.try_emplace(level.level, device, level, variant, band_rows, features.size(), spill);
+  std::map<int, BinnedLevel> binned;
+  if (levels.empty()) return binned;
 
   band_rows = std::min(band_rows, normals.height());
   std::optional<MapWindows> bands;
@@ -246,22 +246,22 @@ std::map<int, CondensedLevel> condense_levels(Device& device, const PlaneStore& 
   });
   for (auto& entry : levels) entry.second.begin_cells();
   for_each_band([&] {
-    for (MapWindow& triple : map.triples) triple.move_to(map.normals.first_row(), map.normals.row_count());
-    for (auto& entry : levels) entry.second.add(map.normals, map.triples);
+    for (MapWindow& rgb_plane : map.rgb_planes) rgb_plane.move_to(map.normals.first_row(), map.normals.row_count());
+    for (auto& entry : levels) entry.second.add(map.normals, map.rgb_planes);
   });
-  for (auto& entry : levels) condensed.try_emplace(entry.first, entry.second.take());
-  return condensed;
+  for (auto& entry : levels) binned.try_emplace(entry.first, entry.second.take());
+  return binned;
 }
 
-std::uint64_t condense_bytes(const MipSchedule& schedule, int band_rows, int triple_count, const LaunchShape& shape) {
-  const auto windows = static_cast<std::uint64_t>(1 + triple_count);
+std::uint64_t binning_bytes(const MipSchedule& schedule, int band_rows, int rgb_plane_count, const LaunchShape& shape) {
+  const auto windows = static_cast<std::uint64_t>(1 + rgb_plane_count);
   std::uint64_t bytes = 0;
   for (const LevelSchedule& level : schedule.levels) {
-    if (level.method != FitMethod::kCondensed) continue;
+    if (level.method != FitMethod::kBinned) continue;
     const MultumMovmfFit& fit = level.fit;
     const std::uint64_t cells = static_cast<std::uint64_t>(chunk_count_of(fit, shape)) * cell_bytes(fit) * windows;
     bytes += static_cast<std::uint64_t>(fit.width) *
-             (static_cast<std::uint64_t>(rows_met(fit, band_rows)) * (cells + kAxisBytes) + 2 * condensed_bytes(fit));
+             (static_cast<std::uint64_t>(rows_met(fit, band_rows)) * (cells + kAxisBytes) + 2 * binned_bytes(fit));
   }
   const int map_width = schedule.levels.empty() ? 0 : schedule.levels[0].fit.map_width;
   return bytes +

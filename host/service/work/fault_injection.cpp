@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/service/work/drill.h"
+#include "host/service/work/fault_injection.h"
 
 #include <chrono>
 #include <csignal>
@@ -24,7 +24,7 @@ std::string option(const std::vector<std::string>& arguments, const std::string&
 
 }  // namespace
 
-int run_drill(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf) {
+int run_fault_injection(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf) {
   const double seconds = std::strtod(option(arguments, "seconds", "0").c_str(), nullptr);
   const std::string then = option(arguments, "then", "succeed");
   const auto steps = static_cast<std::uint64_t>(seconds / kStep);

@@ -6,7 +6,7 @@ bytes changed, closed or reset at any moment. Each answer must be HTTP, of a sta
 daemon must live, and have no more memory, files or threads than before. Of a daemon that is built with sanitizers, what
 they find is a failure.
 
-  conversation_drill.py MULTUM [--seconds 60 | --conversations 1000] [--seed N]
+  fault_injection/conversations.py MULTUM [--seconds 60 | --conversations 1000] [--seed N]
 """
 import argparse
 import collections
@@ -20,8 +20,8 @@ import sys
 import tempfile
 import time
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from fuzz_drill import Fuzzer  # noqa: E402
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+from fuzz import Fuzzer  # noqa: E402
 from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, fail, process_state  # noqa: E402
 

@@ -11,6 +11,6 @@
 namespace multum {
 
 /// `arguments` as job_arguments() makes them of a drill. Sets `is_deaf` to hang without a heartbeat.
-int run_drill(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf);
+int run_fault_injection(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf);
 
 }  // namespace multum

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What movmf_condense.cl does, for devices that add to one place from many work-items and take a texel by a team of
+// What movmf_binning.cl does, for devices that add to one place from many work-items and take a texel by a team of
 // them (host/opencl/launch_shape.h): the same bytes. A file of its own, since a driver compiles all that a file has.
 // This file has only a scalar variant.
 
-#include "device/condensed_cells.clh"
+#include "device/binned_cells.clh"
 
 #ifdef cl_khr_int64_base_atomics
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
@@ -16,15 +16,15 @@ static void add_to_cell(__global long* cells, int cell, long4 value) {
   atom_add((volatile __global long*)(at + 3), value.w);
 }
 
-// As movmf_condense_cells, into one table a texel, by atomic additions of whole numbers, whose order cannot be seen.
+// As movmf_bin_cells, into one table a texel, by atomic additions of whole numbers, whose order cannot be seen.
 // One work-item = strip_rows rows of one column of one texel; global size width * fit.sample_columns * strip_count,
 // columns side by side. What goes to one cell in a row of turns is added there once, so that a flat map is no queue.
 //   cells [texel][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
-__kernel void movmf_condense_add(__global const float* restrict normal_x, __global const float* restrict normal_y,
-                                 __global const float* restrict normal_z, __global const float* restrict value_x,
-                                 __global const float* restrict value_y, __global const float* restrict value_z,
-                                 __global const float* restrict axes, __global long* cells, MultumMovmfFit fit,
-                                 int texel_row, int strip_rows, int strip_count, int are_normals) {
+__kernel void movmf_bin_add(__global const float* restrict normal_x, __global const float* restrict normal_y,
+                            __global const float* restrict normal_z, __global const float* restrict value_x,
+                            __global const float* restrict value_y, __global const float* restrict value_z,
+                            __global const float* restrict axes, __global long* cells, MultumMovmfFit fit,
+                            int texel_row, int strip_rows, int strip_count, int are_normals) {
   const int item = (int)get_global_id(0);
   const int columns = fit.width * fit.sample_columns;
   const int strip = item / columns, x = item % columns / fit.sample_columns;
@@ -58,10 +58,10 @@ __kernel void movmf_condense_add(__global const float* restrict normal_x, __glob
 }
 #endif
 
-// As movmf_condense_means, by a team of MULTUM_TEAM work-items a texel, the same bytes: a member takes a cell, and its
+// As movmf_bin_means, by a team of MULTUM_TEAM work-items a texel, the same bytes: a member takes a cell, and its
 // place is the number of those before it that hold anything. Local size MULTUM_TEAM, global size MULTUM_TEAM *
 // texel_count.
-__attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_condense_team_means(
+__attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_bin_team_means(
     __global const long* cells, __global float* samples, __global int* sample_counts, int texel_count, int chunk_count,
     int cell_count, int are_normals) {
   __local int holds[MULTUM_TEAM];

@@ -5,7 +5,7 @@ from one and write into another, results are downloaded, and uploads come. Outsi
 other contents: whatever a job reads or a download answers must be of the inside, and nothing may be written, changed or
 removed outside.
 
-  swap_drill.py MULTUM [--seconds 60]
+  fault_injection/swapped_links.py MULTUM [--seconds 60]
 """
 import argparse
 import collections
@@ -22,7 +22,7 @@ import threading
 import time
 import zlib
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from service_harness import QUICK, Service, fail  # noqa: E402
 
 SIDE = 16  # pixels

@@ -4,7 +4,7 @@
 file, and a folder over an earlier result. Whatever fails, the daemon lives or can be started again, the job ends
 well by itself, its result is whole, and nothing is left beside it.
 
-  fault_drill.py MULTUM SHIM [--every 1]
+  fault_injection/failed_calls.py MULTUM SHIM [--every 1]
 """
 import argparse
 import errno
@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from service_harness import Service, fail  # noqa: E402
 
 ERRORS = (errno.EIO, errno.ENOSPC, errno.EMFILE, errno.ENOMEM)
