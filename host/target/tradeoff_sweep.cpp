@@ -71,7 +71,7 @@ SweptBake default_bake(const TradeoffJob& job) {
   const TargetBrdf& brdf = job.brdf;
   SweptBake by_default = changed("lobes", {});
   if (job.length == SweepLength::kQuick) return by_default;
-  usual.views.push_back({"shading formula", "--shade-first", "", false});
+  by_default.views.push_back({"shading formula", "--shade-first", "", false});
   if (job.has_roughness()) return by_default;  // the BRDF is the map's, and its formula the product's
   if (brdf.brdf.kind == BrdfKind::kBlinnPhong)
     by_default.views.push_back({"shading formula", "--formula paper", "", false});

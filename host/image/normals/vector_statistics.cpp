@@ -23,7 +23,7 @@ constexpr int kStatisticsColumns = 1 << 18;  // of a very wide image, so that a 
 constexpr int kScaleCount = 3;
 // Slopes beyond 3 (72 degrees) are mostly compression noise of a small z, and would outweigh all others in a
 // correlation.
-constexpr double kSlopeMax = 3.0;
+constexpr double kSlopeCorrelatedMax = 3.0;
 
 struct CorrelationSums {
   double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
@@ -90,7 +90,9 @@ VectorRow halved(const VectorRow& upper, const VectorRow& lower) {
   return half;
 }
 
-double slope(double side, double z) { return std::clamp(-side / std::max(z, 1e-3), -kSlopeMax, kSlopeMax); }
+double slope(double side, double z) {
+  return std::clamp(-side / std::max(z, 1e-3), -kSlopeCorrelatedMax, kSlopeCorrelatedMax);
+}
 
 void add_gradients(const VectorRow& above, const VectorRow& row, const VectorRow& below, CorrelationSums& sums) {
   for (std::size_t i = 1; i + 1 < row.size(); ++i)
