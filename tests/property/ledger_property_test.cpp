@@ -305,7 +305,7 @@ class Pair {
     RC_ASSERT(queue_->counts() == counts);
     RC_ASSERT(queue_->next_due() == model_.next_due());
     std::map<std::int64_t, std::string> left;
-    for (const JobQueue::LeftOver& one : queue_->left_overs(0, 1000)) left[one.job] = one.output;
+    for (const FileNotes::LeftOver& one : queue_->files().left_overs(0, 1000)) left[one.job] = one.output;
     RC_ASSERT(left == model_.left_overs());
     for (const auto& [queue, limits] : limits_.queues)
       RC_ASSERT(counts[queue][JobState::kRunning] + counts[queue][JobState::kPublishing] <= limits.jobs_max);

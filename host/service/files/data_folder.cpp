@@ -175,9 +175,9 @@ struct DataFolder::Sweep {
   std::string last_upload;
   bool are_there_more = true;
   // As the last commit has it.
-  std::vector<JobQueue::LeftOver> left_overs;
+  std::vector<FileNotes::LeftOver> left_overs;
   std::vector<std::string> uploads;
-  JobQueue::Uses uses;
+  FileNotes::Uses uses;
 };
 
 void DataFolder::sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done) {
@@ -207,16 +207,16 @@ void DataFolder::sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& s
 }
 
 void DataFolder::look(JobQueue& queue, Sweep& sweep) {
-  sweep.left_overs = queue.left_overs(sweep.last_job, Sweep::kAtOnce);
-  sweep.uploads = queue.uploads(sweep.last_upload, Sweep::kAtOnce);
+  sweep.left_overs = queue.files().left_overs(sweep.last_job, Sweep::kAtOnce);
+  sweep.uploads = queue.files().uploads(sweep.last_upload, Sweep::kAtOnce);
   sweep.are_there_more = sweep.left_overs.size() == Sweep::kAtOnce || sweep.uploads.size() == Sweep::kAtOnce;
-  if (!sweep.left_overs.empty() || !sweep.uploads.empty()) sweep.uses = queue.uses();
+  if (!sweep.left_overs.empty() || !sweep.uploads.empty()) sweep.uses = queue.files().uses();
 }
 
 void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
   if (sweep.left_overs.empty() && sweep.uploads.empty()) return;
   queue.check_kept();
-  const JobQueue::Uses uses = queue.uses();
+  const FileNotes::Uses uses = queue.files().uses();
   const auto is_used = [&](const std::string& path) { return sweep.uses.have(path) || uses.have(path); };
   std::error_code error;
   for (const auto& [job, output, identity] : sweep.left_overs) {
@@ -231,7 +231,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     } catch (const Error&) {
       continue;  // it cannot be looked at for now
     }
-    queue.forget_left_over(job);
+    queue.files().forget_left_over(job);
   }
   for (const std::string& path : sweep.uploads) {
     const std::lock_guard lock(storing_);
@@ -241,7 +241,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     if (is_there) remove_own(path, "an upload that no job waits for any more");
     const std::string folder = fs::path(path).parent_path().string();
     if (own_.is_inside(folder)) ::rmdir(folder.c_str());  // unless another lies in it
-    queue.forget_upload(path);
+    queue.files().forget_upload(path);
   }
   const std::lock_guard lock(mutex_);
   counted_ = {};

@@ -288,7 +288,7 @@ struct HttpApi::State {
     check_upload_name(name);
     DataFolder::Upload stored;
     co_await beside([&] { stored = data.store(name, *request.upload); });
-    co_await in_ledger([&](JobQueue& queue) { queue.note_upload(stored.path); });
+    co_await in_ledger([&](JobQueue& queue) { queue.files().note_upload(stored.path); });
     const std::string use = fmt::format(
         "name this path as the input of a job, as in {}",
         Json{{"type", "bake"}, {"parameters", {{"input", stored.path}}}, {"output", "NAME.ndf.exr"}}.dump());

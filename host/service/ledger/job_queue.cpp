@@ -71,13 +71,6 @@ void JobQueue::reserve(std::int64_t id) {
   reserved_ = last;
 }
 
-SqliteStatement& JobQueue::statement(const char* sql) {
-  std::unique_ptr<SqliteStatement>& kept = statements_[sql];
-  if (!kept) kept = std::make_unique<SqliteStatement>(database_, sql);
-  kept->reset();
-  return *kept;
-}
-
 std::vector<std::int64_t> JobQueue::ids(SqliteStatement& query) {
   std::vector<std::int64_t> list;
   while (query.step()) list.push_back(query.integer(0));
@@ -611,14 +604,6 @@ void JobQueue::set_reused_from(std::int64_t id, std::int64_t from) {
   statement("UPDATE jobs SET reused_from = ? WHERE id = ?").bind(1, from).bind(2, id).run();
 }
 
-std::vector<std::string> JobQueue::output_folders() {
-  SqliteStatement& query =
-      statement("SELECT DISTINCT rtrim(output, replace(output, '/', '')) FROM jobs WHERE output <> ''");
-  std::vector<std::string> folders;
-  while (query.step()) folders.push_back(query.text(0));
-  return folders;
-}
-
 bool JobQueue::Numbers::is_finished_with(std::int64_t id) const {
   if (std::binary_search(ended.begin(), ended.end(), id)) return true;
   return given.has(id) && !std::binary_search(unfinished.begin(), unfinished.end(), id);
@@ -643,56 +628,6 @@ JobQueue::Given JobQueue::given() {
 }
 
 bool JobQueue::was_purged(std::int64_t id) { return given().has(id) && !find(id); }
-
-std::vector<JobQueue::LeftOver> JobQueue::left_overs(std::int64_t after, int limit) {
-  SqliteStatement& query = statement("SELECT job, output, identity FROM left_overs WHERE job > ? ORDER BY job LIMIT ?");
-  query.bind(1, after).bind(2, limit);
-  std::vector<LeftOver> found;
-  while (query.step()) found.push_back({query.integer(0), query.text(1), query.text(2)});
-  return found;
-}
-
-void JobQueue::forget_left_over(std::int64_t job) {
-  statement("DELETE FROM left_overs WHERE job = ?").bind(1, job).run();
-}
-
-void JobQueue::note_upload(const std::string& path) {
-  check_kept();
-  statement("INSERT OR IGNORE INTO uploads (path) VALUES (?)").bind(1, path).run();
-}
-
-std::vector<std::string> JobQueue::uploads(const std::string& after, int limit) {
-  SqliteStatement& query = statement("SELECT path FROM uploads WHERE path > ? ORDER BY path LIMIT ?");
-  query.bind(1, after).bind(2, limit);
-  std::vector<std::string> paths;
-  while (query.step()) paths.push_back(query.text(0));
-  return paths;
-}
-
-void JobQueue::forget_upload(const std::string& path) {
-  statement("DELETE FROM uploads WHERE path = ?").bind(1, path).run();
-}
-
-bool JobQueue::Uses::have(const std::string& path) const {
-  for (const std::set<std::string>* names : {&outputs, &inputs}) {
-    const auto below = names->lower_bound(path + "/");
-    if (below != names->end() && below->starts_with(path + "/")) return true;
-    for (std::size_t end = path.size(); end != 0 && end != std::string::npos; end = path.rfind('/', end - 1))
-      if (names->contains(path.substr(0, end))) return true;
-  }
-  return false;
-}
-
-JobQueue::Uses JobQueue::uses() {
-  Uses uses;
-  SqliteStatement& outputs = statement("SELECT DISTINCT output FROM jobs WHERE output <> ''");
-  while (outputs.step()) uses.outputs.insert(outputs.text(0));
-  SqliteStatement& values = statement(
-      "SELECT json_each.value FROM jobs, json_each(jobs.parameters) WHERE jobs.state < 4 AND json_each.type = 'text' "
-      "AND substr(json_each.value, 1, 1) = '/'");
-  while (values.step()) uses.inputs.insert(values.text(0));
-  return uses;
-}
 
 void JobQueue::forgive_back_offs(TimeMs now) {
   statement("UPDATE jobs SET not_before = ?1 WHERE state = 1 AND not_before > ?1 + ?2")

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/service/ledger/file_notes.h"
 #include "host/service/ledger/job.h"
 #include "host/service/ledger/sqlite_database.h"
 
@@ -144,8 +145,6 @@ class JobQueue {
   /// Of a job whose result could not be published.
   void publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now);
 
-  /// Folders that results of jobs lie in or will, each once.
-  std::vector<std::string> output_folders();
   /// Whether the ledger gave a number to a job that has ended. Of numbers that it knows nothing of: no.
   struct Given {
     std::int64_t first = 0, last = 0;  // all of these numbers were given by it
@@ -159,31 +158,11 @@ class JobQueue {
   Numbers numbers();
   bool was_purged(std::int64_t id);
 
-  // What lies in the daemon's own folders because of this ledger: nothing else there may be removed.
-  struct LeftOver {
-    std::int64_t job = 0;  // that was purged
-    std::string output;    // below LedgerSettings::results; "": it had none there
-    std::string identity;  // of what it put there; "": nothing, as far as is known
-  };
-  /// Those after this job, in order.
-  std::vector<LeftOver> left_overs(std::int64_t after, int limit);
-  void forget_left_over(std::int64_t job);
-  void note_upload(const std::string& path);
-  /// Those after this path, in order.
-  std::vector<std::string> uploads(const std::string& after, int limit);
-  void forget_upload(const std::string& path);
-  /// What of them jobs have a use for.
-  struct Uses {
-    std::set<std::string> outputs;  // of all jobs
-    std::set<std::string> inputs;   // texts in the parameters of unfinished jobs that begin with "/"
-    /// Is it, or anything below it or that it lies in, a job's?
-    bool have(const std::string& path) const;
-  };
-  Uses uses();
   /// Back-offs that are longer than any can be, since the clock was set back, end now.
   void forgive_back_offs(TimeMs now);
 
   SqliteDatabase& database() { return database_; }
+  FileNotes& files() { return files_; }
   /// Jobs whose state has changed since the last call.
   std::set<std::int64_t> take_changed() { return std::exchange(changed_, {}); }
 
@@ -210,7 +189,7 @@ class JobQueue {
   std::optional<Candidate> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
                                            TimeMs now);
   SqliteStatement& bind_filter(SqliteStatement& query, const JobFilter& filter);
-  SqliteStatement& statement(const char* sql);
+  SqliteStatement& statement(const char* sql) { return database_.statement(sql); }
   std::vector<std::int64_t> needs_of(std::int64_t id);
   std::vector<std::int64_t> ids(SqliteStatement& query);
 
@@ -222,10 +201,10 @@ class JobQueue {
   void count_use(const Job& job, int sign);
 
   SqliteDatabase database_;
+  FileNotes files_{database_};
   RetryPolicy policy_;
   std::string results_, instance_, numbers_;
   std::int64_t reserved_ = 0;  // numbers_ says so
-  std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
   std::map<std::string, Use> queue_use_, device_use_;
   Use use_;
   std::set<std::int64_t> changed_;

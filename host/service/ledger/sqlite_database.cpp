@@ -100,7 +100,15 @@ SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
   }
 }
 
+SqliteStatement& SqliteDatabase::statement(const char* sql) {
+  std::unique_ptr<SqliteStatement>& kept = statements_[sql];
+  if (!kept) kept = std::make_unique<SqliteStatement>(*this, sql);
+  kept->reset();
+  return *kept;
+}
+
 SqliteDatabase::~SqliteDatabase() {
+  statements_.clear();
   if (sqlite3_close(handle_) != SQLITE_OK) log_warning(path_ + ": was closed with statements that are still in use");
 }
 

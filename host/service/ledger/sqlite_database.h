@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,6 +66,8 @@ class SqliteDatabase {
 
   /// One or more statements without results.
   void execute(const std::string& sql);
+  /// A statement that stays prepared, ready to be bound. `sql` is known by its address: a literal, or a static text.
+  SqliteStatement& statement(const char* sql);
   std::int64_t last_insert_id() const;
   /// What `PRAGMA quick_check` finds, empty when all is well.
   std::string damage();
@@ -91,6 +94,7 @@ class SqliteDatabase {
   sqlite3* handle_ = nullptr;
   FileNumber file_, log_file_;  // as they were opened
   std::string look_only_;       // why; empty: it may be changed
+  std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
 };
 
 /// Everything until commit() is done wholly or not at all: undone when it goes out of scope before.

@@ -125,7 +125,7 @@ void Dispatcher::recover() {
     }
     for (const std::int64_t id : recovered.lost)
       service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it is tried again");
-    folders = queue.output_folders();
+    folders = queue.files().output_folders();
     numbers = queue.numbers();
     for (const auto& [name, states] : queue.counts())
       for (const auto& [state, count] : states)

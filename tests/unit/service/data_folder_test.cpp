@@ -183,7 +183,7 @@ TEST_F(DataFolderTest, UnderANewLedgerNothingIsRemoved) {
   const std::string result = made("results/a.exr"), below = made("results/sub/b.exr"), log = made("logs/1.log"),
                     upload = store(data, "a.png", "1").path;
   make_old(upload);
-  ledger_->run_now([&](JobQueue& queue) { queue.note_upload(upload); });
+  ledger_->run_now([&](JobQueue& queue) { queue.files().note_upload(upload); });
   job(result);
   purge(job(below));
   ledger_ = open("new.sqlite");
@@ -199,7 +199,7 @@ TEST_F(DataFolderTest, OldUploadsThatWereNotedGo) {
                     young = store(data, "young.png", "3").path, unknown = store(data, "unknown.png", "4").path;
   for (const std::string& path : {used, unused, unknown}) make_old(path);
   ledger_->run_now([&](JobQueue& queue) {
-    for (const std::string& path : {used, unused, young}) queue.note_upload(path);
+    for (const std::string& path : {used, unused, young}) queue.files().note_upload(path);
   });
   const std::int64_t id = job("", used);
   sweep(data);
@@ -235,7 +235,7 @@ TEST_F(DataFolderTest, ManyAreSweptInTurns) {
       submission.type = "drill";
       ids.push_back(queue.submit(submission, nullptr, 1).id);
       queue.cancel(ids.back(), "", 1);
-      queue.note_upload(folder_ / "gone/" + std::to_string(i));
+      queue.files().note_upload(folder_ / "gone/" + std::to_string(i));
     }
     queue.purge(ids);
   });
@@ -243,8 +243,8 @@ TEST_F(DataFolderTest, ManyAreSweptInTurns) {
   sweep(data);
   EXPECT_FALSE(fs::exists(folder_ / "d/logs/450.log"));
   ledger_->run_now([](JobQueue& queue) {
-    EXPECT_TRUE(queue.left_overs(0, 10).empty());
-    EXPECT_TRUE(queue.uploads("", 10).empty());
+    EXPECT_TRUE(queue.files().left_overs(0, 10).empty());
+    EXPECT_TRUE(queue.files().uploads("", 10).empty());
   });
 }
 

@@ -453,22 +453,22 @@ TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
   submission.output = "/data/results.exr";
   const std::int64_t outside = submit(submission);
   succeed(*claim());
-  EXPECT_TRUE(queue_->left_overs(0, 10).empty());
+  EXPECT_TRUE(queue_->files().left_overs(0, 10).empty());
   {
     SqliteTransaction undone(queue_->database());
     queue_->purge({inside});
   }
-  EXPECT_TRUE(queue_->left_overs(0, 10).empty()) << "the purge was not committed";
+  EXPECT_TRUE(queue_->files().left_overs(0, 10).empty()) << "the purge was not committed";
   queue_->purge({inside, outside});
   reopen();
-  const std::vector<JobQueue::LeftOver> noted = queue_->left_overs(0, 10);
+  const std::vector<FileNotes::LeftOver> noted = queue_->files().left_overs(0, 10);
   ASSERT_EQ(noted.size(), 2u);
   EXPECT_EQ(noted[0].output, "/data/results/sub/a.exr");
   EXPECT_EQ(noted[0].identity, "7:8");
   EXPECT_EQ(noted[1].output, "") << "results elsewhere are never removed";
-  EXPECT_EQ(queue_->left_overs(inside, 10).size(), 1u);
-  queue_->forget_left_over(inside);
-  EXPECT_EQ(queue_->left_overs(0, 10).size(), 1u);
+  EXPECT_EQ(queue_->files().left_overs(inside, 10).size(), 1u);
+  queue_->files().forget_left_over(inside);
+  EXPECT_EQ(queue_->files().left_overs(0, 10).size(), 1u);
   EXPECT_TRUE(queue_->was_purged(inside));
   EXPECT_FALSE(queue_->was_purged(77)) << "it never was there";
 }

@@ -45,7 +45,7 @@ std::map<std::int64_t, Job> make_ledger(const std::string& data) {
       const AttemptOutcome outcome = i % 11 == 3 ? AttemptOutcome::kRefused : AttemptOutcome::kSucceeded;
       queue.ended(job.id, "worker", job.attempt, {outcome, 0, "said"}, 3);
     }
-    queue.note_upload("/uploads/a");
+    queue.files().note_upload("/uploads/a");
     for (std::int64_t id = 1; id <= kJobs; ++id) jobs[id] = *queue.find(id);
   });
   return jobs;
