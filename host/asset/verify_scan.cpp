@@ -18,6 +18,13 @@ VerifyFinding excess_finding(const std::string& check, const WorstTexel& worst, 
   return {check, passed, passed ? good : fmt::format("{} by {:.2e} at {}", bad, worst.value, worst.text())};
 }
 
+VerifyFinding structure_finding(const BakedHeader& header, const std::string& kind) {
+  return {"structure", true,
+          fmt::format("{} x {}, {}, {}{}, encoding {}", header.width, header.height,
+                      levels_text(header.first_level, header.level_count()), kind, materials_text(header),
+                      storage_encoding_name(header.encoding))};
+}
+
 VerifyFinding checksum_finding(const std::string& hash, const std::string& expected) {
   const bool is_same = hash == expected;
   return {"checksum", is_same, is_same ? hash : "found " + hash + ", expected " + expected + " as the header says"};

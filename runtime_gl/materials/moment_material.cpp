@@ -69,12 +69,7 @@ MomentMaterial::MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap
                             [](const MomentLevel& level, std::size_t i) { return glm::vec4(level.colours[i], 1.0f); }));
   weight_count_ = header.weight_count;
   if (header.has_roughness) mean_cosine_ = header.mean_cosine;
-  if (weight_count_ > 0) {
-    std::vector<const std::vector<float>*> levels;
-    for (int l = header.first_level; l < header.level_count(); ++l)
-      levels.push_back(&mipmap.levels[static_cast<std::size_t>(l)].weights);
-    weights_.emplace(upload_weights(gl, "weights", means_->shape(), sampler, weight_count_, levels));
-  }
+  if (weight_count_ > 0) weights_.emplace(upload_weights(gl, means_->shape(), sampler, mipmap));
   const LeftOutLevels left_out{header.width, header.height, header.first_level, header.has_colours};
   finest_.upload(gl, left_out, source, sampler);
 }

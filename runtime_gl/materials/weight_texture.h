@@ -13,4 +13,14 @@ Texture upload_weights(const GlFunctions& gl, const char* name, const TextureSha
                        const SamplerSettings& sampler, int weight_count,
                        const std::vector<const std::vector<float>*>& levels);
 
+/// Uploads those of a mipmap that holds one set of weights per texel.
+template <typename Mipmap>
+Texture upload_weights(const GlFunctions& gl, const TextureShape& shape, const SamplerSettings& sampler,
+                       const Mipmap& mipmap) {
+  std::vector<const std::vector<float>*> levels;
+  for (int l = mipmap.header.first_level; l < mipmap.header.level_count(); ++l)
+    levels.push_back(&mipmap.levels[static_cast<std::size_t>(l)].weights);
+  return upload_weights(gl, "weights", shape, sampler, mipmap.header.weight_count, levels);
+}
+
 }  // namespace multum::gl

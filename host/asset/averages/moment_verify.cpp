@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <glm/geometric.hpp>
 
 #include "host/asset/averages/moment_file.h"
-#include "host/asset/header_hash.h"
 #include "host/asset/verify_scan.h"
 
 namespace multum {
@@ -88,22 +86,8 @@ std::vector<VerifyFinding> MomentScan::findings() const {
 
 std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, const MomentRowsSeen& seen) {
   MomentReader reader(path, threads);
-  const BakedHeader& header = reader.header();
-  MomentScan scan(header);
-  for_each_rows(reader, [&](int level, int first_row, const MomentLevel& rows) {
-    scan.add(level, first_row, rows);
-    if (seen) seen(level, first_row, rows);
-  });
-  std::vector<VerifyFinding> findings = {
-      {"structure", true,
-       fmt::format("{} x {}, {}, moments{}, encoding {}", header.width, header.height,
-                   levels_text(header.first_level, header.level_count()), materials_text(header),
-                   storage_encoding_name(header.encoding))},
-      checksum_finding(reader.finish_hash(), header.provenance.content_hash),
-      header_finding(path),
-  };
-  for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));
-  return findings;
+  MomentScan scan(reader.header());
+  return verify_by_scan(path, reader, scan, "moments", seen);
 }
 
 }  // namespace multum

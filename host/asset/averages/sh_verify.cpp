@@ -8,10 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "host/asset/averages/sh_file.h"
-#include "host/asset/header_hash.h"
 #include "host/asset/verify_scan.h"
 
 namespace multum {
@@ -88,22 +86,8 @@ std::vector<VerifyFinding> ShScan::findings() const {
 
 std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const ShRowsSeen& seen) {
   ShReader reader(path, threads);
-  const BakedHeader& header = reader.header();
-  ShScan scan(header, reader.order());
-  for_each_rows(reader, [&](int level, int first_row, const ShLevel& rows) {
-    scan.add(level, first_row, rows);
-    if (seen) seen(level, first_row, rows);
-  });
-  std::vector<VerifyFinding> findings = {
-      {"structure", true,
-       fmt::format("{} x {}, {}, spherical harmonics to order {}{}, encoding {}", header.width, header.height,
-                   levels_text(header.first_level, header.level_count()), reader.order(), materials_text(header),
-                   storage_encoding_name(header.encoding))},
-      checksum_finding(reader.finish_hash(), header.provenance.content_hash),
-      header_finding(path),
-  };
-  for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));
-  return findings;
+  ShScan scan(reader.header(), reader.order());
+  return verify_by_scan(path, reader, scan, fmt::format("spherical harmonics to order {}", reader.order()), seen);
 }
 
 }  // namespace multum

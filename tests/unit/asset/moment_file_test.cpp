@@ -19,6 +19,7 @@
 #include "host/asset/baked_verify.h"
 #include "host/asset/gpu_bytes.h"
 #include "host/asset/lobes/movmf_mipmap.h"
+#include "tests/unit/asset/altered_file.h"
 #include "tests/unit/asset/movmf_test_mipmap.h"
 #include "tests/unit/base/test_folder.h"
 
@@ -136,19 +137,8 @@ TEST_P(MomentFileTest, PortionsMakeTheSameFile) {
   options.measured_error_bytes = 2;
   write_moment_mipmap(folder / "whole.exr", mipmap, options);
   MomentWriter writer(folder / "rows.exr", mipmap.header, options);
-  std::mt19937 random(1);
-  std::vector<int> next(mipmap.levels.size(), 0);
-  for (bool more = true; more;) {
-    more = false;
-    for (int l = shape.first_level; l < mipmap.header.level_count(); ++l) {
-      const MomentLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
-      int& row = next[static_cast<std::size_t>(l)];
-      const int rows = std::min(level.height - row, static_cast<int>(random() % 50));
-      writer.write_level(l, row, rows_of(level, row, rows));
-      row += rows;
-      more = more || row < level.height;
-    }
-  }
+  testing::write_in_portions(writer, mipmap,
+                             [](const auto& level, int row, int count) { return rows_of(level, row, count); });
   writer.commit("[]");
   expect_same_bits(read_moment_mipmap(folder / "rows.exr"), mipmap);
   EXPECT_EQ(writer.content_hash(), read_baked_header(folder / "whole.exr").provenance.content_hash);
@@ -250,7 +240,7 @@ class MomentRefusalTest : public ::testing::Test {
   MomentRefusalTest() {
     BakedWriteOptions options;
     options.compression = "none";
-    write_moment_mipmap(good_, random_moments(40, 24, true, StorageEncoding::kHalf, 2), options);
+    write_moment_mipmap(file_.good, random_moments(40, 24, true, StorageEncoding::kHalf, 2), options);
   }
 
   void expect_refusal(const std::string& path, std::vector<std::string> parts) const {
@@ -259,51 +249,27 @@ class MomentRefusalTest : public ::testing::Test {
     expect_error(ErrorCode::kInput, {path}, [&] { verify_baked(path, 1); });
   }
 
-  std::string replaced(const std::string& from, const std::string& to) const {
-    std::string bytes = read_bytes(good_);
-    EXPECT_EQ(from.size(), to.size());
-    for (std::size_t at = bytes.find(from); at != std::string::npos; at = bytes.find(from, at + 1))
-      bytes.replace(at, to.size(), to);
-    write_bytes(bad_, bytes);
-    return bad_;
-  }
-
-  std::string rebuilt(const std::vector<int>& order, const std::function<void(Imf::Header&)>& change) const {
-    Imf::MultiPartInputFile in(good_.c_str());
-    std::vector<Imf::Header> headers;
-    for (const int part : order) {
-      headers.push_back(in.header(part));
-      change(headers.back());
-    }
-    Imf::MultiPartOutputFile out(bad_.c_str(), headers.data(), static_cast<int>(headers.size()));
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      Imf::TiledInputPart from(in, order[i]);
-      Imf::TiledOutputPart(out, static_cast<int>(i)).copyPixels(from);
-    }
-    return bad_;
-  }
-
-  const TemporaryFolder folder_;
-  const std::string good_ = folder_ / "good.exr", bad_ = folder_ / "bad.exr";
+  const testing::AlteredFile file_;
 };
 
 TEST_F(MomentRefusalTest, FilesThatAreSomethingElse) {
-  EXPECT_NO_THROW(read_moment_mipmap(good_));
-  expect_refusal(folder_ / "none.exr", {});
-  expect_refusal(replaced("moments", "momentz"), {"found representation 'momentz'", "expected 'moments'"});
-  write_movmf_mipmap(bad_, testing::random_mipmap(8, 8, 1, false, StorageEncoding::kSnorm16, 1), {});
+  EXPECT_NO_THROW(read_moment_mipmap(file_.good));
+  expect_refusal(file_.folder / "none.exr", {});
+  expect_refusal(file_.replaced("moments", "momentz"), {"found representation 'momentz'", "expected 'moments'"});
+  write_movmf_mipmap(file_.bad, testing::random_mipmap(8, 8, 1, false, StorageEncoding::kSnorm16, 1), {});
   expect_error(ErrorCode::kInput, {"found representation 'movmf'", "expected 'moments'"},
-               [&] { read_moment_mipmap(bad_); });
+               [&] { read_moment_mipmap(file_.bad); });
   expect_error(ErrorCode::kInput, {"found representation 'moments'", "expected 'movmf'"},
-               [&] { read_movmf_mipmap(good_); });
-  expect_refusal(rebuilt({0, 1, 2}, [](Imf::Header& h) { h.insert("multum:formatVersion", Imf::IntAttribute(3)); }),
-                 {"version 3", "version 1"});
-  expect_refusal(rebuilt({0, 1}, [](Imf::Header&) {}), {"found 2 parts", "expected 3"});
-  expect_refusal(rebuilt({0, 2, 1}, [](Imf::Header&) {}), {"part 1 named 'colour'", "expected 'normal'"});
-  const std::string bytes = read_bytes(good_);
+               [&] { read_movmf_mipmap(file_.good); });
+  expect_refusal(
+      file_.rebuilt({0, 1, 2}, [](Imf::Header& h) { h.insert("multum:formatVersion", Imf::IntAttribute(3)); }),
+      {"version 3", "version 1"});
+  expect_refusal(file_.rebuilt({0, 1}, [](Imf::Header&) {}), {"found 2 parts", "expected 3"});
+  expect_refusal(file_.rebuilt({0, 2, 1}, [](Imf::Header&) {}), {"part 1 named 'colour'", "expected 'normal'"});
+  const std::string bytes = read_bytes(file_.good);
   for (const std::size_t size : {std::size_t{100}, bytes.size() / 3, bytes.size() - 1}) {
-    write_bytes(bad_, bytes.substr(0, size));
-    expect_refusal(bad_, {"baked file"});
+    write_bytes(file_.bad, bytes.substr(0, size));
+    expect_refusal(file_.bad, {"baked file"});
   }
 }
 

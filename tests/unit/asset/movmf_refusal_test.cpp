@@ -18,6 +18,7 @@
 #include <map>
 
 #include "host/asset/lobes/movmf_mipmap.h"
+#include "tests/unit/asset/altered_file.h"
 #include "tests/unit/asset/movmf_test_mipmap.h"
 #include "tests/unit/base/test_folder.h"
 
@@ -36,7 +37,7 @@ class MovmfRefusalTest : public ::testing::Test {
   MovmfRefusalTest() {
     BakedWriteOptions options;
     options.compression = "none";
-    write_movmf_mipmap(good_, random_mipmap(40, 24, 4, true, StorageEncoding::kSnorm16, 2), options);
+    write_movmf_mipmap(file_.good, random_mipmap(40, 24, 4, true, StorageEncoding::kSnorm16, 2), options);
   }
 
   void expect_refusal(const std::string& path, std::vector<std::string> parts) const {
@@ -44,41 +45,12 @@ class MovmfRefusalTest : public ::testing::Test {
     expect_error(ErrorCode::kInput, parts, [&] { read_movmf_mipmap(path); });
   }
 
-  // Every `from` in the good file's bytes becomes `to`, of the same length.
-  std::string replaced(const std::string& from, const std::string& to) const {
-    std::string bytes = read_bytes(good_);
-    EXPECT_EQ(from.size(), to.size());
-    std::size_t count = 0;
-    for (std::size_t at = bytes.find(from); at != std::string::npos; at = bytes.find(from, at + 1), ++count)
-      bytes.replace(at, to.size(), to);
-    EXPECT_GT(count, 0u) << from;
-    write_bytes(bad_, bytes);
-    return bad_;
-  }
-
-  // The good file with its parts chosen by `order` and its headers changed.
-  std::string rebuilt(const std::vector<int>& order, const std::function<void(Imf::Header&)>& change) const {
-    Imf::MultiPartInputFile in(good_.c_str());
-    std::vector<Imf::Header> headers;
-    for (const int part : order) {
-      headers.push_back(in.header(part));
-      change(headers.back());
-    }
-    Imf::MultiPartOutputFile out(bad_.c_str(), headers.data(), static_cast<int>(headers.size()));
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      Imf::TiledInputPart from(in, order[i]);
-      Imf::TiledOutputPart to(out, static_cast<int>(i));
-      if (headers[i].channels() == in.header(order[i]).channels()) to.copyPixels(from);
-    }
-    return bad_;
-  }
-
   // The good file with level 0 flat, but for one value of texel (5, 3).
   std::string with_finest_texel(const std::string& channel, float value) const {
-    Imf::MultiPartInputFile in(good_.c_str());
+    Imf::MultiPartInputFile in(file_.good.c_str());
     std::vector<Imf::Header> headers;
     for (int part = 0; part < in.parts(); ++part) headers.push_back(in.header(part));
-    Imf::MultiPartOutputFile out(bad_.c_str(), headers.data(), in.parts());
+    Imf::MultiPartOutputFile out(file_.bad.c_str(), headers.data(), in.parts());
     for (int part = 1; part < in.parts(); ++part) {
       Imf::TiledInputPart from(in, part);
       Imf::TiledOutputPart(out, part).copyPixels(from);
@@ -102,43 +74,42 @@ class MovmfRefusalTest : public ::testing::Test {
     Imf::TiledOutputPart to(out, 0);
     to.setFrameBuffer(buffer);
     to.writeTiles(0, to.numXTiles() - 1, 0, to.numYTiles() - 1);
-    return bad_;
+    return file_.bad;
   }
 
-  const TemporaryFolder folder_;
-  const std::string good_ = folder_ / "good.exr", bad_ = folder_ / "bad.exr";
+  const testing::AlteredFile file_;
   const std::vector<int> all_ = {0, 1, 2, 3, 4, 5, 6, 7, 8};  // the finest, four lobes, four colours
 };
 
-TEST_F(MovmfRefusalTest, TheGoodFileIsRead) { EXPECT_NO_THROW(read_movmf_mipmap(good_)); }
+TEST_F(MovmfRefusalTest, TheGoodFileIsRead) { EXPECT_NO_THROW(read_movmf_mipmap(file_.good)); }
 
 TEST_F(MovmfRefusalTest, NoFileNoExrNoBake) {
-  expect_refusal(folder_ / "none.exr", {"none.exr"});
-  write_bytes(bad_, "not an image at all");
-  expect_refusal(bad_, {"baked file"});
-  write_bytes(bad_, "");
-  expect_refusal(bad_, {});
-  expect_refusal(folder_.path(), {});
-  expect_refusal(rebuilt(all_, [](Imf::Header& h) { h.erase("multum:representation"); }),
+  expect_refusal(file_.folder / "none.exr", {"none.exr"});
+  write_bytes(file_.bad, "not an image at all");
+  expect_refusal(file_.bad, {"baked file"});
+  write_bytes(file_.bad, "");
+  expect_refusal(file_.bad, {});
+  expect_refusal(file_.folder.path(), {});
+  expect_refusal(file_.rebuilt(all_, [](Imf::Header& h) { h.erase("multum:representation"); }),
                  {"no attribute multum:representation", "'multum bake'"});
 }
 
 TEST_F(MovmfRefusalTest, TruncatedAnywhere) {
-  const std::string bytes = read_bytes(good_);
+  const std::string bytes = read_bytes(file_.good);
   for (const std::size_t size : {std::size_t{5}, std::size_t{100}, bytes.size() / 20, bytes.size() / 3,
                                  bytes.size() / 2, bytes.size() - 4000, bytes.size() - 1}) {
     SCOPED_TRACE(size);
-    write_bytes(bad_, bytes.substr(0, size));
-    expect_refusal(bad_, {"baked file"});
+    write_bytes(file_.bad, bytes.substr(0, size));
+    expect_refusal(file_.bad, {"baked file"});
   }
 }
 
 TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
-  expect_refusal(replaced("snorm16", "snorm17"), {"encoding", "'snorm17'", "snorm16, half or float"});
-  expect_refusal(replaced("movmf", "sharm"), {"representation", "'sharm'", "'movmf'"});
-  expect_refusal(replaced("clamp,mirror", "clamp,mirrox"), {"wrap mode", "'mirrox'", "black, clamp"});
+  expect_refusal(file_.replaced("snorm16", "snorm17"), {"encoding", "'snorm17'", "snorm16, half or float"});
+  expect_refusal(file_.replaced("movmf", "sharm"), {"representation", "'sharm'", "'movmf'"});
+  expect_refusal(file_.replaced("clamp,mirror", "clamp,mirrox"), {"wrap mode", "'mirrox'", "black, clamp"});
   const auto set_int = [&](const char* name, int value) {
-    return rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
+    return file_.rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
   };
   for (const char* version : {"1", "2", "5"})
     expect_refusal(set_int("multum:formatVersion", std::stoi(version)),
@@ -148,22 +119,23 @@ TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
   expect_refusal(set_int("multum:lobeCount", 9), {"9 lobes", "1 to 8"});
   expect_refusal(set_int("multum:lobeCount", 5), {"9 parts", "expected 11"});
   expect_refusal(set_int("multum:hasColours", 0), {"9 parts", "expected 5"});
-  expect_refusal(rebuilt(all_,
-                         [](Imf::Header& h) {
-                           h.erase("multum:encoding");
-                           h.insert("multum:encoding", Imf::IntAttribute(1));
-                         }),
+  expect_refusal(file_.rebuilt(all_,
+                               [](Imf::Header& h) {
+                                 h.erase("multum:encoding");
+                                 h.insert("multum:encoding", Imf::IntAttribute(1));
+                               }),
                  {"no attribute multum:encoding"});
 }
 
 // 40 x 24: six levels.
 TEST_F(MovmfRefusalTest, FirstLevelsThatDoNotFit) {
   const auto set_int = [&](const char* name, int value) {
-    return rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
+    return file_.rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
   };
-  EXPECT_NO_THROW(read_movmf_mipmap(rebuilt(all_, [](Imf::Header&) {})));
+  EXPECT_NO_THROW(read_movmf_mipmap(file_.rebuilt(all_, [](Imf::Header&) {})));
   for (const char* name : {"multum:firstLevel", "multum:mapWidth", "multum:mapHeight", "multum:measuredError"})
-    expect_refusal(rebuilt(all_, [=](Imf::Header& h) { h.erase(name); }), {std::string("found no attribute ") + name});
+    expect_refusal(file_.rebuilt(all_, [=](Imf::Header& h) { h.erase(name); }),
+                   {std::string("found no attribute ") + name});
   expect_refusal(set_int("multum:firstLevel", -1), {"found first level -1", "expected 0 to 5"});
   expect_refusal(set_int("multum:firstLevel", 6), {"found first level 6", "expected 0 to 5"});
   expect_refusal(set_int("multum:firstLevel", 1), {"found 9 parts", "expected 8"});
@@ -174,14 +146,14 @@ TEST_F(MovmfRefusalTest, FirstLevelsThatDoNotFit) {
 }
 
 TEST_F(MovmfRefusalTest, PartsMissingOrInAnotherOrder) {
-  expect_refusal(rebuilt({0, 1, 2, 3, 5, 6, 7, 8}, [](Imf::Header&) {}), {"found 8 parts", "expected 9"});
-  expect_refusal(rebuilt({0, 2, 1, 3, 4, 5, 6, 7, 8}, [](Imf::Header&) {}),
+  expect_refusal(file_.rebuilt({0, 1, 2, 3, 5, 6, 7, 8}, [](Imf::Header&) {}), {"found 8 parts", "expected 9"});
+  expect_refusal(file_.rebuilt({0, 2, 1, 3, 4, 5, 6, 7, 8}, [](Imf::Header&) {}),
                  {"part 1 named 'lobe.1'", "expected 'lobe.0'"});
 }
 
 TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
   const auto change_lobe_1 = [&](const std::function<void(Imf::Header&)>& change) {
-    return rebuilt(all_, [=](Imf::Header& h) {
+    return file_.rebuilt(all_, [=](Imf::Header& h) {
       if (h.name() == "lobe.1") change(h);
     });
   };
@@ -195,7 +167,7 @@ TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
                  {"no channel lobe1.vMF.R in part lobe.1"});
   // Another compression copies no pixels, so change the channels too: the level mode is looked at first.
   const auto change_tiles = [&](const char* name, Imf::LevelMode mode) {
-    return rebuilt(all_, [=](Imf::Header& h) {
+    return file_.rebuilt(all_, [=](Imf::Header& h) {
       if (h.name() != name) return;
       h.channels().insert("x", Imf::Channel(Imf::HALF));
       h.setTileDescription(Imf::TileDescription(64, 64, mode));

@@ -19,6 +19,7 @@
 #include "host/asset/baked_verify.h"
 #include "host/asset/gpu_bytes.h"
 #include "host/reference/spherical_harmonics.h"
+#include "tests/unit/asset/altered_file.h"
 #include "tests/unit/asset/movmf_test_mipmap.h"
 #include "tests/unit/base/test_folder.h"
 
@@ -126,19 +127,8 @@ TEST_P(ShFileTest, PortionsMakeTheSameFile) {
   options.measured_error_bytes = 2;
   write_sh_mipmap(folder / "whole.exr", mipmap, options);
   ShWriter writer(folder / "rows.exr", mipmap.header, mipmap.order, options);
-  std::mt19937 random(1);
-  std::vector<int> next(mipmap.levels.size(), 0);
-  for (bool more = true; more;) {
-    more = false;
-    for (int l = mipmap.header.first_level; l < mipmap.header.level_count(); ++l) {
-      const ShLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
-      int& row = next[static_cast<std::size_t>(l)];
-      const int rows = std::min(level.height - row, static_cast<int>(random() % 50));
-      writer.write_level(l, row, rows_of(level, row, rows));
-      row += rows;
-      more = more || row < level.height;
-    }
-  }
+  testing::write_in_portions(writer, mipmap,
+                             [](const auto& level, int row, int count) { return rows_of(level, row, count); });
   writer.commit("[]");
   expect_same(read_sh_mipmap(folder / "rows.exr"), mipmap);
   EXPECT_EQ(writer.content_hash(), read_baked_header(folder / "whole.exr").provenance.content_hash);
@@ -172,7 +162,7 @@ class ShRefusalTest : public ::testing::Test {
   ShRefusalTest() {
     BakedWriteOptions options;
     options.compression = "none";
-    write_sh_mipmap(good_, random_harmonics(kDefault, 2), options);
+    write_sh_mipmap(file_.good, random_harmonics(kDefault, 2), options);
   }
 
   void expect_refusal(const std::string& path, std::vector<std::string> parts) const {
@@ -181,45 +171,31 @@ class ShRefusalTest : public ::testing::Test {
     expect_error(ErrorCode::kInput, {path}, [&] { verify_baked(path, 1); });
   }
 
-  // The file with these parts of the good one, their headers changed.
-  std::string rebuilt(const std::vector<int>& order, const std::function<void(Imf::Header&)>& change) const {
-    Imf::MultiPartInputFile in(good_.c_str());
-    std::vector<Imf::Header> headers;
-    for (const int part : order) {
-      headers.push_back(in.header(part));
-      change(headers.back());
-    }
-    Imf::MultiPartOutputFile out(bad_.c_str(), headers.data(), static_cast<int>(headers.size()));
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      Imf::TiledInputPart from(in, order[i]);
-      Imf::TiledOutputPart(out, static_cast<int>(i)).copyPixels(from);
-    }
-    return bad_;
-  }
   std::string with_order(int order) const {
-    return rebuilt({0, 1, 2, 3, 4, 5, 6},
-                   [order](Imf::Header& h) { h.insert("multum:shOrder", Imf::IntAttribute(order)); });
+    return file_.rebuilt({0, 1, 2, 3, 4, 5, 6},
+                         [order](Imf::Header& h) { h.insert("multum:shOrder", Imf::IntAttribute(order)); });
   }
 
-  const TemporaryFolder folder_;
-  const std::string good_ = folder_ / "good.exr", bad_ = folder_ / "bad.exr";
+  const testing::AlteredFile file_;
 };
 
 TEST_F(ShRefusalTest, FilesThatAreSomethingElse) {
-  EXPECT_NO_THROW(read_sh_mipmap(good_));
-  expect_refusal(folder_ / "none.exr", {});
+  EXPECT_NO_THROW(read_sh_mipmap(file_.good));
+  expect_refusal(file_.folder / "none.exr", {});
   expect_error(ErrorCode::kInput, {"found representation 'sh'", "expected 'moments'"},
-               [&] { read_moment_mipmap(good_); });
+               [&] { read_moment_mipmap(file_.good); });
   expect_refusal(with_order(5), {"found 7 parts", "expected 10"});
   for (const int order : {-1, 0, 21, 46341, std::numeric_limits<int>::max()})
     expect_refusal(with_order(order), {"order", std::to_string(order), "1 to 20"});
-  expect_refusal(rebuilt({0, 1, 2, 3, 4, 5, 6}, [](Imf::Header& h) { h.erase("multum:shOrder"); }), {"multum:shOrder"});
-  expect_refusal(rebuilt({0, 1, 2, 3, 4, 5}, [](Imf::Header&) {}), {"found 6 parts", "expected 7"});
-  expect_refusal(rebuilt({0, 2, 1, 3, 4, 5, 6}, [](Imf::Header&) {}), {"part 1 named 'sh.02'", "expected 'sh.01'"});
-  const std::string bytes = read_bytes(good_);
+  expect_refusal(file_.rebuilt({0, 1, 2, 3, 4, 5, 6}, [](Imf::Header& h) { h.erase("multum:shOrder"); }),
+                 {"multum:shOrder"});
+  expect_refusal(file_.rebuilt({0, 1, 2, 3, 4, 5}, [](Imf::Header&) {}), {"found 6 parts", "expected 7"});
+  expect_refusal(file_.rebuilt({0, 2, 1, 3, 4, 5, 6}, [](Imf::Header&) {}),
+                 {"part 1 named 'sh.02'", "expected 'sh.01'"});
+  const std::string bytes = read_bytes(file_.good);
   for (const std::size_t size : {std::size_t{100}, bytes.size() / 3, bytes.size() - 1}) {
-    write_bytes(bad_, bytes.substr(0, size));
-    expect_refusal(bad_, {"baked file"});
+    write_bytes(file_.bad, bytes.substr(0, size));
+    expect_refusal(file_.bad, {"baked file"});
   }
 }
 
