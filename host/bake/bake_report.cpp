@@ -101,7 +101,7 @@ std::string BakeReport::to_json() const {
   json["binning"] = {{"seconds", fit.binning_seconds}, {"launches", fit.binning_launches}};
   json["round_seconds"] = output.round_seconds;
   json["write_wait_seconds"] = output.write_wait_seconds;
-  json["start"] = {{"seconds", fit.start_seconds}, {"rehearsed", fit.starts_tried}, {"launches", fit.start_launches}};
+  json["start"] = {{"seconds", fit.start_seconds}, {"tried", fit.starts_tried}, {"launches", fit.start_launches}};
   json["levels"] = Json::array();
   for (const LevelReport& level : fit.levels)
     json["levels"].push_back({{"level", level.level},
