@@ -488,7 +488,7 @@ std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mip
                                           const ColourMap* albedo, const AccuracySettings& settings,
                                           Progress* progress) {
   MovmfMeter meter(mipmap, albedo != nullptr, settings);
-  for (int l = mipmap.first_level; l < static_cast<int>(mipmap.levels.size()); ++l)
+  for (int l = mipmap.header.first_level; l < static_cast<int>(mipmap.levels.size()); ++l)
     meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
   return run_on_maps(device, meter, map, albedo, progress);
 }

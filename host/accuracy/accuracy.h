@@ -130,7 +130,8 @@ class MovmfMeter : public AccuracyMeter {
  public:
   /// Of `header`: sizes of levels, lobe count, first level; no texels.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
-      : AccuracyMeter(header.width(), header.height(), of_file(settings, header.has_roughness, header.mean_cosine)),
+      : AccuracyMeter(header.width(), header.height(),
+                      of_file(settings, header.header.has_roughness, header.header.mean_cosine)),
         model_(header, has_colours, points().texels()) {}
 
   /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.

@@ -24,9 +24,9 @@ ProgramChoice MovmfModel::program(Representation representation, int lobe_count,
 }
 
 MovmfModel::MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels)
-    : AccuracyModel(texels, mipmap.first_level),
-      has_gaussians_(mipmap.representation == Representation::kGmm),
-      program_(program(mipmap.representation, mipmap.lobe_count(), mipmap.first_level)),
+    : AccuracyModel(texels, mipmap.header.first_level),
+      has_gaussians_(mipmap.header.representation == Representation::kGmm),
+      program_(program(mipmap.header.representation, mipmap.lobe_count(), mipmap.header.first_level)),
       lobe_count_(static_cast<std::size_t>(mipmap.lobe_count())),
       lobes_(kept().count() * lobe_count_),
       colours_(has_colours ? lobes_.size() : 0) {

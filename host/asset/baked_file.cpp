@@ -23,9 +23,9 @@ struct FileKind {
 };
 
 constexpr FileKind kFileKinds[] = {
-    {Representation::kMovmf, [](const std::string& path) { return header_of(read_movmf_header(path)); },
+    {Representation::kMovmf, [](const std::string& path) { return full_header(read_movmf_header(path)); },
      [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
-    {Representation::kGmm, [](const std::string& path) { return header_of(read_movmf_header(path)); },
+    {Representation::kGmm, [](const std::string& path) { return full_header(read_movmf_header(path)); },
      [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
     {Representation::kMoments, read_moment_header,
      [](const std::string& path, int threads) { return verify_moments(path, threads); }},

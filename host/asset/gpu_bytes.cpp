@@ -29,8 +29,8 @@ std::uint64_t block_count(int width, int height, int level_end) {
 }  // namespace
 
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap) {
-  const unsigned textures_a_lobe = 1u + (mipmap.has_colours() ? 1u : 0u) + (mipmap.weight_count > 0 ? 1u : 0u);
-  return texture_bytes(header_of(mipmap), static_cast<unsigned>(mipmap.lobe_count()) * textures_a_lobe);
+  const unsigned textures_a_lobe = 1u + (mipmap.has_colours() ? 1u : 0u) + (mipmap.header.weight_count > 0 ? 1u : 0u);
+  return texture_bytes(full_header(mipmap), static_cast<unsigned>(mipmap.lobe_count()) * textures_a_lobe);
 }
 
 std::uint64_t moment_gpu_bytes(const BakedHeader& header) {

@@ -49,10 +49,7 @@ MomentLevel gather(const BoxRows& from, const FeaturePlanes& features, int threa
 class MomentPlanes : public AveragedPlanes {
  public:
   MomentPlanes(Device& device, const AverageInputs& inputs, MomentSink& sink)
-      : inputs_(inputs),
-        features_(FeaturePlanes::of(inputs.albedo, inputs.weights)),
-        sink_(sink),
-        finest_(device.kernel("moments", "moment_finest", {1, 1, false})) {}
+      : inputs_(inputs), sink_(sink), finest_(device.kernel("moments", "moment_finest", {1, 1, false})) {}
 
   /// Normals nearer to the horizon than slopes go.
   std::uint64_t limited() const { return limited_; }
@@ -61,23 +58,22 @@ class MomentPlanes : public AveragedPlanes {
   int plane_count() const override { return MULTUM_MOMENT_PLANES; }
   void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) override {
     finest_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],
-                   normals[2], nodes, band, kSlopeZMin, inputs_.has_roughness ? 1 : 0);
+                   normals[2], nodes, band, kSlopeZMin, inputs_.normals->is_shortened() ? 1 : 0);
   }
   void see_normals(const std::array<const float*, 3>& n, std::size_t count) override {
     for (std::size_t i = 0; i < count; ++i) {
       // Whatever the normal's length is.
       const float length =
-          inputs_.has_roughness ? std::sqrt(n[0][i] * n[0][i] + n[1][i] * n[1][i] + n[2][i] * n[2][i]) : 1.0f;
+          inputs_.normals->is_shortened() ? std::sqrt(n[0][i] * n[0][i] + n[1][i] * n[1][i] + n[2][i] * n[2][i]) : 1.0f;
       limited_ += n[2][i] < kSlopeZMin * length ? 1u : 0u;
     }
   }
   void add_level(const BoxRows& rows) override {
-    sink_.add_level(rows.level, rows.first_row, gather(rows, features_, inputs_.threads));
+    sink_.add_level(rows.level, rows.first_row, gather(rows, inputs_.features, inputs_.threads));
   }
 
  private:
   const AverageInputs& inputs_;
-  const FeaturePlanes features_;
   MomentSink& sink_;
   Kernel finest_;
   std::uint64_t limited_ = 0;

@@ -44,7 +44,6 @@ class ShPlanes : public AveragedPlanes {
   ShPlanes(Device& device, int order, const AverageInputs& inputs, ShSink& sink)
       : order_(order),
         inputs_(inputs),
-        features_(FeaturePlanes::of(inputs.albedo, inputs.weights)),
         sink_(sink),
         steps_(sh_recurrence(order)),
         step_buffer_(device.wrap_buffer(steps_.data(), steps_.size() * sizeof(ShStep), "recurrence")),
@@ -54,16 +53,15 @@ class ShPlanes : public AveragedPlanes {
   int plane_count() const override { return sh_coefficient_count(order_); }
   void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) override {
     project_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],
-                    normals[2], step_buffer_, nodes, band, inputs_.has_roughness ? 1 : 0);
+                    normals[2], step_buffer_, nodes, band, inputs_.normals->is_shortened() ? 1 : 0);
   }
   void add_level(const BoxRows& rows) override {
-    sink_.add_level(rows.level, rows.first_row, gather(rows, order_, features_, inputs_.threads));
+    sink_.add_level(rows.level, rows.first_row, gather(rows, order_, inputs_.features, inputs_.threads));
   }
 
  private:
   const int order_;
   const AverageInputs& inputs_;
-  const FeaturePlanes features_;
   ShSink& sink_;
   const std::vector<ShStep> steps_;
   const DeviceBuffer step_buffer_;

@@ -39,6 +39,30 @@ std::map<std::string, Count> counted_since(const std::map<std::string, Count>& b
   return counts;
 }
 
+// What a device has done before a bake.
+class DeviceCounts {
+ public:
+  explicit DeviceCounts(Device& device)
+      : launches_(device.launch_counts()),
+        builds_(device.build_counts()),
+        seconds_(device.launch_seconds()),
+        transfers_(device.transfers()) {}
+
+  void report_since(Device& device, BakeReport& report) const {
+    report.launches = counted_since(launches_, device.launch_counts());
+    report.builds = counted_since(builds_, device.build_counts());
+    report.launch_seconds = counted_since(seconds_, device.launch_seconds());
+    report.transfers = device.transfers() - transfers_;
+    report.device_bytes_peak = device.buffer_bytes_peak();
+  }
+
+ private:
+  const std::map<std::string, std::uint64_t> launches_;
+  const std::map<std::string, int> builds_;
+  const std::map<std::string, double> seconds_;
+  const TransferCounts transfers_;
+};
+
 // What the process takes whatever the map: the program, the OpenCL driver with its compiler, and the rows that wait to
 // be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
 constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
@@ -64,6 +88,15 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   from.settings = settings;
   from.settings_hash = hash_text(settings);
   return from;
+}
+
+// The job with the region that is baked again, where one is.
+BakeJob with_region(BakeJob job, const BakeSource& source) {
+  if (job.onto.empty()) return job;
+  const MovmfMipmap header = empty_movmf_mipmap(baked_header_of(job, source), job.fitting.lobe_count);
+  job.region =
+      resolve_region(job.region, job.input, job.onto, header, source.map.normals, source.features(), job.threads);
+  return job;
 }
 
 // Lobes that roughness has shortened are as wide for diffuse light. The shader divides the mean of c out
@@ -104,55 +137,6 @@ void check_job(const BakeJob& job) {
   if (!job.report.empty()) check_writable(job.report);
 }
 
-namespace {
-
-// With the region that is baked again, where one is.
-BakeJob with_region(BakeJob job, const BakeSource& source) {
-  if (job.onto.empty()) return job;
-  const MovmfMipmap header = empty_movmf_mipmap(baked_header_of(job, source), job.fitting.lobe_count);
-  job.region = resolve_region(job.region, job.input, job.onto, header, source.map.normals,
-                              FeaturePlanes::of(source.colours(), source.weight_map()), job.threads);
-  return job;
-}
-
-// Source and settings are known; its time so far is in the report. Writes BakeJob::report.
-void bake_read_source(const BakeJob& asked, const std::string& settings, const BakeSource& source, StageClock& clock,
-                      Device& device, BakeReport& report, Progress* progress) {
-  const BakeJob job = with_region(asked, source);
-  ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
-  const std::uint64_t memory_bytes = window_bytes(job);
-  const std::map<std::string, std::uint64_t> launches_before = device.launch_counts();
-  const std::map<std::string, int> builds_before = device.build_counts();
-  const std::map<std::string, double> seconds_before = device.launch_seconds();
-  const TransferCounts transfers_before = device.transfers();
-  BakedHeader header = baked_header_of(job, source);
-  header.provenance =
-      make_provenance(job, report.source, job.region == asked.region ? settings : all_settings_json(job));
-  report.first_level = header.first_level;
-  report.stored_only = job.stored_only;
-  report.device = device.info().name;
-  ndf_bake(job.representation).bake({job, device, source, header, memory_bytes, clock}, report, progress);
-  report.launches = counted_since(launches_before, device.launch_counts());
-  report.builds = counted_since(builds_before, device.build_counts());
-  report.launch_seconds = counted_since(seconds_before, device.launch_seconds());
-  report.transfers = device.transfers() - transfers_before;
-  report.device_bytes_peak = device.buffer_bytes_peak();
-  warn_of_diffuse_error(job, report);
-  if (!job.report.empty()) write_text_file(job.report, report.to_json());
-  progress_finish(progress);
-}
-
-}  // namespace
-
-BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress) {
-  BakeReport report;
-  report.source = std::filesystem::path(job.input).filename().string();
-  note_source(source, report);
-  StageClock clock(report);
-  bake_read_source(job, all_settings_json(job), source, clock, device, report, progress);
-  return report;
-}
-
 BakeReport unchanged_report(const BakeJob& job) {
   BakeReport report;
   report.source = std::filesystem::path(job.input).filename().string();
@@ -161,23 +145,38 @@ BakeReport unchanged_report(const BakeJob& job) {
   return report;
 }
 
-BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress) {
-  return bake_file(job, nullptr, device, progress);
-}
-
-BakeReport bake_file(const BakeJob& job, const BakeSource* given, Device& device, Progress* progress) {
-  window_bytes(job);  // too little memory is told first
-  check_job(job);
+BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& device, Progress* progress) {
+  window_bytes(asked);  // too little memory is told first
+  check_job(asked);
+  const std::string asked_settings = all_settings_json(asked);
+  if (!asked.force && find_output_state(asked, asked_settings).finding == OutputFinding::kInPlace)
+    return unchanged_report(asked);
   BakeReport report;
-  report.source = std::filesystem::path(job.input).filename().string();
-  const std::string settings = all_settings_json(job);
-  if (!job.force && find_output_state(job, settings).finding == OutputFinding::kInPlace) return unchanged_report(job);
+  report.source = std::filesystem::path(asked.input).filename().string();
   StageClock clock(report);
   std::optional<BakeSource> read;
-  if (given == nullptr) read = read_source(job, MapReadings::kFew, report, progress);
-  else note_source(*given, report);
-  clock.finish("read");
-  bake_read_source(job, settings, given != nullptr ? *given : *read, clock, device, report, progress);
+  if (given == nullptr) {
+    read = read_source(asked, MapReadings::kFew, report, progress);
+    clock.finish("read");
+  } else {
+    note_source(*given, report);
+  }
+  const BakeSource& source = given != nullptr ? *given : *read;
+  const BakeJob job = with_region(asked, source);
+  ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
+  const DeviceCounts before(device);
+  BakedHeader header = baked_header_of(job, source);
+  header.provenance =
+      make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job));
+  report.first_level = header.first_level;
+  report.stored_only = job.stored_only;
+  report.device = device.info().name;
+  const MovmfSettings fitting = fitting_settings(job, header.wrap_s, header.wrap_t);
+  ndf_bake(job.representation).bake({job, device, source, header, fitting, window_bytes(job), clock}, report, progress);
+  before.report_since(device, report);
+  warn_of_diffuse_error(job, report);
+  if (!job.report.empty()) write_text_file(job.report, report.to_json());
+  progress_finish(progress);
   return report;
 }
 

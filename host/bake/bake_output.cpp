@@ -30,6 +30,16 @@ MovmfFinest row_of(const MovmfFinest& rows, int row) {
 
 }  // namespace
 
+void BakeOutput::add_level(int level, int first_row, MovmfLevel rows) {
+  round(rows);
+  write(level, first_row, std::move(rows));
+}
+
+void BakeOutput::add_finest(int first_row, MovmfFinest rows) {
+  round(rows);
+  write(first_row, std::move(rows));
+}
+
 void BakeOutput::round(MovmfLevel& rows) {
   const StopWatch watch(report_.round_seconds);
   const SharpLobes sharp = count_sharp_lobes(rows, header_, threads_);
@@ -40,7 +50,7 @@ void BakeOutput::round(MovmfLevel& rows) {
 
 void BakeOutput::round(MovmfFinest& rows) {
   const StopWatch watch(report_.round_seconds);
-  quantize_movmf(rows, header_.encoding, threads_);
+  quantize_movmf(rows, header_.header.encoding, threads_);
 }
 
 void BakeOutput::write(int level, int first_row, MovmfLevel rows) {

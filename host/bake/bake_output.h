@@ -1,24 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where rows go that are as the file has them: kept where the measurement looks, and into the file.
+// Takes the rows of a bake of lobes: rounds them to what is stored, shows them to the measurement, and writes them.
 #pragma once
 
 #include "host/accuracy/accuracy.h"
 #include "host/asset/lobes/movmf_writer.h"
 #include "host/bake/bake_report.h"
+#include "host/movmf/movmf_inputs.h"
 
 namespace multum {
 
-class BakeOutput {
+class BakeOutput : public MovmfSink {
  public:
   /// `header` is what the file's is; `meter` is null when nothing is measured. Fills OutputReport::unrepresentable and
   /// the times of rounding and writing.
   BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
 
+  /// Rounds rows and writes them.
+  void add_level(int level, int first_row, MovmfLevel rows) override;
+  void add_finest(int first_row, MovmfFinest rows) override;
+
   /// Rounds rows as they come from the fit to what is stored, and counts lobes that are sharper than that.
   void round(MovmfLevel& rows);
   void round(MovmfFinest& rows);
-  /// Rounded rows of a level, or of level 0, in order.
+  /// Writes rounded rows of a level, or of level 0, in order.
   void write(int level, int first_row, MovmfLevel rows);
   void write(int first_row, MovmfFinest rows);
 

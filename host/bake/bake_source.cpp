@@ -54,7 +54,7 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
   header.first_level = job.fitting.first_level;
   header.has_colours = source.albedo.has_value();
   header.weight_count = source.weights ? source.weights->count : 0;
-  header.has_roughness = source.has_roughness;
+  header.has_roughness = source.has_roughness();
   header.mean_cosine = static_cast<float>(source.mean_cosine);
   return header;
 }
@@ -75,7 +75,6 @@ BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* 
   if (!job.roughness.empty()) {
     source.roughness = shorten_by_roughness(source.map.normals, roughness_file(job), spill, job.threads);
     source.mean_cosine = source.roughness->mean_cosine;
-    source.has_roughness = true;
   }
   return source;
 }

@@ -13,6 +13,7 @@
 #include "host/image/material_maps.h"
 #include "host/image/normals/normal_map.h"
 #include "host/image/plane_store.h"
+#include "host/pyramid/feature_planes.h"
 
 namespace multum {
 
@@ -23,14 +24,14 @@ struct BakeSource {
   NormalMapRows map;
   std::optional<PlaneStore> albedo;                         // where the job has one
   std::optional<WeightMap> weights;                         // the same
-  bool has_roughness = false;                               // normals are shortened by it
   double mean_cosine = 1.0;                                 // of the roughness map
   std::optional<RoughnessReport> roughness = std::nullopt;  // of the file it was read from
   std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
   std::vector<std::string> albedo_notes = {};               // ColourRows::notes
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }
-  const WeightMap* weight_map() const { return weights ? &*weights : nullptr; }
+  FeaturePlanes features() const { return FeaturePlanes::of(colours(), weights ? &*weights : nullptr); }
+  bool has_roughness() const { return map.normals.is_shortened(); }
 };
 
 /// The folder for what does not fit in memory: the job's, or the output's.

@@ -34,7 +34,7 @@ std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   const int weight_count = source.weights ? source.weights->count : 0;
   if (header.weight_count != weight_count)
     return fmt::format("has {} weights, its source has {}", header.weight_count, weight_count);
-  if (header.has_roughness != source.has_roughness)
+  if (header.has_roughness != source.has_roughness())
     return header.has_roughness ? "has roughness, its source has none" : "has no roughness, its source has a map of it";
   if (header.has_colours != source.albedo.has_value())
     return header.has_colours ? "has colours, its source has none" : "has no colours, its source has an albedo";

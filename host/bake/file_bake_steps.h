@@ -41,15 +41,8 @@ class RoundingSink : public Sink {
 
 /// What is averaged of a bake's source; `waiting_bytes`: what its writer holds (memory_beside_writer()).
 inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_bytes) {
-  AverageInputs inputs;
-  inputs.normals = &run.source.map.normals;
-  inputs.albedo = run.source.colours();
-  inputs.weights = run.source.weight_map();
-  inputs.has_roughness = run.source.has_roughness;
-  inputs.first_level = run.header.first_level;
-  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes);
-  inputs.threads = run.job.threads;
-  return inputs;
+  return {{&run.source.map.normals, run.source.features(), memory_beside_writer(run, waiting_bytes), run.job.threads},
+          run.header.first_level};
 }
 
 /// How a bake's error is measured; BakeJob::highlights come behind those that are measured of every map.

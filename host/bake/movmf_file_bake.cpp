@@ -9,7 +9,7 @@
 #include "host/accuracy/movmf_model.h"
 #include "host/asset/lobes/movmf_verify.h"
 #include "host/asset/lobes/movmf_writer.h"
-#include "host/bake/bake_sink.h"
+#include "host/bake/bake_output.h"
 #include "host/bake/file_bake_steps.h"
 #include "host/bake/output_state.h"
 #include "host/base/error.h"
@@ -28,25 +28,25 @@ constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
   double texels = 0.0;
   // Level 0 has single directions alone.
-  for (std::size_t l = static_cast<std::size_t>(std::max(1, header.first_level)); l < header.levels.size(); ++l)
+  for (std::size_t l = static_cast<std::size_t>(std::max(1, header.header.first_level)); l < header.levels.size(); ++l)
     texels += static_cast<double>(header.levels[l].width) * header.levels[l].height;
   if (texels > 0.0) report.unrepresentable_share = report.unrepresentable_amplitude / texels;
   if (report.unrepresentable_share <= kUnrepresentableNoted) return;
-  const auto kappa_max = static_cast<double>(storage_kappa_max(header.representation, header.encoding));
+  const auto kappa_max = static_cast<double>(storage_kappa_max(header.header.representation, header.header.encoding));
   log_warning(fmt::format(
       "{}: {} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
       "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp; {}",
       job.input, report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
-      storage_encoding_name(header.encoding), kappa_max,
-      header.encoding == StorageEncoding::kHalf
+      storage_encoding_name(header.header.encoding), kappa_max,
+      header.header.encoding == StorageEncoding::kHalf
           ? fmt::format("--data-format snorm16 keeps kappa up to {:.0f}, float more",
-                        storage_kappa_max(header.representation, StorageEncoding::kSnorm16))
+                        storage_kappa_max(header.header.representation, StorageEncoding::kSnorm16))
           : "--data-format float keeps them"));
 }
 
 // What the rows of a bake depend on: what a killed bake left is of use to no other.
 std::string checkpoint_key(const MovmfMipmap& header) {
-  const BakedProvenance& from = header.provenance;  // the settings name the albedo's hash
+  const BakedProvenance& from = header.header.provenance;  // the settings name the albedo's hash
   return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 
@@ -62,42 +62,12 @@ std::uint64_t waiting_bytes(const BakeRun& run) {
 }
 
 MovmfBakeInputs fit_inputs(const BakeRun& run) {
-  MovmfBakeInputs inputs;
-  inputs.normals = &run.source.map.normals;
-  inputs.albedo = run.source.colours();
-  inputs.weights = run.source.weight_map();
-  inputs.has_roughness = run.source.has_roughness;
-  inputs.memory_bytes = run.memory_bytes;
+  MovmfBakeInputs inputs{{&run.source.map.normals, run.source.features(), run.memory_bytes, run.job.threads}};
   inputs.spill.scratch_folder = scratch_folder(run.job);
-  inputs.threads = run.job.threads;
   return inputs;
 }
 
 // A region alone, or all of the map.
-void fit(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output, BakeReport& report, Progress* progress) {
-  const BakeJob& job = run.job;
-  MovmfBakeInputs inputs = fit_inputs(run);
-  inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
-  if (!job.onto.empty()) {
-    RegionBake region(job.onto, header, *job.region, inputs.spill, output);
-    inputs.region = &region;
-    bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), region, report.fit, progress);
-    region.finish();
-    return;
-  }
-  const std::unique_ptr<BakeCheckpoint> checkpoint =
-      BakeCheckpoint::open(job.output, checkpoint_key(header), job.resume);
-  inputs.checkpoint = checkpoint.get();
-  BakeSink sink(output);
-  try {
-    bake_movmf(run.device, inputs, fitting_settings(job, run.source.map.report), sink, report.fit, progress);
-  } catch (const Cancelled&) {
-    if (job.resume && checkpoint != nullptr) checkpoint->leave();
-    throw;
-  }
-  if (checkpoint != nullptr) report.rows_resumed = checkpoint->rows_resumed();
-}
-
 void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
   const int width = run.header.width, height = run.header.height;
@@ -113,7 +83,23 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
     run.device.prepare({MovmfModel::program(job.representation, job.fitting.lobe_count, job.fitting.first_level)});
   }
   BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report.output);
-  fit(run, header, output, report, progress);
+  MovmfBakeInputs inputs = fit_inputs(run);
+  inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
+  std::optional<RegionBake> region;
+  std::unique_ptr<BakeCheckpoint> checkpoint;
+  if (job.onto.empty()) checkpoint = BakeCheckpoint::open(job.output, checkpoint_key(header), job.resume);
+  else region.emplace(job.onto, header, *job.region, inputs.spill, output);
+  inputs.region = region ? &*region : nullptr;
+  inputs.checkpoint = checkpoint.get();
+  MovmfSink& sink = region ? static_cast<MovmfSink&>(*region) : output;
+  try {
+    bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);
+  } catch (const Cancelled&) {
+    if (job.resume && checkpoint != nullptr) checkpoint->leave();
+    throw;
+  }
+  if (region) region->finish();
+  if (checkpoint != nullptr) report.rows_resumed = checkpoint->rows_resumed();
   run.clock.finish("fit");
   warn_of_sharp_lobes(job, header, report.output);
   measure_and_commit(run, meter ? &*meter : nullptr, level_units, writer, report, progress);
@@ -121,10 +107,9 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
 
 std::unique_ptr<AccuracyMeter> try_lobes(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                          Progress* progress) {
-  MovmfMipmap mipmap =
-      bake_movmf(run.device, fit_inputs(run), fitting_settings(run.job, run.source.map.report), report.fit, progress);
-  mipmap.encoding = run.header.encoding;
-  mipmap.mean_cosine = run.header.mean_cosine;
+  MovmfMipmap mipmap = bake_movmf(run.device, fit_inputs(run), run.fitting, report.fit, progress);
+  mipmap.header.encoding = run.header.encoding;
+  mipmap.header.mean_cosine = run.header.mean_cosine;
   quantize_movmf(mipmap, run.job.threads);
   run.clock.finish("fit");
   auto meter = std::make_unique<MovmfMeter>(mipmap, run.header.has_colours, accuracy);
@@ -145,18 +130,15 @@ VerifiedFile verify_lobe_file(const BakeJob& job, const AccuracySettings& accura
                                     std::make_unique<MovmfMeter>(header, header.has_colours(), accuracy), progress);
 }
 
-}  // namespace
-
-namespace {
-
 constexpr NdfBake lobe_bake(Representation representation) {
-  return {representation,
-          check_lobe_settings,
-          [](const BakeJob& job) { return settings_json(fitting_settings(job)); },
-          [](const BakeJob& job, int width, int height) { validate(job.fitting, width, height); },
-          bake_lobe_file,
-          try_lobes,
-          verify_lobe_file};
+  return {
+      representation,
+      check_lobe_settings,
+      [](const BakeJob& job) { return settings_json(fitting_settings(job, job.reading.wrap_s, job.reading.wrap_t)); },
+      [](const BakeJob& job, int width, int height) { validate(job.fitting, width, height); },
+      bake_lobe_file,
+      try_lobes,
+      verify_lobe_file};
 }
 
 }  // namespace

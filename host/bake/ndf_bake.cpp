@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "host/bake/output_state.h"
 #include "host/base/error.h"
 #include "host/base/processes/machine.h"
 
@@ -51,9 +52,14 @@ std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const Bak
   job.fitting.first_level = std::min(std::max(job.fitting.first_level, accuracy.first_level), coarsest);
   accuracy.threads = job.threads;
   StageClock clock(report);
-  return ndf_bake(job.representation)
-      .try_bake({job, device, source, baked_header_of(job, source), machine_memory_bytes() / 4, clock}, accuracy,
-                report, progress);
+  const BakeRun run{job,
+                    device,
+                    source,
+                    baked_header_of(job, source),
+                    fitting_settings(job, source.map.report.wrap_s, source.map.report.wrap_t),
+                    machine_memory_bytes() / 4,
+                    clock};
+  return ndf_bake(job.representation).try_bake(run, accuracy, report, progress);
 }
 
 }  // namespace multum

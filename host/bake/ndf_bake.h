@@ -36,6 +36,7 @@ struct BakeRun {
   Device& device;
   const BakeSource& source;
   BakedHeader header;          // of the file to be
+  MovmfSettings fitting;       // fitting_settings() of the map
   std::uint64_t memory_bytes;  // for windows and buffers
   StageClock& clock;
 };

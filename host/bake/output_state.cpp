@@ -78,18 +78,11 @@ std::optional<BakedProvenance> read_provenance(const std::string& path, std::str
 
 }  // namespace
 
-MovmfSettings fitting_settings(const BakeJob& job) {
+MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wrap_t) {
   MovmfSettings settings = job.fitting;
   if (holds_lobes(job.representation)) settings.representation = job.representation;
-  settings.periodic_x = job.reading.wrap_s == WrapMode::kPeriodic;
-  settings.periodic_y = job.reading.wrap_t == WrapMode::kPeriodic;
-  return settings;
-}
-
-MovmfSettings fitting_settings(const BakeJob& job, const NormalMapReport& map) {
-  MovmfSettings settings = fitting_settings(job);
-  settings.periodic_x = map.wrap_s == WrapMode::kPeriodic;
-  settings.periodic_y = map.wrap_t == WrapMode::kPeriodic;
+  settings.periodic_x = wrap_s == WrapMode::kPeriodic;
+  settings.periodic_y = wrap_t == WrapMode::kPeriodic;
   return settings;
 }
 

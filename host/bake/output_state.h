@@ -12,11 +12,9 @@
 
 namespace multum {
 
-/// What JOB's texels are fitted with: its settings, held to its wrap modes. A map that repeats is filtered across its
-/// border, so its lobes must be alike there.
-MovmfSettings fitting_settings(const BakeJob& job);
-/// The same once the map is read, which decides where JOB leaves it to the map (--wrap auto).
-MovmfSettings fitting_settings(const BakeJob& job, const NormalMapReport& map);
+/// Settings that JOB's texels are fitted with: its own, held to wrap modes: those of JOB, or of the map once it is read
+/// (--wrap auto). A map that repeats is filtered across its border, so its lobes must be alike there.
+MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wrap_t);
 
 /// Every setting that changes the file, the reading's too, hashes of the material's maps, and the kernels. Throws
 /// Error(kInput) when one of them cannot be read.

@@ -25,18 +25,20 @@ void check_same(const std::string& path, const char* what, const std::string& fo
 std::string size_text(const MovmfMipmap& m) { return fmt::format("{} x {}", m.width(), m.height()); }
 
 void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipmap& header) {
-  check_same(path, "representation", representation_info(old.representation).name,
-             representation_info(header.representation).name);
+  check_same(path, "representation", representation_info(old.header.representation).name,
+             representation_info(header.header.representation).name);
   check_same(path, "a map of", size_text(old), size_text(header));
   check_same(path, "lobes:", std::to_string(old.lobe_count()), std::to_string(header.lobe_count()));
-  check_same(path, "encoding", storage_encoding_name(old.encoding), storage_encoding_name(header.encoding));
-  check_same(path, "first level", std::to_string(old.first_level), std::to_string(header.first_level));
+  check_same(path, "encoding", storage_encoding_name(old.header.encoding),
+             storage_encoding_name(header.header.encoding));
+  check_same(path, "first level", std::to_string(old.header.first_level), std::to_string(header.header.first_level));
   check_same(path, "colours:", old.has_colours() ? "yes" : "no", header.has_colours() ? "yes" : "no");
-  check_same(path, "weights:", std::to_string(old.weight_count), std::to_string(header.weight_count));
-  check_same(path, "a mean cosine of", std::to_string(old.mean_cosine), std::to_string(header.mean_cosine));
-  check_same(path, "roughness:", old.has_roughness ? "yes" : "no", header.has_roughness ? "yes" : "no");
-  check_same(path, "wrap mode", wrap_mode_name(old.wrap_s), wrap_mode_name(header.wrap_s));
-  check_same(path, "wrap mode", wrap_mode_name(old.wrap_t), wrap_mode_name(header.wrap_t));
+  check_same(path, "weights:", std::to_string(old.header.weight_count), std::to_string(header.header.weight_count));
+  check_same(path, "a mean cosine of", std::to_string(old.header.mean_cosine),
+             std::to_string(header.header.mean_cosine));
+  check_same(path, "roughness:", old.header.has_roughness ? "yes" : "no", header.header.has_roughness ? "yes" : "no");
+  check_same(path, "wrap mode", wrap_mode_name(old.header.wrap_s), wrap_mode_name(header.header.wrap_s));
+  check_same(path, "wrap mode", wrap_mode_name(old.header.wrap_t), wrap_mode_name(header.header.wrap_t));
 }
 
 void check_region(const MapRegion& region, const MovmfMipmap& header) {
@@ -105,13 +107,13 @@ std::optional<MapRegion> find_changed_region(const std::string& old, const Movmf
                                              const PlaneStore& normals, const FeaturePlanes& features, int threads) {
   MovmfReader reader(old, threads);
   check_old(old, reader.header(), header);
-  if (header.first_level > 0) return std::nullopt;
+  if (header.header.first_level > 0) return std::nullopt;
   int x0 = header.width(), x1 = 0, y0 = header.height(), y1 = 0;
   for (int row = 0; row < header.height(); row += reader.tile_size()) {
     const int count = std::min(reader.tile_size(), header.height() - row);
     const MovmfFinest stored = reader.read_finest(row, count);
-    MovmfFinest made = finest_rows(normals, features, header.representation, header.has_roughness, row, count, threads);
-    quantize_movmf(made, header.encoding, threads);
+    MovmfFinest made = finest_rows(normals, features, header.header.representation, row, count, threads);
+    quantize_movmf(made, header.header.encoding, threads);
     std::size_t i = 0;
     for (int y = row; y < row + count; ++y)
       for (int x = 0; x < header.width(); ++x, ++i) {
@@ -179,7 +181,8 @@ RowStore RegionBake::kept(int level) const {
     for (std::size_t y = 0; y < static_cast<std::size_t>(stored.height); ++y)
       for (std::size_t j = 0; j < lobes; ++j)
         for (std::size_t x = 0; x < width; ++x) {
-          rows[(y * lobes + j) * width + x] = fitted_lobe(stored.lobes[j][y * width + x], header_.representation);
+          rows[(y * lobes + j) * width + x] =
+              fitted_lobe(stored.lobes[j][y * width + x], header_.header.representation);
         }
     store.write(first, stored.height, rows.data());
   }
@@ -241,9 +244,9 @@ void RegionBake::add_finest(int first_row, MovmfFinest rows) {
 }
 
 void RegionBake::finish() {
-  for (int level = std::max(1, header_.first_level); level < static_cast<int>(header_.levels.size()); ++level)
+  for (int level = std::max(1, header_.header.first_level); level < static_cast<int>(header_.levels.size()); ++level)
     copy_level_until(level, header_.levels[static_cast<std::size_t>(level)].height);
-  if (header_.first_level == 0) copy_finest_until(header_.height());
+  if (header_.header.first_level == 0) copy_finest_until(header_.height());
 }
 
 }  // namespace multum

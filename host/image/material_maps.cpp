@@ -297,6 +297,7 @@ RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& fil
     }
     normals.write_rows(first_row, row_count, {x.data(), y.data(), z.data()});
   });
+  normals.set_shortened(true);
   return report_of(file, sums, static_cast<double>(normals.width()) * normals.height());
 }
 

@@ -25,6 +25,9 @@ class PlaneStore {
 
   int width() const { return width_; }
   int height() const { return height_; }
+  /// Whether these are normals that a roughness map has shortened (host/image/material_maps.h).
+  bool is_shortened() const { return is_shortened_; }
+  void set_shortened(bool is_shortened) { is_shortened_ = is_shortened; }
   /// The store must be in memory, and is empty after.
   std::array<std::vector<float>, 3> take_planes();
 
@@ -42,6 +45,7 @@ class PlaneStore {
 
   int width_;
   int height_;
+  bool is_shortened_ = false;
   // Not set to 0: the threads that write touch them first.
   std::array<std::unique_ptr<float[]>, 3> owned_;
   std::array<const float*, 3> planes_{};  // null: in the file

@@ -62,7 +62,7 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
   if (const fs::path folder = fs::path(job.output).parent_path(); !folder.empty()) make_folder(folder.string());
   job.force = true;  // that it must be baked is known
   if (!map.target) {
-    result.report = bake_file(job, device, progress);
+    result.report = bake_file(job, nullptr, device, progress);
   } else {
     const ChosenBake chosen = bake_to_target(job, *map.target, device, progress);
     if (chosen.written) result.report = chosen.report;

@@ -123,6 +123,12 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
   return schedule;
 }
 
+MipSchedule make_mip_schedule(const PlaneStore& normals, const MovmfSettings& settings, bool weighted) {
+  MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings, weighted);
+  if (normals.is_shortened()) make_shortened(schedule);
+  return schedule;
+}
+
 void make_shortened(MipSchedule& schedule) {
   for (LevelSchedule& level : schedule.levels) {
     level.fit.shortened = 1;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/image/plane_store.h"
 #include "host/movmf/bake_settings.h"
 #include "kernels/shared/movmf_fit.h"
 
@@ -66,6 +67,8 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
 constexpr float kCopiesShortened = 4.0f;
 /// For normals that a BRDF's width has shortened.
 void make_shortened(MipSchedule& schedule);
+/// The schedule of a map, whose normals tell whether they are shortened.
+MipSchedule make_mip_schedule(const PlaneStore& normals, const MovmfSettings& settings, bool weighted = false);
 
 /// The texels of step `step` in the rows [first_row, last_row) of a level, as places (row - window_first_row) * width +
 /// column in a window. Rows may lie beyond the level's borders: then they are those of the level repeated.

@@ -32,7 +32,6 @@ class NormalPlanes : public AveragedPlanes {
   NormalPlanes(Device& device, const AverageInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
                FitReport& report)
       : inputs_(inputs),
-        features_(FeaturePlanes::of(inputs.albedo, inputs.weights)),
         kappa_cap_(settings.kappa_cap),
         sink_(sink),
         report_(report),
@@ -46,7 +45,7 @@ class NormalPlanes : public AveragedPlanes {
   }
   void add_level(const BoxRows& rows) override {
     std::vector<std::vector<glm::vec3>> rgb_planes;
-    for (int t = 0; t < features_.rgb_plane_count(); ++t)
+    for (int t = 0; t < inputs_.features.rgb_plane_count(); ++t)
       rgb_planes.push_back(vectors_of(rows, kNormalPlanes + 3 * t, inputs_.threads));
     std::vector<glm::vec3> normals = vectors_of(rows, 0, inputs_.threads);
     if (rows.level == 0) add_finest(rows, std::move(normals), std::move(rgb_planes));
@@ -62,16 +61,20 @@ class NormalPlanes : public AveragedPlanes {
     out.height = rows.height;
     out.lobe.assign(normals.size(), 0);
     out.normals = std::move(normals);
-    out.has_roughness = inputs_.has_roughness;
-    split_features(std::move(rgb_planes), features_, out.colours, out.weights);
+    out.has_roughness = inputs_.normals->is_shortened();
+    split_features(std::move(rgb_planes), inputs_.features, out.colours, out.weights);
     report_.lobe_count_total += out.lobe.size();
     sink_.add_finest(rows.first_row, std::move(out));
   }
 
   void add_coarser(const BoxRows& rows, const std::vector<glm::vec3>& normals,
                    const std::vector<std::vector<glm::vec3>>& rgb_planes) {
-    const LobeRowsSize size{
-        rows.width, rows.height, 1, Representation::kMovmf, features_.has_colours, features_.weight_count};
+    const LobeRowsSize size{rows.width,
+                            rows.height,
+                            1,
+                            Representation::kMovmf,
+                            inputs_.features.has_colours,
+                            inputs_.features.weight_count};
     const std::size_t width = size_of(rows.width);
     std::vector<MultumVmfLobe> lobes(normals.size());
     for (std::size_t i = 0; i < normals.size(); ++i) lobes[i] = {normals[i].x, normals[i].y, normals[i].z, 1.0f};
@@ -86,7 +89,6 @@ class NormalPlanes : public AveragedPlanes {
   }
 
   const AverageInputs& inputs_;
-  const FeaturePlanes features_;
   const float kappa_cap_;
   MovmfSink& sink_;
   FitReport& report_;
@@ -102,14 +104,7 @@ bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settin
 void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
                    FitReport& report, Progress* progress) {
   MULTUM_CHECK(averages_suffice(inputs, settings));
-  AverageInputs averages;
-  averages.normals = inputs.normals;
-  averages.albedo = inputs.albedo;
-  averages.weights = inputs.weights;
-  averages.has_roughness = inputs.has_roughness;
-  averages.first_level = settings.first_level;
-  averages.memory_bytes = inputs.memory_bytes;
-  averages.threads = inputs.threads;
+  const AverageInputs averages{inputs, settings.first_level};
   NormalPlanes planes(device, averages, settings, sink, report);
   AverageReport averaged;
   average_map(device, averages, planes, averaged, progress);

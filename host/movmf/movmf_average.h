@@ -3,8 +3,11 @@
 // and plain averages (host/pyramid/average_pass.h) give the same lobe in one pass over the map.
 #pragma once
 
+#include "host/base/progress.h"
+#include "host/movmf/bake_settings.h"
 #include "host/movmf/fit_report.h"
 #include "host/movmf/movmf_inputs.h"
+#include "host/opencl/device.h"
 
 namespace multum {
 

@@ -22,16 +22,15 @@ namespace {
 // Gathers what a bake hands over into a whole mipmap.
 class MovmfMipmapSink : public MovmfSink {
  public:
-  MovmfMipmapSink(int width, int height, const MovmfSettings& settings, const FeaturePlanes& features,
-                  bool has_roughness) {
-    mipmap_.representation = settings.representation;
-    mipmap_.first_level = settings.first_level;
-    mipmap_.weight_count = features.weight_count;
-    mipmap_.has_roughness = has_roughness;
-    for (int l = 0; l < mip_level_count(width, height); ++l) {
+  MovmfMipmapSink(const PlaneStore& normals, const MovmfSettings& settings, const FeaturePlanes& features) {
+    mipmap_.header.representation = settings.representation;
+    mipmap_.header.first_level = settings.first_level;
+    mipmap_.header.weight_count = features.weight_count;
+    mipmap_.header.has_roughness = normals.is_shortened();
+    for (int l = 0; l < mip_level_count(normals.width(), normals.height()); ++l) {
       MovmfLevel& level = mipmap_.levels.emplace_back();
-      level.width = mip_level_size(width, l);
-      level.height = mip_level_size(height, l);
+      level.width = mip_level_size(normals.width(), l);
+      level.height = mip_level_size(normals.height(), l);
       level.lobes.resize(static_cast<std::size_t>(settings.lobe_count));
       if (features.has_colours) level.colours.resize(level.lobes.size());
       if (features.weight_count > 0) level.weights.resize(level.lobes.size());
@@ -68,8 +67,7 @@ class StartTrial {
         proxy_(proxy),
         planes_(planes_of(proxy)),
         settings_(settings),
-        has_roughness_(!of_map.levels.empty() && of_map.levels[0].fit.shortened != 0),
-        schedule_(make_schedule(proxy, settings, of_map.weighted, has_roughness_)),
+        schedule_(make_mip_schedule(planes_, settings, of_map.weighted)),
         plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {}, device.shape())) {}
 
   // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
@@ -77,8 +75,10 @@ class StartTrial {
   // them came 14th by error). 4096 normals take some 50 ms a candidate.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     FitReport ignored;
-    MovmfMipmapSink sink(proxy_.width, proxy_.height, settings_, {}, has_roughness_);
-    fit_movmf(device_, {&planes_, {}, has_roughness_, start, 1}, settings_, schedule_, plan_, sink, ignored, nullptr);
+    MovmfMipmapSink sink(planes_, settings_, {});
+    MovmfBakeInputs inputs;
+    inputs.normals = &planes_;
+    fit_movmf(device_, inputs, start, settings_, schedule_, plan_, sink, ignored, nullptr);
     const MovmfMipmap mipmap = sink.take();
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
@@ -96,18 +96,10 @@ class StartTrial {
   }
 
  private:
-  static MipSchedule make_schedule(const NormalMap& map, const MovmfSettings& settings, bool weighted,
-                                   bool has_roughness) {
-    MipSchedule schedule = make_mip_schedule(map.width, map.height, settings, weighted);
-    if (has_roughness) make_shortened(schedule);
-    return schedule;
-  }
-
   Device& device_;
   const NormalMap& proxy_;
   const PlaneStore planes_;
   const MovmfSettings settings_;
-  const bool has_roughness_;
   const MipSchedule schedule_;
   const BakePlan plan_;
 };
@@ -117,11 +109,10 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
   constexpr int kProxySide = 64;
   const auto started = std::chrono::steady_clock::now();
   const std::uint64_t launches_before = device.launch_total();
-  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2,
-                           !schedule.levels.empty() && schedule.levels[0].fit.shortened != 0};
+  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
   for (std::vector<MultumVmfLobe>& lobes : candidates)
-    lobes = start_lobes(std::move(lobes), settings.representation, search.has_roughness);
+    lobes = start_lobes(std::move(lobes), settings.representation, normals.is_shortened());
   report.starts_tried = 0;
   std::size_t best = 0;
   // Levels that do not grow from the coarsest cannot tell starts apart.
@@ -166,30 +157,28 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
                 FitReport& report, Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate(settings, normals.width(), normals.height());
-  const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
+  const FeaturePlanes& features = inputs.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   if (averages_suffice(inputs, settings)) {
     average_movmf(device, inputs, settings, sink, report, progress);
     return;
   }
-  MipSchedule schedule = make_mip_schedule(normals.width(), normals.height(), settings);
-  if (inputs.has_roughness) make_shortened(schedule);
+  const MipSchedule schedule = make_mip_schedule(normals, settings);
   const BakePlan plan = make_bake_plan(schedule, settings, features.rgb_plane_count(),
                                        {inputs.memory_bytes, inputs.writer_bytes}, inputs.spill, device.shape());
   report.plan = plan.to_text(schedule, settings, features.rgb_plane_count());
-  MovmfFitInputs fit{&normals, features, inputs.has_roughness, {}, inputs.threads, inputs.checkpoint, inputs.region};
   prepare_fit(device, schedule, settings, !features.empty());
+  std::vector<MultumVmfLobe> top_start;
   if (inputs.region == nullptr) {  // a region grows from the lobes that are there
     progress_stage(progress, "choose a start");
-    fit.top_start = choose_start(device, normals, settings, schedule, report);
+    top_start = choose_start(device, normals, settings, schedule, report);
   }
-  fit_movmf(device, fit, settings, schedule, plan, sink, report, progress);
+  fit_movmf(device, inputs, top_start, settings, schedule, plan, sink, report, progress);
 }
 
 MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, FitReport& report,
                        Progress* progress) {
-  MovmfMipmapSink sink(inputs.normals->width(), inputs.normals->height(), settings,
-                       FeaturePlanes::of(inputs.albedo, inputs.weights), inputs.has_roughness);
+  MovmfMipmapSink sink(*inputs.normals, settings, inputs.features);
   bake_movmf(device, inputs, settings, sink, report, progress);
   return sink.take();
 }
@@ -201,7 +190,7 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
   if (albedo != nullptr) colours = planes_of(*albedo);
   MovmfBakeInputs inputs;
   inputs.normals = &normals;
-  inputs.albedo = colours ? &*colours : nullptr;
+  inputs.features = FeaturePlanes::of(colours ? &*colours : nullptr, nullptr);
   return bake_movmf(device, inputs, settings, report, progress);
 }
 

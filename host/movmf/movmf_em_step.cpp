@@ -84,12 +84,12 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
 }
 
 // A kernel is made when a step first needs it: levels differ in their methods.
-Kernel& MovmfEmStep::made(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant) {
+Kernel& MovmfEmStep::lazy_kernel(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant) {
   if (!kernel.is_built()) kernel = device_.kernel(file, name, variant);
   return kernel;
 }
 
-void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, const StepWindows& windows,
+void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows,
                       Progress* progress) {
   if (texels.empty()) return;
   const std::size_t texel_count = texels.size(), slots = group_count(texel_count) * MULTUM_GROUP;
@@ -98,67 +98,76 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
   ensure(device_, list_, slots * sizeof(int), "texel list");
   ensure(device_, start_, slots * lobe_count() * MULTUM_START_PLANES * sizeof(float), "EM parameters");
   device_.write(list_, texels.data(), slots * sizeof(int));
-  const DeviceBuffer& parent = windows.parent != nullptr ? windows.parent->buffer() : windows.lobes->buffer();
-  made(start_kernel_, "movmf_start", "movmf_start", starting_)
-      .launch({slots / static_cast<std::size_t>(starting_.vector_width)}, parent, windows.lobes->buffer(),
-              windows.alignment_vectors->buffer(), list_, start_, fit);
-  if (method == FitMethod::kChunks) run_chunks(fit, texel_count, windows, progress);
-  else run_em(method, fit, windows);
-  if (windows.features != nullptr) fit_features(method, fit, texel_count, windows);
+  const DeviceBuffer& parent = fit.parent_width > 0 ? windows.parent.buffer() : windows.lobes.buffer();
+  lazy_kernel(start_kernel_, "movmf_start", "movmf_start", starting_)
+      .launch({slots / static_cast<std::size_t>(starting_.vector_width)}, parent, windows.lobes.buffer(),
+              windows.alignment_vectors.buffer(), list_, start_, fit);
+  switch (method) {
+    case FitMethod::kChunks: run_chunks(fit, texel_count, windows, progress); break;
+    case FitMethod::kTexels:
+      pack_texels(fit, windows);
+      fit_packed(fit, fast_, em_texels_kernel_, em_team_kernel_, windows);
+      break;
+    case FitMethod::kBinned:
+      pack_binned(fit, windows);
+      fit_packed(fit, binned_, em_binned_kernel_, em_binned_team_kernel_, windows);
+      break;
+  }
+  if (windows.wants_features) fit_features(method, fit, texel_count, windows);
   device_.finish();
   progress_advance(progress, 0);
 }
 
-void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows) {
+void MovmfEmStep::pack_texels(const MultumMovmfFit& fit, const StepWindows& windows) {
   const auto slots = static_cast<std::size_t>(fit.slot_count), groups = slots / MULTUM_GROUP;
   ensure(device_, sample_counts_, groups * sizeof(int), "sample counts");
-  if (method == FitMethod::kTexels) {
-    ensure(device_, samples_, sample_bytes(fit, slots, fast_.weighted ? kWeightedPlanes : 3), "packed normals");
-    const MapWindow& normals = *windows.normals;
-    made(pack_kernel_, "movmf_pack", "movmf_pack", packing_)
-        .launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals[0], normals[1], normals[2], list_,
-                samples_, sample_counts_, fit);
-    fit_packed(fit, fast_, em_texels_kernel_, em_team_kernel_, windows);
-  } else {
-    ensure(device_, samples_, sample_bytes(fit, slots, kWeightedPlanes), "packed normals");
-    const int parts = device_.shape().pack_parts;
-    made(binned_pack_kernel_, "movmf_pack", "movmf_binned_pack", packing_)
-        .launch({groups * static_cast<std::size_t>(parts)}, windows.binned->buffer(), windows.binned_counts->buffer(),
-                list_, samples_, sample_counts_, fit, parts);
-    fit_packed(fit, binned_, em_binned_kernel_, em_binned_team_kernel_, windows);
-  }
+  ensure(device_, samples_, sample_bytes(fit, slots, fast_.weighted ? kWeightedPlanes : 3), "packed normals");
+  const MapWindow& normals = windows.map->normals;
+  lazy_kernel(pack_kernel_, "movmf_pack", "movmf_pack", packing_)
+      .launch({groups * static_cast<std::size_t>(fit.sample_rows)}, normals[0], normals[1], normals[2], list_, samples_,
+              sample_counts_, fit);
+}
+
+void MovmfEmStep::pack_binned(const MultumMovmfFit& fit, const StepWindows& windows) {
+  const auto slots = static_cast<std::size_t>(fit.slot_count), groups = slots / MULTUM_GROUP;
+  ensure(device_, sample_counts_, groups * sizeof(int), "sample counts");
+  ensure(device_, samples_, sample_bytes(fit, slots, kWeightedPlanes), "packed normals");
+  const int parts = device_.shape().pack_parts;
+  lazy_kernel(binned_pack_kernel_, "movmf_pack", "movmf_binned_pack", packing_)
+      .launch({groups * static_cast<std::size_t>(parts)}, windows.binned.buffer(), windows.binned_counts.buffer(),
+              list_, samples_, sample_counts_, fit, parts);
 }
 
 void MovmfEmStep::fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel,
-                             Kernel& team_kernel, const StepWindows& windows) {
+                             Kernel& team_kernel, StepWindows& windows) {
   const auto slots = static_cast<std::size_t>(fit.slot_count);
   const bool by_teams = device_.shape().fits_by_teams(slots, fit.sample_capacity);
   const Kernel::WorkSize size = by_teams ? Kernel::WorkSize{slots * MULTUM_TEAM, MULTUM_TEAM}
                                          : Kernel::WorkSize{slots / static_cast<std::size_t>(variant.vector_width)};
   KernelVariant used = variant;
   if (by_teams) used.vector_width = 1;
-  made(by_teams ? team_kernel : kernel, "movmf_em_texels", by_teams ? "movmf_em_team" : "movmf_em_texels", used)
-      .launch(size, samples_, sample_counts_, start_, list_, windows.lobes->buffer(),
-              windows.alignment_vectors->buffer(), fit);
+  lazy_kernel(by_teams ? team_kernel : kernel, "movmf_em_texels", by_teams ? "movmf_em_team" : "movmf_em_texels", used)
+      .launch(size, samples_, sample_counts_, start_, list_, windows.lobes.buffer(), windows.alignment_vectors.buffer(),
+              fit);
 }
 
-void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
-                             Progress* progress) {
+void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, StepWindows& windows, Progress* progress) {
   ensure(device_, partial_, partial_bytes(fit, texel_count, lobe_count()), "partial sums");
-  made(em_partial_kernel_, "movmf_em_chunks", "movmf_em_partial", fast_);
-  made(mstep_kernel_, "movmf_em_mstep", "movmf_em_mstep", scalar_);
+  lazy_kernel(em_partial_kernel_, "movmf_em_chunks", "movmf_em_partial", fast_);
+  lazy_kernel(mstep_kernel_, "movmf_em_mstep", "movmf_em_mstep", scalar_);
   const std::size_t chunks = texel_count * static_cast<std::size_t>(fit.chunk_count);
   const Kernel::WorkSize partial_size =
       fast_.vector_width == 1 ? Kernel::WorkSize{chunks * MULTUM_GROUP, MULTUM_GROUP} : Kernel::WorkSize{chunks, 1};
   for (int i = 0; i < fit.iteration_count; ++i) {
-    for_each_chunk_band(fit, *windows.normals, nullptr, [&] {
-      const MapWindow& normals = *windows.normals;
+    for_each_chunk_band(fit, windows.map->normals, nullptr, [&] {
+      const MapWindow& normals = windows.map->normals;
       em_partial_kernel_.launch(partial_size, normals[0], normals[1], normals[2], start_, list_, partial_, fit);
     });
     if (i == 0 && scalar_.planar)
-      made(cap_kernel_, "movmf_em_mstep", "movmf_em_cap", scalar_).launch({texel_count}, partial_, start_, list_, fit);
-    mstep_kernel_.launch({texel_count * lobe_count()}, partial_, start_, list_, windows.lobes->buffer(),
-                         windows.alignment_vectors->buffer(), fit, i);
+      lazy_kernel(cap_kernel_, "movmf_em_mstep", "movmf_em_cap", scalar_)
+          .launch({texel_count}, partial_, start_, list_, fit);
+    mstep_kernel_.launch({texel_count * lobe_count()}, partial_, start_, list_, windows.lobes.buffer(),
+                         windows.alignment_vectors.buffer(), fit, i);
     // An iteration reads every normal of its texels, seconds on the largest maps: a chance to cancel after each.
     device_.finish();
     progress_advance(progress, 0);
@@ -166,37 +175,39 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, const 
 }
 
 void MovmfEmStep::fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count,
-                               const StepWindows& windows) {
-  const std::size_t count = method == FitMethod::kBinned ? windows.binned_planes.size() : windows.rgb_planes.size();
+                               StepWindows& windows) {
+  const std::size_t count =
+      method == FitMethod::kBinned ? windows.binned_planes.size() : windows.map->rgb_planes.size();
   for (std::size_t rgb_plane = 0; rgb_plane < count; ++rgb_plane)
     fit_rgb_plane(method, fit, texel_count, windows, rgb_plane);
 }
 
-void MovmfEmStep::fit_rgb_plane(FitMethod method, MultumMovmfFit fit, std::size_t texel_count,
-                                const StepWindows& windows, std::size_t rgb_plane) {
-  DeviceBuffer& features = windows.features->buffer();
+void MovmfEmStep::fit_rgb_plane(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, StepWindows& windows,
+                                std::size_t rgb_plane) {
+  DeviceBuffer& features = windows.features.buffer();
   const int first_plane = static_cast<int>(rgb_plane) * settings_.lobe_count;
   if (method == FitMethod::kBinned) {
     const std::size_t groups = group_count(texel_count);
     ensure(device_, feature_samples_, sample_bytes(fit, groups * MULTUM_GROUP, kWeightedPlanes), "packed features");
     const int parts = device_.shape().pack_parts;
-    binned_pack_kernel_.launch({groups * static_cast<std::size_t>(parts)}, windows.binned_planes[rgb_plane]->buffer(),
-                               windows.binned_counts->buffer(), list_, feature_samples_, sample_counts_, fit, parts);
-    made(feature_binned_kernel_, "movmf_features", "movmf_feature_binned", scalar_)
+    binned_pack_kernel_.launch({groups * static_cast<std::size_t>(parts)}, windows.binned_planes[rgb_plane].buffer(),
+                               windows.binned_counts.buffer(), list_, feature_samples_, sample_counts_, fit, parts);
+    lazy_kernel(feature_binned_kernel_, "movmf_features", "movmf_feature_binned", scalar_)
         .launch({groups * MULTUM_GROUP}, samples_, feature_samples_, sample_counts_, start_, list_, features, fit,
                 first_plane);
     return;
   }
   ensure(device_, partial_, partial_bytes(fit, texel_count, lobe_count()), "partial sums");
-  made(feature_partial_kernel_, "movmf_features", "movmf_feature_partial", scalar_);
+  lazy_kernel(feature_partial_kernel_, "movmf_features", "movmf_feature_partial", scalar_);
   const auto add_band = [&] {
-    const MapWindow &n = *windows.normals, &c = *windows.rgb_planes[rgb_plane];
+    const MapWindow &n = windows.map->normals, &c = windows.map->rgb_planes[rgb_plane];
     feature_partial_kernel_.launch({texel_count * static_cast<std::size_t>(fit.chunk_count)}, n[0], n[1], n[2], c[0],
                                    c[1], c[2], start_, list_, partial_, fit);
   };
-  if (method == FitMethod::kChunks) for_each_chunk_band(fit, *windows.normals, windows.rgb_planes[rgb_plane], add_band);
+  if (method == FitMethod::kChunks)
+    for_each_chunk_band(fit, windows.map->normals, &windows.map->rgb_planes[rgb_plane], add_band);
   else add_band();
-  made(feature_sum_kernel_, "movmf_features", "movmf_feature_sum", scalar_)
+  lazy_kernel(feature_sum_kernel_, "movmf_features", "movmf_feature_sum", scalar_)
       .launch({texel_count * lobe_count()}, partial_, list_, features, fit, first_plane);
 }
 

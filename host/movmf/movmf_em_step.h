@@ -13,19 +13,17 @@
 
 namespace multum {
 
-/// Where a step finds and leaves things. Windows hold the rows that MultumMovmfFit says; a null one is not needed by
-/// the method, or not wanted.
+/// The rows of a level that are on the device, as MultumMovmfFit says: where a step finds and leaves things. Windows
+/// that a method does not need are empty.
 struct StepWindows {
-  const RowWindow* parent = nullptr;       // lobes of the next coarser level; null where fit.parent_width is 0
-  RowWindow* lobes = nullptr;              // of the level
-  RowWindow* alignment_vectors = nullptr;  // of the level: what its lobes tell their neighbours
-  RowWindow* features = nullptr;           // of the level, [rgb_plane][lobe]; null: none are wanted
-  MapWindow* normals = nullptr;            // kTexels, kChunks
-  std::vector<MapWindow*> rgb_planes;      // the same, of features
-  // kBinned: samples, their numbers, and those of each triple of features.
-  const RowWindow* binned = nullptr;
-  const RowWindow* binned_counts = nullptr;
-  std::vector<const RowWindow*> binned_planes;
+  RowWindow parent;                      // lobes of the next coarser level; empty where fit.parent_width is 0
+  RowWindow lobes;                       // of the level
+  RowWindow alignment_vectors;           // of the level: what its lobes tell their neighbours
+  RowWindow features;                    // of the level, [rgb_plane][lobe]
+  MapWindows* map = nullptr;             // normals and features that the level covers: kTexels, kChunks
+  RowWindow binned, binned_counts;       // kBinned: samples, and their numbers
+  std::vector<RowWindow> binned_planes;  // the samples' features, by threes
+  bool wants_features = false;           // of this step
 };
 
 class MovmfEmStep {
@@ -36,19 +34,19 @@ class MovmfEmStep {
   std::vector<ProgramChoice> programs(const MipSchedule& schedule, bool has_features) const;
   /// Fits the texels (places in the window, as step_texels() gives them). kChunks passes over the map once an
   /// iteration, in bands of what `normals` holds at most. Throws Cancelled.
-  void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, const StepWindows& windows,
-           Progress* progress);
+  void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
 
  private:
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
-  Kernel& made(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
-  void run_em(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows);
+  Kernel& lazy_kernel(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
+  void pack_texels(const MultumMovmfFit& fit, const StepWindows& windows);
+  void pack_binned(const MultumMovmfFit& fit, const StepWindows& windows);
   // EM of packed samples: by a work-item a texel, or by a team.
   void fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel, Kernel& team_kernel,
-                  const StepWindows& windows);
-  void run_chunks(MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows, Progress* progress);
-  void fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, const StepWindows& windows);
-  void fit_rgb_plane(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, const StepWindows& windows,
+                  StepWindows& windows);
+  void run_chunks(MultumMovmfFit fit, std::size_t texel_count, StepWindows& windows, Progress* progress);
+  void fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, StepWindows& windows);
+  void fit_rgb_plane(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, StepWindows& windows,
                      std::size_t rgb_plane);
 
   Device& device_;

@@ -13,6 +13,7 @@
 #include "host/base/processes/parallel.h"
 #include "host/movmf/lobe_rows.h"
 #include "host/movmf/movmf_binning.h"
+#include "host/movmf/movmf_level_fit.h"
 #include "host/movmf/movmf_start.h"
 #include "host/pyramid/finest_rows.h"
 
@@ -30,10 +31,12 @@ ProgramChoice level_zero_program(const MipSchedule& schedule, const MovmfSetting
 
 class MovmfFitter {
  public:
-  MovmfFitter(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
-              const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress)
+  MovmfFitter(Device& device, const MovmfBakeInputs& inputs, const std::vector<MultumVmfLobe>& top_start,
+              const MovmfSettings& settings, const MipSchedule& schedule, const BakePlan& plan, MovmfSink& sink,
+              FitReport& report, Progress* progress)
       : device_(device),
         inputs_(inputs),
+        top_start_(top_start),
         settings_(settings),
         schedule_(schedule),
         plan_(plan),
@@ -47,7 +50,7 @@ class MovmfFitter {
       report_.levels.push_back({l, mip_level_size(map_width_, l), mip_level_size(map_height_, l), 0.0, 0});
   }
 
-  void run() {
+  void bin() {
     const double start_seconds = now_seconds();
     const std::uint64_t launches_before = device_.launch_total();
     progress_stage(progress_, "bin normals");
@@ -56,25 +59,14 @@ class MovmfFitter {
                          plan_.bin_rows, on_device_ ? &*on_device_ : nullptr, plan_.spill, progress_);
     report_.binning_seconds = now_seconds() - start_seconds;
     report_.binning_launches = device_.launch_total() - launches_before;
-    for (const LevelSchedule& level : schedule_.levels) fit(level);
-    if (schedule_.levels.empty() && settings_.first_level == 0) fit_single_texel();
   }
-
- private:
-  std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
-  bool has_features() const { return !inputs_.features.empty(); }
-  // Planes of features, [triple][lobe].
-  std::size_t feature_planes() const { return lobe_count() * inputs_.features.rgb_planes.size(); }
-  LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
 
   void fit(const LevelSchedule& level) {
     progress_stage(progress_, fmt::format("fit level {}", level.level));
     const double start_seconds = now_seconds(), zero_seconds = zero_seconds_;
     const std::uint64_t launches_before = device_.launch_total(), zero_launches = zero_launches_;
-    LevelInputs inputs;
-    inputs.normals = inputs_.normals;
+    LevelInputs inputs{inputs_};
     inputs.on_device = on_device_ ? &*on_device_ : nullptr;
-    inputs.features = inputs_.features.rgb_planes;
     const auto binned = binned_.find(level.level);
     if (binned != binned_.end()) inputs.binned = &binned->second;
     const bool has_parent = level.fit.parent_width > 0 && settings_.aligned_start;
@@ -90,9 +82,8 @@ class MovmfFitter {
     }
     LevelStore store = open_store(level);
     inputs.first_row = replay(level, store);
-    fit_level(
-        device_, em_step_, level, settings_, inputs, plan_.levels.at(level.level),
-        [&](const FittedRows& rows) { hand_over(level, rows, store); }, progress_);
+    LevelFit(device_, em_step_, level, settings_, inputs, plan_.levels.at(level.level), progress_)
+        .run([&](const FittedRows& rows) { hand_over(level, rows, store); });
     handing_over_.wait();
     keep(level, std::move(store), std::move(there));
     binned_.erase(level.level);
@@ -100,6 +91,19 @@ class MovmfFitter {
     report.seconds = now_seconds() - start_seconds - (zero_seconds_ - zero_seconds);
     report.launches = device_.launch_total() - launches_before - (zero_launches_ - zero_launches);
   }
+
+  // A map of one texel has no level 1.
+  void fit_single_texel() {
+    hand_over_finest({0, 1, {0}});
+    advance(0, 1, map_height_);
+  }
+
+ private:
+  std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
+  bool has_features() const { return !inputs_.features.empty(); }
+  // Planes of features, [triple][lobe].
+  std::size_t feature_planes() const { return lobe_count() * inputs_.features.rgb_planes.size(); }
+  LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
 
   // Where a level's lobes go: to the checkpoint, or to a store of its own where a finer level needs them.
   struct LevelStore {
@@ -184,10 +188,10 @@ class MovmfFitter {
         const auto edge = [&](int texel) { return static_cast<int>(std::int64_t{texel} * fit.map_width / fit.width); };
         const std::vector<MultumVmfLobe> lobes =
             fit.parent_width == 0
-                ? inputs_.top_start
+                ? top_start_
                 : start_lobes(farthest_first_lobes(covered, {edge(x), 0, std::max(edge(x) + 1, edge(x + 1)), rows},
                                                    settings_.lobe_count),
-                              settings_.representation, inputs_.has_roughness);
+                              settings_.representation, inputs_.normals->is_shortened());
         for (std::size_t j = 0; j < lobe_count(); ++j) row[j * width + static_cast<std::size_t>(x)] = lobes[j];
       }
       store.write(y, 1, row.data());
@@ -266,22 +270,17 @@ class MovmfFitter {
     return out;
   }
 
-  // A map of one texel has no level 1.
-  void fit_single_texel() {
-    hand_over_finest({0, 1, {0}});
-    advance(0, 1, map_height_);
-  }
-
   void hand_over_finest(FinestRows rows) {
-    MovmfFinest out = finest_rows(*inputs_.normals, inputs_.features, settings_.representation, inputs_.has_roughness,
-                                  rows.first_row, rows.row_count, inputs_.threads);
+    MovmfFinest out = finest_rows(*inputs_.normals, inputs_.features, settings_.representation, rows.first_row,
+                                  rows.row_count, inputs_.threads);
     out.lobe = std::move(rows.lobe);
     report_.lobe_count_total += lobe_count() * out.lobe.size();
     sink_.add_finest(rows.first_row, std::move(out));
   }
 
   Device& device_;
-  const MovmfFitInputs& inputs_;
+  const MovmfBakeInputs& inputs_;
+  const std::vector<MultumVmfLobe>& top_start_;
   const MovmfSettings settings_;
   const MipSchedule& schedule_;
   const BakePlan& plan_;
@@ -313,9 +312,13 @@ void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSetting
   device.prepare(programs);
 }
 
-void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
-               const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress) {
-  MovmfFitter(device, inputs, settings, schedule, plan, sink, report, progress).run();
+void fit_movmf(Device& device, const MovmfBakeInputs& inputs, const std::vector<MultumVmfLobe>& top_start,
+               const MovmfSettings& settings, const MipSchedule& schedule, const BakePlan& plan, MovmfSink& sink,
+               FitReport& report, Progress* progress) {
+  MovmfFitter fitter(device, inputs, top_start, settings, schedule, plan, sink, report, progress);
+  fitter.bin();
+  for (const LevelSchedule& level : schedule.levels) fitter.fit(level);
+  if (schedule.levels.empty() && settings.first_level == 0) fitter.fit_single_texel();
 }
 
 }  // namespace multum

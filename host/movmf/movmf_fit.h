@@ -5,54 +5,23 @@
 
 #include <vector>
 
-#include "host/asset/lobes/movmf_finest.h"
-#include "host/asset/lobes/movmf_mipmap.h"
 #include "host/base/progress.h"
-#include "host/image/plane_store.h"
-#include "host/movmf/bake_checkpoint.h"
 #include "host/movmf/bake_plan.h"
 #include "host/movmf/bake_settings.h"
 #include "host/movmf/fit_report.h"
+#include "host/movmf/movmf_inputs.h"
 #include "host/opencl/device.h"
-#include "host/pyramid/feature_planes.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
 
-/// Takes what a bake makes, exact to float: rows of a level in order from its first, coarse levels first, but rows of
-/// level 0 between those of level 1.
-class MovmfSink {
- public:
-  virtual ~MovmfSink() = default;
-  virtual void add_level(int level, int first_row, MovmfLevel rows) = 0;
-  virtual void add_finest(int first_row, MovmfFinest rows) = 0;
-};
-
-/// A part of a baked map that is fitted again, beside the rest as it is.
-class RegionInputs {
- public:
-  virtual ~RegionInputs() = default;
-  /// The texels of a level that are fitted.
-  virtual TexelRange range(int level) const = 0;
-  /// The level's lobes as they are, by rows [lobe][column].
-  virtual RowStore kept(int level) const = 0;
-};
-
-struct MovmfFitInputs {
-  const PlaneStore* normals;
-  FeaturePlanes features;
-  bool has_roughness;                    // normals are shortened
-  std::vector<MultumVmfLobe> top_start;  // of the coarsest level's texel, one a lobe
-  int threads = 1;
-  BakeCheckpoint* checkpoint = nullptr;  // null: nothing is kept for another process
-  const RegionInputs* region = nullptr;  // null: the whole map
-};
-
 /// Begins to build the programs that fit_movmf() launches for such a schedule, those that it launches first first.
 void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSettings& settings, bool has_features);
 
-/// Settings are valid, features are of the map's size. Progress advances by movmf_bake_units().
-void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
-               const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress);
+/// Settings are valid, features are of the map's size. `top_start`: the coarsest level's texel, one a lobe. Progress
+/// advances by movmf_bake_units().
+void fit_movmf(Device& device, const MovmfBakeInputs& inputs, const std::vector<MultumVmfLobe>& top_start,
+               const MovmfSettings& settings, const MipSchedule& schedule, const BakePlan& plan, MovmfSink& sink,
+               FitReport& report, Progress* progress);
 
 }  // namespace multum

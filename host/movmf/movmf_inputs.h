@@ -1,28 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake of lobes reads and may use, and its units of progress: for host/movmf/movmf_bake.h and movmf_average.h.
+// Inputs of a bake of lobes, where its rows go, and its units of progress: for host/movmf/movmf_bake.h and all that it
+// calls.
 #pragma once
 
 #include <cstdint>
 
-#include "host/image/material_maps.h"
+#include "host/asset/lobes/movmf_finest.h"
+#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/base/files/spill_policy.h"
 #include "host/image/plane_store.h"
 #include "host/movmf/bake_checkpoint.h"
-#include "host/movmf/movmf_fit.h"
+#include "host/pyramid/feature_planes.h"
+#include "host/pyramid/row_store.h"
 
 namespace multum {
 
-/// What a bake reads, and what it may use.
-struct MovmfBakeInputs {
-  const PlaneStore* normals = nullptr;
-  const PlaneStore* albedo = nullptr;                   // of the same size; null: no colours
-  const WeightMap* weights = nullptr;                   // of the same size; null: none
-  bool has_roughness = false;                           // normals are shortened (host/image/material_maps.h)
-  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for windows and buffers; changes no byte of the result
-  std::uint64_t writer_bytes = 0;                       // of these, what the sink holds while levels are fitted
-  SpillPolicy spill{.memory_bytes = 4 << 20};           // of what does not fit in memory
-  int threads = 1;                                      // of the host's own loops
-  BakeCheckpoint* checkpoint = nullptr;                 // null: nothing is kept for another process
-  const RegionInputs* region = nullptr;                 // null: the whole map
+/// Texels [x0, x1) x [y0, y1) of a level.
+struct TexelRange {
+  int x0, y0, x1, y1;
+};
+
+/// Takes what a bake makes, exact to float: rows of a level in order from its first, coarse levels first, but rows of
+/// level 0 between those of level 1.
+class MovmfSink {
+ public:
+  virtual ~MovmfSink() = default;
+  virtual void add_level(int level, int first_row, MovmfLevel rows) = 0;
+  virtual void add_finest(int first_row, MovmfFinest rows) = 0;
+};
+
+/// A part of a baked map that is fitted again, beside the rest as it is.
+class RegionInputs {
+ public:
+  virtual ~RegionInputs() = default;
+  /// The texels of a level that are fitted.
+  virtual TexelRange range(int level) const = 0;
+  /// The level's lobes as they are, by rows [lobe][column].
+  virtual RowStore kept(int level) const = 0;
+};
+
+struct MovmfBakeInputs : MapInputs {
+  std::uint64_t writer_bytes = 0;              // of memory_bytes, what the sink holds while levels are fitted
+  SpillPolicy spill{.memory_bytes = 4 << 20};  // of what does not fit in memory
+  BakeCheckpoint* checkpoint = nullptr;        // null: nothing is kept for another process
+  const RegionInputs* region = nullptr;        // null: the whole map
 };
 
 /// Units of progress that a bake of lobes advances by.

@@ -3,17 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "host/opencl/launch_shape.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
 namespace {
-
-struct RowRange {
-  int begin, end;
-};
 
 // Sizes of the windows of a level for a plan.
 struct WindowRows {
@@ -60,198 +55,160 @@ int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSet
   constexpr std::size_t kHandedBytes = std::size_t{64} << 20;
   if (device.shape().window_bytes_max == 0) return band_rows;
   const std::size_t texel = static_cast<std::size_t>(settings.lobe_count) *
-                            (sizeof(MultumVmfLobe) + inputs.features.size() * 3 * sizeof(float));
+                            (sizeof(MultumVmfLobe) + inputs.map.features.rgb_planes.size() * 3 * sizeof(float));
   const std::size_t rows = kHandedBytes / (texel * static_cast<std::size_t>(level.fit.width));
   return static_cast<int>(std::clamp<std::size_t>(rows, 1, static_cast<std::size_t>(band_rows)));
 }
 
-class LevelFit {
- public:
-  LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
-           const LevelInputs& inputs, const BandPlan& plan, Progress* progress)
-      : em_step_(em_step),
-        level_(level),
-        fit_(level.fit),
-        inputs_(inputs),
-        lobe_count_(settings.lobe_count),
-        gaussians_(settings.representation == Representation::kGmm),
-        whole_(is_whole(level, settings, plan)),
-        band_rows_(whole_ ? level.fit.height : plan.band_rows),
-        steps_(total_steps(level, settings)),
-        handed_rows_(handed_rows(device, level, settings, inputs, band_rows_)),
-        wanted_(inputs.range != nullptr ? RowRange{inputs.range->y0, inputs.range->y1}
-                                        : RowRange{inputs.first_row, level.fit.height}),
-        progress_(progress) {
-    const WindowRows rows = window_rows(level, settings, plan);
-    const auto row_bytes = [](int columns, std::size_t texel) { return static_cast<std::size_t>(columns) * texel; };
-    const std::size_t lobe_row = row_bytes(fit_.width, sizeof(MultumVmfLobe));
-    lobes_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the lobes of a level");
-    alignment_vectors_ = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
-    if (has_features())
-      features_ = RowWindow(device, lobe_count_ * static_cast<int>(inputs.features.size()),
-                            row_bytes(fit_.width, 3 * sizeof(float)), rows.level, "the features of a level");
-    if (inputs.parent != nullptr)
-      parent_ = RowWindow(device, lobe_count_, row_bytes(fit_.parent_width, sizeof(MultumVmfLobe)), rows.parent,
-                          "the lobes of the next coarser level");
-    else fit_.parent_width = fit_.parent_height = 0;
-    if (level.method == FitMethod::kBinned) {
-      const std::size_t samples = binned_bytes(fit_);
-      binned_ = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "binned normals");
-      binned_counts_ = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
-      for (std::size_t t = 0; t < inputs.features.size(); ++t)
-        binned_planes_.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "binned features");
-    } else {
-      if (inputs.on_device == nullptr || !whole_)
-        windows_of_map_.emplace(device, *inputs.normals, inputs.features, rows.map);
-      map_ = windows_of_map_ ? &*windows_of_map_ : inputs.on_device;
-    }
-    windows_.lobes = &lobes_;
-    windows_.alignment_vectors = &alignment_vectors_;
-    if (inputs.parent != nullptr) windows_.parent = &parent_;
-    if (map_ != nullptr) {
-      windows_.normals = &map_->normals;
-      for (MapWindow& rgb_plane : map_->rgb_planes) windows_.rgb_planes.push_back(&rgb_plane);
-    }
-    windows_.binned = &binned_;
-    windows_.binned_counts = &binned_counts_;
-    for (const RowWindow& rgb_plane : binned_planes_) windows_.binned_planes.push_back(&rgb_plane);
-  }
-
-  void run(const std::function<void(const FittedRows&)>& finished) {
-    const RowRange first = rows_of_step(0), last = rows_of_step(steps_ - 1);
-    for (int front = whole_ ? 0 : first.begin; front - steps_ + 1 < last.end; front += band_rows_) {
-      const int window_begin = whole_ ? 0 : std::max(front - steps_, lower_bound());
-      const int window_end = whole_ ? fit_.height : std::min(front + band_rows_, upper_bound());
-      if (window_begin < window_end) move_windows({window_begin, window_end});
-      for (int step = 0; step < steps_; ++step) {
-        const int lag = whole_ ? 0 : step;
-        const RowRange allowed = rows_of_step(step);
-        run_step(step, {std::max(front - lag, allowed.begin), std::min(front - lag + band_rows_, allowed.end)});
-      }
-      const int lag = whole_ ? 0 : steps_ - 1;
-      const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
-      for (int row = done.begin; row < done.end; row += handed_rows_)
-        finished({row, std::min(handed_rows_, done.end - row), &lobes_, has_features() ? &features_ : nullptr,
-                  level_.method == FitMethod::kTexels ? &map_->normals : nullptr, fit_});
-      if (whole_) break;
-    }
-  }
-
- private:
-  bool has_features() const { return !inputs_.features.empty(); }
-  // Rows beyond a border are there when the map repeats, as many as the steps reach.
-  bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
-  int lower_bound() const { return repeats() ? -steps_ : 0; }
-  int upper_bound() const { return repeats() ? fit_.height + steps_ : fit_.height; }
-
-  // The rows that step `step` must fit so that the last step's rows are right: those, and as many more as steps follow.
-  RowRange rows_of_step(int step) const {
-    if (inputs_.range != nullptr) return wanted_;  // what lies outside stays as it is
-    if (whole_) return {0, fit_.height};
-    const int more = steps_ - 1 - step;
-    return {std::max(wanted_.begin - more, lower_bound()), std::min(wanted_.end + more, upper_bound())};
-  }
-
-  void move_windows(RowRange rows) {
-    const int count = rows.end - rows.begin;
-    const RowStore* there = inputs_.kept != nullptr ? inputs_.kept : inputs_.start;
-    const RowWindow::Fill fill = there == nullptr ? nullptr : fill_planes(*there);
-    lobes_.move_to(rows.begin, count, fill);
-    if (inputs_.kept == nullptr) alignment_vectors_.move_to(rows.begin, count, nullptr);
-    else alignment_vectors_.move_to(rows.begin, count, fill_alignment_vectors(fill));
-    if (has_features()) features_.move_to(rows.begin, count, nullptr);
-    fit_.first_row = wrapped_row(rows.begin, fit_.height);
-    fit_.window_rows = lobes_.capacity_rows();
-    if (inputs_.parent != nullptr) {
-      const int begin = whole_ ? 0 : parent_row_of(fit_, rows.begin),
-                end = whole_ ? fit_.parent_height : parent_row_of(fit_, rows.end - 1) + 1;
-      parent_.move_to(begin, end - begin, fill_planes(*inputs_.parent));
-      fit_.parent_first_row = wrapped_row(begin, fit_.parent_height);
-      fit_.parent_window_rows = parent_.capacity_rows();
-    }
-    if (level_.method == FitMethod::kBinned) {
-      const BinnedLevel& from = *inputs_.binned;
-      binned_.move_to(rows.begin, count, fill_binned(from, from.samples, binned_bytes(fit_)));
-      binned_counts_.move_to(rows.begin, count, fill_planes(from.counts));
-      for (std::size_t t = 0; t < binned_planes_.size(); ++t)
-        binned_planes_[t].move_to(rows.begin, count, fill_binned(from, from.rgb_planes[t], binned_bytes(fit_)));
-    } else if (level_.method == FitMethod::kTexels) {
-      const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
-      const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
-      map_->move_to(begin, end - begin);
-      fit_.map_first_row = wrapped_row(begin, fit_.map_height);
-      fit_.map_window_rows = end - begin;
-    }
-  }
-
-  int last_map_row(int row) const {
-    const int end = map_rows_end(fit_, row);
-    return repeats() ? end : std::min(end, fit_.map_height);
-  }
-
-  // Lobes that are there before the fit: what they tell their neighbours, as movmf_em_texels.cl writes it.
-  RowWindow::Fill fill_alignment_vectors(const RowWindow::Fill& fill_lobes) {
-    return [this, fill_lobes](int row, int count, const std::vector<unsigned char*>& planes) {
-      fill_lobes(row, count, planes);
-      for (unsigned char* plane : planes) {
-        auto* lobes = reinterpret_cast<MultumVmfLobe*>(plane);
-        for (int i = 0; i < count * fit_.width; ++i) {
-          MultumVmfLobe& lobe = lobes[i];
-          if (gaussians_) {
-            lobe = {lobe.mean_x * lobe.amplitude, lobe.mean_y * lobe.amplitude, lobe.amplitude, 0.0f};
-            continue;
-          }
-          const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
-          const float scale = squared > 1e-24f ? lobe.amplitude / std::sqrt(squared) : 0.0f;
-          lobe = {lobe.mean_x * scale, lobe.mean_y * scale, lobe.mean_z * scale, lobe.amplitude * scale};
-        }
-      }
-    };
-  }
-
-  void run_step(int step, RowRange rows) {
-    if (rows.begin >= rows.end) return;
-    const int sweep = step / level_.step_count;
-    MultumMovmfFit fit = fit_;
-    if (sweep > 0) {
-      fit.order = MULTUM_ORDER_AGAIN;
-      fit.iteration_count = level_.refit_iterations;
-    }
-    windows_.features = has_features() && step >= steps_ - level_.step_count ? &features_ : nullptr;
-    std::vector<int> texels = step_texels(level_, step % level_.step_count, rows.begin, rows.end, lobes_.first_row());
-    if (inputs_.range != nullptr)
-      std::erase_if(texels, [&](int texel) {
-        const int x = texel % fit.width;
-        return x < inputs_.range->x0 || x >= inputs_.range->x1;
-      });
-    em_step_.run(level_.method, fit, std::move(texels), windows_, progress_);
-  }
-
-  MovmfEmStep& em_step_;
-  const LevelSchedule& level_;
-  MultumMovmfFit fit_;
-  const LevelInputs inputs_;
-  const int lobe_count_;
-  const bool gaussians_;
-  const bool whole_;
-  const int band_rows_;
-  const int steps_;
-  const int handed_rows_;  // at a time
-  const RowRange wanted_;  // rows that are handed over
-  Progress* progress_;
-  RowWindow lobes_, alignment_vectors_, features_, parent_, binned_, binned_counts_;
-  std::vector<RowWindow> binned_planes_;
-  std::optional<MapWindows> windows_of_map_;
-  MapWindows* map_ = nullptr;  // those, or the whole map
-  StepWindows windows_;
-};
-
 }  // namespace
 
-void fit_level(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
-               const LevelInputs& inputs, const BandPlan& plan, const std::function<void(const FittedRows&)>& finished,
-               Progress* progress) {
-  LevelFit(device, em_step, level, settings, inputs, plan, progress).run(finished);
+LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
+                   const LevelInputs& inputs, const BandPlan& plan, Progress* progress)
+    : em_step_(em_step),
+      level_(level),
+      fit_(level.fit),
+      inputs_(inputs),
+      lobe_count_(settings.lobe_count),
+      gaussians_(settings.representation == Representation::kGmm),
+      whole_(is_whole(level, settings, plan)),
+      band_rows_(whole_ ? level.fit.height : plan.band_rows),
+      steps_(total_steps(level, settings)),
+      handed_rows_(handed_rows(device, level, settings, inputs, band_rows_)),
+      wanted_(inputs.range != nullptr ? RowRange{inputs.range->y0, inputs.range->y1}
+                                      : RowRange{inputs.first_row, level.fit.height}),
+      progress_(progress) {
+  make_windows(device, settings, plan);
+}
+
+void LevelFit::make_windows(Device& device, const MovmfSettings& settings, const BandPlan& plan) {
+  const WindowRows rows = window_rows(level_, settings, plan);
+  const auto row_bytes = [](int columns, std::size_t texel) { return static_cast<std::size_t>(columns) * texel; };
+  const std::size_t lobe_row = row_bytes(fit_.width, sizeof(MultumVmfLobe));
+  windows_.lobes = RowWindow(device, lobe_count_, lobe_row, rows.level, "the lobes of a level");
+  windows_.alignment_vectors = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
+  if (has_features())
+    windows_.features = RowWindow(device, lobe_count_ * static_cast<int>(inputs_.map.features.rgb_planes.size()),
+                                  row_bytes(fit_.width, 3 * sizeof(float)), rows.level, "the features of a level");
+  if (inputs_.parent != nullptr)
+    windows_.parent = RowWindow(device, lobe_count_, row_bytes(fit_.parent_width, sizeof(MultumVmfLobe)), rows.parent,
+                                "the lobes of the next coarser level");
+  else fit_.parent_width = fit_.parent_height = 0;
+  if (level_.method == FitMethod::kBinned) {
+    const std::size_t samples = binned_bytes(fit_);
+    windows_.binned = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "binned normals");
+    windows_.binned_counts = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
+    for (std::size_t t = 0; t < inputs_.map.features.rgb_planes.size(); ++t)
+      windows_.binned_planes.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "binned features");
+  } else {
+    if (inputs_.on_device == nullptr || !whole_)
+      windows_of_map_.emplace(device, *inputs_.map.normals, inputs_.map.features.rgb_planes, rows.map);
+    windows_.map = windows_of_map_ ? &*windows_of_map_ : inputs_.on_device;
+  }
+}
+
+void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
+  const RowRange first = rows_of_step(0), last = rows_of_step(steps_ - 1);
+  for (int front = whole_ ? 0 : first.begin; front - steps_ + 1 < last.end; front += band_rows_) {
+    const int window_begin = whole_ ? 0 : std::max(front - steps_, lower_bound());
+    const int window_end = whole_ ? fit_.height : std::min(front + band_rows_, upper_bound());
+    if (window_begin < window_end) move_windows({window_begin, window_end});
+    for (int step = 0; step < steps_; ++step) {
+      const int lag = whole_ ? 0 : step;
+      const RowRange allowed = rows_of_step(step);
+      run_step(step, {std::max(front - lag, allowed.begin), std::min(front - lag + band_rows_, allowed.end)});
+    }
+    const int lag = whole_ ? 0 : steps_ - 1;
+    const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
+    for (int row = done.begin; row < done.end; row += handed_rows_)
+      finished({row, std::min(handed_rows_, done.end - row), &windows_.lobes,
+                has_features() ? &windows_.features : nullptr,
+                level_.method == FitMethod::kTexels ? &windows_.map->normals : nullptr, fit_});
+    if (whole_) break;
+  }
+}
+
+// The rows that step `step` must fit so that the last step's rows are right: those, and as many more as steps follow.
+LevelFit::RowRange LevelFit::rows_of_step(int step) const {
+  if (inputs_.range != nullptr) return wanted_;  // what lies outside stays as it is
+  if (whole_) return {0, fit_.height};
+  const int more = steps_ - 1 - step;
+  return {std::max(wanted_.begin - more, lower_bound()), std::min(wanted_.end + more, upper_bound())};
+}
+
+void LevelFit::move_windows(RowRange rows) {
+  const int count = rows.end - rows.begin;
+  const RowStore* there = inputs_.kept != nullptr ? inputs_.kept : inputs_.start;
+  const RowWindow::Fill fill = there == nullptr ? nullptr : fill_planes(*there);
+  windows_.lobes.move_to(rows.begin, count, fill);
+  if (inputs_.kept == nullptr) windows_.alignment_vectors.move_to(rows.begin, count, nullptr);
+  else windows_.alignment_vectors.move_to(rows.begin, count, fill_alignment_vectors(fill));
+  if (has_features()) windows_.features.move_to(rows.begin, count, nullptr);
+  fit_.first_row = wrapped_row(rows.begin, fit_.height);
+  fit_.window_rows = windows_.lobes.capacity_rows();
+  if (inputs_.parent != nullptr) {
+    const int begin = whole_ ? 0 : parent_row_of(fit_, rows.begin),
+              end = whole_ ? fit_.parent_height : parent_row_of(fit_, rows.end - 1) + 1;
+    windows_.parent.move_to(begin, end - begin, fill_planes(*inputs_.parent));
+    fit_.parent_first_row = wrapped_row(begin, fit_.parent_height);
+    fit_.parent_window_rows = windows_.parent.capacity_rows();
+  }
+  if (level_.method == FitMethod::kBinned) {
+    const BinnedLevel& from = *inputs_.binned;
+    windows_.binned.move_to(rows.begin, count, fill_binned(from, from.samples, binned_bytes(fit_)));
+    windows_.binned_counts.move_to(rows.begin, count, fill_planes(from.counts));
+    for (std::size_t t = 0; t < windows_.binned_planes.size(); ++t)
+      windows_.binned_planes[t].move_to(rows.begin, count, fill_binned(from, from.rgb_planes[t], binned_bytes(fit_)));
+  } else if (level_.method == FitMethod::kTexels) {
+    const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
+    const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
+    windows_.map->move_to(begin, end - begin);
+    fit_.map_first_row = wrapped_row(begin, fit_.map_height);
+    fit_.map_window_rows = end - begin;
+  }
+}
+
+int LevelFit::last_map_row(int row) const {
+  const int end = map_rows_end(fit_, row);
+  return repeats() ? end : std::min(end, fit_.map_height);
+}
+
+// Lobes that are there before the fit: what they tell their neighbours, as movmf_em_texels.cl writes it.
+RowWindow::Fill LevelFit::fill_alignment_vectors(const RowWindow::Fill& fill_lobes) {
+  return [this, fill_lobes](int row, int count, const std::vector<unsigned char*>& planes) {
+    fill_lobes(row, count, planes);
+    for (unsigned char* plane : planes) {
+      auto* lobes = reinterpret_cast<MultumVmfLobe*>(plane);
+      for (int i = 0; i < count * fit_.width; ++i) {
+        MultumVmfLobe& lobe = lobes[i];
+        if (gaussians_) {
+          lobe = {lobe.mean_x * lobe.amplitude, lobe.mean_y * lobe.amplitude, lobe.amplitude, 0.0f};
+          continue;
+        }
+        const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
+        const float scale = squared > 1e-24f ? lobe.amplitude / std::sqrt(squared) : 0.0f;
+        lobe = {lobe.mean_x * scale, lobe.mean_y * scale, lobe.mean_z * scale, lobe.amplitude * scale};
+      }
+    }
+  };
+}
+
+void LevelFit::run_step(int step, RowRange rows) {
+  if (rows.begin >= rows.end) return;
+  const int sweep = step / level_.step_count;
+  MultumMovmfFit fit = fit_;
+  if (sweep > 0) {
+    fit.order = MULTUM_ORDER_AGAIN;
+    fit.iteration_count = level_.refit_iterations;
+  }
+  windows_.wants_features = has_features() && step >= steps_ - level_.step_count;
+  std::vector<int> texels =
+      step_texels(level_, step % level_.step_count, rows.begin, rows.end, windows_.lobes.first_row());
+  if (inputs_.range != nullptr)
+    std::erase_if(texels, [&](int texel) {
+      const int x = texel % fit.width;
+      return x < inputs_.range->x0 || x >= inputs_.range->x1;
+    });
+  em_step_.run(level_.method, fit, std::move(texels), windows_, progress_);
 }
 
 std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,

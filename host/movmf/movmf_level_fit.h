@@ -15,26 +15,21 @@
 #pragma once
 
 #include <functional>
-#include <vector>
+#include <optional>
 
 #include "host/movmf/fit_report.h"
 #include "host/movmf/movmf_binning.h"
 #include "host/movmf/movmf_em_step.h"
+#include "host/movmf/movmf_inputs.h"
 
 namespace multum {
 
-/// Texels [x0, x1) x [y0, y1) of a level.
-struct TexelRange {
-  int x0, y0, x1, y1;
-};
-
-/// What the fit of a level reads.
+/// What the fit of a level reads beside the map.
 struct LevelInputs {
-  const PlaneStore* normals = nullptr;
-  MapWindows* on_device = nullptr;          // the same, whole; null: windows of it are made
-  std::vector<const PlaneStore*> features;  // rgb_planes
-  const BinnedLevel* binned = nullptr;      // kBinned
-  const RowStore* parent = nullptr;         // lobes of the next coarser level, by rows [lobe][column]; null: none
+  const MovmfBakeInputs& map;
+  MapWindows* on_device = nullptr;      // the map's normals and features, whole; null: windows of them are made
+  const BinnedLevel* binned = nullptr;  // kBinned
+  const RowStore* parent = nullptr;     // lobes of the next coarser level, by rows [lobe][column]; null: none
   // Where there is no parent: the lobes that each texel starts from, by rows as above.
   const RowStore* start = nullptr;
   int first_row = 0;  // rows above are done already and are not handed over
@@ -58,12 +53,48 @@ struct BandPlan {
   int map_band_rows;  // of the map, where a method passes over it band by band: kChunks
 };
 
-/// Calls `finished` with rows in order from 0. Throws Cancelled.
-void fit_level(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
-               const LevelInputs& inputs, const BandPlan& plan, const std::function<void(const FittedRows&)>& finished,
-               Progress* progress);
+/// The fit of one level, or of a part of its rows.
+class LevelFit {
+ public:
+  LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
+           const LevelInputs& inputs, const BandPlan& plan, Progress* progress);
 
-/// Bytes of the windows and buffers of fit_level(), about.
+  /// Calls `finished` with rows in order from 0. Throws Cancelled.
+  void run(const std::function<void(const FittedRows&)>& finished);
+
+ private:
+  struct RowRange {
+    int begin, end;
+  };
+  void make_windows(Device& device, const MovmfSettings& settings, const BandPlan& plan);
+  bool has_features() const { return !inputs_.map.features.empty(); }
+  // Rows beyond a border are there when the map repeats, as many as the steps reach.
+  bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
+  int lower_bound() const { return repeats() ? -steps_ : 0; }
+  int upper_bound() const { return repeats() ? fit_.height + steps_ : fit_.height; }
+  RowRange rows_of_step(int step) const;
+  void move_windows(RowRange rows);
+  int last_map_row(int row) const;
+  RowWindow::Fill fill_alignment_vectors(const RowWindow::Fill& fill_lobes);
+  void run_step(int step, RowRange rows);
+
+  MovmfEmStep& em_step_;
+  const LevelSchedule& level_;
+  MultumMovmfFit fit_;
+  const LevelInputs inputs_;
+  const int lobe_count_;
+  const bool gaussians_;
+  const bool whole_;
+  const int band_rows_;
+  const int steps_;
+  const int handed_rows_;  // at a time
+  const RowRange wanted_;  // rows that are handed over
+  Progress* progress_;
+  StepWindows windows_;
+  std::optional<MapWindows> windows_of_map_;  // where the map is not on the device
+};
+
+/// Bytes of the windows and buffers of LevelFit, about.
 std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,
                               const BandPlan& plan);
 

@@ -134,12 +134,12 @@ std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const Tex
 }
 
 std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
-                                       bool has_roughness) {
+                                       bool is_shortened) {
   if (representation != Representation::kGmm) return lobes;
   for (MultumVmfLobe& lobe : lobes) {
     const float length = glm::length(glm::vec3(lobe.mean_x, lobe.mean_y, lobe.mean_z));
     lobe.mean_z = std::clamp(1.0f - length, 1e-6f, 0.5f);
-    if (!has_roughness) continue;
+    if (!is_shortened) continue;
     lobe.mean_x /= std::max(length, 1e-6f);
     lobe.mean_y /= std::max(length, 1e-6f);
   }
@@ -154,7 +154,7 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
   const Normals normals = sample_normals(map, {0, 0, map.width(), map.height()}, 1024.0);
   const HighlightError error(normals);
   const auto cap = static_cast<double>(search.kappa_max);
-  const double copies = search.has_roughness ? static_cast<double>(kCopiesShortened) : 1.0;
+  const double copies = map.is_shortened() ? static_cast<double>(kCopiesShortened) : 1.0;
   const auto lobe_count = static_cast<std::size_t>(search.lobe_count);
   std::vector<Fit> fits(kTrials);
   for_each_item(kTrials, search.threads, [&](int row) {
@@ -163,7 +163,7 @@ std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, 
     if (trial == 0) chosen = farthest_first_normals(normals, search.lobe_count);
     for (std::size_t j = chosen.size(); j < lobe_count; ++j)
       chosen.push_back(split_mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
-    fits[trial] = start_mixture(normals, chosen, search.has_roughness);
+    fits[trial] = start_mixture(normals, chosen, map.is_shortened());
     iterate_mixture(fits[trial], normals, kShortIterations, cap, copies);
   });
   fits = finalists(std::move(fits), error, search.threads);
@@ -188,6 +188,7 @@ NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t se
   NormalMap proxy;
   proxy.width = std::min(map.width(), side_max);
   proxy.height = std::min(map.height(), side_max);
+  proxy.is_shortened = map.is_shortened();
   for (int y = 0; y < proxy.height; ++y)
     for (int x = 0; x < proxy.width; ++x) {
       const std::uint64_t random = split_mix(seed * 0x100000001b3u + static_cast<std::uint64_t>(y * proxy.width + x));

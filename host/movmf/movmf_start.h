@@ -25,17 +25,16 @@ struct TexelRectangle {
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
 /// The same lobes as `representation` has them: of Gaussians the mean's x and y, and sigma^2 = 1 - |r|, which is
-/// 1/kappa of a narrow lobe. `has_roughness`: their normals were shortened, and points of the plane are not: the
-/// direction's x and y.
+/// 1/kappa of a narrow lobe. `is_shortened`: their normals are (PlaneStore::is_shortened()), and points of the plane
+/// are not: the direction's x and y.
 std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
-                                       bool has_roughness);
+                                       bool is_shortened);
 
 struct StartSearch {
   int lobe_count = 4;
   float kappa_max = 1000.0f;  // cap inside EM
   std::uint64_t seed = 1;
   int threads = 1;
-  bool has_roughness = false;  // normals are shortened
 };
 
 /// Starts for the coarsest level, least error first, 1 to 24: the best of many EM fits, in double,

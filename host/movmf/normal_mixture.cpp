@@ -10,11 +10,11 @@
 
 namespace multum {
 
-MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>& chosen, bool has_roughness) {
+MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>& chosen, bool is_shortened) {
   MixtureFit fit;
   for (std::size_t i : chosen) {
     MixtureLobe lobe{normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())};
-    if (has_roughness) {  // as wide as that normal's own lobe: on a flat surface nothing else tells lobes apart
+    if (is_shortened) {  // as wide as that normal's own lobe: on a flat surface nothing else tells lobes apart
       const double length = glm::length(normals[i]);
       lobe = {normals[i] / length, 0.95 * length, kappa_of_mean_cosine(0.95 * length, 30.0), lobe.amplitude};
     }

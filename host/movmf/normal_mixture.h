@@ -27,7 +27,7 @@ struct MixtureFit {
 };
 
 /// Lobes of equal amplitude around the normals of these numbers.
-MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>& chosen, bool has_roughness);
+MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>& chosen, bool is_shortened);
 
 /// EM in double, Han et al. 2007, section 7, Algorithm 1, without alignment; of shortened normals, `copies` of each
 /// (kernels/device/movmf_em.clh).

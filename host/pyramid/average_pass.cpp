@@ -17,19 +17,18 @@ constexpr std::size_t kMapPlanes = std::tuple_size_v<AveragedPlanes::MapPlanes>;
 
 class AveragePass {
  public:
-  AveragePass(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, const FeaturePlanes& features)
+  AveragePass(Device& device, const AverageInputs& inputs, AveragedPlanes& planes)
       : device_(device),
         inputs_(inputs),
         planes_(planes),
-        features_(features),
         width_(inputs.normals->width()),
         height_(inputs.normals->height()),
-        plane_count_(planes.plane_count() + 3 * features.rgb_plane_count()),
+        plane_count_(planes.plane_count() + 3 * inputs.features.rgb_plane_count()),
         pyramid_(device, {width_, height_, plane_count_, inputs.first_level}, {inputs.memory_bytes, row_values()}),
         take_features_(device.kernel("mip_box", "mip_features", {1, 1, false})) {
     const std::size_t band = size_of(width_) * sizeof(float) * size_of(pyramid_.band_rows());
     for (DeviceBuffer& plane : normals_) plane = device_.make_buffer(band, "normals");
-    rgb_planes_.resize(features.rgb_planes.size());
+    rgb_planes_.resize(inputs_.features.rgb_planes.size());
     for (AveragedPlanes::MapPlanes& rgb_plane : rgb_planes_)
       for (DeviceBuffer& plane : rgb_plane) plane = device_.make_buffer(band, "features");
   }
@@ -54,7 +53,7 @@ class AveragePass {
  private:
   // Of a row: map planes, and what comes of it, as it waits to be written.
   std::size_t row_values() const {
-    const std::size_t map_planes = kMapPlanes * (1 + features_.rgb_planes.size());
+    const std::size_t map_planes = kMapPlanes * (1 + inputs_.features.rgb_planes.size());
     return (map_planes + 3 * size_of(plane_count_ + 1)) * size_of(width_);
   }
 
@@ -73,7 +72,7 @@ class AveragePass {
       planes_.see_normals({values[0], values[1], values[2]}, size_of(band.row_count) * size_of(width_));
     });
     for (std::size_t t = 0; t < rgb_planes_.size(); ++t)
-      read(*features_.rgb_planes[t], rgb_planes_[t], [](const std::array<float*, 3>&) {});
+      read(*inputs_.features.rgb_planes[t], rgb_planes_[t], [](const std::array<float*, 3>&) {});
   }
 
   void make_finest(const MultumBoxBand& band) {
@@ -89,7 +88,6 @@ class AveragePass {
   Device& device_;
   const AverageInputs& inputs_;
   AveragedPlanes& planes_;
-  const FeaturePlanes& features_;
   const int width_, height_, plane_count_;
   BoxPyramid pyramid_;
   Kernel take_features_;
@@ -104,7 +102,7 @@ AveragedMap::AveragedMap(const NormalMap& map, const ColourMap* albedo, const Av
       albedo_(albedo != nullptr ? std::optional<PlaneStore>(planes_of(*albedo)) : std::nullopt),
       inputs_(inputs) {
   inputs_.normals = &normals_;
-  inputs_.albedo = albedo_ ? &*albedo_ : nullptr;
+  if (albedo_) inputs_.features = inputs.features.with_colours(*albedo_);
 }
 
 BakedHeader AveragedMap::header(Representation representation) const {
@@ -115,8 +113,8 @@ BakedHeader AveragedMap::header(Representation representation) const {
   header.height = normals_.height();
   header.first_level = inputs_.first_level;
   header.has_colours = albedo_.has_value();
-  header.weight_count = inputs_.weights != nullptr ? inputs_.weights->count : 0;
-  header.has_roughness = inputs_.has_roughness;
+  header.weight_count = inputs_.features.weight_count;
+  header.has_roughness = normals_.is_shortened();
   return header;
 }
 
@@ -124,9 +122,8 @@ void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& pl
                  Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate_box_map(inputs.first_level, normals.width(), normals.height());
-  const FeaturePlanes features = FeaturePlanes::of(inputs.albedo, inputs.weights);
-  MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
-  AveragePass pass(device, inputs, planes, features);
+  MULTUM_CHECK(inputs.features.all_of_size(normals.width(), normals.height()));
+  AveragePass pass(device, inputs, planes);
   report.plan = pass.plan_text();
   pass.run(progress);
 }

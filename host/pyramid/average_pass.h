@@ -17,24 +17,19 @@
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
 #include "host/pyramid/box_pyramid.h"
+#include "host/pyramid/feature_planes.h"
 #include "kernels/shared/mip_box.h"
 
 namespace multum {
 
-struct AverageInputs {
-  const PlaneStore* normals = nullptr;
-  const PlaneStore* albedo = nullptr;                   // of the same size; null: no colours
-  const WeightMap* weights = nullptr;                   // of the same size; null: none
-  bool has_roughness = false;                           // normals are shortened (host/image/material_maps.h)
-  int first_level = 0;                                  // the finest to make
-  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers; changes no byte of the result
-  int threads = 1;                                      // of the host's own loops
+struct AverageInputs : MapInputs {
+  int first_level = 0;  // the finest to make
 };
 
 /// Maps in memory as inputs, and the header of what is made of them: sizes and contents alone.
 class AveragedMap {
  public:
-  /// `albedo` may be null. Weights are those of `inputs`, and must outlive it.
+  /// `albedo` may be null. Weights are the features of `inputs`, and must outlive it.
   AveragedMap(const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs);
   AveragedMap(const AveragedMap&) = delete;
   AveragedMap& operator=(const AveragedMap&) = delete;

@@ -16,6 +16,13 @@ FeaturePlanes FeaturePlanes::of(const PlaneStore* albedo, const WeightMap* weigh
   return features;
 }
 
+FeaturePlanes FeaturePlanes::with_colours(const PlaneStore& albedo) const {
+  FeaturePlanes both = *this;
+  both.has_colours = true;
+  both.rgb_planes.insert(both.rgb_planes.begin(), &albedo);
+  return both;
+}
+
 bool FeaturePlanes::all_of_size(int width, int height) const {
   return std::all_of(rgb_planes.begin(), rgb_planes.end(), [&](const PlaneStore* rgb_plane) {
     return rgb_plane->width() == width && rgb_plane->height() == height;

@@ -27,7 +27,7 @@ std::vector<glm::vec3> interleaved(const PlaneStore& store, int first_row, int r
 }  // namespace
 
 MovmfFinest finest_rows(const PlaneStore& normals, const FeaturePlanes& features, Representation representation,
-                        bool has_roughness, int first_row, int row_count, int threads) {
+                        int first_row, int row_count, int threads) {
   MovmfFinest rows;
   rows.width = normals.width();
   rows.height = row_count;
@@ -35,8 +35,9 @@ MovmfFinest finest_rows(const PlaneStore& normals, const FeaturePlanes& features
   rows.lobe.assign(rows.normals.size(), 0);
   rows.representation = representation;
   if (representation == Representation::kGmm)
-    for (glm::vec3& n : rows.normals) n = has_roughness ? rough_point(n) : glm::vec3(n.x, n.y, n.x * n.x + n.y * n.y);
-  rows.has_roughness = has_roughness;
+    for (glm::vec3& n : rows.normals)
+      n = normals.is_shortened() ? rough_point(n) : glm::vec3(n.x, n.y, n.x * n.x + n.y * n.y);
+  rows.has_roughness = normals.is_shortened();
   std::vector<std::vector<glm::vec3>> rgb_planes;
   for (const PlaneStore* rgb_plane : features.rgb_planes)
     rgb_planes.push_back(interleaved(*rgb_plane, first_row, row_count, threads));

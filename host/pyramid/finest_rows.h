@@ -8,9 +8,8 @@
 
 namespace multum {
 
-/// Rows [first_row, first_row + row_count) of the map; all texels in lobe 0. `has_roughness`: the normals are
-/// shortened.
+/// Rows [first_row, first_row + row_count) of the map; all texels in lobe 0.
 MovmfFinest finest_rows(const PlaneStore& normals, const FeaturePlanes& features, Representation representation,
-                        bool has_roughness, int first_row, int row_count, int threads);
+                        int first_row, int row_count, int threads);
 
 }  // namespace multum

@@ -42,10 +42,11 @@ MapPlanner::MapPlanner(const SceneDescription& scene, std::size_t map, std::shar
   // Bakes of small maps take no longer than many fits.
   survey.texels_per_level =
       std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
-  survey_ = survey_map(normals, {source_->colours(), needs_.weighted ? source_->weight_map() : nullptr}, survey);
+  const bool has_weights = needs_.weighted && source_->weights;
+  survey_ = survey_map(normals, {source_->colours(), has_weights ? &*source_->weights : nullptr}, survey);
   plan_.z_min = survey_.z_min;
   errors_.emplace(survey_, LobeErrorSettings{std::max(1, std::min(needs_.first_seen, plan_.level_count - 1)),
-                                             source_->has_roughness, source_->mean_cosine, settings.threads});
+                                             source_->has_roughness(), source_->mean_cosine, settings.threads});
 }
 
 MapPlan MapPlanner::plan() {

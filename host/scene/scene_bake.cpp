@@ -118,8 +118,8 @@ SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const
 void settle(const SceneFiles& files, MapPlan& map) {
   const MovmfReader reader(files.baked(map));
   BakeCandidate& chosen = map.chosen;
-  chosen.shape.representation = reader.header().representation;
-  chosen.shape.encoding = reader.header().encoding;
+  chosen.shape.representation = reader.header().header.representation;
+  chosen.shape.encoding = reader.header().header.encoding;
   chosen.shape.lobe_count = reader.header().lobe_count();
   chosen.name = fmt::format("{}, {} lobe{}", representation_info(chosen.shape.representation).option,
                             chosen.shape.lobe_count, chosen.shape.lobe_count == 1 ? "" : "s");

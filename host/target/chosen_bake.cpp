@@ -57,9 +57,9 @@ class Attempts {
     job.report.clear();
     job.force = true;
     const TargetBrdf& brdf = trials_.brdf();
-    if (!source_.has_roughness) job.highlights = brdf.more_highlights();
+    if (!source_.has_roughness()) job.highlights = brdf.more_highlights();
     HeldWarnings held;
-    BakeReport report = bake_source(job, source_, device_, progress_);
+    BakeReport report = bake_file(job, &source_, device_, progress_);
     report.stages.insert(report.stages.begin(), {"read", read_seconds_});
     made_.push_back({trial, reached_error(report.error, brdf), report.bake_seconds(), std::move(report), held.take()});
     return made_.back();
@@ -263,7 +263,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   if (given_source == nullptr) read = read_source(job, MapReadings::kMany, choosing, progress);
   const BakeSource& source = given_source != nullptr ? *given_source : *read;
   clock.finish("read");
-  if (source.has_roughness && target.brdf.name != "lambert") target.brdf.name = "roughness";
+  if (source.has_roughness() && target.brdf.name != "lambert") target.brdf.name = "roughness";
   std::vector<SettingCandidate> candidates = setting_candidates(target.only);
   progress_stage(progress, "choose settings");
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));

@@ -48,6 +48,7 @@ Cuts make_cuts(int width, int height, const MosaicSettings& settings) {
 
 PlaneStore cut_planes(const PlaneStore& map, const Cuts& cuts) {
   PlaneStore mosaic(cuts.width, cuts.height);
+  mosaic.set_shortened(map.is_shortened());
   const auto block_rows = cuts.height / static_cast<int>(cuts.rows.size());
   const auto map_width = static_cast<std::size_t>(map.width());
   std::vector<float> from(3 * map_width), to(3 * static_cast<std::size_t>(cuts.width));
@@ -80,7 +81,6 @@ BakeSource make_mosaic(const BakeSource& source, const MosaicSettings& settings)
     for (const PlaneStore& rgb_plane : source.weights->rgb_planes)
       mosaic.weights->rgb_planes.push_back(cut_planes(rgb_plane, cuts));
   }
-  mosaic.has_roughness = source.has_roughness;
   mosaic.mean_cosine = source.mean_cosine;
   return mosaic;
 }

@@ -215,7 +215,7 @@ class Sweep {
       if (view.highlight) bake.highlights.push_back(*view.highlight);
     Progress quiet = cancel_only(progress_);
     HeldWarnings held;
-    const BakeReport report = bake_source(bake, source, device_, &quiet);
+    const BakeReport report = bake_file(bake, &source, device_, &quiet);
     const std::vector<std::string> warnings = without_name(held.take());
     result_.device = report.device;
     progress_advance(progress_, 1);

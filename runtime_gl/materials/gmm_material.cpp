@@ -14,7 +14,7 @@ ShaderParts GmmMaterial::shader_parts() const {
 
 std::unique_ptr<MovmfMaterial> make_lobe_material(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                                                   const NormalImage* source) {
-  if (mipmap.representation == Representation::kGmm)
+  if (mipmap.header.representation == Representation::kGmm)
     return std::make_unique<GmmMaterial>(gl, mipmap, anisotropy, source);
   return std::make_unique<MovmfMaterial>(gl, mipmap, anisotropy, source);
 }

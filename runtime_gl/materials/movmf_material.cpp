@@ -16,10 +16,10 @@ void check_mipmap(const MovmfMipmap& mipmap) {
   if (lobe_count < 1 || lobe_count > kLobeCountMax)
     throw Error(ErrorCode::kInput, "a baked map with " + std::to_string(lobe_count) + " lobes; 1 to " +
                                        std::to_string(kLobeCountMax) + " can be drawn");
-  if (mipmap.first_level < 0 || static_cast<std::size_t>(mipmap.first_level) >= mipmap.levels.size())
+  if (mipmap.header.first_level < 0 || static_cast<std::size_t>(mipmap.header.first_level) >= mipmap.levels.size())
     throw Error(ErrorCode::kInput, "a baked map of " + std::to_string(mipmap.levels.size()) +
-                                       " levels whose first is level " + std::to_string(mipmap.first_level));
-  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
+                                       " levels whose first is level " + std::to_string(mipmap.header.first_level));
+  for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l) {
     const MovmfLevel& level = mipmap.levels[l];
     const int width = mip_level_size(mipmap.width(), static_cast<int>(l));
     const int height = mip_level_size(mipmap.height(), static_cast<int>(l));
@@ -28,9 +28,9 @@ void check_mipmap(const MovmfMipmap& mipmap) {
                 level.colours.size() == (mipmap.has_colours() ? lobe_count : 0);
     for (const auto& lobe : level.lobes) good = good && lobe.size() == texels;
     for (const auto& colour : level.colours) good = good && colour.size() == texels;
-    good = good && level.weights.size() == (mipmap.weight_count > 0 ? lobe_count : 0);
+    good = good && level.weights.size() == (mipmap.header.weight_count > 0 ? lobe_count : 0);
     for (const auto& weights : level.weights)
-      good = good && weights.size() == texels * static_cast<std::size_t>(mipmap.weight_count);
+      good = good && weights.size() == texels * static_cast<std::size_t>(mipmap.header.weight_count);
     if (!good)
       throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map is not " +
                                          std::to_string(width) + " x " + std::to_string(height) + " texels of " +
@@ -42,7 +42,7 @@ void check_mipmap(const MovmfMipmap& mipmap) {
 void upload_colours(Texture& texture, const MovmfMipmap& mipmap, std::size_t lobe) {
   for (int l = 0; l < texture.shape().level_count; ++l) {
     const std::vector<glm::vec3>& colours =
-        mipmap.levels[static_cast<std::size_t>(mipmap.first_level + l)].colours[lobe];
+        mipmap.levels[static_cast<std::size_t>(mipmap.header.first_level + l)].colours[lobe];
     std::vector<glm::vec4> rgba;
     rgba.reserve(colours.size());
     for (const glm::vec3& colour : colours) rgba.emplace_back(colour, 1.0f);
@@ -65,30 +65,31 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
                              const NormalImage* source) {
   check_mipmap(mipmap);
   const auto lobe_count = static_cast<std::size_t>(mipmap.lobe_count());
-  const int level_count = static_cast<int>(mipmap.levels.size()) - mipmap.first_level;
-  const MovmfLevel& finest = mipmap.levels[static_cast<std::size_t>(mipmap.first_level)];
-  const SamplerSettings sampler{mipmap.wrap_s, mipmap.wrap_t, true, anisotropy};
-  const TextureShape shape{finest.width, finest.height, level_count, texel_format(mipmap.encoding)};
+  const int level_count = static_cast<int>(mipmap.levels.size()) - mipmap.header.first_level;
+  const MovmfLevel& finest = mipmap.levels[static_cast<std::size_t>(mipmap.header.first_level)];
+  const SamplerSettings sampler{mipmap.header.wrap_s, mipmap.header.wrap_t, true, anisotropy};
+  const TextureShape shape{finest.width, finest.height, level_count, texel_format(mipmap.header.encoding)};
   lobes_.reserve(lobe_count);
   for (std::size_t j = 0; j < lobe_count; ++j) {
     lobes_.emplace_back(gl, "lobe " + std::to_string(j), shape, sampler);
     for (int l = 0; l < level_count; ++l)
-      lobes_[j].upload_level(l, &mipmap.levels[static_cast<std::size_t>(mipmap.first_level + l)].lobes[j][0].x);
+      lobes_[j].upload_level(l, &mipmap.levels[static_cast<std::size_t>(mipmap.header.first_level + l)].lobes[j][0].x);
   }
-  const LeftOutLevels left_out{mipmap.width(), mipmap.height(), mipmap.first_level, mipmap.has_colours()};
+  const LeftOutLevels left_out{mipmap.width(), mipmap.height(), mipmap.header.first_level, mipmap.has_colours()};
   finest_.upload(gl, left_out, source, sampler);
-  weight_count_ = mipmap.weight_count;
-  if (mipmap.has_roughness) mean_cosine_ = mipmap.mean_cosine;
+  weight_count_ = mipmap.header.weight_count;
+  if (mipmap.header.has_roughness) mean_cosine_ = mipmap.header.mean_cosine;
   weights_.reserve(lobe_count);
   for (std::size_t j = 0; weight_count_ > 0 && j < lobe_count; ++j) {
     std::vector<const std::vector<float>*> levels;
-    for (int l = mipmap.first_level; l < mipmap.first_level + level_count; ++l)
+    for (int l = mipmap.header.first_level; l < mipmap.header.first_level + level_count; ++l)
       levels.push_back(&mipmap.levels[static_cast<std::size_t>(l)].weights[j]);
     weights_.push_back(upload_weights(gl, "weights of a lobe", shape, sampler, weight_count_, levels));
   }
   if (!mipmap.has_colours()) return;
   TextureShape colour_shape = shape;
-  colour_shape.format = mipmap.encoding == StorageEncoding::kFloat ? TexelFormat::kRgba32f : TexelFormat::kRgba16f;
+  colour_shape.format =
+      mipmap.header.encoding == StorageEncoding::kFloat ? TexelFormat::kRgba32f : TexelFormat::kRgba16f;
   colours_.reserve(lobe_count);
   for (std::size_t j = 0; j < lobe_count; ++j) {
     colours_.emplace_back(gl, "colour of lobe " + std::to_string(j), colour_shape, sampler);

@@ -57,25 +57,25 @@ ShaderParts baseline_shader_parts(Baseline baseline) {
 }  // namespace
 
 NormalImage finest_normals(const MovmfMipmap& mipmap) {
-  MULTUM_CHECK(!mipmap.levels.empty() && mipmap.first_level == 0);
+  MULTUM_CHECK(!mipmap.levels.empty() && mipmap.header.first_level == 0);
   const MovmfLevel& level = mipmap.levels.front();
-  NormalImage image{level.width, level.height, {}, {}, mipmap.wrap_s, mipmap.wrap_t};
+  NormalImage image{level.width, level.height, {}, {}, mipmap.header.wrap_s, mipmap.header.wrap_t};
   const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
   for (std::size_t i = 0; i < texels; ++i) {
     glm::vec3 normal(0.0f);
     glm::vec3 colour(0.0f);
     for (const auto& lobe : level.lobes) normal += glm::vec3(lobe[i]);
     // Of Gaussians the third is x^2 + y^2, with roughness and what facets scatter.
-    if (mipmap.representation == Representation::kGmm)
-      normal = mipmap.has_roughness ? shortened_normal(normal)
-                                    : glm::vec3(normal.x, normal.y, std::sqrt(std::max(0.0f, 1.0f - normal.z)));
+    if (mipmap.header.representation == Representation::kGmm)
+      normal = mipmap.header.has_roughness ? shortened_normal(normal)
+                                           : glm::vec3(normal.x, normal.y, std::sqrt(std::max(0.0f, 1.0f - normal.z)));
     for (const auto& lobe_colour : level.colours) colour += lobe_colour[i];
-    image.normals.push_back(finest_normal(normal, mipmap.has_roughness));
+    image.normals.push_back(finest_normal(normal, mipmap.header.has_roughness));
     if (mipmap.has_colours()) image.albedo.push_back(colour);
   }
-  image.has_roughness = mipmap.has_roughness;
-  image.weight_count = mipmap.weight_count;
-  image.weights.resize(texels * static_cast<std::size_t>(mipmap.weight_count));
+  image.has_roughness = mipmap.header.has_roughness;
+  image.weight_count = mipmap.header.weight_count;
+  image.weights.resize(texels * static_cast<std::size_t>(mipmap.header.weight_count));
   for (const auto& weights : level.weights)
     std::transform(weights.begin(), weights.end(), image.weights.begin(), image.weights.begin(), std::plus<>());
   return image;

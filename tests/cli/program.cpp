@@ -148,7 +148,7 @@ ProgramResult CliTest::multum(const std::vector<std::string>& arguments) {
   {
     const Redirection out(stdout, folder / "out"), err(stderr, folder / "err");
     set_log_level(LogLevel::kNormal);  // the command before may have been a quiet one
-    result.exit_code = run_multum(static_cast<int>(argv.size()), argv.data());
+    result.exit_code = run_guarded("multum", run_command, static_cast<int>(argv.size()), argv.data());
   }
   result.out = read_bytes(folder / "out");
   result.err = read_bytes(folder / "err");

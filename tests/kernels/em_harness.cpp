@@ -101,35 +101,28 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   const std::size_t texels = static_cast<std::size_t>(fit.width) * static_cast<std::size_t>(fit.height);
   const std::size_t lobe_row = static_cast<std::size_t>(fit.width) * sizeof(MultumVmfLobe);
   // Neighbours of lower colour rank are read as if they were done: the prior sees only zeros there.
-  RowWindow lobes = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
-  RowWindow alignment_vectors = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
-  const RowWindow parents =
-      window_of(device, lobe_count, static_cast<std::size_t>(fit.parent_width) * sizeof(MultumVmfLobe),
-                fit.parent_height, parent.data());
-  const PlaneStore planes = planes_of(map);
-  MapWindow normals(device, planes, map.height, "normals");
-  normals.move_to(0, map.height);
   StepWindows windows;
-  windows.parent = &parents;
-  windows.lobes = &lobes;
-  windows.alignment_vectors = &alignment_vectors;
-  windows.normals = &normals;
+  windows.lobes = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
+  windows.alignment_vectors = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
+  windows.parent = window_of(device, lobe_count, static_cast<std::size_t>(fit.parent_width) * sizeof(MultumVmfLobe),
+                             fit.parent_height, parent.data());
+  const PlaneStore planes = planes_of(map);
+  MapWindows normals(device, planes, {}, map.height);
+  normals.move_to(0, map.height);
+  windows.map = &normals;
   const auto binned =
       bin_levels(device, planes, {}, schedule, settings.representation, how.bin_rows, nullptr, {}, nullptr);
-  RowWindow samples, counts;
   if (how.method == FitMethod::kBinned) {
     const BinnedLevel& from = binned.at(how.level);
-    samples = window_of(device, from.samples, fill_binned(from, from.samples, binned_bytes(fit)));
-    counts = window_of(device, from.counts, fill_planes(from.counts));
-    windows.binned = &samples;
-    windows.binned_counts = &counts;
+    windows.binned = window_of(device, from.samples, fill_binned(from, from.samples, binned_bytes(fit)));
+    windows.binned_counts = window_of(device, from.counts, fill_planes(from.counts));
   }
   std::vector<int> list(texels);
   std::iota(list.begin(), list.end(), 0);
   MovmfEmStep em_step(device, settings, schedule.weighted);
   em_step.run(level.method, fit, list, windows, nullptr);
   std::vector<MultumVmfLobe> result(static_cast<std::size_t>(lobe_count) * texels);
-  device.read(lobes.buffer(), result.data(), result.size() * sizeof(MultumVmfLobe));
+  device.read(windows.lobes.buffer(), result.data(), result.size() * sizeof(MultumVmfLobe));
   return result;
 }
 

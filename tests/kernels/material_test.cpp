@@ -150,14 +150,13 @@ MovmfSettings quick_settings(Representation representation = Representation::kMo
 
 MovmfMipmap bake(const NormalMap& map, const WeightMap* weights, bool has_roughness, const ColourMap* albedo = nullptr,
                  const MovmfSettings& settings = quick_settings()) {
-  const PlaneStore normals = planes_of(map);
+  PlaneStore normals = planes_of(map);
+  normals.set_shortened(has_roughness);
   std::optional<PlaneStore> colours;
   if (albedo != nullptr) colours = planes_of(*albedo);
   MovmfBakeInputs inputs;
   inputs.normals = &normals;
-  inputs.albedo = colours ? &*colours : nullptr;
-  inputs.weights = weights;
-  inputs.has_roughness = has_roughness;
+  inputs.features = FeaturePlanes::of(colours ? &*colours : nullptr, weights);
   FitReport report;
   return bake_movmf(test_device(), inputs, settings, report, nullptr);
 }
@@ -219,7 +218,7 @@ TEST(Weights, MomentsAndHarmonicsAverageThem) {
   const WeightMap weights =
       weights_of(50, 37, 4, [&](int i, int k) { return values[static_cast<std::size_t>(4 * i + k)]; });
   AverageInputs inputs;
-  inputs.weights = &weights;
+  inputs.features = FeaturePlanes::of(nullptr, &weights);
   AverageReport report;
   const MomentMipmap mipmap = bake_moments(test_device(), map, nullptr, inputs, report, nullptr);
   for (int k = 0; k < 4; ++k) {
@@ -307,11 +306,11 @@ TEST(Roughness, NoneAndFullOfIt) {
 }
 
 TEST(Roughness, MomentsHoldTheFacetsSlopes) {
-  const NormalMap unit = bumpy_map(40, 24, 42), map = shortened(unit, 43);
-  AverageInputs inputs;
+  NormalMap unit = bumpy_map(40, 24, 42), map = shortened(unit, 43);
+  const AverageInputs inputs;
   AverageReport report;
   const MomentMipmap plain = bake_moments(test_device(), unit, nullptr, inputs, report, nullptr);
-  inputs.has_roughness = true;
+  unit.is_shortened = map.is_shortened = true;
   const MomentMipmap rough = bake_moments(test_device(), map, nullptr, inputs, report, nullptr);
   const MomentMipmap none = bake_moments(test_device(), unit, nullptr, inputs, report, nullptr);
   double variance = 0.0;
@@ -330,13 +329,13 @@ TEST(Roughness, MomentsHoldTheFacetsSlopes) {
 // A finest texel is the vMF of its normal's length, every coarser one a plain mean of these.
 TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   constexpr int kOrder = 7;
-  const NormalMap unit = bumpy_map(8, 6, 45);
+  NormalMap unit = bumpy_map(8, 6, 45);
   NormalMap map = shortened(unit, 46);
+  map.is_shortened = true;
   for (std::vector<float>* plane : {&map.x, &map.y, &map.z})
     for (float& value : *plane) value *= 0.999f;  // kappa up to 1000, which the quadrature resolves
-  AverageInputs inputs;
+  const AverageInputs inputs;
   AverageReport report;
-  inputs.has_roughness = true;
   const ShMipmap rough = bake_sh(test_device(), kOrder, map, nullptr, inputs, report, nullptr);
   std::vector<double> means(static_cast<std::size_t>(sh_coefficient_count(kOrder)), 0.0);
   for (std::size_t i = 0; i < map.x.size(); ++i) {
@@ -357,8 +356,9 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   for (std::size_t k = 0; k < means.size(); ++k)
     EXPECT_NEAR(rough.levels.back().value(static_cast<int>(k), 0), means[k], 2e-4) << k;
   // Of no roughness anywhere the same bytes as without, since a length of 1 is a direction.
+  unit.is_shortened = true;
   const ShMipmap none = bake_sh(test_device(), kOrder, unit, nullptr, inputs, report, nullptr);
-  inputs.has_roughness = false;
+  unit.is_shortened = false;
   const ShMipmap plain = bake_sh(test_device(), kOrder, unit, nullptr, inputs, report, nullptr);
   for (std::size_t l = 0; l < plain.levels.size(); ++l) EXPECT_TRUE(none.levels[l].parts == plain.levels[l].parts) << l;
 }
@@ -370,8 +370,8 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
     NormalMap map = unit;
     for (std::vector<float>* plane : {&map.x, &map.y, &map.z})
       for (float& value : *plane) value *= static_cast<float>(c);
-    AverageInputs inputs;
-    inputs.has_roughness = true;
+    map.is_shortened = true;
+    const AverageInputs inputs;
     AverageReport report;
     ShMipmap mipmap = bake_sh(test_device(), 4, map, nullptr, inputs, report, nullptr);
     mipmap.header.mean_cosine = static_cast<float>(c);

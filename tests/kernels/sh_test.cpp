@@ -108,9 +108,9 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   weights.count = 2;
   const ColourMap weighted = random_colours(width, height, 25);  // which its planes point into
   weights.rgb_planes.push_back(planes_of(weighted));
+  map.is_shortened = true;
   AverageInputs inputs;
-  inputs.weights = &weights;
-  inputs.has_roughness = true;
+  inputs.features = FeaturePlanes::of(nullptr, &weights);
   const ShMipmap whole = bake(order, map, &colours, inputs);
   const auto level_count = static_cast<int>(whole.levels.size());
   for (const int first_level : {0, std::min(2, level_count - 1)}) {

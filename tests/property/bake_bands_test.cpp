@@ -84,15 +84,14 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
     if (c.colours) {
       albedo_.emplace(c.width, c.height);
       fill(*albedo_, random_planes(c, 2, false));
-      inputs_.albedo = &*albedo_;
     }
     if (c.materials) {
       weights_.count = 4;
       for (unsigned seed : {3u, 4u})
         fill(weights_.rgb_planes.emplace_back(c.width, c.height), random_planes(c, seed, false));
-      inputs_.weights = &weights_;
-      inputs_.has_roughness = true;
+      normals_->set_shortened(true);
     }
+    inputs_.features = FeaturePlanes::of(albedo_ ? &*albedo_ : nullptr, c.materials ? &weights_ : nullptr);
     settings_.representation = c.representation;
     settings_.lobe_count = 2;
     settings_.iteration_count = settings_.iteration_count_coarse = settings_.iteration_count_top = 3;
@@ -170,6 +169,7 @@ TEST_P(BakeBandsTest, ScratchFilesAndThreadsGiveTheSameBytes) {
   inputs_.threads = 3;
   PlaneStore stored(GetParam().width, GetParam().height, ::testing::TempDir());
   fill(stored, random_planes(GetParam(), 1, true));
+  stored.set_shortened(GetParam().materials);
   inputs_.normals = &stored;
   expect_same(bake(), in_memory, "scratch files");
 }

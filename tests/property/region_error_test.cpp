@@ -82,7 +82,7 @@ TEST(RegionErrorTest, IsAtMostAHundredthAboveAWholeBakes) {
   const auto bake = [&](const std::string& map, const std::string& output) {
     job.input = folder / map;
     job.output = folder / output;
-    bake_file(job, device, nullptr);
+    bake_file(job, nullptr, device, nullptr);
     return job.output;
   };
   const std::string old = bake("map.png", "old.ndf.exr"), whole = bake("edited.png", "whole.ndf.exr");

@@ -40,11 +40,6 @@ std::optional<MapRegion> parse_region(const std::string& text) {
   return region;
 }
 
-BakeReport bake_with_progress(const BakeJob& job, const BakeOptions& o, Device& device) {
-  const auto progress = make_progress(o.common);
-  return bake_file(job, device, progress.get());
-}
-
 bool has_target(const BakeOptions& o) { return o.values.has("target_error") || o.values.has("budget_ms"); }
 
 BakeTarget target_of(const BakeOptions& o) {
@@ -95,7 +90,8 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
         unchanged += bake_chosen(job, o, device).unchanged ? 1 : 0;
         continue;
       }
-      const BakeReport report = bake_with_progress(job, o, device);
+      const auto progress = make_progress(o.common);
+      const BakeReport report = bake_file(job, nullptr, device, progress.get());
       print_report(job, printing(o), report);
       unchanged += report.unchanged ? 1 : 0;
     } catch (const Error& error) {
@@ -135,7 +131,8 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   device.time_launches(o.values.flag("runstats"));
   if (jobs.size() > 1) return bake_several(jobs, o, device);
   if (has_target(o)) return bake_chosen(jobs[0], o, device), 0;
-  print_report(jobs[0], printing(o), bake_with_progress(jobs[0], o, device));
+  const auto progress = make_progress(o.common);
+  print_report(jobs[0], printing(o), bake_file(jobs[0], nullptr, device, progress.get()));
   return 0;
 }
 

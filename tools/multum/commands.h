@@ -26,11 +26,10 @@ void add_common_options(CLI::App& command, CommonOptions& options);
 /// Of a long command: a bar on a terminal; under a service, what the worker passes on.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 
-/// Does what a command line says, without the program's name, and returns its exit code; `callback`, if any, hears of
-/// the progress. Throws Error, Cancelled.
-int run_command(std::vector<std::string> arguments, const Progress::Callback& callback);
-/// The program: a main() that says on stderr what went wrong.
-int run_multum(int argc, char** argv);
+/// Does what a command line says and returns its exit code. Throws Error, Cancelled.
+int run_command(int argc, char** argv);
+/// The same of the words behind the program's name; `callback` hears of the progress. One at a time.
+int run_command_heard(const std::vector<std::string>& words, const Progress::Callback& callback);
 
 /// multum-view lies beside multum, in the build folder and when installed; else the one in PATH.
 std::string find_viewer();

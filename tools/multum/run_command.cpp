@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A command line of `multum`, from its words to its exit code.
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -33,8 +34,7 @@ Progress::Callback& listener() {
 
 }  // namespace
 
-int run_command(std::vector<std::string> arguments, const Progress::Callback& callback) {
-  listener() = callback;
+int run_command(int argc, char** argv) {
   CLI::App app(
       "multum bakes normal maps into textures that look right at every distance:\n"
       "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
@@ -72,8 +72,7 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   add_client_commands(app, &exit_code);
   set_program_cache_folder(program_cache_folder());
   try {
-    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes lists
-    app.parse(std::move(arguments));
+    app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return print_parse_error(app, error);
   }
@@ -82,9 +81,15 @@ int run_command(std::vector<std::string> arguments, const Progress::Callback& ca
   return exit_code;
 }
 
-int run_multum(int argc, char** argv) {
-  const auto run = [](int count, char** words) { return run_command({words + 1, words + count}, nullptr); };
-  return run_guarded("multum", run, argc, argv);
+int run_command_heard(const std::vector<std::string>& words, const Progress::Callback& callback) {
+  listener() = callback;
+  std::string program = "multum";
+  std::vector<std::string> kept = words;
+  std::vector<char*> argv = {program.data()};
+  for (std::string& word : kept) argv.push_back(word.data());
+  const int count = static_cast<int>(argv.size());
+  argv.push_back(nullptr);
+  return run_command(count, argv.data());
 }
 
 std::unique_ptr<Progress> make_progress(const CommonOptions& options) {

@@ -99,7 +99,7 @@ int run_worker_process(const WorkerOptions& o) {
   return run_worker(o.socket, inputs,
                     [threads = o.threads](std::vector<std::string> arguments, const Progress::Callback& callback) {
                       arguments.insert(arguments.begin() + 1, "--threads=" + std::to_string(threads));
-                      return run_command(arguments, callback);
+                      return run_command_heard(arguments, callback);
                     });
 }
 

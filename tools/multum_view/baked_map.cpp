@@ -43,8 +43,8 @@ void begin_at_first_level(BakedHeader& header) {
 
 void keep_stored_levels(BakedMap& map) {
   if (map.lobes) {
-    drop_left_out(map.lobes->levels, map.lobes->first_level);
-    map.lobes->first_level = 0;
+    drop_left_out(map.lobes->levels, map.lobes->header.first_level);
+    map.lobes->header.first_level = 0;
   } else if (map.moments) {
     drop_left_out(map.moments->levels, map.moments->header.first_level);
     begin_at_first_level(map.moments->header);

@@ -51,14 +51,14 @@ struct ThumbnailOptions {
 MovmfMipmap read_coarse_levels(const std::string& path) {
   MovmfReader reader(path, 1);
   const MovmfMipmap& header = reader.header();
-  int first = header.first_level;
+  int first = header.header.first_level;
   const auto is_larger = [&](int level) {
     const MovmfLevel& one = header.levels[static_cast<std::size_t>(level)];
     return std::max(one.width, one.height) > kLevelSide;
   };
   while (first + 1 < static_cast<int>(header.levels.size()) && is_larger(first)) ++first;
   MovmfMipmap coarse = header;
-  coarse.first_level = 0;
+  coarse.header.first_level = 0;
   coarse.levels.clear();
   for (int level = first; level < static_cast<int>(header.levels.size()); ++level)
     coarse.levels.push_back(reader.read_level(level, 0, header.levels[static_cast<std::size_t>(level)].height));
@@ -76,13 +76,13 @@ gl::MeshData plane_data() {
 
 /// Throws Error(kInput) when it is not what was baked.
 NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMipmap& mipmap) {
-  const std::string& baked = mipmap.provenance.source_hash;
+  const std::string& baked = mipmap.header.provenance.source_hash;
   if (const std::string found = hash_file(options.source); !baked.empty() && found != baked)
     throw Error(ErrorCode::kInput, fmt::format("{}: has changed since it was baked: SHA-256 {}, expected {}",
                                                options.source, found, baked));
-  NormalMapSettings settings = parse_reading_settings(mipmap.provenance.settings);
-  settings.wrap_s = mipmap.wrap_s;
-  settings.wrap_t = mipmap.wrap_t;
+  NormalMapSettings settings = parse_reading_settings(mipmap.header.provenance.settings);
+  settings.wrap_s = mipmap.header.wrap_s;
+  settings.wrap_t = mipmap.header.wrap_t;
   settings.repair_share_max = 1.0f;  // the bake took these very texels
   settings.texel_count_max = kTruthTexelsMax;
   return settings;
@@ -105,7 +105,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   const gl::Mesh mesh(context->functions(), plane_data());
   gl::RenderScene scene;
   scene.uv_scale = kPlaneSize;
-  if (mipmap.has_roughness) scene.brdf.exponent = kRoughnessExponent;
+  if (mipmap.header.has_roughness) scene.brdf.exponent = kRoughnessExponent;
   gl::Renderer renderer(context->functions(), kWidth, kHeight);
   const auto baked = gl::make_lobe_material(context->functions(), mipmap, 1.0f);
   const gl::FloatImage render = renderer.draw(mesh, *baked, scene).image;
@@ -115,7 +115,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   const NormalMapSettings settings = source_settings(options, mipmap);
   write_png8(options.file("input.png"), read_small_picture(options.source, kInputSide));
   // Nothing to compare with.
-  if (mipmap.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
+  if (mipmap.header.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
   const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
                                   gl::NormalMaterial::Sampling::kNearest, 1.0f);
   const gl::FloatImage truth = renderer.draw_truth(mesh, finest, scene, kSamples).image;

@@ -36,7 +36,7 @@ std::string checksum_of(const FilterMatrix& matrix) {
   return checksum.text();
 }
 
-nlohmann::json header_of(const FilterMatrix& m) {
+nlohmann::json full_header(const FilterMatrix& m) {
   const FilterMatrixProvenance& p = m.provenance;
   return {{"width", m.width},
           {"height", m.height},
@@ -126,7 +126,7 @@ void write_filter_matrix(const FilterMatrix& matrix, const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.temporary_path().c_str(), "wb"),
                                                             std::fclose);
   if (!out) throw Error(ErrorCode::kEnvironment, path + ": cannot be created");
-  const std::string head = std::string(kFirstLine) + "\n" + header_of(matrix).dump() + "\n";
+  const std::string head = std::string(kFirstLine) + "\n" + full_header(matrix).dump() + "\n";
   put(out.get(), head.data(), head.size(), path);
   for_each_list(matrix, [&](const auto& list) { put(out.get(), list.data(), list.size() * 4, path); });
   if (std::fflush(out.get()) != 0)

@@ -9,10 +9,11 @@ namespace multum {
 
 std::vector<Imf::Header> make_headers(const MovmfMipmap& header, const std::vector<MovmfPart>& parts,
                                       const BakedWriteOptions& options) {
-  std::vector<Imf::Header> headers = make_baked_headers(header_of(header), {parts.begin(), parts.end()}, options);
+  std::vector<Imf::Header> headers = make_baked_headers(full_header(header), {parts.begin(), parts.end()}, options);
   for (Imf::Header& one : headers) {
     one.insert("multum:lobeCount", Imf::IntAttribute(header.lobe_count()));
-    one.insert("multum:kappaMax", Imf::FloatAttribute(storage_kappa_max(header.representation, header.encoding)));
+    one.insert("multum:kappaMax",
+               Imf::FloatAttribute(storage_kappa_max(header.header.representation, header.header.encoding)));
   }
   return headers;
 }

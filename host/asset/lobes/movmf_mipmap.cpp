@@ -19,23 +19,16 @@ MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count) {
   return rows;
 }
 
-BakedHeader header_of(const MovmfMipmap& mipmap) {
-  return {mipmap.representation, mipmap.encoding,     mipmap.wrap_s,        mipmap.wrap_t,
-          mipmap.provenance,     mipmap.width(),      mipmap.height(),      mipmap.first_level,
-          mipmap.has_colours(),  mipmap.weight_count, mipmap.has_roughness, mipmap.mean_cosine};
+BakedHeader full_header(const MovmfMipmap& mipmap) {
+  BakedHeader header = mipmap.header;
+  header.width = mipmap.width();
+  header.height = mipmap.height();
+  header.has_colours = mipmap.has_colours();
+  return header;
 }
 
 MovmfMipmap empty_movmf_mipmap(const BakedHeader& header, int lobe_count) {
-  MovmfMipmap mipmap;
-  mipmap.representation = header.representation;
-  mipmap.encoding = header.encoding;
-  mipmap.wrap_s = header.wrap_s;
-  mipmap.wrap_t = header.wrap_t;
-  mipmap.provenance = header.provenance;
-  mipmap.first_level = header.first_level;
-  mipmap.weight_count = header.weight_count;
-  mipmap.has_roughness = header.has_roughness;
-  mipmap.mean_cosine = header.mean_cosine;
+  MovmfMipmap mipmap{header};
   for (int l = 0; l < header.level_count(); ++l) {
     MovmfLevel& level = mipmap.levels.emplace_back();
     level.width = mip_level_size(header.width, l);
@@ -48,14 +41,14 @@ MovmfMipmap empty_movmf_mipmap(const BakedHeader& header, int lobe_count) {
 }
 
 void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
-  MULTUM_CHECK(first_level >= mipmap.first_level && first_level < static_cast<int>(mipmap.levels.size()));
+  MULTUM_CHECK(first_level >= mipmap.header.first_level && first_level < static_cast<int>(mipmap.levels.size()));
   for (int l = 0; l < first_level; ++l) {
     MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
     for (auto& lobe : level.lobes) lobe = std::vector<glm::vec4>();  // = {} would keep the memory
     for (auto& colour : level.colours) colour = std::vector<glm::vec3>();
     for (auto& weights : level.weights) weights = std::vector<float>();
   }
-  mipmap.first_level = first_level;
+  mipmap.header.first_level = first_level;
 }
 
 float storage_kappa_max(Representation representation, StorageEncoding encoding) {
@@ -63,13 +56,14 @@ float storage_kappa_max(Representation representation, StorageEncoding encoding)
 }
 
 SharpLobes count_sharp_lobes(const MovmfLevel& level, const MovmfMipmap& header, int threads) {
-  return header.representation == Representation::kGmm ? count_sharp_gaussians(level, header.encoding, threads)
-                                                       : count_sharp_lobes(level, header.encoding, threads);
+  return header.header.representation == Representation::kGmm
+             ? count_sharp_gaussians(level, header.header.encoding, threads)
+             : count_sharp_lobes(level, header.header.encoding, threads);
 }
 
 void quantize_lobes(MovmfLevel& rows, const MovmfMipmap& header, int threads) {
-  if (header.representation == Representation::kGmm) quantize_gmm(rows, header.encoding, threads);
-  else quantize_movmf(rows, header.encoding, threads);
+  if (header.header.representation == Representation::kGmm) quantize_gmm(rows, header.header.encoding, threads);
+  else quantize_movmf(rows, header.header.encoding, threads);
 }
 
 }  // namespace multum

@@ -33,20 +33,12 @@ struct MovmfLevel {
   std::vector<std::vector<float>> weights = {};
 };
 
-/// Levels are numbered as those of the map, whatever is stored: levels[l] is level l. Those finer than `first_level`
-/// have their size and no texels: renderers take them from the normal map itself.
+/// levels[l] is level l of the map. Those finer than header.first_level have their size and no texels: renderers take
+/// them from the normal map itself. header.representation says what a lobe is: kMovmf or kGmm
+/// (host/asset/lobes/gmm_quantize.h).
 struct MovmfMipmap {
-  Representation representation =
-      Representation::kMovmf;  // what a lobe is: kMovmf or kGmm (host/asset/lobes/gmm_quantize.h)
-  StorageEncoding encoding = StorageEncoding::kSnorm16;
-  WrapMode wrap_s = WrapMode::kPeriodic;
-  WrapMode wrap_t = WrapMode::kPeriodic;
-  BakedProvenance provenance;
-  int first_level = 0;   // the finest level that is stored, 0..levels - 1
-  int weight_count = 0;  // as BakedHeader has them
-  bool has_roughness = false;
-  float mean_cosine = 1.0f;
-  std::vector<MovmfLevel> levels;  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
+  BakedHeader header;                   // its sizes and has_colours are those of the levels: full_header()
+  std::vector<MovmfLevel> levels = {};  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
 
   // Of the map, that is, of level 0.
   int width() const { return levels.empty() ? 0 : levels.front().width; }
@@ -55,12 +47,12 @@ struct MovmfMipmap {
   bool has_colours() const { return !levels.empty() && !levels.front().colours.empty(); }
 };
 
-/// What files of every representation say, of a mipmap with or without texels.
-BakedHeader header_of(const MovmfMipmap& mipmap);
-/// The other way: levels have sizes and empty lobes, `lobe_count` of them.
+/// The header of a file of these levels.
+BakedHeader full_header(const MovmfMipmap& mipmap);
+/// A mipmap whose levels have sizes and empty lobes, `lobe_count` of them.
 MovmfMipmap empty_movmf_mipmap(const BakedHeader& header, int lobe_count);
 inline std::string levels_text(const MovmfMipmap& mipmap) {
-  return levels_text(mipmap.first_level, static_cast<int>(mipmap.levels.size()));
+  return levels_text(mipmap.header.first_level, static_cast<int>(mipmap.levels.size()));
 }
 
 /// Takes the texels of levels finer than `first_level` away; what is left is as it was.

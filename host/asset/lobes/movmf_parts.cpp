@@ -33,25 +33,25 @@ constexpr char kGaussianText[] =
 constexpr char kLobeColourText[] = "R,G,B = a*linear RGB of the lobe; a is in the lobe part of the same number";
 
 void add_weight_channels(const std::string& layer, const MovmfMipmap& header, BakedPart& part) {
-  for (int k = 0; k < header.weight_count; ++k)
-    part.channels.push_back({fmt::format("{}.{}", layer, "RGBA"[k]), colour_type(header.encoding)});
+  for (int k = 0; k < header.header.weight_count; ++k)
+    part.channels.push_back({fmt::format("{}.{}", layer, "RGBA"[k]), colour_type(header.header.encoding)});
 }
 
 // In the order in which OpenImageIO lists layers and their channels, as with the other parts.
 MovmfPart finest_part(const MovmfMipmap& header) {
-  const bool gaussians = header.representation == Representation::kGmm;
-  const char* const text = header.has_roughness ? (gaussians ? kFinestRoughGaussianText : kFinestRoughText)
-                           : gaussians          ? kFinestGaussianText
-                                                : kFinestText;
+  const bool gaussians = header.header.representation == Representation::kGmm;
+  const char* const text = header.header.has_roughness ? (gaussians ? kFinestRoughGaussianText : kFinestRoughText)
+                           : gaussians                 ? kFinestGaussianText
+                                                       : kFinestText;
   MovmfPart part{{"finest", {}, 0, 1, true, text}, MovmfPartKind::kFinest, 0};
   if (header.has_colours())
     for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
-      part.channels.push_back({name, colour_type(header.encoding)});
+      part.channels.push_back({name, colour_type(header.header.encoding)});
   part.channels.push_back({"finest.lobe.X", Imf::HALF});
   for (const char* name : {"finest.normalX.X", "finest.normalY.X"})
-    part.channels.push_back({name, vector_type(header.encoding)});
-  if (header.has_roughness)
-    part.channels.push_back({gaussians ? "finest.square.X" : "finest.normalZ.X", vector_type(header.encoding)});
+    part.channels.push_back({name, vector_type(header.header.encoding)});
+  if (header.header.has_roughness)
+    part.channels.push_back({gaussians ? "finest.square.X" : "finest.normalZ.X", vector_type(header.header.encoding)});
   add_weight_channels("finest.weights", header, part);
   return part;
 }
@@ -70,11 +70,11 @@ float* MovmfPart::values(MovmfLevel& rows) const {
 
 std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header) {
   std::vector<MovmfPart> parts;
-  if (header.first_level == 0) parts.push_back(finest_part(header));
-  const int first_level = std::max(1, header.first_level);
+  if (header.header.first_level == 0) parts.push_back(finest_part(header));
+  const int first_level = std::max(1, header.header.first_level);
   const int level_count = static_cast<int>(header.levels.size()) - first_level;
   if (level_count <= 0) return parts;
-  const bool gaussians = header.representation == Representation::kGmm;
+  const bool gaussians = header.header.representation == Representation::kGmm;
   for (int j = 0; j < header.lobe_count(); ++j) {
     MovmfPart part{
         {fmt::format("lobe.{}", j), {}, first_level, level_count, false, gaussians ? kGaussianText : kLobeText},
@@ -82,17 +82,17 @@ std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header) {
         j};
     for (const char* channel : {"R", "G", "B", "A"})
       part.channels.push_back(
-          {fmt::format("lobe{}.{}.{}", j, gaussians ? "GMM" : "vMF", channel), vector_type(header.encoding)});
+          {fmt::format("lobe{}.{}.{}", j, gaussians ? "GMM" : "vMF", channel), vector_type(header.header.encoding)});
     parts.push_back(std::move(part));
   }
   for (int j = 0; header.has_colours() && j < header.lobe_count(); ++j) {
     MovmfPart part{
         {fmt::format("colour.{}", j), {}, first_level, level_count, false, kLobeColourText}, MovmfPartKind::kColour, j};
     for (const char* channel : {"R", "G", "B"})
-      part.channels.push_back({fmt::format("colour{}.albedo.{}", j, channel), colour_type(header.encoding)});
+      part.channels.push_back({fmt::format("colour{}.albedo.{}", j, channel), colour_type(header.header.encoding)});
     parts.push_back(std::move(part));
   }
-  for (int j = 0; header.weight_count > 0 && j < header.lobe_count(); ++j) {
+  for (int j = 0; header.header.weight_count > 0 && j < header.lobe_count(); ++j) {
     MovmfPart part{{fmt::format("weights.{}", j), {}, first_level, level_count, false, kLobeWeightsText},
                    MovmfPartKind::kWeights,
                    j};
@@ -134,7 +134,7 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads) {
       std::vector<float> values;
       for (int row = 0; row < level.height; row += kRowsPerBand) {
         const MovmfFinest rows = finest_of(level, row, std::min(kRowsPerBand, level.height - row),
-                                           mipmap.representation, mipmap.has_roughness);
+                                           mipmap.header.representation, mipmap.header.has_roughness);
         values.resize(rows.normals.size() * channels);
         interleave(rows, 0, rows.normals.size(), values.data());
         hash.update(values.data(), values.size() * sizeof(float));

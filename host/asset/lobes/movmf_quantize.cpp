@@ -278,15 +278,16 @@ void quantize_movmf(MovmfLevel& rows, StorageEncoding encoding, int threads) {
 }
 
 void quantize_movmf(MovmfMipmap& mipmap, int threads) {
-  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
+  for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l) {
     MovmfLevel& level = mipmap.levels[l];
     if (l > 0) {
       quantize_lobes(level, mipmap, threads);
       continue;
     }
     for_each_row_band(level.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
-      MovmfFinest rows = finest_of(level, row_begin, row_end - row_begin, mipmap.representation, mipmap.has_roughness);
-      quantize_movmf(rows, mipmap.encoding, 1);
+      MovmfFinest rows =
+          finest_of(level, row_begin, row_end - row_begin, mipmap.header.representation, mipmap.header.has_roughness);
+      quantize_movmf(rows, mipmap.header.encoding, 1);
       expand_into(rows, level, row_begin, 1);
     });
   }

@@ -26,7 +26,7 @@ class MovmfReader::File {
     reader_.guarded([&] {
       header_ = parse_header(reader_.file().header(0), path);
       parts_ = movmf_parts(header_);
-      reader_.expect(header_of(header_), {parts_.begin(), parts_.end()});
+      reader_.expect(full_header(header_), {parts_.begin(), parts_.end()});
     });
   }
 
@@ -34,9 +34,10 @@ class MovmfReader::File {
   int tile_size() const { return reader_.tile_size(); }
 
   MovmfFinest read_finest(int first_row, int row_count) {
-    MULTUM_CHECK(header_.first_level == 0);
+    MULTUM_CHECK(header_.header.first_level == 0);
     check_rows(0, first_row, row_count);
-    MovmfFinest rows{header_.width(), row_count, {}, {}, {}, {}, header_.representation, header_.has_roughness};
+    MovmfFinest rows{
+        header_.width(), row_count, {}, {}, {}, {}, header_.header.representation, header_.header.has_roughness};
     const std::size_t texels = texel_count(rows.width, row_count);
     const std::size_t channels = parts_[0].channels.size();
     values_.resize(texels * channels);
@@ -53,7 +54,7 @@ class MovmfReader::File {
   }
 
   MovmfLevel read_level(int level, int first_row, int row_count) {
-    MULTUM_CHECK(level >= header_.first_level);
+    MULTUM_CHECK(level >= header_.header.first_level);
     check_rows(level, first_row, row_count);
     MovmfLevel rows{header_.levels[static_cast<std::size_t>(level)].width, row_count, {}, {}};
     const std::size_t texels = texel_count(rows.width, row_count);
@@ -72,7 +73,7 @@ class MovmfReader::File {
   }
 
  private:
-  std::size_t weight_count() const { return static_cast<std::size_t>(header_.weight_count); }
+  std::size_t weight_count() const { return static_cast<std::size_t>(header_.header.weight_count); }
 
   void check_rows(int level, int first_row, int row_count) const {
     MULTUM_CHECK(level >= 0 && level < static_cast<int>(header_.levels.size()));
@@ -95,15 +96,16 @@ class MovmfReader::File {
     if (!(std::abs(v[1]) <= kComponentMax && std::abs(v[2]) <= kComponentMax))
       refuse_texel(x, first_row + y, fmt::format("a normal ({}, {})", v[1], v[2]), "components of -1 to 1");
     rows.lobe[i] = static_cast<std::uint8_t>(v[0]);
-    if (header_.has_roughness && !(v[3] >= 0.0f && v[3] <= kComponentMax))
+    if (header_.header.has_roughness && !(v[3] >= 0.0f && v[3] <= kComponentMax))
       refuse_texel(
           x, first_row + y,
           fmt::format("{} {}",
                       rows.representation == Representation::kGmm ? "a mean square of" : "a normal of z =", v[3]),
           "0 to 1");
-    rows.normals[i] = {v[1], v[2],
-                       header_.has_roughness ? v[3] : finest_third(v[1], v[2], rows.representation, header_.encoding)};
-    v += header_.has_roughness ? 4 : 3;
+    rows.normals[i] = {
+        v[1], v[2],
+        header_.header.has_roughness ? v[3] : finest_third(v[1], v[2], rows.representation, header_.header.encoding)};
+    v += header_.header.has_roughness ? 4 : 3;
     std::copy_n(v, weight_count(), rows.weights.begin() + static_cast<std::ptrdiff_t>(i * weight_count()));
   }
 
@@ -130,7 +132,7 @@ MovmfFinest MovmfReader::read_finest(int first_row, int row_count) { return file
 MovmfMipmap read_movmf_mipmap(const std::string& path, int threads) {
   MovmfReader reader(path, threads);
   MovmfMipmap mipmap = reader.header();
-  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
+  for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l) {
     MovmfLevel& level = mipmap.levels[l];
     if (l > 0) {
       level = reader.read_level(static_cast<int>(l), 0, level.height);
@@ -139,7 +141,7 @@ MovmfMipmap read_movmf_mipmap(const std::string& path, int threads) {
     const std::size_t texels = texel_count(level.width, level.height);
     for (auto& lobe : level.lobes) lobe.resize(texels);
     for (auto& colour : level.colours) colour.resize(texels);
-    for (auto& weights : level.weights) weights.resize(texels * static_cast<std::size_t>(mipmap.weight_count));
+    for (auto& weights : level.weights) weights.resize(texels * static_cast<std::size_t>(mipmap.header.weight_count));
     const int step = reader.tile_size() * kTileRowsAtOnce;
     for (int row = 0; row < level.height; row += step)
       expand_into(reader.read_finest(row, std::min(step, level.height - row)), level, row, threads);

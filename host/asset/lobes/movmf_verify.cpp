@@ -55,7 +55,7 @@ std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& see
   const std::vector<MovmfPart> parts = movmf_parts(header);
   BakedRowHash hash({parts.begin(), parts.end()});
   std::vector<float> values;
-  for (int l = header.first_level; l < static_cast<int>(header.levels.size()); ++l) {
+  for (int l = header.header.first_level; l < static_cast<int>(header.levels.size()); ++l) {
     const MovmfLevel& level = header.levels[static_cast<std::size_t>(l)];
     for (int row = 0; row < level.height; row += reader.tile_size()) {
       const int count = std::min(reader.tile_size(), level.height - row);
@@ -88,8 +88,8 @@ MovmfScan::~MovmfScan() = default;
 
 void MovmfScan::add(int level, int first_row, const MovmfLevel& rows) {
   Lobes& scan = *lobes_;
-  const bool gaussians = header_.representation == Representation::kGmm;
-  const StorageEncoding encoding = header_.encoding;
+  const bool gaussians = header_.header.representation == Representation::kGmm;
+  const StorageEncoding encoding = header_.header.encoding;
   const auto width = static_cast<std::size_t>(rows.width);
   for (std::size_t i = 0; i < texel_count(rows.width, rows.height); ++i) {
     const TexelPlace place{level, static_cast<int>(i % width), first_row + static_cast<int>(i / width)};
@@ -112,8 +112,8 @@ void MovmfScan::add(int level, int first_row, const MovmfLevel& rows) {
       if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) ++scan.nonfinite;
     }
     for (std::size_t j = 0; j < rows.weights.size(); ++j)
-      scan_weights(rows.weights[j], i, header_.weight_count, static_cast<double>(rows.lobes[j][i].w), kWeightTolerance,
-                   place, scan.weight_range, scan.nonfinite);
+      scan_weights(rows.weights[j], i, header_.header.weight_count, static_cast<double>(rows.lobes[j][i].w),
+                   kWeightTolerance, place, scan.weight_range, scan.nonfinite);
   }
 }
 
@@ -127,7 +127,7 @@ void MovmfScan::add_finest(int first_row, const MovmfFinest& rows) {
 std::vector<VerifyFinding> MovmfScan::findings() const {
   std::vector<VerifyFinding> findings;
   findings.push_back(finite_finding(lobes_->nonfinite, "non-finite values"));
-  const double sum_limit = static_cast<double>(amplitude_tolerance(header_.encoding));
+  const double sum_limit = static_cast<double>(amplitude_tolerance(header_.header.encoding));
   findings.push_back({"sum of a", lobes_->sum_error.value <= sum_limit,
                       fmt::format("differs from 1 by at most {:.2e} ({}), expected at most {:.0e}",
                                   lobes_->sum_error.value, lobes_->sum_error.text(), sum_limit)});
@@ -136,7 +136,7 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
        lobes_->negative_amplitude.value <= 0.0
            ? "no negative amplitude"
            : fmt::format("a = {} at {}", -lobes_->negative_amplitude.value, lobes_->negative_amplitude.text())});
-  const bool gaussians = header_.representation == Representation::kGmm;
+  const bool gaussians = header_.header.representation == Representation::kGmm;
   findings.push_back(excess_finding(
       gaussians ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean, "no mean vector is longer than rounding allows",
       gaussians ? "|a mean| exceeds a beyond rounding" : "|a r| exceeds a beyond rounding"));
@@ -144,7 +144,8 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
     findings.push_back(excess_finding("variance", lobes_->missing_variance,
                                       "none is below 0 by more than rounding allows",
                                       "a variance is below 0 beyond rounding"));
-  if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, lobes_->weight_range, "a"));
+  if (header_.header.weight_count > 0)
+    findings.push_back(weights_finding(header_.header.weight_count, lobes_->weight_range, "a"));
   return findings;
 }
 
@@ -155,11 +156,11 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
   findings.push_back(
       {"structure", true,
        fmt::format("{} x {}, {}, {} {}{}, encoding {}", mipmap.width(), mipmap.height(), levels_text(mipmap),
-                   mipmap.lobe_count(), mipmap.representation == Representation::kGmm ? "Gaussians" : "lobes",
-                   materials_text(header_of(mipmap)), storage_encoding_name(mipmap.encoding))});
+                   mipmap.lobe_count(), mipmap.header.representation == Representation::kGmm ? "Gaussians" : "lobes",
+                   materials_text(full_header(mipmap)), storage_encoding_name(mipmap.header.encoding))});
   MovmfScan scan(mipmap);
   const std::string hash = scan_file(reader, threads, seen, scan);
-  findings.push_back(checksum_finding(hash, mipmap.provenance.content_hash));
+  findings.push_back(checksum_finding(hash, mipmap.header.provenance.content_hash));
   findings.push_back(header_finding(path));
   for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));
   return findings;

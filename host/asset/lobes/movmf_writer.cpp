@@ -94,11 +94,11 @@ class MovmfWriter::Work {
   Work(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options)
       : shape_{static_cast<std::size_t>(header.lobe_count()),
                header.has_colours(),
-               static_cast<std::size_t>(header.weight_count),
-               header.has_roughness,
+               static_cast<std::size_t>(header.header.weight_count),
+               header.header.has_roughness,
                checked_parts(header),
                std::make_unique<MovmfScan>(header)},
-        writer_(path, header_of(header), {shape_.parts.begin(), shape_.parts.end()},
+        writer_(path, full_header(header), {shape_.parts.begin(), shape_.parts.end()},
                 make_headers(header, shape_.parts, options), options) {}
 
   const Shape& shape() const { return shape_; }
@@ -139,18 +139,20 @@ const std::string& MovmfWriter::content_hash() const { return work_->writer().co
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress) {
   BakedWriteOptions exact = options;
-  exact.measured_error_bytes = static_cast<int>(mipmap.provenance.measured_error.size());
+  exact.measured_error_bytes = static_cast<int>(mipmap.header.provenance.measured_error.size());
   MovmfWriter writer(path, mipmap, exact);
-  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l) {
+  for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l) {
     const MovmfLevel& level = mipmap.levels[l];
     for (int row = 0; row < level.height; row += options.tile_size) {
       progress_advance(progress, 0);  // a chance to cancel
       const int rows = std::min(options.tile_size, level.height - row);
-      if (l == 0) writer.write_finest(row, finest_of(level, row, rows, mipmap.representation, mipmap.has_roughness));
+      if (l == 0)
+        writer.write_finest(row,
+                            finest_of(level, row, rows, mipmap.header.representation, mipmap.header.has_roughness));
       else writer.write_level(static_cast<int>(l), row, rows_of(level, row, rows));
     }
   }
-  writer.commit(mipmap.provenance.measured_error, progress);
+  writer.commit(mipmap.header.provenance.measured_error, progress);
 }
 
 }  // namespace multum

@@ -68,11 +68,14 @@ struct NormalMap {
   int height = 0;
   std::vector<float> x, y, z;
   NormalMapReport report;
+  bool is_shortened = false;  // by roughness, as PlaneStore::is_shortened() has it
 };
 
 /// The map's planes, to be read by rows; the map must outlive it.
 inline PlaneStore planes_of(const NormalMap& map) {
-  return {map.width, map.height, {map.x.data(), map.y.data(), map.z.data()}};
+  PlaneStore planes(map.width, map.height, {map.x.data(), map.y.data(), map.z.data()});
+  planes.set_shortened(map.is_shortened);
+  return planes;
 }
 
 /// The same by rows: a map that may be larger than memory.

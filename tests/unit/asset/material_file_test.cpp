@@ -175,7 +175,7 @@ TEST_P(RoughGaussiansTest, FinestPointsKeepWhatTheyScatter) {
 TEST_P(AveragesFileTest, HarmonicsComeBackAsTheyWere) {
   const MaterialCase& c = GetParam();
   ShMipmap mipmap;
-  mipmap.header = header_of(lobes());
+  mipmap.header = full_header(lobes());
   mipmap.header.representation = Representation::kSh;
   mipmap.order = 1;
   mipmap.levels = empty_sh_levels(19, 13);
@@ -213,7 +213,7 @@ TEST_P(AveragesFileTest, HarmonicsComeBackAsTheyWere) {
 TEST_P(AveragesFileTest, MomentsComeBackAsTheyWere) {
   const MaterialCase& c = GetParam();
   MomentMipmap mipmap;
-  mipmap.header = header_of(lobes());
+  mipmap.header = full_header(lobes());
   mipmap.header.representation = Representation::kMoments;
   mipmap.levels = empty_moment_levels(19, 13);
   std::mt19937 random(4);
@@ -270,9 +270,9 @@ TEST(MaterialFile, EveryTestHasCases) {
 
 TEST(MaterialFile, WithoutMaterialsTheVersionIsTheOld) {
   MovmfMipmap mipmap = testing::random_mipmap(8, 8, 2, true, StorageEncoding::kHalf, 1);
-  EXPECT_EQ(header_of(mipmap).format_version(), 3);
+  EXPECT_EQ(full_header(mipmap).format_version(), 3);
   mipmap.weight_count = 1;
-  EXPECT_EQ(header_of(mipmap).format_version(), 4);
+  EXPECT_EQ(full_header(mipmap).format_version(), 4);
 }
 
 }  // namespace
