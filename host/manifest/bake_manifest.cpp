@@ -55,7 +55,8 @@ void read_values(const StrictTable& table, ParameterValues& values) {
   if (const Parameter* chosen = given_of_target(values); chosen != nullptr && has_target(values)) {
     for (const char* target : {"target_error", "budget_ms"}) {
       if (table.has(target))
-        table.refuse(chosen->name, fmt::format("is chosen by {}: expected one of the two", target));
+        table.refuse(key_of(table, *chosen).value_or(chosen->name),
+                     fmt::format("is chosen by {}: expected one of the two", target));
       values.erase(target);
     }
   }
@@ -114,11 +115,11 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
 void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
   ParameterValues own = values;
   for (const Parameter& row : bake_parameters().rows())
-    if (row.name != "ndf" && !table.has(row.name)) own.erase(row.name);
+    if (row.name != "ndf" && !key_of(table, row)) own.erase(row.name);
   const Parameter* const other = given_of_another_ndf(own);
   if (other == nullptr) return;
   const bool is_of_lobes = other->scope == ParameterScope::kLobes;
-  table.refuse(other->name,
+  table.refuse(key_of(table, *other).value_or(""),
                fmt::format("is for ndf = {}, found ndf = \"{}\"{}", is_of_lobes ? "\"vmf\" and \"gmm\"" : "\"sh\"",
                            values.text("ndf").value_or("vmf"), is_of_lobes ? ", which fits no lobes" : ""));
 }
@@ -130,7 +131,8 @@ struct ManifestEntry {
 
 ManifestEntry read_entry(const std::string& path, const toml::table& toml, const ParameterValues& defaults,
                          const BakeJob& pattern) {
-  ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWholeFile), {}};
+  ManifestEntry entry{
+      StrictTable(path, toml, "map", map_keys(), kWholeFile, bake_parameters().former_names(kInManifest)), {}};
   ParameterValues values = defaults;
   read_values(entry.table, values);
   check_own_scopes(entry.table, values);
@@ -181,7 +183,8 @@ std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJ
   const toml::table root = parse_toml(path, "a manifest as docs/CI.md describes it");
   const StrictTable table(path, root, "", {"defaults", "map"}, kWholeFile);
   ParameterValues defaults(bake_parameters());
-  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);
+  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile,
+                           bake_parameters().former_names(kInManifest));
   read_values(of_all, defaults);
   target_of(of_all, path, defaults);  // what is wrong with it is wrong here
   std::vector<ManifestEntry> entries;

@@ -30,8 +30,9 @@ struct MovmfSettings {
   int iteration_count_top = 60;     // of the coarsest level, 1..1000
   // After a level is fitted, it is fitted again this many times less one, each texel from its own lobes with all its
   // neighbours done: what was fitted first has by then seen only its parent.
-  int sweep_count = 2;  // 1..8
-  // EM iterations a texel in each further sweep, at most; 1..1000. Coarse texels run a third of theirs if that is more.
+  int pass_count = 2;  // 1..8
+  // EM iterations per texel in each further pass, at most; 1..1000. Coarse texels run a third of theirs if that is
+  // more.
   int refit_iterations = 6;
   // A texel is done before when no lobe's kappa or weight changes by more than this share, and none turns by more than
   // this share of its width; 0: never. Coarse texels run all their iterations.
@@ -55,7 +56,7 @@ struct MovmfSettings {
   float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
 };
 
-/// Every normal at every level, 30 iterations and 10 in further sweeps, none cut short: the reference that the defaults
+/// Every normal at every level, 30 iterations and 10 in further passes, none cut short: the reference that the defaults
 /// are measured against (docs/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 

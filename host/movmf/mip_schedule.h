@@ -23,8 +23,8 @@ struct LevelSchedule {
   MultumMovmfFit fit;  // for the whole level at once; all but slot_count
   FitMethod method;
   FitOrder order;
-  int refit_iterations;  // of each further sweep; that of the first is in `fit`
-  int step_count;        // of a sweep
+  int refit_iterations;  // of each further pass; those of the first are in `fit`
+  int step_count;        // of a pass
 };
 
 struct MipSchedule {

@@ -78,7 +78,7 @@ void check_file(const StrictTable& table, const std::string& key, const std::str
 StrictTable map_table(const std::string& path, const toml::table& toml) {
   std::vector<std::string> keys = bake_parameters().names(kInScene);
   keys.insert(keys.end(), {"name", "normal"});
-  return {path, toml, "map", keys, kWholeFile};
+  return {path, toml, "map", keys, kWholeFile, bake_parameters().former_names(kInScene)};
 }
 
 SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJob& pattern, Names& names,

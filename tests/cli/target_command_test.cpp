@@ -132,7 +132,7 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
   for (const int size : {32, 512}) {
     make_map("map", size);
     const ProgramResult plain =
-        bake({"--lobes", "1", "--sweeps", "1", "--no-rehearsal", "--force", "--report", path("map.json")});
+        bake({"--lobes", "1", "--passes", "1", "--no-start-search", "--force", "--report", path("map.json")});
     ASSERT_EQ(plain.exit_code, 0) << plain.err;
     const bool is_sampled = size > 32;
     const std::string interval = is_sampled ? " \\+- [0-9.]+" : "";

@@ -10,6 +10,7 @@
 #include "host/base/shown_text.h"
 #include "host/manifest/manifest_report.h"
 #include "host/parameters/bake_parameters.h"
+#include "tools/command_line/parameter_options.h"
 
 namespace multum {
 namespace {
@@ -90,14 +91,14 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
                                                         "--region", "--onto",   "--no-measure"};
   for (const CLI::Option* option : bake.get_options()) {
     if (option->count() == 0) continue;
-    const std::string name = option->get_name();
+    const std::string name = shown_name(*option);
     if (std::find(kOfNamedMaps.begin(), kOfNamedMaps.end(), name) != kOfNamedMaps.end())
       throw Error(ErrorCode::kUsage, name + " is given beside --manifest, which names the maps itself");
     std::string key = option->get_lnames().empty() ? name : option->get_lnames().front();
     std::replace(key.begin(), key.end(), '-', '_');
     const Parameter* const parameter = bake_parameters().find(key);
     if (parameter == nullptr || !parameter->is_on(kInManifest)) continue;
-    throw Error(ErrorCode::kUsage, name + " is given beside --manifest, expected " + key +
+    throw Error(ErrorCode::kUsage, name + " is given beside --manifest, expected " + parameter->name +
                                        " under [[map]] or [defaults] in " + o.manifest);
   }
 }

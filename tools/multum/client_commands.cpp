@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum submit, list, show, tail, wait, cancel, retry, purge: they ask a service that runs elsewhere.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -117,11 +118,12 @@ int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> 
 
 int run_submit(const JobType& type, SubmitOptions& o) {
   Json parameters = Json::object();
-  for (const Parameter& parameter : type.table->rows()) {
-    if (o.flags[parameter.name]) parameters[parameter.name] = true;
-    if (const auto found = o.values.find(parameter.name); found != o.values.end() && !found->second.empty())
-      parameters[parameter.name] = value_of(parameter, found->second);
-  }
+  for (const Parameter& parameter : type.table->rows())
+    for (const std::string& name : parameter.all_names()) {
+      if (o.flags[name]) parameters[name] = true;
+      if (const auto found = o.values.find(name); found != o.values.end() && !found->second.empty())
+        parameters[name] = value_of(parameter, found->second);
+    }
   Json job = {
       {"type", type.name}, {"parameters", parameters}, {"priority", o.priority}, {"attempt_max", o.attempt_max}};
   if (!o.output.empty()) job["output"] = fs::absolute(o.output).lexically_normal().string();
@@ -140,6 +142,26 @@ int run_submit(const JobType& type, SubmitOptions& o) {
   return o.wait ? wait_for(client, o.client, {id}) : 0;
 }
 
+// Takes the choices and their former names; help shows the choices.
+CLI::Validator is_choice(const Parameter& parameter) {
+  const auto check = [&parameter](const std::string& text) {
+    return is_legal(parameter, text) ? "" : fmt::format("found {}, expected {}", text, expected_text(parameter));
+  };
+  return {check, fmt::format("{{{}}}", fmt::join(parameter.choices, ","))};
+}
+
+void add_submit_option(CLI::App& command, SubmitOptions& o, const Parameter& parameter, const std::string& name) {
+  CLI::Option* option = nullptr;
+  if (parameter.kind == ParameterKind::kFlag) {
+    option = command.add_flag(option_of(name), o.flags[name], parameter.help);
+  } else {
+    option = command.add_option(option_of(name), o.values[name], parameter.help);
+    if (!parameter.default_text.empty()) option->default_str(parameter.default_text);
+    if (parameter.kind == ParameterKind::kChoice) option->check(is_choice(parameter));
+  }
+  if (name != parameter.name) option->group("");  // a former one, which is not shown
+}
+
 void add_submit(CLI::App& app, int* exit_code) {
   CLI::App* submit = app.add_subcommand("submit", "hand a job to a service; prints its number");
   submit->require_subcommand(1);
@@ -148,14 +170,10 @@ void add_submit(CLI::App& app, int* exit_code) {
     CLI::App* command = submit->add_subcommand(type.name, type.summary);
     for (const Parameter& parameter : type.table->rows()) {
       if (!parameter.is_on(kInService)) continue;
-      if (parameter.kind == ParameterKind::kFlag) {
-        command->add_flag(parameter.option(), o->flags[parameter.name], parameter.help);
-      } else if (parameter.name == type.input) {
+      if (parameter.name == type.input) {
         command->add_option(parameter.name, o->values[parameter.name], parameter.help)->required();
       } else {
-        CLI::Option* added = command->add_option(parameter.option(), o->values[parameter.name], parameter.help);
-        if (!parameter.default_text.empty()) added->default_str(parameter.default_text);
-        if (parameter.kind == ParameterKind::kChoice) added->check(CLI::IsMember(parameter.choices));
+        for (const std::string& name : parameter.all_names()) add_submit_option(*command, *o, parameter, name);
       }
     }
     CLI::Option* output = command->add_option("-o,--output", o->output, "the result, on the service's disk");

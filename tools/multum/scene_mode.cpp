@@ -20,6 +20,7 @@
 #include "host/parameters/bake_parameters.h"
 #include "host/scene/scene_bake.h"
 #include "tools/command_line/decoding_option.h"
+#include "tools/command_line/parameter_options.h"
 
 namespace multum {
 namespace {
@@ -94,7 +95,7 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
     std::replace(key.begin(), key.end(), '-', '_');
     if (bake_parameters().find(key) != nullptr && !kOfTheScene.contains(key))
       throw Error(ErrorCode::kUsage,
-                  option->get_name() + " is given beside " + scene + ", which says itself how its maps are baked");
+                  shown_name(*option) + " is given beside " + scene + ", which says itself how its maps are baked");
   }
 }
 

@@ -47,6 +47,8 @@ class Fuzzer:
         choose = self.random
         if "const" in schema:
             return schema["const"]
+        if "anyOf" in schema:
+            schema = choose.choice(schema["anyOf"])
         if "enum" in schema:
             return choose.choice(schema["enum"])
         kind = schema.get("type", "string")

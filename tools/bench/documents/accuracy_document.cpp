@@ -136,12 +136,12 @@ std::vector<Variant> compared_variants() {
   Variant no_prior{"4 lobes, started from the parent, no prior", with_lobes(4)};
   no_prior.settings.alignment = 0.0f;
   variants.push_back(no_prior);
-  Variant one_sweep{"4 lobes, one sweep", with_lobes(4)};
-  one_sweep.settings.sweep_count = 1;
-  variants.push_back(one_sweep);
-  Variant unrehearsed{"4 lobes, start not rehearsed", with_lobes(4)};
-  unrehearsed.settings.search_start = false;
-  variants.push_back(unrehearsed);
+  Variant one_pass{"4 lobes, one pass", with_lobes(4)};
+  one_pass.settings.pass_count = 1;
+  variants.push_back(one_pass);
+  Variant unsearched{"4 lobes, no start search", with_lobes(4)};
+  unsearched.settings.search_start = false;
+  variants.push_back(unsearched);
   Variant scanline{"4 lobes, scan-line order (the paper's)", with_lobes(4)};
   scanline.settings.order = FitOrder::kScanline;
   variants.push_back(scanline);
