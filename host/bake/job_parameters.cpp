@@ -30,6 +30,7 @@ void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
   fit.lobe_count = values.integer("lobes").value_or(fit.lobe_count);
   if (const auto count = values.integer("iterations")) fit.iteration_count = fit.iteration_count_coarse = *count;
   fit.pass_count = values.integer("passes").value_or(fit.pass_count);
+  fit.refit_iterations = values.integer("refit_iterations").value_or(fit.refit_iterations);
   fit.order = values.choice("order", kFitOrders).value_or(fit.order);
   fit.coarse_normals = values.choice("coarse_normals", kCoarseNormals).value_or(fit.coarse_normals);
   if (values.flag("no_start_search")) fit.search_start = false;

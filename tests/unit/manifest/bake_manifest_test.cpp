@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "host/bake/output_state.h"
+#include "host/parameters/bake_parameters.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum::testing {
@@ -75,28 +76,36 @@ TEST_F(BakeManifestTest, MapsStandOnTheDefaults) {
   EXPECT_EQ(read("[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n")[0].error_max, std::nullopt);
 }
 
-TEST_F(BakeManifestTest, UnalignedIsWithoutParentsPriorOrSecondSweep) {
+TEST_F(BakeManifestTest, UnalignedIsWithoutParentsPriorOrSecondPass) {
   const MovmfSettings fit = read("[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\nunaligned = true\n")[0].job.fitting;
   EXPECT_FALSE(fit.aligned_start);
   EXPECT_EQ(fit.alignment, 0.0f);
   EXPECT_EQ(fit.pass_count, 1);
 }
 
+TEST_F(BakeManifestTest, RefitIterationsGoBeforeThoseOfReference) {
+  const std::string map = "[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n";
+  EXPECT_EQ(read(map)[0].job.fitting.refit_iterations, 6);
+  EXPECT_EQ(read(map + "reference = true\n")[0].job.fitting.refit_iterations, 10);
+  EXPECT_EQ(read(map + "reference = true\nrefit_iterations = 3\n")[0].job.fitting.refit_iterations, 3);
+}
+
 // Every key, set to what is not its default, against options set by hand: both make the same settings of the file.
 TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
   const std::string whole =
       "[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\nlobes = 5\nreference = true\niterations = 9\npasses = 3\n"
-      "order = \"scanline\"\nalign = 0.3\nkappa_cap = 250\nfirst_level = 2\ndata_format = \"half\"\n"
+      "refit_iterations = 8\norder = \"scanline\"\nalign = 0.3\nkappa_cap = 250\nfirst_level = 2\ndata_format = "
+      "\"half\"\n"
       "compression = \"zips:4\"\nwrap = \"clamp\"\nswrap = \"mirror\"\ngreen = \"down\"\ntwo_channel = true\n"
       "signed = true\nbumpformat = \"height\"\nheight_scale = -2.5\nfixnan = \"none\"\nchecknan = true\n"
       "repair_max = 0.125\nno_start_search = true\ncoarse_normals = \"binned\"\n";
   const BakeJob job = read(whole)[0].job;
   BakeJob expected;
   expected.fitting.convergence_tolerance = 0.0f;  // of --reference
-  expected.fitting.refit_iterations = 10;
   expected.fitting.lobe_count = 5;
   expected.fitting.iteration_count = expected.fitting.iteration_count_coarse = 9;
   expected.fitting.pass_count = 3;
+  expected.fitting.refit_iterations = 8;
   expected.fitting.order = FitOrder::kScanline;
   expected.fitting.alignment = 0.3f;
   expected.fitting.kappa_cap = 250.0f;
@@ -282,13 +291,9 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
 // The page has a row for every key that is read, in backquotes.
 TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/CI.md");
-  for (const char* key :
-       {"input",       "output",          "error_max",    "lobes",       "reference",   "iterations", "passes",
-        "order",       "align",           "kappa_cap",    "first_level", "data_format", "wrap",       "swrap",
-        "twrap",       "coarse_normals",  "green",        "signed",      "unsigned",    "bumpformat", "height_scale",
-        "two_channel", "no_start_search", "unaligned",    "fixnan",      "checknan",    "repair_max", "albedo",
-        "compression", "normal_scale",    "target_error", "budget_ms",   "brdf",        "best_effort"})
-    EXPECT_NE(page.find("`" + std::string(key) + "`"), std::string::npos) << key;
+  std::vector<std::string> keys = bake_parameters().names(kInManifest);
+  keys.emplace_back("output");
+  for (const std::string& key : keys) EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << key;
 }
 
 }  // namespace
