@@ -11,19 +11,19 @@
 
 namespace multum {
 
-/// Throws Error(kUsage, kEnvironment) for what can be told of a job before anything is read.
+/// Checks all of a job that can be checked before anything is read. Throws Error(kUsage, kEnvironment).
 void check_job(const BakeJob& job);
 
-/// Appears as JOB.output when all is done, or not at all. Nothing is done when JOB.output is there already, from the
+/// Bakes JOB.output, which appears when all is done, or not at all. Does nothing when it is there already, from the
 /// same file with the same settings (BakeReport::unchanged), unless JOB.force. Throws Error, Cancelled.
 BakeReport bake_file(const BakeJob& job, Device& device, Progress* progress);
-/// The same of what read_bake_source() has read of the job already; null: it is read here.
+/// The same with the source that read_bake_source() has read already; null: reads it.
 BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
 
-/// Bakes, whatever is there, of a source that has been read (host/bake/bake_source.h).
+/// Bakes from a source that has been read, whether the output is there or not (host/bake/bake_source.h).
 BakeReport bake_source(const BakeJob& job, const BakeSource& source, Device& device, Progress* progress);
 
-/// Of an output that is left as it is. Writes BakeJob::report.
+/// Reports an output that is left as it is, and writes BakeJob::report.
 BakeReport unchanged_report(const BakeJob& job);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where rows go that are as the file has them: kept where the measurement looks, and into the file.
+// Rounds finished rows to what the file stores, hands them to the error measurement and writes them.
 #pragma once
 
 #include "host/accuracy/accuracy.h"
@@ -10,8 +10,8 @@ namespace multum {
 
 class BakeOutput {
  public:
-  /// `header` is what the file's is; `meter` is null when nothing is measured. Fills OutputReport::unrepresentable and
-  /// the times of rounding and writing.
+  /// `header`: the file's; `meter`: null when nothing is measured. Fills OutputReport::unrepresentable and the times of
+  /// rounding and writing.
   BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
 

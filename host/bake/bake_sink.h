@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a whole bake's rows go as they are done: rounded, and out.
+// Sink of a whole bake: rounds each row as it is done and passes it to BakeOutput.
 #pragma once
 
 #include <utility>

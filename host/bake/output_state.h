@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake's output is recognised by, and whether it is there already: the program's version and kernels, every
-// setting that changes the file, and the contents of what was read. Times of files say nothing: a fresh checkout has
-// new ones.
+// Recognises an output that the same bake has already made: by the program's version and kernels, every setting that
+// changes the file, and the contents of what was read. Times of files say nothing: a fresh checkout has new ones.
 #pragma once
 
 #include <string>
@@ -12,10 +11,10 @@
 
 namespace multum {
 
-/// What JOB's texels are fitted with: its settings, held to its wrap modes. A map that repeats is filtered across its
-/// border, so its lobes must be alike there.
+/// Settings that JOB's texels are fitted with: its own, periodic where its wrap modes are. A map that repeats is
+/// filtered across its border, so its lobes must be alike there.
 MovmfSettings fitting_settings(const BakeJob& job);
-/// The same once the map is read, which decides where JOB leaves it to the map (--wrap auto).
+/// The same once the map is read, which decides the wrap modes that JOB leaves to it (--wrap auto).
 MovmfSettings fitting_settings(const BakeJob& job, const NormalMapReport& map);
 
 /// Every setting that changes the file, the reading's too, hashes of the material's maps, and the kernels. Throws

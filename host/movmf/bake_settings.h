@@ -11,11 +11,11 @@ namespace multum {
 
 enum class FitOrder { kColour, kScanline };
 
-/// What EM sees of a texel that covers more than kSamplesUnchunkedMax normals: cells of normals that point the same way
-/// (movmf_binning.cl), or every one of them, which costs each level as much as the finest.
+/// Samples that EM takes of a texel that covers more than kSamplesUnchunkedMax normals: bins of normals that point the
+/// same way (movmf_binning.cl), or every normal, which costs each level as much as the finest.
 enum class CoarseNormals { kBinned, kAll };
 
-/// How many lobes a texel may have.
+/// Fewest and most lobes per texel.
 struct LobeCounts {
   int fewest, most;
 };
@@ -56,11 +56,11 @@ struct MovmfSettings {
   float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
 };
 
-/// Every normal at every level, 30 iterations and 10 in further passes, none cut short: the reference that the defaults
-/// are measured against (docs/ALGORITHMS.md, "Fewer evaluations").
+/// Sets what the defaults are measured against: every normal at every level, 30 iterations and 10 in further passes,
+/// none cut short (docs/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 
-/// Every texel by itself, as nobody should: what alignment is for is seen beside it (Tan et al. 2005, figures 5 and 6).
+/// Fits every texel by itself, without alignment: for comparison alone (Tan et al. 2005, figures 5 and 6).
 void make_unaligned(MovmfSettings& settings);
 
 /// Throws Error(kUsage) naming the setting, its value and its range.

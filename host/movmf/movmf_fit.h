@@ -51,7 +51,8 @@ struct MovmfFitInputs {
 /// Begins to build the programs that fit_movmf() launches for such a schedule, those that it launches first first.
 void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSettings& settings, bool has_features);
 
-/// Settings are valid, features are of the map's size. Progress advances by movmf_bake_units().
+/// Fits the levels of `schedule` and hands their rows to `sink`. Settings must be valid, features of the map's size.
+/// Progress advances by movmf_bake_units().
 void fit_movmf(Device& device, const MovmfFitInputs& inputs, const MovmfSettings& settings, const MipSchedule& schedule,
                const BakePlan& plan, MovmfSink& sink, FitReport& report, Progress* progress);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake of lobes reads and may use, and its units of progress: for host/movmf/movmf_bake.h and movmf_average.h.
+// Inputs of a bake of lobes, and its units of progress: for host/movmf/movmf_bake.h and movmf_average.h.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// What a bake reads, and what it may use.
+/// Maps that a bake reads, and the memory and threads that it may use.
 struct MovmfBakeInputs {
   const PlaneStore* normals = nullptr;
   const PlaneStore* albedo = nullptr;                   // of the same size; null: no colours

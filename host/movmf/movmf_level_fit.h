@@ -28,7 +28,7 @@ struct TexelRange {
   int x0, y0, x1, y1;
 };
 
-/// What the fit of a level reads.
+/// Inputs of the fit of a level.
 struct LevelInputs {
   const PlaneStore* normals = nullptr;
   MapWindows* on_device = nullptr;          // the same, whole; null: windows of it are made

@@ -55,7 +55,7 @@ struct MovmfMipmap {
   bool has_colours() const { return !levels.empty() && !levels.front().colours.empty(); }
 };
 
-/// What files of every representation say, of a mipmap with or without texels.
+/// The part of the header that files of every representation have; the mipmap may be without texels.
 BakedHeader header_of(const MovmfMipmap& mipmap);
 /// The other way: levels have sizes and empty lobes, `lobe_count` of them.
 MovmfMipmap empty_movmf_mipmap(const BakedHeader& header, int lobe_count);
@@ -85,7 +85,7 @@ void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, cons
 /// decompress; 0: as many as the machine has.
 MovmfMipmap read_movmf_mipmap(const std::string& path, int threads = 0);
 
-/// The same without pixels: levels have sizes and empty lobes. Cheap for files of any size.
+/// Reads the header alone: levels have sizes and empty lobes. Cheap for files of any size.
 MovmfMipmap read_movmf_header(const std::string& path);
 
 /// Largest kappa whose spread (1/kappa) a lobe of amplitude 1 keeps to within about a quarter; sharper lobes are stored
