@@ -56,12 +56,12 @@ void read_values(const StrictTable& table, ParameterValues& values) {
     for (const char* target : {"target_error", "budget_ms"}) {
       if (table.has(target))
         table.refuse(key_of(table, *chosen).value_or(chosen->name),
-                     fmt::format("is chosen by {}: expected one of the two", target));
+                     fmt::format("and {} exclude each other: a target chooses that setting", target));
       values.erase(target);
     }
   }
   for (const char* key : {"brdf", "best_effort"})
-    if (table.has(key) && !has_target(values)) table.refuse(key, "is of target_error and budget_ms, found neither");
+    if (table.has(key) && !has_target(values)) table.refuse(key, "needs target_error or budget_ms, found neither");
 }
 
 // Of an error, a time or nothing.
@@ -90,18 +90,18 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
     table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file's name, not in a folder's", job.input));
   if (!is_set && has_udim(job.output))
     table.refuse("output",
-                 fmt::format("is \"{}\", but the input is no set: expected a name without <UDIM>", job.output));
+                 fmt::format("is \"{}\", but the input is not a set: expected a name without <UDIM>", job.output));
   for (const auto& [key, map] : kMaterialKeys)
     if (!is_set && has_udim(job.*map))
       table.refuse(
           table.has(key) ? key : "",
-          fmt::format("has the {} \"{}\", but the input is no set: expected a name without <UDIM>", key, job.*map));
+          fmt::format("has the {} \"{}\", but the input is not a set: expected a name without <UDIM>", key, job.*map));
   std::error_code error;
   const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output, error);
   if (is_set && !has_udim(job.output) && !is_folder)
-    table.refuse("output",
-                 fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or a folder that is there",
-                             job.output));
+    table.refuse(
+        "output",
+        fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or an existing folder", job.output));
   if (!is_folder && !job.output.ends_with(".exr"))
     table.refuse("output", fmt::format("is \"{}\", expected a name that ends in .ndf.exr or .exr", job.output));
 }

@@ -90,7 +90,7 @@ std::string parameter_page() {
     page += is_job ? "\n## Jobs of type scene\n" : fmt::format("\n## `multum {}`\n", table->command());
     std::string group = "none";
     for (const Parameter& row : table->rows()) {
-      const std::string heading = row.surfaces == 0 ? "Not to be given: hashed, and fixed by the program" : row.group;
+      const std::string heading = row.surfaces == 0 ? "Fixed by the program, and hashed" : row.group;
       if (heading != group) {
         if (!heading.empty() && heading != "Options") page += fmt::format("\n**{}**\n", heading);
         page += "\n| parameter | values | where | hashed as | meaning |\n|---|---|---|---|---|\n";

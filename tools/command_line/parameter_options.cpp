@@ -38,7 +38,7 @@ void set_given(ParameterValues& values, const Parameter& row, ParameterValue val
     std::string options;
     for (const std::string& name : row.all_names()) options += (options.empty() ? "" : " or ") + option_of(name);
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} is given under two of its names, expected one: {}", row.option(), options));
+                fmt::format("{} is given twice, by two of its names: expected {}", row.option(), options));
   }
   values.set(row.name, std::move(value));
   check_exclusions(values);

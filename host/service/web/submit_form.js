@@ -24,10 +24,10 @@ function inputFor(name, schema, isRequired) {
   if (schema.type === "boolean") return node("input", { id, type: "checkbox" });
   const choices = choicesOf(schema);
   if (choices)
-    return node("select", { id }, node("option", { value: "" }, "as usual"),
+    return node("select", { id }, node("option", { value: "" }, "default"),
       ...choices.map((one) => node("option", { value: one }, one)));
   if (schema.type === "integer" || schema.type === "number")
-    return node("input", { id, type: "number", min: schema.minimum, max: schema.maximum, placeholder: "as usual",
+    return node("input", { id, type: "number", min: schema.minimum, max: schema.maximum, placeholder: "default",
       step: schema.type === "integer" ? 1 : "any" });
   return node("input", { id, type: "text", maxlength: schema.maxLength, required: isRequired, spellcheck: "false",
     autocomplete: "off", placeholder: schema.maxLength === PATH_LENGTH ? "/path/on/the/server.png" : null });

@@ -33,28 +33,26 @@ constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|co
 
 const ParameterTable& fault_injection_parameters() {
   static const ParameterTable table(
-      "drill",
-      {{.name = "seconds",
-        .kind = Kind::kNumber,
-        .help = "how long it takes",
-        .low = 0,
-        .high = 86400,
-        .unit = "s",
-        .surfaces = kInService},
-       {.name = "then",
-        .kind = Kind::kChoice,
-        .help =
-            "how it ends: well, with an error worth trying again, with one that is not, by crashing, or not at all, "
-            "deaf to its heartbeat or making no progress",
-        .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
-        .surfaces = kInService},
-       {.name = "text", .kind = Kind::kText, .help = "written to the output", .surfaces = kInService}});
+      "drill", {{.name = "seconds",
+                 .kind = Kind::kNumber,
+                 .help = "duration",
+                 .low = 0,
+                 .high = 86400,
+                 .unit = "s",
+                 .surfaces = kInService},
+                {.name = "then",
+                 .kind = Kind::kChoice,
+                 .help = "end of the job: success, an error worth trying again, one that is not, a crash, or none: "
+                         "without a heartbeat, or without progress",
+                 .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
+                 .surfaces = kInService},
+                {.name = "text", .kind = Kind::kText, .help = "text to write to the output", .surfaces = kInService}});
   return table;
 }
 
 JobType bake_type() {
   return {.name = "bake",
-          .summary = "a normal map or height field into a mipmap of normal distributions",
+          .summary = "bake a normal map or height field into a mipmap of normal distributions",
           .command = "bake",
           .input = "input",
           .output_extension = ".ndf.exr",
@@ -64,7 +62,7 @@ JobType bake_type() {
 
 JobType scene_type() {
   return {.name = "scene",
-          .summary = "the maps of a scene, each as the scene needs it",
+          .summary = "bake the maps of a scene, each as the scene needs it",
           .command = "bake",
           .input = "scene",
           .output_is_folder = true,
@@ -74,7 +72,7 @@ JobType scene_type() {
 
 JobType infer_type() {
   return {.name = "infer",
-          .summary = "textures from ray-traced pictures",
+          .summary = "infer textures from ray-traced pictures",
           .command = "infer",
           .input = "job",
           .output_is_folder = true,
@@ -84,7 +82,7 @@ JobType infer_type() {
 
 JobType fault_injection_type() {
   return {.name = "drill",
-          .summary = "does nothing, or fails as asked: for trying out queues, limits and alarms",
+          .summary = "do nothing, or fail as asked: for trying out queues, limits and alarms",
           .needs_output = false,
           .table = &fault_injection_parameters()};
 }
@@ -193,13 +191,13 @@ const JobType& find_job_type(const std::string& name) {
 }
 
 void check_parameters(const JobType& type, const Json& parameters) {
-  if (!parameters.is_object()) throw Error(ErrorCode::kUsage, "parameters is no object");
+  if (!parameters.is_object()) throw Error(ErrorCode::kUsage, "parameters is not an object");
   for (const auto& [name, value] : parameters.items()) {
     const Parameter* parameter = type.find(name);
     if (parameter == nullptr) {
       const std::string nearest = nearest_name(name, type.table->names(kInService));
-      throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is no parameter of {}{}", name.substr(0, 60), type.name,
-                                                 nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+      throw Error(ErrorCode::kUsage, fmt::format("unknown parameter '{}' of {}{}", name.substr(0, 60), type.name,
+                                                 nearest.empty() ? "" : " (did you mean '" + nearest + "'?)"));
     }
     if (!is_accepted(*parameter, value))
       throw Error(ErrorCode::kUsage,
@@ -233,7 +231,7 @@ void check_is_one_map(const JobType& type, const Json& parameters) {
         ErrorCode::kUsage,
         fmt::format("parameters.{} is {}, expected a map; a scene is baked by a job of type scene", type.input, file));
   if (file.find("<UDIM>") != std::string::npos)
-    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, no set", type.input, file));
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, not a set", type.input, file));
 }
 
 Json parameters_schema(const JobType& type) {

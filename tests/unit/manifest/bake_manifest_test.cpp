@@ -132,10 +132,10 @@ TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
 }
 
 TEST_F(BakeManifestTest, UnknownKeysNameTheNearest) {
-  expect_refused("lobes = 2", "lobse = 2", {"map.lobse", "no key", "map.lobes"});
-  expect_refused("lobes = 3", "qqqqqqqqqq = 3", {"defaults.qqqqqqqqqq", "no key"});
-  expect_refused("lobes = 3", "input = \"a\"", {"defaults.input", "no key"});
-  expect_refused("[defaults]", "[default]", {"default", "no key", "defaults"});
+  expect_refused("lobes = 2", "lobse = 2", {"map.lobse", "unknown key", "map.lobes"});
+  expect_refused("lobes = 3", "qqqqqqqqqq = 3", {"defaults.qqqqqqqqqq", "unknown key"});
+  expect_refused("lobes = 3", "input = \"a\"", {"defaults.input", "unknown key"});
+  expect_refused("[defaults]", "[default]", {"default", "unknown key", "defaults"});
 }
 
 TEST_F(BakeManifestTest, WhatMustBeThere) {
@@ -157,7 +157,7 @@ TEST_F(BakeManifestTest, WrongTypesAndRanges) {
   };
   refused("lobes = 9", {"lobes", "9", "1 to 8"});
   refused("lobes = 0", {"lobes", "0"});
-  refused("lobes = \"4\"", {"lobes", "\"4\"", "a whole number"});
+  refused("lobes = \"4\"", {"lobes", "\"4\"", "an integer"});
   refused("iterations = 1001", {"iterations", "1001", "1 to 1000"});
   refused("passes = 2.5", {"passes", "2.5", "1 to 8"});
   refused("first_level = 16", {"first_level", "16", "0 to 15"});

@@ -235,7 +235,7 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
   ParameterValues defaults(bake_parameters());
   for (const Parameter& row : bake_parameters().rows()) {
     const bool is_value = row.kind == ParameterKind::kInteger || row.kind == ParameterKind::kNumber ||
-                          (row.kind == ParameterKind::kChoice && row.default_text != "found");
+                          (row.kind == ParameterKind::kChoice && row.default_text != "detected");
     if (!is_value || row.default_text.empty() || row.surfaces == 0) continue;
     if (row.name == "iterations" || row.name == "wrap") continue;  // set two, or say that somebody said it
     defaults.set(row.name, *parse_value(row, row.default_text));

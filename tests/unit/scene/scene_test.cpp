@@ -109,16 +109,16 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
     std::vector<std::string> parts;
   };
   const Case cases[] = {
-      {"fov = 60", "fow = 60", 2, {"camera.fow", "no key", "camera.fov"}},
+      {"fov = 60", "fow = 60", 2, {"camera.fow", "unknown key", "camera.fov"}},
       {"fov = 60", "fov = 200", 2, {"camera.fov", "200", "1 to 170"}},
       {"resolution = [320, 240]", "resolution = [320]", 3, {"camera.resolution", "[1920, 1080]"}},
       {"tolerance = 0.05", "tolerance = 0", 5, {"budget.tolerance", "0"}},
       {"tolerance = 0.05", "target_error = -1", 5, {"budget.target_error", "-1", "above 0"}},
       {"name = \"wall\"", "name = \"../wall\"", 7, {"map.name", "\"../wall\"", "letters"}},
       {"normal = \"wall.exr\"\n", "", 6, {"map", "no normal"}},
-      {"normal = \"wall.exr\"", "normal = \"wal.exr\"", 8, {"map.normal is ", "wal.exr", "file that is there"}},
+      {"normal = \"wall.exr\"", "normal = \"wal.exr\"", 8, {"map.normal is ", "wal.exr", "an existing file"}},
       {"normal = \"wall.exr\"", "normal = \".\"", 8, {"map.normal", "a folder", "a file"}},
-      {"green = \"up\"", "albedo = \"no.png\"", 9, {"map.albedo is ", "no.png", "file that is there"}},
+      {"green = \"up\"", "albedo = \"no.png\"", 9, {"map.albedo is ", "no.png", "an existing file"}},
       {"green = \"up\"", "roughness = \"no.png:G\"", 9, {"map.roughness is ", "no.png", "expected"}},
       {"direction = [0.3, 0.8, 0.5]",
        "direction = [0, 0, 1]\n[environment]\nfile = \"sky.exr\"",
