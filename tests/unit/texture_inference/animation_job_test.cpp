@@ -246,15 +246,15 @@ TEST_F(AnimationJobTest, NamesThatNothingAnswersTo) {
 
 TEST_F(AnimationJobTest, NamesThatAreThereTwice) {
   make(false);
-  expect_refused("name = \"light\"", "name = \"view\"", {"parameter.name", "\"view\"", "there"});
-  expect_refused("name = \"view_dependent\"", "name = \"diffuse\"", {"layer.name", "\"diffuse\"", "is there"});
+  expect_refused("name = \"light\"", "name = \"view\"", {"parameter.name", "\"view\"", "another one has"});
+  expect_refused("name = \"view_dependent\"", "name = \"diffuse\"", {"layer.name", "\"diffuse\"", "another one has"});
   expect_refused("name = \"v01\"", "name = \"v00\"", {"camera.name", "\"v00\""});
-  expect_refused("name = \"v00_p01\"", "name = \"v00_p00\"", {"sample.name", "\"v00_p00\"", "there"});
+  expect_refused("name = \"v00_p01\"", "name = \"v00_p00\"", {"sample.name", "\"v00_p00\"", "another one has"});
   std::string again = text_;
   replace_once(again, "# Rows are",
                "[[object]]\nname = \"other\"\nmesh = \"thing\"\nindex = 1\ncryptomatte = \"thing\"\n# Rows are");
   text_ = again;
-  expect_refused("name = \"other\"", "name = \"thing\"", {"object.name", "\"thing\"", "there"});
+  expect_refused("name = \"other\"", "name = \"thing\"", {"object.name", "\"thing\"", "another one has"});
   replace_once(text_, "index = 0", "index = 1");
   std::size_t second = text_.find("index = 1", text_.find("\"other\""));
   const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(second), '\n');
@@ -264,7 +264,7 @@ TEST_F(AnimationJobTest, NamesThatAreThereTwice) {
 
 TEST_F(AnimationJobTest, TheGridMustBeWhole) {
   make(false);
-  expect_refused("at = [0, 1]", "at = [0, 0]", {"sample.at", "[0, 0]", "there"});
+  expect_refused("at = [0, 1]", "at = [0, 0]", {"sample.at", "[0, 0]", "another one has"});
   expect_refused("at = [0, 1]", "at = [0, 2]", {"sample.at", "[0, 2]", "0 to 1 along light"});
   expect_refused("at = [0, 1]", "at = [0]", {"sample.at", "1 numbers", "2, one a parameter (view, light)"});
   std::string fewer = text_;
