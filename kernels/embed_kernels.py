@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TaskQueue the kernels into a C++ file: every .cl with its #includes flattened, as a named string.
+"""Turns the kernels into a C++ file: every .cl with its #includes flattened, as a named string.
 
 Flattened, because drivers know no folders and linking separately compiled programs costs 0.4 s on every start; #line
 keeps error messages pointing at the files. Usage: embed_kernels.py KERNEL_FOLDER OUTPUT.cpp [FLATTENED_FOLDER]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What mixes linearly of a normal map: slope moments (LEAN: Olano and Baker 2010, section 3) and the normal (Toksvig
-// 2005). Nothing is fitted: kernels/mip_box.cl averages these planes.
+// Makes the planes of a normal map that mix linearly: slope moments (LEAN: Olano and Baker 2010, section 3) and the
+// normal (Toksvig 2005). Nothing is fitted: kernels/mip_box.cl averages these planes.
 
 #include "device/numerics.clh"
 #include "shared/mip_box.h"

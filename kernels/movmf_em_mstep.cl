@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The other half of an iteration on coarse levels: adds the partial sums of movmf_em_partial and does the M-step.
-// Han et al. 2007, section 7, equation 16. Scalar in both variants: there is little of it.
+// Second half of an EM iteration on coarse levels: adds the partial sums of movmf_em_partial and does the M-step. Han
+// et al. 2007, section 7, equation 16. Scalar in both variants: there is little of it.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Before a launch of EM: the samples of 16 texels side by side, from the map or from binned normals. Neither knows
+// Packs the samples of 16 texels side by side before a launch of EM, from the map or from binned normals. Neither knows
 // how many lobes there are. This file has only a scalar variant.
 
 #include "device/level_window.clh"

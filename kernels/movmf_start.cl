@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Before a launch of EM: where each texel's lobes start, and what its neighbours say.
-// Alignment after Han et al. 2007, section 7.2, in the order of docs/ALGORITHMS.md, "Order".
+// Starts the lobes of each texel before a launch of EM, and sums what its neighbours say. Alignment after Han et al.
+// 2007, section 7.2, in the order of docs/ALGORITHMS.md, "Order".
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"

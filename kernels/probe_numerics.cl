@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What this device and driver make of the building blocks: for the tests, and for anyone who doubts a driver.
+// Probes the arithmetic of this device and driver: for the tests, and for anyone who doubts a driver.
 
 #include "device/vmf_shading.clh"
 #include "shared/filtered_sh.h"

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks what a script can check of the style: marks, licence line, header comment, line length, dead files, folders.
+"""Checks what a script can check of the style: marks, licence line, header comment and its first word, line length,
+dead files, folders.
 
 Usage: check_style.py [--root FOLDER]. Exit code 1 when a rule is broken, one line a violation.
 """
@@ -59,6 +60,21 @@ def has_header_comment(file, lines):
     return False
 
 
+# First words of headless clauses: "Where rows go", "What the daemon is told", "Of lobes".
+RIDDLE = re.compile(r"(what|where|which|how|that|whether|who|as|of)\b", re.IGNORECASE)
+
+
+def riddle(file, lines):
+    """The first word of a header's comment, where it says nothing of what the header is or does; else None."""
+    if file.suffix not in (".h", ".clh", ".cl"):
+        return None
+    for line in lines:
+        if line.startswith("//") and "SPDX" not in line:
+            found = RIDDLE.match(line.lstrip("/ "))
+            return found[0] if found else None
+    return None
+
+
 def built_patterns(root, files):
     """Regular expression of the paths that any CMakeLists.txt names or globs. A name counts in folders below too: the
     list of shaders gets its folder put before each name."""
@@ -104,6 +120,8 @@ def violations(root):
             yield f"{name}:{number}: {what}"
         if not has_header_comment(file, text.splitlines()):
             yield f"{name}:1: found no comment before the code that says what the file computes"
+        if word := riddle(file, text.splitlines()):
+            yield f"{name}:2: begins with '{word}', expected what the file does or is, verb or noun first"
         if file.suffix in BUILT and not built.fullmatch(name):
             yield f"{name}:1: no CMakeLists.txt names it: dead"
         folder = file.parent.relative_to(root).as_posix()

@@ -125,7 +125,7 @@ build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
 <p>The bake prints what it took the file for: OpenGL or DirectX green, unsigned or signed, normals or heights. If it is
 wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With
 colours: <code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:
-<code>--lobes 2 --sweeps 1</code>. <code>multum bake --help</code> lists the rest.</p>"""
+<code>--lobes 2 --passes 1</code>. <code>multum bake --help</code> lists the rest.</p>"""
 
 
 def make_page(folder, steps, bakes, views):

@@ -52,7 +52,7 @@ def bake(multum, path, target, brdf, folder):
 
 def cell(row):
     """The settings, what they reached, and in bold what did not do."""
-    options = row["options"].replace("--ndf ", "").replace(" --sweeps 1 --no-rehearsal", ", one sweep")
+    options = row["options"].replace("--ndf ", "").replace(" --passes 1 --no-start-search", ", one pass")
     options = options.replace("--lobes ", "").replace("--sh-order ", "order ").replace(" --reference", ", reference")
     text = f"{options}{' as ' + row['shading'] if row['shading'] else ''}"
     reached = f"{row['error']} ± {row['interval']}"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers, in double
-// (accuracy_truth.h). Model: what is stored, rounded as stored, filtered linearly and shaded by the runtime's formula
-// (accuracy_model.h). Levels finer than the first that is stored: the normal map's own mips, in float, each texel one
-// lobe with the mean vector of the normals that it covers; between them and the stored levels both are shaded and
-// mixed, as renderers do. Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set of
-// lights and views, of the BRDF's convolution alone, f without n . l (docs/ALGORITHMS.md).
+// Measures how far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers,
+// in double (accuracy_truth.h). Model: what is stored, rounded as stored, filtered linearly and shaded by the runtime's
+// formula (accuracy_model.h). Levels finer than the first that is stored: the normal map's own mips, in float, each
+// texel one lobe with the mean vector of the normals that it covers; between them and the stored levels both are shaded
+// and mixed, as renderers do. Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set
+// of lights and views, of the BRDF's convolution alone, f without n . l (docs/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -59,7 +59,8 @@ struct AccuracySummary {
 };
 constexpr int kSummaryLevel = 2;
 
-/// Of two files, over texel centres, midpoints, and half-way to the next level: sums of |a - b| and of b.
+/// Difference between two files over texel centres, midpoints, and half-way to the next level: sums of |a - b| and of
+/// b.
 struct LevelDifference {
   int level;
   std::string brdf;  // "lambert", "blinn-phong:20", "roughness"
@@ -90,8 +91,8 @@ struct AccuracySettings {
   int threads = 2;
 };
 
-/// Told what a bake stores, row by row, keeps what is stored of the texels that it looks at, and measures at the end.
-/// With 2048 samples a level that takes some 50 MB for maps of any size.
+/// Measures a file's error: takes what a bake stores, row by row, keeps what is stored of the texels that it looks at,
+/// and measures at the end. With 2048 samples a level that takes some 50 MB for maps of any size.
 class AccuracyMeter {
  public:
   virtual ~AccuracyMeter() = default;
@@ -104,7 +105,7 @@ class AccuracyMeter {
   /// After all rows that it needs, once. With `albedo`, which needs a file with colours, those are compared too, per
   /// channel. Reads every normal once, more often where it looks at millions of texels. Progress: counts no units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
-  /// How far what it shows is from what `by_default` shows, of the same map at the same texels, before run(). With
+  /// Difference of what it shows from what `by_default` shows, of the same map at the same texels, before run(). With
   /// `albedo`, which needs a `by_default` of colours, Lambert is per channel; a file without colours then shows the
   /// albedo's mean.
   std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
@@ -125,10 +126,10 @@ class AccuracyMeter {
   std::vector<AccuracySummary> summaries_;
 };
 
-/// Of lobes.
+/// Measures files of lobes.
 class MovmfMeter : public AccuracyMeter {
  public:
-  /// Of `header`: sizes of levels, lobe count, first level; no texels.
+  /// Takes from `header` the sizes of levels, the lobe count and the first level; it needs no texels.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
       : AccuracyMeter(header.width(), header.height(),
                       of_file(settings, header.header.has_roughness, header.header.mean_cosine)),
@@ -142,7 +143,7 @@ class MovmfMeter : public AccuracyMeter {
   MovmfModel model_;
 };
 
-/// Of moments: each BRDF shaded as "toksvig", "lean" and "lean-jacobian".
+/// Measures files of moments: each BRDF shaded as "toksvig", "lean" and "lean-jacobian".
 class MomentMeter : public AccuracyMeter {
  public:
   MomentMeter(const BakedHeader& header, const AccuracySettings& settings)
@@ -156,10 +157,10 @@ class MomentMeter : public AccuracyMeter {
   MomentModel model_;
 };
 
-/// Of spherical harmonics.
+/// Measures files of spherical harmonics.
 class ShMeter : public AccuracyMeter {
  public:
-  /// Of `header`: sizes, order, first level; no texels.
+  /// Takes from `header` the sizes of levels, the order and the first level; it needs no texels.
   ShMeter(const ShMipmap& header, const AccuracySettings& settings)
       : AccuracyMeter(header.header.width, header.header.height,
                       of_file(settings, header.header.has_roughness, header.header.mean_cosine)),
@@ -173,7 +174,7 @@ class ShMeter : public AccuracyMeter {
   ShModel model_;
 };
 
-/// The same of a whole mipmap and a map in memory, which must be of one size. `albedo`: null, or of that size.
+/// Measures a whole mipmap against a map in memory, which must be of one size. `albedo`: null, or of that size.
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
                                           const ColourMap* albedo, const AccuracySettings& settings,
                                           Progress* progress);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users would pick instead, measured like the bakes (host/accuracy/accuracy.h, texel centres): averaged normals,
-// Toksvig, LEAN moments. Convolved Blinn-Phong without n . l, in double.
+// Measures what users would pick instead of a bake, in the same way (host/accuracy/accuracy.h, texel centres): averaged
+// normals, Toksvig, LEAN moments. Convolved Blinn-Phong without n . l, in double.
 #pragma once
 
 #include <string>

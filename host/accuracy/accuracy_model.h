@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a renderer shows of a baked file, as far as the measurement (host/accuracy/accuracy.h) need know: values at
-// points of the pyramid, filtered and shaded as the runtime does. A representation may be shaded in several ways; each
-// is measured.
+// Models what a renderer shows of a baked file, as far as the measurement (host/accuracy/accuracy.h) needs it: values
+// at points of the pyramid, filtered and shaded as the runtime does. A representation may be shaded in several ways;
+// each is measured.
 #pragma once
 
 #include <memory>

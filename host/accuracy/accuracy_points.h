@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a pyramid's error is measured: texels spread evenly at random over each level, and the points around them.
+// Chooses the points where a pyramid's error is measured: texels spread evenly at random over each level, and points
+// around them.
 #pragma once
 
 #include <array>

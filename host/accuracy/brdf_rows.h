@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// max(0, omega . n)^s of rows of normals, for several s at once: Blinn-Phong without its scale, and Lambert as s = 1.
-// In double. All powers are reached by multiplying powers at hand: t^20, t^100 and t^500 take 11 products together.
+// Evaluates max(0, omega . n)^s on rows of normals, for several s at once: Blinn-Phong without its scale, and Lambert
+// as s = 1. In double. All powers are reached by multiplying powers at hand: t^20, t^100 and t^500 take 11 products
+// together.
 #pragma once
 
 #include <array>
@@ -36,8 +37,8 @@ class BrdfRows {
   AlignedRow powers_;  // [power][column of a block]
 };
 
-/// Where a BRDF's width is in the normals' lengths (host/image/material_maps.h): the vMF lobe of each shortened normal,
-/// as densities towards `omega`; or max(0, omega . n) of the normal alone, which diffuse light depends on.
+/// Evaluates rows of normals that a BRDF's width has shortened (host/image/material_maps.h): the vMF lobe of each
+/// normal, as densities towards `omega`; or max(0, omega . n) of the normal alone, which diffuse light depends on.
 void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::array<const float*, 3>& normals, int count,
                         double* values);
 

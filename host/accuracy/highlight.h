@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BRDF whose highlights errors are measured for: f of n . h alone, without what depends on other angles (Fresnel,
-// shadowing), as the truth takes it and as the shading kernels do. Coloured f are taken grey, by their mean.
+// Describes a BRDF whose highlights errors are measured for: f of n . h alone, without what depends on other angles
+// (Fresnel, shadowing), as the truth takes it and as the shading kernels do. Coloured f are taken grey, by their mean.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct Highlight {
   Brdf brdf;         // not kLambert
   MultumHighlight shaded;
 };
-/// Of GGX and measurements a fit of some 10 to 100 ms: made once, and handed on.
+/// Takes 10 to 100 ms for GGX and measurements, which are fitted: made once, and handed on.
 Highlight make_highlight(const std::string& name, const Brdf& brdf);
 
 /// "blinn-phong:100".
@@ -25,7 +25,7 @@ Highlight blinn_phong_highlight(double exponent);
 /// The mean of f's channels at e = 1 - n.h.
 double grey_density(const Brdf& brdf, double e);
 
-/// Of Blinn-Phong itself, exactly; of others as the runtime shades them (runtime_gl/shaders/brdf).
+/// The highlight as the kernels shade it: Blinn-Phong exactly, others as the runtime does (runtime_gl/shaders/brdf).
 MultumHighlight shaded_highlight(const Brdf& brdf);
 MultumHighlight shaded_highlight(double exponent);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of the texels that points read (texel_selection.h) are stored in a file, and where a model keeps what it is
-// told of them: one entry a texel, from the file's first level on.
+// Indexes what a model keeps of a file's texels: one entry for each texel that points read (texel_selection.h) and that
+// the file stores, from its first level on.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ class KeptTexels {
   int first_level() const { return first_level_; }
   std::size_t count() const { return texels_.slot_count() - first_slot_; }
   bool is_stored(std::size_t slot) const { return slot >= first_slot_; }
-  /// Of a slot that is stored.
+  /// The entry of a slot that is stored.
   std::size_t entry(std::size_t slot) const { return slot - first_slot_; }
   /// Has every texel come?
   bool is_complete() const { return missing_count_ == 0; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a renderer shows of a baked file of moments: those of the texels around a point, filtered linearly, and shaded
-// by the runtime's formulas on the device (kernels/moment_shade.cl). Keeps the texels that points read, no others.
+// Models what a renderer shows of a baked file of moments: the moments of the texels around a point, filtered linearly,
+// and shaded by the runtime's formulas on the device (kernels/moment_shade.cl). Keeps the texels that points read, no
+// others.
 #pragma once
 
 #include <memory>
@@ -25,9 +26,9 @@ class MomentModel : public AccuracyModel {
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
-  /// As hardware filtering gives them; multiplied by the colours in `channel` unless it is -1, as a share is: shading
-  /// is linear in the share, and of points between a stored level and one of the normal map's each side has its own
-  /// colour.
+  /// Moments at points as hardware filtering gives them; multiplied by the colours in `channel` unless it is -1, as a
+  /// share is: shading is linear in the share, and of points between a stored level and one of the normal map's each
+  /// side has its own colour.
   std::vector<MultumFilteredMoments> filtered(const std::vector<SamplePoint>& points, int channel, int threads) const;
 
  private:

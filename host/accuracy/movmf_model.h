@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a renderer shows of a baked mipmap of lobes: the lobes of the texels around a point, filtered linearly, and
-// shaded by the runtime's formula on the device (kernels/movmf_shade.cl). Keeps the lobes of the texels that points
+// Models what a renderer shows of a baked mipmap of lobes: the lobes of the texels around a point, filtered linearly,
+// and shaded by the runtime's formula on the device (kernels/movmf_shade.cl). Keeps the lobes of the texels that points
 // read, no others.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace multum {
 
 class MovmfModel : public AccuracyModel {
  public:
-  /// What shades models of such mipmaps.
+  /// The program that shades models of such mipmaps.
   static ProgramChoice program(Representation representation, int lobe_count, int first_level);
 
   /// `mipmap` without texels; `texels` must outlive it.
@@ -28,7 +28,7 @@ class MovmfModel : public AccuracyModel {
   bool has_colours() const override { return !colours_.empty(); }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
-  /// Of filtered points: behind the lobes, one of the averages where there are any.
+  /// Lobes of a filtered point: behind those of the file, one of the map's averages where there are any.
   std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
   const ProgramChoice& program() const { return program_; }
 

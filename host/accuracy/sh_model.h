@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a renderer shows of a baked file of spherical harmonics: those of the texels around a point, filtered linearly,
-// and shaded by the runtime's formula on the device (kernels/sh_shade.cl). Keeps the texels that points read, no
-// others.
+// Models what a renderer shows of a baked file of spherical harmonics: the coefficients of the texels around a point,
+// filtered linearly, and shaded by the runtime's formula on the device (kernels/sh_shade.cl). Keeps the texels that
+// points read, no others.
 #pragma once
 
 #include <memory>

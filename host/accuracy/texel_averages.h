@@ -17,7 +17,8 @@ namespace multum {
 
 class TexelAverages {
  public:
-  /// Of the texels selected in levels 0 to level_count - 1; level 0 is the plane itself. `texels` must outlive it.
+  /// Averages over the texels selected in levels 0 to level_count - 1; level 0 is the plane itself. `texels` must
+  /// outlive it.
   TexelAverages(const TexelSelection& texels, int level_count);
 
   const TexelSelection& texels() const { return texels_; }
@@ -29,7 +30,7 @@ class TexelAverages {
   /// Adds row y of the plane, of which row[0..width) is given, to sums[slot * stride]; the rest of `row` is written
   /// over. Sums begin as 0; rows come from the top, each once.
   void add_row(int y, double* row, double* sums, std::size_t stride) const;
-  /// What sums of these texels are multiplied by to be averages, for slots from a level's first to the next level's.
+  /// Factor that turns the sums of a level's slots into averages.
   double share(int level) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Some texels of each level of a pyramid. Each has a slot: its number among them, level by level, row by row, left to
-// right, so that what is kept for these texels alone is a plain array.
+// Numbers selected texels of each level of a pyramid. Each has a slot: its number among them, level by level, row by
+// row, left to right, so that what is kept for these texels alone is a plain array.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ class TexelSelection {
   std::size_t row_end(int level, int row) const { return row_begin(level, row + 1); }
   std::size_t level_begin(int level) const { return row_begin(level, 0); }
   int column(std::size_t slot) const { return columns_[slot]; }
-  /// Of a texel that is selected.
+  /// The slot of a texel that is selected.
   std::size_t slot(int level, int texel) const;
 
  private:

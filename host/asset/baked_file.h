@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every baked file is, whatever its representation: a multi-part, tiled, mip-mapped OpenEXR file whose header says
-// where it comes from (docs/FORMAT.md).
+// Common part of all baked files, whatever their representation: a multi-part, tiled, mip-mapped OpenEXR file whose
+// header says where it comes from (docs/FORMAT.md).
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 namespace multum {
 
-/// What is drawn of a file with roughness in is shaded with a Blinn-Phong of this exponent, the sharpest that the
-/// formulas are tested with: it adds no width to what is rougher than 0.1, and keeps mirrors finite.
+/// Exponent of the Blinn-Phong that shades files with roughness in them, the sharpest that the formulas are tested
+/// with: it adds no width to what is rougher than 0.1, and keeps mirrors finite.
 constexpr float kRoughnessExponent = 1e5f;
 
 constexpr int kWeightCountMax = 4;  // channels of a texture
 
-/// What the file says of itself beside its pixels.
+/// Origin of a file, as its header states it beside the pixels.
 struct BakedProvenance {
   std::string software;        // "multum 0.1.0"
   std::string source_name;     // file name of the normal map, without folder
@@ -29,7 +29,7 @@ struct BakedProvenance {
   std::string content_hash;    // of every channel value in the file (docs/FORMAT.md, "Checksum"); filled by write, read
 };
 
-/// All that files of every representation say.
+/// Header that files of every representation have.
 struct BakedHeader {
   Representation representation = Representation::kMovmf;
   StorageEncoding encoding = StorageEncoding::kSnorm16;
@@ -61,7 +61,7 @@ struct BakedWriteOptions {
   bool is_checked = true;  // false: what `multum verify` would refuse is written all the same, as its tests need it
 };
 
-/// What BakedWriteOptions may name, in words.
+/// Compressions that BakedWriteOptions may name, in words.
 constexpr char kCompressionsInWords[] =
     "none, rle, zips, zip or piz (every one is lossless), and for zip and zips an optional level such as zip:4";
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The headers of a baked file's parts: attributes from what the file says of itself, and back. For host/asset alone.
+// Converts what a file says of itself to the attributes of its parts' headers, and back. For host/asset alone.
 #pragma once
 
 #include <ImfHeader.h>
@@ -40,10 +40,10 @@ struct BakedPart {
 std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std::vector<BakedPart>& parts,
                                             const BakedWriteOptions& options);
 
-/// All but pixels, from the first part's header. Throws Error(kInput) naming `path`, what was found and what was
-/// expected.
+/// Reads everything but pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
+/// what was expected.
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path);
-/// The same of a file that must be of one representation.
+/// The same for a file that must be of one representation.
 BakedHeader parse_baked_header(const Imf::Header& header, Representation expected, const std::string& path);
 
 /// Mean colours, mean weights of basis BRDFs: parts of those representations whose texels are averages.
@@ -54,8 +54,7 @@ BakedPart mean_weights_part(const BakedHeader& header);
 void check_baked_parts(const Imf::MultiPartInputFile& file, const BakedHeader& header,
                        const std::vector<BakedPart>& parts, const std::string& path);
 
-/// What files of every kind say, whatever their texels are: sizes, wrap modes, encoding (one of `encodings`) and where
-/// it comes from.
+/// Reads what files of every kind state: sizes, wrap modes, encoding (one of `encodings`) and where it comes from.
 BakedHeader parse_map_header(const Imf::Header& header, const std::vector<StorageEncoding>& encodings,
                              const std::string& path);
 

@@ -25,7 +25,7 @@ class BakedRows {
   virtual ~BakedRows() = default;
   virtual int level() const = 0;
   virtual int height() const = 0;
-  /// What they take while they wait.
+  /// Bytes that the rows take while they wait.
   virtual std::size_t bytes() const = 0;
   /// MULTUM_CHECKs that there is all that a level of this width needs.
   virtual void check_sizes(int level_width) const = 0;
@@ -44,7 +44,7 @@ class BakedWriter {
   /// `headers`: one a part. Throws as AtomicFile does for places that cannot be written.
   BakedWriter(const std::string& path, const BakedHeader& header, std::vector<BakedPart> parts,
               const std::vector<Imf::Header>& headers, const BakedWriteOptions& options);
-  /// Without commit(), nothing stays.
+  /// Removes the file, unless commit() was called.
   ~BakedWriter();
   BakedWriter(const BakedWriter&) = delete;
   BakedWriter& operator=(const BakedWriter&) = delete;
@@ -57,7 +57,7 @@ class BakedWriter {
   /// passed, throws Error(kEnvironment), and there is no file.
   void commit(const std::string& measured_error, const std::function<std::vector<VerifyFinding>()>& findings,
               Progress* progress);
-  /// As docs/FORMAT.md defines it; after commit().
+  /// The content's checksum as docs/FORMAT.md defines it; after commit().
   const std::string& content_hash() const;
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a baked file takes as textures on a GPU, and what renderers usually keep for the same map.
+// Counts the bytes that a baked file takes as textures on a GPU, and those that renderers usually keep for the same
+// map.
 #pragma once
 
 #include <cstdint>
@@ -21,15 +22,15 @@ std::uint64_t moment_gpu_bytes(const BakedHeader& header);
 /// colours. Needs sizes alone, no texels.
 std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap);
 
-/// Of a baked file of any representation, colours and weights with it. Throws as read_baked_header() does.
+/// Bytes of a baked file of any representation, its colours and weights included. Throws as read_baked_header() does.
 std::uint64_t baked_gpu_bytes(const std::string& path);
 
 /// Levels finer than `first_level` of a width x height map as a BC5 normal: what renderers have beside a file that
 /// leaves these levels to the normal map.
 std::uint64_t finest_normals_gpu_bytes(int width, int height, int first_level);
 
-/// All levels of a width x height map as a BC5 normal, 16 bytes a block of 4 x 4 texels, and a BC4 roughness, 8 bytes.
-/// Blocks are whole: a level of 1 x 1 takes one as well.
+/// Bytes of all levels of a width x height map as a BC5 normal, 16 bytes a block of 4 x 4 texels, and a BC4 roughness,
+/// 8 bytes. Blocks are whole: a level of 1 x 1 takes one as well.
 std::uint64_t default_gpu_bytes(int width, int height);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What half floats hold. For host/asset alone.
+// Largest half float, and rounding to the nearest one. For host/asset alone.
 #pragma once
 
 #include <half.h>

@@ -15,7 +15,7 @@ constexpr char kHeaderHashAttribute[] = "multum:headerHash";
 // Room for its text: 64 digits, and for each attribute its name and 10 bytes; a file of lobes takes 880.
 constexpr int kHeaderHashBytes = 2048;
 
-/// What the attribute has to hold, by the file's headers as they are. Throws Error(kInput) where they are cut.
+/// Text that the attribute has to hold, by the file's headers as they are. Throws Error(kInput) where they are cut.
 std::string header_hash_text(const std::string& path);
 
 /// Passed when the headers are as the attribute says, and when there is none: files written before it was there. Names

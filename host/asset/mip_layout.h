@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the texels of a mip pyramid lie in one list: finest level first, each from its top row. Levels are ROUND_DOWN:
+// Places the texels of a mip pyramid in one list: finest level first, each from its top row. Levels are ROUND_DOWN:
 // level l is max(1, width >> l) by max(1, height >> l), down to 1 x 1, as the GL has them.
 #pragma once
 

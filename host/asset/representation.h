@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a baked file may hold of the normals under a texel. Another representation is a row here, one in the table of
-// files (baked_file.cpp) and one in that of the bakes (host/bake/ndf_bake.cpp).
+// Lists the representations of the normals under a texel that a baked file may hold. A new one is a row here, one in
+// the table of files (baked_file.cpp) and one in that of the bakes (host/bake/ndf_bake.cpp).
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ enum class Representation {
   kSh,       // spherical harmonics of the normals, to an order (host/asset/averages/sh_mipmap.h)
 };
 
-/// How channel values are rounded when stored; docs/FORMAT.md states what each loses.
+/// Rounding of stored channel values; docs/FORMAT.md states what each loses.
 enum class StorageEncoding {
   kSnorm16,  // multiples of 1/32767 in a float channel: RGBA16_SNORM on the GPU
   kHalf,     // 16-bit floats: RGBA16F on the GPU
@@ -38,7 +38,7 @@ struct RepresentationInfo {
   const char* help;                        // what it is, in a line
 };
 
-/// All of them, the default first.
+/// All representations, the default first.
 const std::vector<RepresentationInfo>& representations();
 const RepresentationInfo& representation_info(Representation representation);
 

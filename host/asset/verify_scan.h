@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What verify_moments(), verify_sh() and verify_movmf() share: the worst of all texels, and what is said of it.
+// Shares between verify_moments(), verify_sh() and verify_movmf() the search for the worst texel and the words for it.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct TexelPlace {
   int band = -1;  // of spherical harmonics; < 0: none
 };
 
-/// How far beyond what is allowed; at or below 0: nothing is.
+/// The texel that exceeds what is allowed by most; at or below 0: none does.
 struct WorstTexel {
   double value = 0.0;
   TexelPlace place;

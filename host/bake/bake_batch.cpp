@@ -26,7 +26,7 @@ std::string place(const std::string& pattern, const std::string& input, const st
   if (pattern.empty()) return "";
   if (has_udim(pattern)) {
     if (tile.empty())
-      throw Error(ErrorCode::kUsage, pattern + ": holds <UDIM>, but " + input + " is no set: expected a folder");
+      throw Error(ErrorCode::kUsage, pattern + ": holds <UDIM>, but " + input + " is not a set: expected a folder");
     return with_tile(pattern, tile);
   }
   std::error_code error;

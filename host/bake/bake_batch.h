@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several maps in one run: names given one by one, and UDIM sets, whose tiles are named by `<UDIM>` in a path, as in
-// rock_<UDIM>.png for rock_1001.png, rock_1002.png ... (four digits, 1001 to 9999).
+// Makes the jobs of a run over several maps: names given one by one, and UDIM sets, whose tiles are named by `<UDIM>`
+// in a path, e.g. rock_<UDIM>.png for rock_1001.png, rock_1002.png ... (four digits, 1001 to 9999).
 #pragma once
 
 #include <string>

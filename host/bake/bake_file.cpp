@@ -127,7 +127,7 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
 void check_job(const BakeJob& job) {
   std::error_code error;
   if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder, error))
-    throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected one for scratch files");
+    throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
   check_encoding(job.representation, job.encoding);
   ndf_bake(job.representation).check_settings(job);
   validate(job.writing);

@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// Throws Error(kUsage, kEnvironment) for what can be told of a job before anything is read.
+/// Checks all of a job that can be checked before anything is read. Throws Error(kUsage, kEnvironment).
 void check_job(const BakeJob& job);
 
 /// Bakes a job, whose output appears when all is done, or not at all. Nothing is done when it is there already, from

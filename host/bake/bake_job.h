@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake as it is asked for: the files it reads and writes, and its settings. host/bake/bake_file.h does it.
+// Describes a bake: the files it reads and writes, and its settings. host/bake/bake_file.h runs it.
 #pragma once
 
 #include <optional>
@@ -46,7 +46,7 @@ struct BakeJob {
   int threads = 2;  // of the host's own loops
 };
 
-/// The maps that go along with the normals.
+/// Material maps, which are read along with the normals.
 constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::roughness, &BakeJob::weights};
 
 /// BakeJob::roughness, which must not be empty.

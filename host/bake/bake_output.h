@@ -11,8 +11,8 @@ namespace multum {
 
 class BakeOutput : public MovmfSink {
  public:
-  /// `header` is what the file's is; `meter` is null when nothing is measured. Fills OutputReport::unrepresentable and
-  /// the times of rounding and writing.
+  /// `header`: the file's; `meter`: null when nothing is measured. Fills OutputReport::unrepresentable and the times of
+  /// rounding and writing.
   BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
 

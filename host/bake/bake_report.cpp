@@ -160,8 +160,7 @@ std::string BakeReport::to_text() const {
         fit.lobe_count_total, fit.nonfinite, fit.kappa_clamped, fit.dead_lobes, fit.undirected_lobes,
         output.unrepresentable);
   if (average.slopes_limited > 0)
-    text +=
-        fmt::format("{} normals nearer to the horizon than slopes go, taken at 87 degrees\n", average.slopes_limited);
+    text += fmt::format("{} normals too near to the horizon for slopes, taken at 87 degrees\n", average.slopes_limited);
   if (first_level > 0 && stored_only)
     text += fmt::format("levels finer than {} are never seen, and not stored\n", first_level);
   else if (first_level > 0)

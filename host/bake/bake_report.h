@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake did, took and clamped: for people (a table) and for programs (JSON).
+// Collects what a bake did, how long it took and what it clamped, and prints it as a table or as JSON.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct StageTime {
   double seconds;
 };
 
-/// Of rounding rows to what is stored, and of handing them to the writer, while they are fitted.
+/// Times and events of rounding rows to what is stored and handing them to the writer, while they are fitted.
 struct OutputReport {
   double round_seconds = 0.0;
   double write_wait_seconds = 0.0;  // waiting for the thread that compresses and writes
@@ -56,9 +56,9 @@ struct BakeReport {
   std::vector<AccuracySummary> error;  // one for each BRDF of `accuracy`
   std::string choice;                  // why these settings, where they were chosen; a line each
 
-  /// How the map was gone through: of its fit, or of its averages.
+  /// Plan of bands and levels: the fit's, or that of the averages.
   const std::string& plan() const { return fit.plan.empty() ? average.plan : fit.plan; }
-  /// Of all stages but choosing and measuring.
+  /// Sum of all stages but choosing and measuring.
   double bake_seconds() const;
   std::string to_json() const;
   /// Some lines for a terminal.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake reads: the map and its material's, in memory where they are small, else in scratch files.
+// Reads a bake's inputs, the map and its material's maps: into memory where they are small, else into scratch files.
 #pragma once
 
 #include <cstdint>
@@ -37,14 +37,14 @@ struct BakeSource {
 /// The folder for what does not fit in memory: the job's, or the output's.
 std::string scratch_folder(const BakeJob& job);
 
-/// What files of it say, but for where they come from.
+/// Header of the files that are baked from the source, all but their provenance.
 BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 
 /// Throws Error(kInput) for files that cannot be used.
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress);
-/// The same, and says what was found: in the log, and in `report`.
+/// The same, and notes what was found in the log and in `report`.
 BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress);
-/// What was found in the files.
+/// Notes in the report what was found in the source's files.
 void note_source(const BakeSource& source, BakeReport& report);
 
 }  // namespace multum

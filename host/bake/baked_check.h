@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is a finished file whole, and as near to its source as it says? Verified as `multum verify` does, and measured again
-// as the bake did (docs/ACCURACY.md): the same texels, lights, views and BRDFs, so the same figures where nothing has
-// changed.
+// Checks that a finished file is whole and as near to its source as it states: verifies it as `multum verify` does, and
+// measures it again as the bake did (docs/ACCURACY.md): the same texels, lights, views and BRDFs, so the same figures
+// where nothing has changed.
 #pragma once
 
 #include <optional>
@@ -20,15 +20,15 @@ struct BakedCheck {
   std::vector<AccuracyRow> measured;  // none where it is damaged
 };
 
-/// Of JOB.output against JOB.input; writes nothing but scratch files. Throws Error(kInput) when the source cannot be
-/// read, Cancelled. Memory: rows of tiles of the file and bands of the source.
+/// Checks JOB.output against JOB.input; writes nothing but scratch files. Throws Error(kInput) when the source cannot
+/// be read, Cancelled. Memory: rows of tiles of the file and bands of the source.
 BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress);
 
 /// The largest error of all; none without rows.
 std::optional<double> worst_error(const std::vector<AccuracyRow>& rows);
 
-/// Of the errors that are worse than `stated` by more than rounding explains, or not stated at all, the one that is
-/// furthest off, in words; empty where there is none.
+/// Names the error that exceeds what `stated` says by most, beyond what rounding explains, or that is not stated at
+/// all; empty where there is none.
 std::string worse_than_stated(const std::vector<AccuracyRow>& measured, const std::vector<AccuracyRow>& stated);
 
 }  // namespace multum

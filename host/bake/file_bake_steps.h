@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the bakes from file to file have in common, whatever is in their rows: how rows go out, what is done when all
-// are there, and how a file is verified.
+// Steps that the bakes of all representations share: rounding and writing of rows, measurement and commit at the end,
+// and verification of a file by rows.
 #pragma once
 
 #include <memory>
@@ -39,13 +39,14 @@ class RoundingSink : public Sink {
   const int threads_;
 };
 
-/// What is averaged of a bake's source; `waiting_bytes`: what its writer holds (memory_beside_writer()).
+/// Inputs of a bake of averages, from its source; `waiting_bytes`: what its writer holds (memory_beside_writer()).
 inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_bytes) {
   return {{&run.source.map.normals, run.source.features(), memory_beside_writer(run, waiting_bytes), run.job.threads},
           run.header.first_level};
 }
 
-/// How a bake's error is measured; BakeJob::highlights come behind those that are measured of every map.
+/// Settings of the measurement of a bake's error; BakeJob::highlights come behind the BRDFs that are measured of every
+/// map.
 inline AccuracySettings accuracy_settings(const BakeJob& job) {
   AccuracySettings settings;
   settings.threads = job.threads;
@@ -55,7 +56,7 @@ inline AccuracySettings accuracy_settings(const BakeJob& job) {
   return settings;
 }
 
-/// Without what BakeJob::highlights add: what every file states.
+/// Removes the rows of BakeJob::highlights; the others are what every file states.
 inline std::vector<AccuracyRow> stated_rows(const BakeJob& job, std::vector<AccuracyRow> rows) {
   for (const Highlight& one : job.highlights)
     std::erase_if(rows, [&name = one.name](const AccuracyRow& row) {
@@ -64,14 +65,14 @@ inline std::vector<AccuracyRow> stated_rows(const BakeJob& job, std::vector<Accu
   return rows;
 }
 
-/// In the place of a writer: rows are measured, and go nowhere.
+/// Writer that drops its rows: for bakes that are only measured.
 struct NoFile {
   template <typename Rows>
   void write_level(int, int, const Rows&) {}
 };
 
-/// When all rows are there: measures, unless `meter` is null, which counts as `measure_units` of progress, and finishes
-/// the file.
+/// Measures the error when all rows are there, unless `meter` is null, and finishes the file. Measuring counts as
+/// `measure_units` of progress.
 template <typename Writer>
 void measure_and_commit(const BakeRun& run, AccuracyMeter* meter, std::uint64_t measure_units, Writer& writer,
                         BakeReport& report, Progress* progress) {

@@ -10,7 +10,7 @@ namespace multum {
 namespace {
 
 const Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
-const Choices<CoarseNormals> kCoarseNormals = {{"condensed", CoarseNormals::kBinned}, {"all", CoarseNormals::kAll}};
+const Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned}, {"all", CoarseNormals::kAll}};
 const Choices<StorageEncoding> kStorageEncodings = {
     {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
 
@@ -29,10 +29,11 @@ void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
   if (values.flag("unaligned")) make_unaligned(fit);
   fit.lobe_count = values.integer("lobes").value_or(fit.lobe_count);
   if (const auto count = values.integer("iterations")) fit.iteration_count = fit.iteration_count_coarse = *count;
-  fit.sweep_count = values.integer("sweeps").value_or(fit.sweep_count);
+  fit.pass_count = values.integer("passes").value_or(fit.pass_count);
+  fit.refit_iterations = values.integer("refit_iterations").value_or(fit.refit_iterations);
   fit.order = values.choice("order", kFitOrders).value_or(fit.order);
   fit.coarse_normals = values.choice("coarse_normals", kCoarseNormals).value_or(fit.coarse_normals);
-  if (values.flag("no_rehearsal")) fit.search_start = false;
+  if (values.flag("no_start_search")) fit.search_start = false;
   if (const auto weight = values.number("align")) fit.alignment = static_cast<float>(*weight);
   if (const auto cap = values.number("kappa_cap")) fit.kappa_cap = static_cast<float>(*cap);
   fit.first_level = values.integer("first_level").value_or(fit.first_level);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake from file to file (host/bake/bake_file.h) leaves to the representation: one row in the table of
-// ndf_bake.cpp each.
+// Table of the representations' bakes: a row (NdfBake) holds the steps of a bake from file to file
+// (host/bake/bake_file.h) that differ between representations.
 #pragma once
 
 #include <chrono>
@@ -41,14 +41,14 @@ struct BakeRun {
   StageClock& clock;
 };
 
-/// What the writer holds of a level until a row of tiles is full, of so many values a texel; with what turns floats
-/// into halfs on the way.
+/// Bytes that the writer holds of a level until a row of tiles is full, at `value_count` values per texel, with the
+/// buffers that turn floats into halfs.
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count);
-/// The same of all levels, for bakes that make them all at once.
+/// Sum over all levels, for bakes that make them all at once.
 std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);
-/// Bytes that are left for windows and buffers beside rows of tiles of so many bytes in all. Every bake is taken to
-/// need a usual amount already (bake_file.cpp); wide maps need more. Throws Error(kUsage) naming --memory when that
-/// leaves too little.
+/// Bytes that are left for windows and buffers beside `waiting_bytes` of rows of tiles. The default amount is already
+/// counted for every bake (bake_file.cpp); wide maps need more. Throws Error(kUsage) naming --memory when that leaves
+/// too little.
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes);
 
 /// A file's findings, and a meter that has seen its rows.
@@ -61,14 +61,14 @@ struct NdfBake {
   Representation representation;
   /// Throws Error(kUsage) for settings out of range, before anything is read.
   void (*check_settings)(const BakeJob& job);
-  /// What of them changes texels: a JSON object.
+  /// Those settings that change texels, as a JSON object.
   std::string (*settings)(const BakeJob& job);
   /// Throws Error(kInput), Error(kUsage) for a map that cannot be baked with them.
   void (*check_map)(const BakeJob& job, int width, int height);
   /// Bakes, measures unless the job says no, and writes JOB.output. Fills `report` but for what every bake has.
   void (*bake)(const BakeRun& run, BakeReport& report, Progress* progress);
-  /// Bakes and rounds as `bake` does, and writes nothing: a meter that has seen all rows. Of maps that fit into memory.
-  /// Its time is BakeReport's "fit" or "average".
+  /// Bakes and rounds as `bake` does, writes nothing, and returns a meter that has seen all rows. For maps that fit
+  /// into memory. Its time is BakeReport's "fit" or "average".
   std::unique_ptr<AccuracyMeter> (*try_bake)(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                              Progress* progress);
   /// Verifies JOB.output. Throws Error(kInput) when it cannot be read. Progress: a unit a row.
@@ -77,8 +77,8 @@ struct NdfBake {
 
 const NdfBake& ndf_bake(Representation representation);
 
-/// Rehearses a job on a map that fits into memory, from level `accuracy.first_level` on (or the job's, if that is
-/// coarser): no level depends on a finer one.
+/// Tries a job on a map that fits into memory, from level `accuracy.first_level` on (or the job's, if that is coarser):
+/// no level depends on a finer one.
 std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const BakeSource& source,
                                           AccuracySettings accuracy, BakeReport& report, Progress* progress);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake's output is recognised by, and whether it is there already: the program's version and kernels, every
-// setting that changes the file, and the contents of what was read. Times of files say nothing: a fresh checkout has
-// new ones.
+// Recognises an output that the same bake has already made: by the program's version and kernels, every setting that
+// changes the file, and the contents of what was read. Times of files say nothing: a fresh checkout has new ones.
 #pragma once
 
 #include <string>

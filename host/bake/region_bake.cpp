@@ -134,7 +134,7 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
   const std::optional<MapRegion> changed = find_changed_region(old, header, normals, features, threads);
   if (!changed && !asked)
     throw Error(ErrorCode::kUsage, old +
-                                       ": stores no level 0 that could tell what has changed since: expected --region "
+                                       ": stores no level 0, so that changes cannot be found: expected --region "
                                        "x,y,width,height");
   if (!changed) {
     log_warning(fmt::format("{}: {} stores no level 0: whether all that has changed lies in --region {} is not known",

@@ -30,8 +30,8 @@ struct MapRegion {
 std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
                                              const PlaneStore& normals, const FeaturePlanes& features, int threads);
 
-/// What is baked again: `asked`, or what has changed. Throws Error(kInput) when more has changed than was asked for,
-/// which would be kept as it was; Error(kUsage) when nothing was asked for and `old` stores no level 0.
+/// Chooses the region to bake again: `asked`, or what has changed. Throws Error(kInput) when more has changed than was
+/// asked for, which would be kept as it was; Error(kUsage) when nothing was asked for and `old` stores no level 0.
 MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::string& input, const std::string& old,
                          const MovmfMipmap& header, const PlaneStore& normals, const FeaturePlanes& features,
                          int threads);
@@ -51,7 +51,7 @@ class RegionBake : public RegionInputs, public MovmfSink {
   RowStore kept(int level) const override;
   void add_level(int level, int first_row, MovmfLevel rows) override;
   void add_finest(int first_row, MovmfFinest rows) override;
-  /// After the last rows: what the old file has behind them.
+  /// Copies what the old file has behind the last rows.
   void finish();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The names that a setting's values have for people: the same on a command line and in a file.
+// Names the values of a setting, the same on a command line and in a file.
 #pragma once
 
 #include <optional>

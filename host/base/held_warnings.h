@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Warnings that are kept instead of shown: those of trials are doubts about settings that nobody asked for, and belong
+// Keeps warnings instead of showing them: those of trials are doubts about settings that nobody asked for, and belong
 // to the report of what was tried.
 #pragma once
 

@@ -13,7 +13,7 @@ LogLevel log_level();
 
 /// Something doubtful that does not stop the work. Shown unless quiet.
 void log_warning(const std::string& message);
-/// What was detected or decided. Shown unless quiet.
+/// Logs what was detected or decided. Shown unless quiet.
 void log_info(const std::string& message);
 /// Plans, caches, timings. Shown with -v.
 void log_verbose(const std::string& message);

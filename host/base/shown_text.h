@@ -11,16 +11,16 @@
 
 namespace multum {
 
-/// Of control characters but tab and newline - C0, DEL, and C1, which as UTF-8 is C2 80 to C2 9F - and of bytes that
-/// are no UTF-8, each byte as \x and two digits. All else as it is.
+/// Escapes control characters but tab and newline - C0, DEL, and C1, which as UTF-8 is C2 80 to C2 9F - and bytes that
+/// are no UTF-8: each byte as \x and two digits.
 std::string shown_text(std::string_view text);
 
-/// As it is; where `stream` is a terminal, as shown_text().
+/// Writes text as it is; to a terminal, as shown_text().
 void write_shown(std::FILE* stream, std::string_view text);
-/// The same of what printf() would write.
+/// Writes what printf() would, in the same way.
 [[gnu::format(printf, 2, 3)]] void print_shown(std::FILE* stream, const char* format, ...);
 
-/// Of JSON: DEL and C1, which may stand in its texts alone, as \u escapes. To a reader of JSON it is the same.
+/// Escapes JSON: DEL and C1, which may stand in its texts alone, as \u escapes. To a reader of JSON it is the same.
 std::string escaped_json(std::string_view json);
 
 /// Bytes of `text` but for a UTF-8 character at its end that is not whole yet.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts as sizes: products of them may be beyond an int.
+// Converts counts to sizes: products of counts may be beyond an int.
 #pragma once
 
 #include <cstddef>

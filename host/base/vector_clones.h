@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops that are compiled once for every width of vector registers; the program takes the widest that the machine has.
-// All give the same bits: such a loop computes each element by itself, and no multiplication is contracted with an
-// addition (-ffp-contract=off, for every target), so that width cannot be seen in a result.
+// Compiles loops once for every width of vector registers; the program takes the widest that the machine has. All give
+// the same bits: such a loop computes each element by itself, and no multiplication is contracted with an addition
+// (-ffp-contract=off, for every target), so that width cannot be seen in a result.
 #pragma once
 
 #include <cstddef>

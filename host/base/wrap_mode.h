@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies beyond an image's border, by maketx's names.
+// Wrap modes: the values beyond an image's border, by maketx's names.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a smooth point of the surface reflects, as plain settings. Times the cosine it is
+// Describes the reflection of a smooth point of the surface, as plain settings. Times the cosine it is
 //   k_d / pi (1 - F) max(n.l, 0) + k_s F f(n.h) V max(n.l, 0),
 // f the density of facets, F what depends on v.h alone, V shadowing and masking over 4 n.l n.v.
 #pragma once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BRDF in a word, as options name it: lambert, blinn-phong:100, torrance-sparrow:0.1, cook-torrance:0.1,0.04,
-// ggx:0.4, ggx:0.4,0.04, or a measured BRDF's file.
+// Parses a BRDF as options name it: lambert, blinn-phong:100, torrance-sparrow:0.1, cook-torrance:0.1,0.04, ggx:0.4,
+// ggx:0.4,0.04, or a measured BRDF's file.
 #pragma once
 
 #include <string>

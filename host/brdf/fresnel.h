@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// F, what of a BRDF depends on v.h alone: Schlick's term, or a measured BRDF's second factor.
+// Evaluates F, the factor of a BRDF that depends on v.h alone: Schlick's term, or a measured BRDF's second factor.
 #pragma once
 
 #include <glm/vec3.hpp>

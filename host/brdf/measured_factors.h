@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From measurements to factors: rho(theta_h, theta_d) = k_d / pi + f(theta_h) g(theta_d), k_d and f a channel each.
+// Factors measurements: rho(theta_h, theta_d) = k_d / pi + f(theta_h) g(theta_d), k_d and f a channel each.
 #pragma once
 
 #include <string>

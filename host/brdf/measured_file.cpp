@@ -81,7 +81,7 @@ std::vector<double> numbers_of(const std::string& path, const std::string& text)
       const double value = std::strtod(word.c_str(), &end);
       if (*end != '\0' || !std::isfinite(value))
         refuse_file(path,
-                    fmt::format("line {}: expected numbers, and # before comments; this is no measured BRDF", row));
+                    fmt::format("line {}: expected numbers, and # before comments; this is not a measured BRDF", row));
       numbers.push_back(value);
     }
   }
@@ -212,7 +212,7 @@ MeasuredBrdf read_measured_brdf(const std::string& path) {
   std::error_code code;
   const std::uintmax_t size = std::filesystem::is_regular_file(path, code) ? std::filesystem::file_size(path, code) : 0;
   std::ifstream in(path, std::ios::binary);
-  if (code || !in || size < 12) refuse_file(path, "no such file, or no measured BRDF");
+  if (code || !in || size < 12) refuse_file(path, "no such file, or not a measured BRDF");
   std::array<std::int32_t, 3> sizes{};
   in.read(reinterpret_cast<char*>(sizes.data()), sizeof(sizes));
   BrdfCells cells;

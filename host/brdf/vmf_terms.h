@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A facet distribution as a short sum of von Mises-Fisher densities around h: each is convolved with a vMF lobe by
+// Fits a facet distribution by a short sum of von Mises-Fisher densities around h: each is convolved with a vMF lobe by
 // multiplying mean cosines (Han et al. 2007, section 4; docs/ALGORITHMS.md, "BRDFs at run time").
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The child's side of host/image/files/decoding_messages.h.
+// Decodes images in the child process, and answers host/image/files/decoding_messages.h.
 #pragma once
 
 #include <memory>

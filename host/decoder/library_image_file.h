@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenImageIO in this process: multum-decode's, which a broken file may end, and the tests'.
+// Opens image files by OpenImageIO in this process: for multum-decode, which a broken file may end, and for tests.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The child's side of host/mesh/mesh_messages.h.
+// Decodes meshes in the child process, and answers host/mesh/mesh_messages.h.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every reader of meshes needs of assimp: a file read with its complaints heard, and its numbers checked.
+// Imports a scene by assimp for every reader of meshes: hears the library's complaints and checks its numbers.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// read_mesh() and read_object_meshes() in this process, by assimp: multum-decode's, and the tests'.
+// Reads meshes by assimp in this process (read_mesh(), read_object_meshes()): for multum-decode, and for tests.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the project's pages of HTML share: one style that reads in light, in dark and on paper, text made safe, tables.
+// Shares the parts of the project's HTML pages: one style that reads in light, in dark and on paper, text made safe,
+// tables.
 #pragma once
 
 #include <string>

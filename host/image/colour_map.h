@@ -31,7 +31,7 @@ inline PlaneStore planes_of(const ColourMap& map) {
 /// RGB; alpha is ignored. Throws Error(kInput); also when its size is not `width` x `height`.
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
 
-/// How an image's numbers are meant.
+/// Meaning of an image's numbers.
 enum class ColourEncoding {
   kAuto,    // as the albedo's: integers sRGB unless the file says otherwise, floats linear
   kSrgb,    // sRGB, whatever the file says

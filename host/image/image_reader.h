@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Image files by bands of rows, through OpenImageIO: the numbers as the file holds them, no colour conversion, no
-// multiplication by alpha, no resizing. What the numbers mean is somebody else's question.
+// Reads image files by bands of rows, through OpenImageIO: the numbers as the file holds them, with no colour
+// conversion, no multiplication by alpha, no resizing. What the numbers mean is decided elsewhere.
 #pragma once
 
 #include <cstdint>

@@ -36,7 +36,7 @@ struct ChannelFile {
 /// "FILE" or "FILE:CHANNEL". What names a file that exists is a path, colons and all.
 ChannelFile parse_channel_file(const std::string& text);
 
-/// What a roughness map holds, all in perceptual roughness.
+/// Statistics of a roughness map, all in perceptual roughness.
 struct RoughnessReport {
   double mean_cosine = 1.0;                    // the mean of c
   double least = 0.0, mean = 0.0, most = 0.0;  // of a map without texels 0
@@ -47,8 +47,9 @@ struct RoughnessReport {
   std::string to_text() const;
 };
 
-/// What words of a file's name, such as "bricks_gloss.png", "bricks_s.png" and "BricksRoughness2K.png", say that it
-/// holds. Of several words the last counts, but of metalness beside another the other, as of packed maps.
+/// Kind of map that words of a file's name announce, e.g. "bricks_gloss.png", "bricks_s.png" and
+/// "BricksRoughness2K.png". Of several words the last counts, but of metalness beside another the other, as of packed
+/// maps.
 enum class NamedMap { kUnknown, kRoughness, kGloss, kSpecular, kMetalness };
 NamedMap map_by_name(const std::string& path);
 
@@ -57,7 +58,7 @@ constexpr double kMirrorRoughness = 0.1;
 /// Specular maps are dark where a surface is dull, so that as roughness most of them is a mirror. Of shared/data's
 /// three roughness maps less than 0.1 % of the texels are below kMirrorRoughness, of its six specular maps 23 to 82 %.
 constexpr double kMirrorShareMax = 0.1;
-/// The same of a file whose name says what it was taken for: polished surfaces exist. 48 % of the texels of
+/// The same for a file whose name says what it was taken for: polished surfaces exist. 48 % of the texels of
 /// pc_seaside-rocks01-gloss.jpg, the one gloss map of shared/data, are below kMirrorRoughness.
 constexpr double kMirrorShareMaxNamed = 0.75;
 /// Texels of roughness 1 that a gloss map may have: that one has 0 %, three specular maps 15 to 32 %.
@@ -79,7 +80,7 @@ struct WeightMap {
   std::vector<PlaneStore> rgb_planes;  // three planes each, as many as hold them; planes that are not used are 0
 };
 
-/// All channels of a file of 1 to 4. Throws as above.
+/// Reads all channels of a file of 1 to 4. Throws as above.
 WeightMap read_weight_map(const std::string& path, int width, int height, const SpillPolicy& spill, int threads);
 
 }  // namespace multum

@@ -20,7 +20,7 @@ std::vector<std::vector<float>> read_object_index_coverage(const std::string& pa
            std::to_string(width) + " x " + std::to_string(height));
   const bool is_wide = info.sample_type == SampleType::kUint16;
   if (info.channel_count != 1 || (!is_wide && info.sample_type != SampleType::kUint8))
-    refuse("is no object-index image: expected one channel of 8 or 16 bits, found " + info.format);
+    refuse("is not an object-index image: expected one channel of 8 or 16 bits, found " + info.format);
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   std::vector<std::vector<float>> coverages(indices.size(), std::vector<float>(count, 0.0f));
   const float largest = is_wide ? 65535.0f : 255.0f;

@@ -34,7 +34,7 @@ class PlaneStore {
   /// Rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) when the disk refuses. Threads may
   /// write different rows at once.
   void write_rows(int first_row, int row_count, const std::array<const float*, 3>& planes);
-  /// All planes, one of them, or all at one texel. Any number of threads may read at once.
+  /// Reads all planes, one of them, or all at one texel. Any number of threads may read at once.
   void read_rows(int first_row, int row_count, const std::array<float*, 3>& planes) const;
   void read_rows(int plane, int first_row, int row_count, float* rows) const;
   std::array<float, 3> texel(int column, int row) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// An image's numbers as its file holds them, in memory or in a scratch file, and by rows as floats: a half or a quarter
-// of what the floats would take, written once while the file is read and looked at several times after.
+// Holds an image's numbers as its file has them, in memory or in a scratch file, and gives rows of them as floats: a
+// half or a quarter of what the floats would take, written once while the file is read and looked at several times
+// after.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +22,7 @@ enum class SampleType { kUint8, kUint16, kOtherInteger, kHalf, kFloat };  // kFl
 
 inline bool is_float_type(SampleType type) { return type == SampleType::kHalf || type == SampleType::kFloat; }
 
-/// What is known of an image before its rows.
+/// Description of an image, known before its rows.
 struct RawImageInfo {
   int width = 0;
   int height = 0;

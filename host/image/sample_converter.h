@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file's samples as floats, integers scaled to 0..1: what OpenImageIO's conversion to FLOAT gives, to the bit, and if
-// asked for a function of it.
+// Converts a file's samples to floats, integers scaled to 0..1: to what OpenImageIO's conversion to FLOAT gives, to the
+// bit, and if asked for a function of it.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An image file as a small picture to look at, read by bands of rows: as large a file as any reader takes, in the
-// memory of a few of its rows.
+// Reduces an image file to a small picture, read by bands of rows: as large a file as any reader takes, in the memory
+// of a few of its rows.
 #pragma once
 
 #include <string>

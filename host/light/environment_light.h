@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An environment with what shading takes of it, made once.
+// Prepares an environment for shading, once.
 #pragma once
 
 #include <memory>

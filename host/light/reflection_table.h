@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much light a lobe of normals reflects where it is the same from everywhere (the "split sum" of Karis 2013, with
-// the lobe as one more dimension): a lobe n ~ vMF(mu, d), facets h ~ vMF(n, term), l = reflect(v, h), each with the
-// weight 4 (v.h) F(v.h) V max(n.l, 0).
+// Tabulates how much light a lobe of normals reflects where it is the same from everywhere (the "split sum" of Karis
+// 2013, with the lobe as one more dimension): a lobe n ~ vMF(mu, d), facets h ~ vMF(n, term), l = reflect(v, h), each
+// with the weight 4 (v.h) F(v.h) V max(n.l, 0).
 #pragma once
 
 #include <vector>

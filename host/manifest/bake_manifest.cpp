@@ -55,12 +55,13 @@ void read_values(const StrictTable& table, ParameterValues& values) {
   if (const Parameter* chosen = given_of_target(values); chosen != nullptr && has_target(values)) {
     for (const char* target : {"target_error", "budget_ms"}) {
       if (table.has(target))
-        table.refuse(chosen->name, fmt::format("is chosen by {}: expected one of the two", target));
+        table.refuse(key_of(table, *chosen).value_or(chosen->name),
+                     fmt::format("and {} exclude each other: a target chooses that setting", target));
       values.erase(target);
     }
   }
   for (const char* key : {"brdf", "best_effort"})
-    if (table.has(key) && !has_target(values)) table.refuse(key, "is of target_error and budget_ms, found neither");
+    if (table.has(key) && !has_target(values)) table.refuse(key, "needs target_error or budget_ms, found neither");
 }
 
 // Of an error, a time or nothing.
@@ -89,18 +90,18 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
     table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file's name, not in a folder's", job.input));
   if (!is_set && has_udim(job.output))
     table.refuse("output",
-                 fmt::format("is \"{}\", but the input is no set: expected a name without <UDIM>", job.output));
+                 fmt::format("is \"{}\", but the input is not a set: expected a name without <UDIM>", job.output));
   for (const auto& [key, map] : kMaterialKeys)
     if (!is_set && has_udim(job.*map))
       table.refuse(
           table.has(key) ? key : "",
-          fmt::format("has the {} \"{}\", but the input is no set: expected a name without <UDIM>", key, job.*map));
+          fmt::format("has the {} \"{}\", but the input is not a set: expected a name without <UDIM>", key, job.*map));
   std::error_code error;
   const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output, error);
   if (is_set && !has_udim(job.output) && !is_folder)
-    table.refuse("output",
-                 fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or a folder that is there",
-                             job.output));
+    table.refuse(
+        "output",
+        fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or an existing folder", job.output));
   if (!is_folder && !job.output.ends_with(".exr"))
     table.refuse("output", fmt::format("is \"{}\", expected a name that ends in .ndf.exr or .exr", job.output));
 }
@@ -114,11 +115,11 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
 void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
   ParameterValues own = values;
   for (const Parameter& row : bake_parameters().rows())
-    if (row.name != "ndf" && !table.has(row.name)) own.erase(row.name);
+    if (row.name != "ndf" && !key_of(table, row)) own.erase(row.name);
   const Parameter* const other = given_of_another_ndf(own);
   if (other == nullptr) return;
   const bool is_of_lobes = other->scope == ParameterScope::kLobes;
-  table.refuse(other->name,
+  table.refuse(key_of(table, *other).value_or(""),
                fmt::format("is for ndf = {}, found ndf = \"{}\"{}", is_of_lobes ? "\"vmf\" and \"gmm\"" : "\"sh\"",
                            values.text("ndf").value_or("vmf"), is_of_lobes ? ", which fits no lobes" : ""));
 }
@@ -130,7 +131,8 @@ struct ManifestEntry {
 
 ManifestEntry read_entry(const std::string& path, const toml::table& toml, const ParameterValues& defaults,
                          const BakeJob& pattern) {
-  ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWholeFile), {}};
+  ManifestEntry entry{
+      StrictTable(path, toml, "map", map_keys(), kWholeFile, bake_parameters().former_names(kInManifest)), {}};
   ParameterValues values = defaults;
   read_values(entry.table, values);
   check_own_scopes(entry.table, values);
@@ -181,7 +183,8 @@ std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJ
   const toml::table root = parse_toml(path, "a manifest as docs/CI.md describes it");
   const StrictTable table(path, root, "", {"defaults", "map"}, kWholeFile);
   ParameterValues defaults(bake_parameters());
-  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);
+  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile,
+                           bake_parameters().former_names(kInManifest));
   read_values(of_all, defaults);
   target_of(of_all, path, defaults);  // what is wrong with it is wrong here
   std::vector<ManifestEntry> entries;

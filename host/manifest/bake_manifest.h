@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The list of a project's maps, how each is baked, and how far off each may be: what a build pipeline keeps in place.
-// docs/CI.md describes every key of maps.toml.
+// Reads the list of a project's maps, how each is baked and how large its error may be, which a build pipeline keeps in
+// place.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run over a manifest found, as build services show it: JUnit XML, Markdown, a list for a terminal, and the exit
+// Reports a run over a manifest as build services show it: JUnit XML, Markdown, a list for a terminal, and the exit
 // code.
 #pragma once
 

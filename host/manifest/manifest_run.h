@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One map of a manifest brought into place: baked where its file is missing or stale, left alone where it is as it
-// should be; in a check, looked at thoroughly too.
+// Brings one map of a manifest into place: bakes it where its file is missing or stale, leaves it alone where it is as
+// it should be; in a check, examines it thoroughly, too.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// What was found, the worst first found: docs/CI.md has a line for each.
+/// State that a map was found in; docs/CI.md has a line for each.
 enum class MapState {
   kUnchanged,  // in place; in a check: whole and no worse than stated and allowed, too
   kBaked,      // baked in this run; in a check the states below say why it had to be
@@ -51,7 +51,7 @@ struct ManifestRunSettings {
 MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& settings, Device& device,
                            Progress* progress);
 
-/// A map that the above threw Error for.
+/// Result of a map for which run_manifest_map() threw.
 MapResult failed_map(const ManifestMap& map, const Error& error);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether every component of a vector is a number, which every check of a mesh asks.
+// Tells whether every component of a vector is a number; every check of a mesh asks it.
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a glTF file demands, looked at before assimp reads it: assimp ignores required extensions that it does not know
-// and hands on an empty or wrong mesh.
+// Checks what a glTF file requires before assimp reads it: assimp ignores required extensions that it does not know and
+// hands on an empty or wrong mesh.
 #pragma once
 
 #include <string>

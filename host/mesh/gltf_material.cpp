@@ -92,7 +92,7 @@ class MaterialReader {
       if (!(value >= 0.0f && value <= 1.0f))
         refuse(fmt::format("material '{}' has a factor of {}, expected 0 to 1", name, value));
     if (!std::isfinite(made.normal_scale))
-      refuse(fmt::format("material '{}' has a normal scale that is no number", name));
+      refuse(fmt::format("material '{}' has a normal scale that is not a number", name));
     return made;
   }
 

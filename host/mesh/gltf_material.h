@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a glTF file says of its materials, as far as a normal map's shading needs it (glTF 2.0, section 3.9): factors,
-// normal textures, base colour textures, and the images themselves, which may lie inside the file.
+// Reads a glTF file's materials, as far as a normal map's shading needs it (glTF 2.0, section 3.9): factors, normal
+// textures, base colour textures, and the images themselves, which may lie inside the file.
 #pragma once
 
 #include <optional>

@@ -154,7 +154,8 @@ void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes)
     memory += bytes_of(array);
   });
   if (!are_sound(meshes))
-    refuse_file(file.path, "damaged: what came of it is no mesh, expected a file that " + file.library + " survives");
+    refuse_file(file.path,
+                "damaged: what came of it is not a mesh, expected a file that " + file.library + " survives");
 }
 
 template TriangleMesh parse_mesh_answer(const AskedFile&, MessageReader&);

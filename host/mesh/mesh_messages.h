@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a process and its decoder of meshes (host/decoder/mesh_decoder.h) say to each other.
+// Messages between a process and its decoder of meshes (host/decoder/mesh_decoder.h).
 //
 //   request   kOpenMesh, path, uv_set      answer   counts, parts
 //             kOpenObjects, path, uv_set            of each object: counts, name, place

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes are read in a child process, since assimp dies on some files or takes minutes and gigabytes.
+// Reads meshes in a child process, since assimp dies on some files or takes minutes and gigabytes.
 #pragma once
 
 #include "host/sandbox/decoding_child.h"

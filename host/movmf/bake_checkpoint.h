@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake that is killed leaves for the next: the rows of lobes that were done, in a hidden folder beside the
-// output.
+// Keeps the rows of lobes that a bake has done in a hidden folder beside the output, from which a bake that was killed
+// is resumed.
 //
 //   .multum-partial-NAME/
 //     progress          what bake it is, then a line for each block of rows: level, first row, rows, CRC-64
@@ -23,16 +23,16 @@ namespace multum {
 
 class BakeCheckpoint {
  public:
-  /// Of the bake of `output` that `key` (sources and settings: everything that its rows depend on) stands for. What is
-  /// there of the same bake is kept when `resume`, anything else goes. Null while another process bakes the same
-  /// output: the folder is its own. Throws Error(kEnvironment).
+  /// Opens the folder of the bake of `output`; `key` stands for the sources and settings: everything that its rows
+  /// depend on. What is there of the same bake is kept when `resume`, anything else is removed. Null while another
+  /// process bakes the same output: the folder is its own. Throws Error(kEnvironment).
   static std::unique_ptr<BakeCheckpoint> open(const std::string& output, const std::string& key, bool resume);
-  /// Nothing stays, unless leave() was called.
+  /// Removes the folder, unless leave() was called.
   ~BakeCheckpoint();
   BakeCheckpoint(const BakeCheckpoint&) = delete;
   BakeCheckpoint& operator=(const BakeCheckpoint&) = delete;
 
-  /// Where a level's rows are kept; made on the first call, sizes must be those of the bake that was killed.
+  /// Stores of a level's rows; made on the first call, sizes must be those of the bake that was killed.
   struct Level {
     RowStore lobes;
     std::optional<RowStore> features;
@@ -46,7 +46,7 @@ class BakeCheckpoint {
 
   /// The folder stays when this is destroyed: the bake was stopped and may go on.
   void leave() { stays_ = true; }
-  /// Texels' rows that were there of an earlier bake.
+  /// Rows of texels that an earlier bake left.
   std::uint64_t rows_resumed() const { return rows_resumed_; }
 
  private:

@@ -20,11 +20,10 @@ struct WindowMemory {
 };
 
 [[noreturn]] void refuse(const WindowMemory& found, std::uint64_t wanted, const std::string& what) {
-  throw Error(
-      found.on_device ? ErrorCode::kEnvironment : ErrorCode::kUsage,
-      fmt::format("{} leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} MiB: {} needs as much",
-                  found.on_device ? "the device" : "--memory", static_cast<double>(found.bytes) / (1 << 20),
-                  static_cast<double>(wanted) / (1 << 20), what));
+  throw Error(found.on_device ? ErrorCode::kEnvironment : ErrorCode::kUsage,
+              fmt::format("{} leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} MiB for {}",
+                          found.on_device ? "the device" : "--memory", static_cast<double>(found.bytes) / (1 << 20),
+                          static_cast<double>(wanted) / (1 << 20), what));
 }
 
 // The most rows whose bytes are useful, or that are wanted and fit.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a bake fits into memory: in which bands of rows each level is fitted, and what stays in memory between levels.
-// The plan changes no byte of the result.
+// Plans how a bake fits into memory: the bands of rows in which each level is fitted, and what stays in memory between
+// levels. The plan changes no byte of the result.
 #pragma once
 
 #include <cstdint>

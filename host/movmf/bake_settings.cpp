@@ -21,9 +21,9 @@ constexpr Field kFields[] = {{"lobes", &MovmfSettings::lobe_count},
                              {"iterations", &MovmfSettings::iteration_count},
                              {"iterations_coarse", &MovmfSettings::iteration_count_coarse},
                              {"iterations_top", &MovmfSettings::iteration_count_top},
-                             {"sweeps", &MovmfSettings::sweep_count},
-                             {"iterations_again", &MovmfSettings::refit_iterations},
-                             {"settled_change", &MovmfSettings::convergence_tolerance},
+                             {"passes", &MovmfSettings::pass_count},
+                             {"refit_iterations", &MovmfSettings::refit_iterations},
+                             {"convergence_tolerance", &MovmfSettings::convergence_tolerance},
                              {"align", &MovmfSettings::alignment},
                              {"first_level", &MovmfSettings::first_level},
                              {"kappa_cap", &MovmfSettings::kappa_cap},
@@ -54,7 +54,7 @@ void make_reference(MovmfSettings& settings) {
 void make_unaligned(MovmfSettings& settings) {
   settings.aligned_start = false;
   settings.alignment = 0.0f;
-  settings.sweep_count = 1;
+  settings.pass_count = 1;
 }
 
 void validate(const MovmfSettings& settings) {

@@ -11,11 +11,11 @@ namespace multum {
 
 enum class FitOrder { kColour, kScanline };
 
-/// What EM sees of a texel that covers more than kSamplesUnchunkedMax normals: cells of normals that point the same way
-/// (movmf_binning.cl), or every one of them, which costs each level as much as the finest.
+/// Samples that EM takes of a texel that covers more than kSamplesUnchunkedMax normals: bins of normals that point the
+/// same way (movmf_binning.cl), or every normal, which costs each level as much as the finest.
 enum class CoarseNormals { kBinned, kAll };
 
-/// How many lobes a texel may have.
+/// Fewest and most lobes per texel.
 struct LobeCounts {
   int fewest, most;
 };
@@ -30,8 +30,9 @@ struct MovmfSettings {
   int iteration_count_top = 60;     // of the coarsest level, 1..1000
   // After a level is fitted, it is fitted again this many times less one, each texel from its own lobes with all its
   // neighbours done: what was fitted first has by then seen only its parent.
-  int sweep_count = 2;  // 1..8
-  // EM iterations a texel in each further sweep, at most; 1..1000. Coarse texels run a third of theirs if that is more.
+  int pass_count = 2;  // 1..8
+  // EM iterations per texel in each further pass, at most; 1..1000. Coarse texels run a third of theirs if that is
+  // more.
   int refit_iterations = 6;
   // A texel is done before when no lobe's kappa or weight changes by more than this share, and none turns by more than
   // this share of its width; 0: never. Coarse texels run all their iterations.
@@ -55,11 +56,11 @@ struct MovmfSettings {
   float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
 };
 
-/// Every normal at every level, 30 iterations and 10 in further sweeps, none cut short: the reference that the defaults
-/// are measured against (docs/ALGORITHMS.md, "Fewer evaluations").
+/// Sets what the defaults are measured against: every normal at every level, 30 iterations and 10 in further passes,
+/// none cut short (docs/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 
-/// Every texel by itself, as nobody should: what alignment is for is seen beside it (Tan et al. 2005, figures 5 and 6).
+/// Fits every texel by itself, without alignment: for comparison alone (Tan et al. 2005, figures 5 and 6).
 void make_unaligned(MovmfSettings& settings);
 
 /// Throws Error(kUsage) naming the setting, its value and its range.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a fit of lobes did, took and clamped: its part of a bake's report (host/bake/bake_report.h).
+// Counts and times of a fit of lobes: its part of a bake's report (host/bake/bake_report.h).
 #pragma once
 
 #include <cstdint>

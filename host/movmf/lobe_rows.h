@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From lobes as the kernels keep them to lobes as the file has them.
+// Converts lobes as the kernels keep them to lobes as the file has them.
 #pragma once
 
 #include <vector>
@@ -25,7 +25,7 @@ struct LobeRowsSize {
 MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
                        const std::vector<glm::vec3>& features, float kappa_cap, int threads, FitReport& report);
 
-/// The other way round, of one lobe.
+/// Converts one lobe back.
 MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation);
 
 }  // namespace multum

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In which order the texels of a pyramid are fitted: levels from the coarsest to the finest, and each level in steps
-// whose texels are independent of one another (docs/ALGORITHMS.md, "Order"). A step of some rows is one launch of the
-// EM kernels.
+// Schedules the fit of a pyramid's texels: levels from the coarsest to the finest, and each level in steps whose texels
+// are independent of one another (docs/ALGORITHMS.md, "Order"). A step of some rows is one launch of the EM kernels.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +23,8 @@ struct LevelSchedule {
   MultumMovmfFit fit;  // for the whole level at once; all but slot_count
   FitMethod method;
   FitOrder order;
-  int refit_iterations;  // of each further sweep; that of the first is in `fit`
-  int step_count;        // of a sweep
+  int refit_iterations;  // of each further pass; those of the first are in `fit`
+  int step_count;        // of a pass
 };
 
 struct MipSchedule {
@@ -65,7 +64,7 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
 /// with a constant, a smooth and a noisy roughness at level 2: 10.7, 13.5 and 38.8 % with 1, 5.8, 9.1 and 26.0 with
 /// 4, 6.3, 9.4 and 29.6 with 16.
 constexpr float kCopiesShortened = 4.0f;
-/// For normals that a BRDF's width has shortened.
+/// Changes the schedule for normals that a BRDF's width has shortened.
 void make_shortened(MipSchedule& schedule);
 /// The schedule of a map, whose normals tell whether they are shortened.
 MipSchedule make_mip_schedule(const PlaneStore& normals, const MovmfSettings& settings, bool weighted = false);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of one lobe a texel: the mean of the normals is all that the lobe stores, so that EM has nothing to share out,
-// and plain averages (host/pyramid/average_pass.h) give the same lobe in one pass over the map.
+// Bakes maps to one lobe per texel: the mean of the normals is all that the lobe stores, so that EM has nothing to
+// share out, and plain averages (host/pyramid/average_pass.h) give the same lobe in one pass over the map.
 #pragma once
 
 #include "host/base/progress.h"
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// Is what these settings ask for plain averages? Not for a part of a map, whose other lobes are there.
+/// Do plain averages give what these settings ask for? Not for a region, which lies beside lobes that are there.
 bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settings);
 
 /// As bake_movmf(), of settings that averages_suffice() takes. Progress advances by movmf_bake_units().

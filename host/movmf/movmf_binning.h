@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Condenses the normals (and features) of coarse texels while the map streams by, all levels in two passes: one for the
-// axes of their grids, one for their cells (kernels/movmf_binning.cl; docs/ALGORITHMS.md, "Binned normals").
+// Bins the normals (and features) of coarse texels while the map streams by, all levels in two passes: one for the axes
+// of their grids, one for their cells (kernels/movmf_binning.cl; docs/ALGORITHMS.md, "Binned normals").
 #pragma once
 
 #include <map>
@@ -29,9 +29,10 @@ struct BinnedLevel {
 /// Puts a level's samples, or a triple of its features, into a window that has room for all cells of each texel.
 RowWindow::Fill fill_binned(const BinnedLevel& level, const RowStore& samples, std::size_t texel_bytes);
 
-/// By level: those of `schedule` whose method is kBinned, as samples of such lobes. `features` are rgb_planes. The map
-/// passes in bands of at most `band_rows` rows, which change nothing in the result; where that is all of them, and the
-/// map is `on_device` already (null: it is not), it is taken from there. Throws Cancelled.
+/// Bins the levels of `schedule` whose method is kBinned, for lobes of `representation`; returns them by level.
+/// `features` are rgb_planes. The map passes in bands of at most `band_rows` rows, which change nothing in the result;
+/// where that is all of them, and the map is `on_device` already (null: it is not), it is taken from there. Throws
+/// Cancelled.
 std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
                                       const std::vector<const PlaneStore*>& features, const MipSchedule& schedule,
                                       Representation representation, int band_rows, MapWindows* on_device,

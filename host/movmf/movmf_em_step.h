@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One step of a fit on the device: some texels of one level, independent of one another, from their starts to their
-// lobes (Han et al. 2007, section 7). movmf_level_fit.h says which texels and in which order.
+// Runs one step of a fit on the device: fits some texels of one level, independent of one another, from their starts to
+// their lobes (Han et al. 2007, section 7). movmf_level_fit.h says which texels and in which order.
 #pragma once
 
 #include <vector>
@@ -30,7 +30,7 @@ class MovmfEmStep {
  public:
   MovmfEmStep(Device& device, const MovmfSettings& settings, bool weighted);
 
-  /// Those that run() needs for the levels of `schedule`, finest levels first.
+  /// Programs that run() needs for the levels of `schedule`, finest levels first.
   std::vector<ProgramChoice> programs(const MipSchedule& schedule, bool has_features) const;
   /// Fits the texels (places in the window, as step_texels() gives them). kChunks passes over the map once an
   /// iteration, in bands of what `normals` holds at most. Throws Cancelled.

@@ -17,7 +17,7 @@ struct WindowRows {
 
 int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   const bool has_parent = level.fit.parent_width > 0 && settings.aligned_start;
-  return level.step_count * (has_parent ? settings.sweep_count : 1);
+  return level.step_count * (has_parent ? settings.pass_count : 1);
 }
 
 // Scan-line order reaches as far as the level, and chunks are summed band by band of the map, for all texels at once. A
@@ -194,9 +194,9 @@ RowWindow::Fill LevelFit::fill_alignment_vectors(const RowWindow::Fill& fill_lob
 
 void LevelFit::run_step(int step, RowRange rows) {
   if (rows.begin >= rows.end) return;
-  const int sweep = step / level_.step_count;
+  const int pass = step / level_.step_count;
   MultumMovmfFit fit = fit_;
-  if (sweep > 0) {
+  if (pass > 0) {
     fit.order = MULTUM_ORDER_AGAIN;
     fit.iteration_count = level_.refit_iterations;
   }

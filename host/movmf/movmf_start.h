@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where EM starts when there is no parent to start from.
+// Chooses where EM starts on the coarsest level, which has no parent to start from.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mixtures of von Mises-Fisher lobes fitted to a list of normals, on the host and in double: where the bake's EM starts
-// (host/movmf/movmf_start.h), and what a plan expects of a map (host/scene).
+// Fits mixtures of von Mises-Fisher lobes to a list of normals, on the host and in double: the bake's EM starts from
+// them (host/movmf/movmf_start.h), and plans estimate lobes by them (host/scene).
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that are built by threads of their own while their user does something else. Private to host/opencl.
+// Builds programs in threads of their own while their user does something else. Private to host/opencl.
 #pragma once
 
 #include <condition_variable>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only place where OpenCL compiler options come from. Nothing here relaxes mathematics: -cl-fast-relaxed-math and
+// Makes the OpenCL compiler's options, all of them. Nothing here relaxes mathematics: -cl-fast-relaxed-math and
 // -cl-finite-math-only delete the kernels' guards on PoCL and gain nothing.
 #pragma once
 

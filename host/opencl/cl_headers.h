@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one include of OpenCL's headers. Private to host/opencl.
+// Includes OpenCL's headers, once for all. Private to host/opencl.
 #pragma once
 
 #define CL_TARGET_OPENCL_VERSION 120

@@ -45,7 +45,7 @@ struct TransferCounts {
 /// Every device of every platform; empty when there is none.
 std::vector<DeviceInfo> list_devices();
 
-/// Which of some devices a selector means, as Device::open() has it; none where it means none of them.
+/// Chooses the device that a selector names, as Device::open() does; unset where it names none of them.
 std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices, const std::string& selector);
 
 class DeviceState;
@@ -109,7 +109,7 @@ struct ProgramChoice {
   KernelVariant variant;
 };
 
-/// Which device, and how it is used.
+/// Choice of a device, and how it is used.
 struct DeviceChoice {
   std::string selector;         // as Device::open() has it
   bool as_accelerator = false;  // cut work up as for a GPU whatever it is: the same bytes (LaunchShape)
@@ -121,12 +121,12 @@ class Device {
   /// platform's name. Throws Error(kEnvironment) when there is no such device, listing those there are.
   static Device open(const std::string& selector);
   static Device open(const DeviceChoice& choice);
-  /// The same when something is first asked of it: a driver takes 80 MiB and tens of milliseconds, and whoever refuses
-  /// an input needs none. What open() throws is thrown then.
+  /// Opens the device when something is first asked of it: a driver takes 80 MiB and tens of milliseconds, and whoever
+  /// refuses an input needs none. What open() throws is thrown then.
   static Device when_needed(const DeviceChoice& choice);
 
   const DeviceInfo& info() const;
-  /// How work is cut up for it (host/opencl/launch_shape.h), and another way of doing so, for tests.
+  /// Division of work for it (host/opencl/launch_shape.h), and another one, for tests.
   const LaunchShape& shape() const;
   void set_shape(const LaunchShape& shape);
 
@@ -134,15 +134,15 @@ class Device {
   DeviceBuffer make_buffer(std::size_t byte_count, const std::string& what);
   /// Uses the caller's memory without a copy on CPUs, copies on others; `data` must outlive the buffer and not change.
   DeviceBuffer wrap_buffer(const void* data, std::size_t byte_count, const std::string& what);
-  /// From and to the buffer's beginning. Wait for the launches before.
+  /// Copy to and from the buffer's beginning, after the launches before.
   void write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   void read(const DeviceBuffer& buffer, void* data, std::size_t byte_count);
   /// Calls `body` with where the ranges' bytes can be read, on CPUs without a copy. Waits for the launches before.
   using Bytes = std::vector<unsigned char*>;
   using WithBytes = std::function<void(const Bytes& bytes)>;
   void read_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
-  /// The same for writing: what `body` leaves there is in the buffers for the launches that follow. What it does not
-  /// write may hold anything afterwards. Neither may be called from a `body`.
+  /// Maps the ranges for writing: what `body` leaves there is in the buffers for the launches that follow. What it does
+  /// not write may hold anything afterwards. Neither may be called from a `body`.
   void write_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
   /// Moves bytes within the buffer to a lower place; the two ranges may overlap.
   void move_down(const BufferRange& from, std::size_t to);
@@ -154,8 +154,8 @@ class Device {
   /// A kernel of kernels/FILE.cl, built with the variant's options or taken from the program cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
 
-  /// From now on programs are built from kernels edited so; an empty list ends that. Kernels made before stay as they
-  /// are. For showing what a guard is for (host/selftest), never for a bake.
+  /// Edits the kernels from which programs are built from now on; an empty list ends that. Kernels made before stay as
+  /// they are. For showing what a guard is for (host/selftest), never for a bake.
   void edit_kernels(std::vector<SourceEdit> edits);
   bool kernels_are_edited() const;
 
@@ -176,7 +176,7 @@ class Device {
   /// Bytes of buffers that are alive, at most so far. Not those that use the host's memory.
   std::uint64_t buffer_bytes_peak() const;
 
-  /// From now on the device times every launch, until `time_launches(false)`.
+  /// Times every launch from now on, until `time_launches(false)`.
   void time_launches(bool on);
   /// Seconds on the device by kernel name, of launches that were timed. Waits for all launches.
   std::map<std::string, double> launch_seconds();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Device and its kernels share. Private to host/opencl.
+// State that a Device and its kernels share. Private to host/opencl.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct StagingBuffer {
   cl_event copied = nullptr;  // when it may be written again; null: now
 };
 
-/// Of buffers, which may outlive the device's state.
+/// Bytes of buffers, which may outlive the device's state.
 struct BufferBytes {
   std::uint64_t now = 0, peak = 0;
 };
@@ -73,7 +73,7 @@ void release_staging(DeviceState& state);
 /// Adds up the times of launches that have ended; waits for those that have not.
 void collect_times(DeviceState& state);
 
-/// What state.programs knows kernels/FILE.cl by, as it is now edited.
+/// Key of kernels/FILE.cl in state.programs, as it is now edited.
 std::string program_key(const DeviceState& state, const std::string& file, const std::string& options);
 
 /// Builds kernels/FILE.cl with `options`, or loads the binary that is prepared or that an earlier run left in the cache

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How work is cut up for a device: every choice that depends on what the device is, in one place. No byte of a result
-// depends on any of them.
+// Decides how work is divided for a device: every choice that depends on what the device is, in one place. No byte of a
+// result depends on any of them.
 //
 //                            CPU                               others
 //   variant of a kernel      16 lanes of a vector              one lane (MULTUM_VECTOR_WIDTH 1)
@@ -36,11 +36,11 @@ struct LaunchShape {
   std::uint64_t window_bytes_useful;  // more is no faster; 0: as caches have it (host/movmf/bake_plan.h)
 
   bool has_teams() const { return team_texels_max > 0; }
-  /// Whether teams fit so many texels at once, of at most so many samples each.
+  /// Do teams fit so many texels at once, of at most so many samples each?
   bool fits_by_teams(std::size_t texels, int sample_capacity) const;
 
   static LaunchShape of(const DeviceInfo& info);
-  /// As if the device were no CPU: what other devices do, tried on this one (`multum bake --scalar`).
+  /// Shape of an accelerator, tried on this device as if it were no CPU (`multum bake --scalar`).
   static LaunchShape of_accelerator(const DeviceInfo& info);
 };
 

@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// Where binaries are kept; empty turns the cache off. Programs set it once at start (default: off).
+/// Sets the folder where binaries are kept; empty turns the cache off. Programs set it once at start (default: off).
 void set_program_cache_folder(const std::string& folder);
 
 }  // namespace multum

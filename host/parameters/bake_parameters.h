@@ -7,12 +7,12 @@
 namespace multum {
 
 /// Groups of bake_parameters(), as help texts head them.
-inline constexpr const char kSourceGroup[] = "How the map is read";
-inline constexpr const char kMaterialGroup[] = "Maps beside it";
-inline constexpr const char kStorageGroup[] = "What is stored";
-inline constexpr const char kFitGroup[] = "How lobes are fitted";
+inline constexpr const char kSourceGroup[] = "Reading the map";
+inline constexpr const char kMaterialGroup[] = "Material maps";
+inline constexpr const char kStorageGroup[] = "Storage";
+inline constexpr const char kFitGroup[] = "Fitting lobes";
 inline constexpr const char kTargetGroup[] = "Settings chosen by a target";
-inline constexpr const char kRunGroup[] = "How the bake runs";
+inline constexpr const char kRunGroup[] = "Running the bake";
 
 const ParameterTable& bake_parameters();
 

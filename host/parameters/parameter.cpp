@@ -69,10 +69,18 @@ bool is_in_range(const Parameter& parameter, double value) {
 
 }  // namespace
 
-std::string Parameter::option() const {
+std::string option_of(const std::string& name) {
   std::string text = "--" + name;
   std::replace(text.begin(), text.end(), '_', '-');
   return text;
+}
+
+std::string Parameter::option() const { return option_of(name); }
+
+std::vector<std::string> Parameter::all_names() const {
+  std::vector<std::string> names = {name};
+  names.insert(names.end(), former_names.begin(), former_names.end());
+  return names;
 }
 
 std::string expected_text(const Parameter& parameter) {
@@ -117,7 +125,8 @@ bool is_legal(const Parameter& parameter, const ParameterValue& value) {
       return number != nullptr && is_in_range(parameter, *number);
     }
     case ParameterKind::kChoice: {
-      const auto* text = std::get_if<std::string>(&value);
+      const ParameterValue current = current_value(parameter, value);
+      const auto* text = std::get_if<std::string>(&current);
       return text != nullptr &&
              std::find(parameter.choices.begin(), parameter.choices.end(), *text) != parameter.choices.end();
     }
@@ -126,6 +135,13 @@ bool is_legal(const Parameter& parameter, const ParameterValue& value) {
     case ParameterKind::kFile: return std::holds_alternative<std::string>(value);
   }
   return false;
+}
+
+ParameterValue current_value(const Parameter& parameter, ParameterValue value) {
+  if (auto* const text = std::get_if<std::string>(&value))
+    for (const auto& [former, current] : parameter.former_choices)
+      if (*text == former) return current;
+  return value;
 }
 
 std::optional<ParameterValue> parse_value(const Parameter& parameter, const std::string& text) {
@@ -144,7 +160,10 @@ ParameterTable::ParameterTable(std::string command, std::vector<Parameter> rows)
     : command_(std::move(command)), rows_(std::move(rows)) {}
 
 const Parameter* ParameterTable::find(const std::string& name) const {
-  const auto found = std::find_if(rows_.begin(), rows_.end(), [&](const Parameter& one) { return one.name == name; });
+  const auto found = std::find_if(rows_.begin(), rows_.end(), [&](const Parameter& one) {
+    const auto& former = one.former_names;
+    return one.name == name || std::find(former.begin(), former.end(), name) != former.end();
+  });
   return found == rows_.end() ? nullptr : &*found;
 }
 
@@ -158,6 +177,13 @@ std::vector<std::string> ParameterTable::names(unsigned surface) const {
   std::vector<std::string> names;
   for (const Parameter& row : rows_)
     if (row.is_on(surface)) names.push_back(row.name);
+  return names;
+}
+
+std::vector<std::string> ParameterTable::former_names(unsigned surface) const {
+  std::vector<std::string> names;
+  for (const Parameter& row : rows_)
+    if (row.is_on(surface)) names.insert(names.end(), row.former_names.begin(), row.former_names.end());
   return names;
 }
 

@@ -49,6 +49,21 @@ std::string row_text(const Parameter& row) {
                      row.hashed_as.empty() ? "" : "`" + row.hashed_as + "`", escaped(row.help), note);
 }
 
+// The page's last table: what is accepted, and shown nowhere else.
+std::string former_names_text() {
+  std::string text =
+      "\n## Former names\n\nNames that parameters and their values had. Wherever a name is accepted its former ones "
+      "are, too, but not both at once.\n\n| command | former name | name |\n|---|---|---|\n";
+  for (const ParameterTable* table : parameter_tables())
+    for (const Parameter& row : table->rows()) {
+      for (const std::string& former : row.former_names)
+        text += fmt::format("| {} | `{}` | `{}` |\n", table->command(), former, row.name);
+      for (const auto& [former, current] : row.former_choices)
+        text += fmt::format("| {} | `{} = {}` | `{} = {}` |\n", table->command(), row.name, former, row.name, current);
+    }
+  return text;
+}
+
 }  // namespace
 
 const std::vector<const ParameterTable*>& parameter_tables() {
@@ -75,7 +90,7 @@ std::string parameter_page() {
     page += is_job ? "\n## Jobs of type scene\n" : fmt::format("\n## `multum {}`\n", table->command());
     std::string group = "none";
     for (const Parameter& row : table->rows()) {
-      const std::string heading = row.surfaces == 0 ? "Not to be given: hashed, and fixed by the program" : row.group;
+      const std::string heading = row.surfaces == 0 ? "Fixed by the program, and hashed" : row.group;
       if (heading != group) {
         if (!heading.empty() && heading != "Options") page += fmt::format("\n**{}**\n", heading);
         page += "\n| parameter | values | where | hashed as | meaning |\n|---|---|---|---|---|\n";
@@ -84,7 +99,7 @@ std::string parameter_page() {
       page += row_text(row);
     }
   }
-  return page;
+  return page + former_names_text();
 }
 
 }  // namespace multum

@@ -17,7 +17,7 @@ void ParameterValues::set(const std::string& name, ParameterValue value) {
   if (!is_legal(parameter, value))
     throw Error(ErrorCode::kUsage, fmt::format("{} is {}, expected {}", parameter.option(),
                                                value_text(parameter, value), expected_text(parameter)));
-  values_[name] = std::move(value);
+  values_[parameter.name] = current_value(parameter, std::move(value));
 }
 
 bool ParameterValues::is_given(const std::string& name) const {
@@ -31,7 +31,7 @@ const ParameterValue* ParameterValues::find(const std::string& name, ParameterKi
   const Parameter& parameter = table_->at(name);
   const bool is_text = !parameter.is_numeric() && parameter.kind != ParameterKind::kFlag;
   MULTUM_CHECK(parameter.kind == kind || (is_text && kind == ParameterKind::kText));
-  const auto found = values_.find(name);
+  const auto found = values_.find(parameter.name);
   return found == values_.end() ? nullptr : &found->second;
 }
 

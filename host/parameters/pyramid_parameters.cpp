@@ -33,15 +33,15 @@ Parameter numbers_parameter(const char* name, const char* help, const char* unit
 
 // What all three end with.
 ParameterTable table_of(const char* command, Rows rows) {
-  rows.push_back(memory_parameter("for buffers and the image; larger images go by way of a scratch file", 1.0, "256M",
-                                  kOnCommandLine));
+  rows.push_back(memory_parameter("memory for buffers and the image; larger images go by way of a scratch file", 1.0,
+                                  "256M", kOnCommandLine));
   rows.push_back(device_parameter(kOnCommandLine));
   Parameter compression = compression_parameter(kOnCommandLine);
   compression.hashed_as.clear();
   rows.push_back(std::move(compression));
   rows.push_back({.name = "report",
                   .kind = Kind::kText,
-                  .help = "write times, counts and the content's hash as JSON",
+                  .help = "write times, counts and the content hash as JSON",
                   .unit = "FILE",
                   .surfaces = kOnCommandLine});
   rows.push_back({.name = "force",
@@ -63,7 +63,7 @@ const ParameterTable& mip_parameters() {
   static const ParameterTable table = [] {
     Rows rows = {{.name = "colours",
                   .kind = Kind::kChoice,
-                  .help = "how the numbers are meant: auto (integers sRGB unless the file says otherwise, floats "
+                  .help = "meaning of the numbers: auto (integers sRGB unless the file says otherwise, floats "
                           "linear), srgb, linear, or data (no colours: may be negative)",
                   .default_text = "auto",
                   .choices = {"auto", "srgb", "linear", "data"},
@@ -79,13 +79,13 @@ const ParameterTable& lod_parameters() {
   static const ParameterTable table = [] {
     Rows rows = {{.name = "of",
                   .kind = Kind::kChoice,
-                  .help = "what the file holds: heights (its first channel) or positions (three channels)",
+                  .help = "content of the file: heights (its first channel) or positions (three channels)",
                   .default_text = "heights",
                   .choices = {"heights", "positions"},
                   .surfaces = kOnCommandLine},
                  {.name = "scale",
                   .kind = Kind::kNumber,
-                  .help = "every number times this",
+                  .help = "factor of all numbers",
                   .low = -kUnbounded,
                   .high = kUnbounded,
                   .zero_excluded = true,
@@ -103,17 +103,17 @@ const ParameterTable& reflectance_parameters() {
       table_of("reflectance",
                {{.name = "light",
                  .kind = Kind::kText,
-                 .help = "direction towards a distant light, then perhaps its irradiance, grey or red, green, blue",
+                 .help = "direction towards a distant light, optionally with its irradiance, grey or red, green, blue",
                  .unit = "X,Y,Z[,Y|,R,G,B]",
                  .is_repeatable = true,
                  .surfaces = kOnCommandLine},
                 {.name = "environment",
                  .kind = Kind::kFile,
-                 .help = "latitude-longitude image of light from everywhere; +Y on top, -Z in the middle",
+                 .help = "latitude-longitude image of light from all directions; +Y on top, -Z in the middle",
                  .surfaces = kOnCommandLine},
                 {.name = "environment_scale",
                  .kind = Kind::kNumber,
-                 .help = "radiance of the environment times this",
+                 .help = "factor of the environment's radiance",
                  .low = 0.0,
                  .high = kUnbounded,
                  .default_text = "1",
@@ -122,7 +122,7 @@ const ParameterTable& reflectance_parameters() {
                 numbers_parameter("up", "direction that is up in the map", "X,Y,Z", "0,1,0"),
                 {.name = "brdf",
                  .kind = Kind::kBrdf,
-                 .help = "the surface's: blinn-phong:S, S from 1 to 100000",
+                 .help = "BRDF of the surface: blinn-phong:S, S from 1 to 100000",
                  .default_text = "blinn-phong:100",
                  .surfaces = kOnCommandLine},
                 numbers_parameter("diffuse", "diffuse reflectance, grey or red, green, blue", "Y|R,G,B", "0.5"),
@@ -137,7 +137,7 @@ const ParameterTable& reflectance_parameters() {
                  .surfaces = kOnCommandLine},
                 {.name = "texel_samples",
                  .kind = Kind::kInteger,
-                 .help = "normals averaged along a side of a texel",
+                 .help = "normals averaged along each side of a texel",
                  .low = 1,
                  .high = 16,
                  .default_text = "2",

@@ -35,7 +35,7 @@ Parameter memory_parameter(const std::string& help, double low, const std::strin
 Parameter compression_parameter(unsigned surfaces) {
   return {.name = "compression",
           .kind = ParameterKind::kChoice,
-          .help = "lossless compression of the file; zip:1 is the quickest zip, zip:9 the smallest",
+          .help = "lossless compression of the file; zip:1 is the fastest zip, zip:9 the smallest",
           .unit = "none|rle|piz|zip[:1-9]|zips[:1-9]",
           .default_text = "zip:1",
           .choices = compressions(),
@@ -52,15 +52,15 @@ std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& defaul
   if (with_auto) modes.insert(modes.begin(), "auto");
   const Parameter both = {.name = "wrap",
                           .kind = ParameterKind::kChoice,
-                          .help = std::string("what lies beyond the border") +
+                          .help = std::string("continuation beyond the border") +
                                   (with_auto ? "; auto: periodic where the map tiles, else clamp" : ""),
                           .default_text = default_text,
                           .choices = modes,
                           .hashed_as = "wrap",
                           .surfaces = surfaces};
   Parameter s = both, t = both;
-  s.name = "swrap", s.help = "--wrap along s (x) alone", s.default_text = "";
-  t.name = "twrap", t.help = "--wrap along t (y) alone", t.default_text = "";
+  s.name = "swrap", s.help = "--wrap along s (x) only", s.default_text = "";
+  t.name = "twrap", t.help = "--wrap along t (y) only", t.default_text = "";
   return {both, s, t};
 }
 

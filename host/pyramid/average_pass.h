@@ -43,13 +43,13 @@ class AveragedMap {
   AverageInputs inputs_;
 };
 
-/// What a pass of averages did and clamped: its part of a bake's report (host/bake/bake_report.h).
+/// Counts and plan of a pass of averages: its part of a bake's report (host/bake/bake_report.h).
 struct AverageReport {
   std::string plan;                  // bands and levels, a line
   std::uint64_t slopes_limited = 0;  // normals nearer to the horizon than slopes of moments go (kSlopeZMin)
 };
 
-/// A representation's part in it.
+/// Makes the planes that a representation averages, and takes their averages.
 class AveragedPlanes {
  public:
   using MapPlanes = std::array<DeviceBuffer, 3>;  // x, y, z, or a triple of features
@@ -57,18 +57,18 @@ class AveragedPlanes {
   virtual ~AveragedPlanes() = default;
   /// "moments", for the plan's text.
   virtual std::string name() const = 0;
-  /// Without those of features (host/pyramid/feature_planes.h), which come last, three a triple.
+  /// Number of planes without those of features (host/pyramid/feature_planes.h), which come last, three a triple.
   virtual int plane_count() const = 0;
   /// Launches what writes all planes but those of a band into `nodes` [plane][row][row_length].
   virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;
-  /// Told the normals as they are read.
+  /// Sees the normals as they are read.
   virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
-  /// Rows as they are done: of each level in order from the top, levels in any order.
+  /// Takes rows as they are done: of each level in order from the top, levels in any order.
   virtual void add_level(const BoxRows& rows) = 0;
 };
 
-/// Fills AverageReport::plan. Throws Error(kUsage) for too little memory, Error(kEnvironment) when disk or
-/// device refuse, Cancelled. Progress: a unit a texel of the map.
+/// Averages the map into all levels, and fills AverageReport::plan. Throws Error(kUsage) for too little memory,
+/// Error(kEnvironment) when disk or device refuse, Cancelled. Progress: a unit a texel of the map.
 void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, AverageReport& report,
                  Progress* progress);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of level 0, as a bake takes them from its source: before they are rounded and given to lobes.
+// Makes rows of level 0 from a bake's source, before they are rounded and given to lobes.
 #pragma once
 
 #include "host/asset/lobes/movmf_finest.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pyramids of images, from file to file: `multum mip` (colours) and `multum lod` (heights, positions). Williams 1983,
-// sections 3 and 5.
+// Bakes pyramids of images from file to file: `multum mip` (colours) and `multum lod` (heights, positions). Williams
+// 1983, sections 3 and 5.
 #pragma once
 
 #include <cstdint>
@@ -48,20 +48,20 @@ struct MipReport {
 /// Throws Error, Cancelled; leaves no partial file. Progress: reading, averaging, writing.
 MipReport bake_mip(const MipJob& job, Device& device, Progress* progress);
 
-/// Numbers from anywhere: `fill_band` puts rows of `map`'s planes into the pyramid's nodes, bands from the top; `take`
-/// gets the rows of levels. Progress: a unit a texel of the map.
+/// Runs a pyramid over numbers from anywhere: `fill_band` puts rows of `map`'s planes into the pyramid's nodes, bands
+/// from the top; `take` gets the rows of levels. Progress: a unit a texel of the map.
 void run_box_bands(BoxPyramid& pyramid, const BoxMap& map, const std::function<void(const MultumBoxBand&)>& fill_band,
                    const std::function<void(const BoxRows&)>& take, Progress* progress);
 
-/// Rows as a file has them.
+/// Interleaves the planes' rows as a file has them.
 PyramidLevel interleaved(const BoxRows& rows, int channels);
 
-/// run_box_bands() with rounded rows to `writer`. Returns how many values were beyond what is stored.
+/// Runs run_box_bands() and writes rounded rows to `writer`. Returns how many values were beyond what is stored.
 std::uint64_t write_box_pyramid(BoxPyramid& pyramid, const BoxMap& map, PyramidWriter& writer, StorageEncoding encoding,
                                 const std::function<void(const MultumBoxBand&)>& fill_band, Progress* progress);
 
-/// All levels of an image in memory: `planes` has map.plane_count of width * height floats, one after another. For
-/// tests, and for maps that are made and not read.
+/// Makes all levels of an image in memory: `planes` has map.plane_count of width * height floats, one after another.
+/// For tests, and for maps that are made and not read.
 Pyramid box_pyramid(Device& device, const BoxMap& map, const float* planes, std::uint64_t memory_bytes);
 
 /// True when `path` is such a file already: the same settings, the same source.

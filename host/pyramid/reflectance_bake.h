@@ -42,9 +42,8 @@ struct ReflectanceJob {
 /// Throws Error(kUsage) for values out of range, or no light at all.
 void validate(const ReflectanceJob& job);
 
-/// What a latitude-longitude environment sends from each of its cells: as many cells as the BRDF's lobe needs, so that
-/// a cell is about half as wide as it (radians: 1 / (2 sqrt(s))). Directions are EnvironmentMap's: +Y up, -Z in the
-/// middle.
+/// Lights for the cells of a latitude-longitude environment: as many cells as the BRDF's lobe needs, so that a cell is
+/// about half as wide as it (radians: 1 / (2 sqrt(s))). Directions are EnvironmentMap's: +Y up, -Z in the middle.
 std::vector<ReflectanceLight> environment_lights(const EnvironmentMap& environment, float exponent, float scale);
 
 /// Throws Error, Cancelled; leaves no partial file.

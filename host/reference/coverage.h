@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a texel covers of the finest ones, by definition: fractions at its borders count (docs/ALGORITHMS.md,
-// "Notation").
+// Coverage of finest texels by a texel, by definition: fractions at its borders count (docs/ALGORITHMS.md, "Notation").
 #pragma once
 
 #include <algorithm>

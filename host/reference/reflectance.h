@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kernels/reflectance_pyramid.cl and reflectance.frag are held to, in double precision.
+// Reference in double precision of kernels/reflectance_pyramid.cl and reflectance.frag.
 #pragma once
 
 #include <vector>

@@ -44,7 +44,7 @@ class MessageReader {
     return value;
   }
   std::string text() { return std::string(take(number<std::uint64_t>())); }
-  /// How many of something, each of which takes a byte at least.
+  /// Reads a count of items, each of which takes a byte at least.
   std::size_t count() {
     const auto value = number<std::uint64_t>();
     if (value > bytes_.size()) throw std::out_of_range("a count beyond the end of the message");

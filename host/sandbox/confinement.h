@@ -19,18 +19,18 @@ struct Confinement {
 /// An environment variable's value; "": not set.
 using Variables = std::function<std::string(const char* name)>;
 
-/// What every program of this project needs of a machine: libraries, drivers of OpenCL and GL and their caches, which
-/// are made if need be; little of /etc, nothing of others' homes, no temporary folder.
+/// Confinement that leaves what every program of this project needs of a machine: libraries, drivers of OpenCL and GL
+/// and their caches, which are made if need be; little of /etc, nothing of others' homes, no temporary folder.
 Confinement system_confinement(const Variables& variable);
 
 /// The part of it that holds `path`, which may not be there; "": none does. Links are followed.
 std::string part_that_holds(const Confinement& allowed, const std::string& path);
 
-/// Whether the kernel can (Linux 5.13 and later, if it is switched on).
+/// Can the kernel confine threads (Linux 5.13 and later, if it is switched on)?
 bool can_confine();
 
-/// From here on this thread, and what it starts, has these alone. False: the kernel cannot. Throws Error(kEnvironment)
-/// when it refuses.
+/// Confines this thread, and what it starts, to these alone from here on. False: the kernel cannot. Throws
+/// Error(kEnvironment) when it refuses.
 bool confine_this_thread(const Confinement& allowed);
 
 }  // namespace multum

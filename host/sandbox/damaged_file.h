@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What libraries throw at damaged files, as an error that names the file. OpenEXR's own exceptions may pass through
-// OpenImageIO.
+// Turns what libraries throw at damaged files into an error that names the file. OpenEXR's own exceptions may pass
+// through OpenImageIO.
 #pragma once
 
 #include <new>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a process and the child that decodes files for it say to each other, whatever the files are of
+// Messages between a process and the child that decodes files for it, whatever the files are
 // (host/sandbox/decoding_child.h). What a kind of file adds is beside it: host/image/files/decoding_messages.h,
 // host/mesh/mesh_messages.h.
 //
@@ -22,7 +22,7 @@ namespace multum {
 enum class DecodingRequest : std::uint8_t { kClose, kOpenImage, kReadImage, kOpenMesh, kOpenObjects, kReadMesh };
 enum class DecodingAnswer : std::uint8_t { kDone, kRefused, kOutOfMemory };
 
-/// What an answer is of. `memory_max` is what the child was held to.
+/// File that an answer is about. `memory_max` is what the child was held to.
 struct AskedFile {
   std::string path;
   std::string library;  // that the file is expected to survive

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files whose libraries die on some of them are decoded in a child process (tools/multum_decode), which hands numbers
-// over in memory that both see. A child that has read a file to its end reads the next one; one that has failed is
-// gone, and a file's failure is no other file's. How much a file may take is its kind's to say:
+// Decodes files whose libraries die on some of them in a child process (tools/multum_decode), which hands numbers over
+// in memory that both see. A child that has read a file to its end reads the next one; one that has failed is gone, and
+// a file's failure is no other file's. How much a file may take is its kind's to say:
 // host/image/files/child_image_file.cpp, host/mesh/mesh_source.cpp.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace multum {
 /// multum-decode in the folder of the running program: it must be of the same build, nothing is looked for in PATH.
 std::string decoder_beside_this_program();
 
-/// What a child may take for one request: these, and more for larger files.
+/// Limits of a child for one request: these, and more for larger files.
 struct DecodingChild {
   std::string program = decoder_beside_this_program();
   std::uint64_t memory_base = std::uint64_t{1} << 30;  // bytes

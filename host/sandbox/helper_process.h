@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A child that does what may end a process: it calls libraries that die on broken files. It is asked by messages over
-// a socket, answers by messages and in memory that both see, and is held to memory and time. Its crash, its silence and
-// its hunger are an exception here.
+// Runs a child that does what may end a process: it calls libraries that die on broken files. It is asked by messages
+// over a socket, answers by messages and in memory that both see, and is held to memory and time. Its crash, its
+// silence and its hunger are an exception here.
 //
 //   this process                        the child (host/sandbox/helper_service.h)
 //   ask("...")      -- socket, fd 3 -->  answer("...")
@@ -22,8 +22,8 @@
 
 namespace multum {
 
-/// Of one request. Above the memory, the child's own allocations fail, and it is killed where they do not; above the
-/// time it is killed. The processor time of all its threads is limited to time_max a core.
+/// Limits of one request. Above the memory, the child's own allocations fail, and it is killed where they do not; above
+/// the time it is killed. The processor time of all its threads is limited to time_max a core.
 struct HelperLimits {
   std::uint64_t memory_max;  // bytes that it may write to, all in all; those of the shared memory not counted
   std::chrono::milliseconds time_max;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The child's side of host/sandbox/helper_process.h.
+// Serves the parent of a helper process: the child's side of host/sandbox/helper_process.h.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory that two processes see: a file without a name (memfd), gone when neither has it any more.
+// Memory shared by two processes: a file without a name (memfd), gone when neither has it any more.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rows of a map's table in a plan: each effect, whether the map's bake needs it, and the number that says why.
+// Makes the rows of a map's table in a plan: each effect, whether the map's bake needs it, and the number that says
+// why.
 #pragma once
 
 #include "host/scene/map_planner.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far off lobes will be, before any bake: mixtures of 0, 1, 2, ... lobes fitted to the normals under the surveyed
+// Estimates the error of lobes before any bake: mixtures of 0, 1, 2, ... lobes fitted to the normals under the surveyed
 // texels, each texel by itself, and shaded as the runtime does, against those normals shaded one by one. Alignment and
 // filtering are not in it: an estimate for choosing, at texel centres.
 #pragma once

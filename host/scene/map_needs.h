@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene asks of one of its maps, whatever is in the map.
+// Collects a scene's demands on one of its maps, whatever is in the map.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a plan wants to know of a map, found in one pass over its rows: moments of the normals under every texel of
-// every level, and the normals themselves under a few texels of each. No device is asked.
+// Surveys a map for a plan in one pass over its rows: moments of the normals under every texel of every level, and the
+// normals themselves under a few texels of each. No device is asked.
 #pragma once
 
 #include <cstdint>

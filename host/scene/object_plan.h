@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an object's shader holds.
+// Plans the shader of an object from the plan of the map that it shows.
 #pragma once
 
 #include "host/scene/scene_plan.h"

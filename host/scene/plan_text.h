@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plan as people read it, a table a map and an object, and as programs do.
+// Writes a plan for people, a table for each map and object, and for programs.
 #pragma once
 
 #include <string>

@@ -50,8 +50,8 @@ class Names {
     const std::size_t found = find(name);
     if (found < names_.size()) return found;
     const std::string nearest = nearest_name(name, names_);
-    table.refuse(key, fmt::format("is \"{}\", which no [[{}]] is called{}", name, kind_,
-                                  nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+    table.refuse(key, fmt::format("is \"{}\", which is not the name of a [[{}]]{}", name, kind_,
+                                  nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest)));
   }
 
  private:
@@ -70,15 +70,15 @@ std::string resolved(const std::string& scene, const std::string& path) {
 void check_file(const StrictTable& table, const std::string& key, const std::string& file) {
   std::error_code error;
   if (file.empty() || fs::is_regular_file(file, error)) return;
-  table.refuse(
-      key, fmt::format("is {}, {}", file,
-                       fs::is_directory(file, error) ? "a folder, expected a file" : "expected a file that is there"));
+  table.refuse(key,
+               fmt::format("is {}, {}", file,
+                           fs::is_directory(file, error) ? "a folder, expected a file" : "expected an existing file"));
 }
 
 StrictTable map_table(const std::string& path, const toml::table& toml) {
   std::vector<std::string> keys = bake_parameters().names(kInScene);
   keys.insert(keys.end(), {"name", "normal"});
-  return {path, toml, "map", keys, kWholeFile};
+  return {path, toml, "map", keys, kWholeFile, bake_parameters().former_names(kInScene)};
 }
 
 SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJob& pattern, Names& names,
@@ -134,7 +134,7 @@ glm::vec3 read_colour(const StrictTable& table, const std::string& key, const Nu
 std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family, const Brdf& brdf) {
   if (family.width_key == nullptr) return {brdf};
   const std::vector<double> ends = table.numbers(family.width_key, family.range, 2);
-  if (ends.empty()) table.refuse("", fmt::format("has no {}, which must be there", family.width_key));
+  if (ends.empty()) table.refuse("", fmt::format("has no {}, which is required", family.width_key));
   if (ends.size() == 2 && !(ends[0] < ends[1]))
     table.refuse(family.width_key, fmt::format("is [{:g}, {:g}], expected the lower end first", ends[0], ends[1]));
   std::vector<Brdf> brdfs;
@@ -193,7 +193,7 @@ SceneMaterial read_material(const std::string& path, const toml::table& toml, Na
 std::vector<std::string> material_names(const StrictTable& table) {
   if (table.has("material") == table.has("materials"))
     table.refuse("", table.has("material") ? "has both material and materials, expected one of them"
-                                           : "has no material, which must be there");
+                                           : "has no material, which is required");
   return table.has("material") ? std::vector<std::string>{table.text("material")} : table.texts("materials", true);
 }
 
@@ -238,7 +238,7 @@ SceneObject read_object(const std::string& path, const toml::table& toml, const 
       table.number("texels_per_metre", {1e-6, 1e9, false, false, "a number from 1e-6 to 1e9"}, 0.0);
   object.width = table.number("width", kMetres, 0.0);
   const std::vector<double> distance = table.numbers("distance", kMetres, 2);
-  if (distance.empty()) table.refuse("", "has no distance, which must be there");
+  if (distance.empty()) table.refuse("", "has no distance, which is required");
   object.distance_min = distance.front();
   object.distance_max = distance.back();
   if (object.distance_max < object.distance_min)
@@ -276,7 +276,7 @@ SceneCamera read_camera(const std::string& path, const toml::table& toml) {
   if (!table.has("resolution")) return camera;
   const std::vector<int> size = table.integers("resolution");
   if (size.size() != 2 || size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536)
-    table.refuse("resolution", "is not two whole numbers from 1 to 65536, as [1920, 1080]");
+    table.refuse("resolution", "is not two integers from 1 to 65536, e.g. [1920, 1080]");
   camera.width = size[0];
   camera.height = size[1];
   return camera;

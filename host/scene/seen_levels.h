@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which mip levels of a map a camera ever asks for.
+// Finds the mip levels of a map that a camera ever asks for.
 #pragma once
 
 #include "host/scene/scene_file.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether host and device lay the structs of kernels/shared out alike.
+// Checks that host and device lay the structs of kernels/shared out alike.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop of a thread that serves: a handler that throws, for want of memory as a rule, costs what it was at, and the
-// others go on.
+// Runs the loop of a thread that serves: a handler that throws, for want of memory as a rule, costs what it was at, and
+// the others go on.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -41,7 +41,7 @@ std::int64_t bytes(const StrictTable& table, const std::string& key, std::int64_
   if (!table.has(key)) return fallback;
   const std::string text = table.text(key);
   const std::optional<std::int64_t> found = parse_bytes(text);
-  if (!found) table.refuse(key, fmt::format("is \"{}\", expected a size as \"800M\" or \"2G\"", text));
+  if (!found) table.refuse(key, fmt::format("is \"{}\", expected a size, e.g. \"800M\" or \"2G\"", text));
   return *found;
 }
 
@@ -64,7 +64,7 @@ void read_queues(const StrictTable& root, const std::string& path, ServiceSettin
     limits.is_paused = table.boolean("paused", false);
     const std::string name = table.text("name");
     if (!settings.queues.emplace(name, limits).second)
-      table.refuse("name", fmt::format("is \"{}\", which is there already", name));
+      table.refuse("name", fmt::format("is \"{}\", which another one has", name));
   }
 }
 
@@ -121,7 +121,7 @@ ListenAddress parse_listen_address(const std::string& text) {
   if (parsed.ec != std::errc() || parsed.ptr != end || address.port < 0 || address.port > 65535)
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("'{}': expected an address to listen on, as 127.0.0.1:8470, [::1]:8470 or unix:PATH", text));
+        fmt::format("'{}': expected an address to listen on, e.g. 127.0.0.1:8470, [::1]:8470 or unix:PATH", text));
   address.host = text.substr(0, colon);
   if (address.host.starts_with('[') && address.host.ends_with(']'))
     address.host = address.host.substr(1, address.host.size() - 2);

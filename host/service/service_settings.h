@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the daemon is told: by serve.toml, whose keys docs/SERVICE.md lists, and by its command line, which goes before.
+// Reads the daemon's settings: from serve.toml, whose keys docs/SERVICE.md lists, and from its command line, which
+// takes precedence.
 #pragma once
 
 #include <chrono>
@@ -45,7 +46,7 @@ void read_service_settings(const std::string& path, ServiceSettings& settings);
 void check_service_settings(const ServiceSettings& settings, const std::string& settings_file,
                             const Confinement& system);
 
-/// Where to listen.
+/// Address to listen on.
 struct ListenAddress {
   std::string unix_path;  // or
   std::string host;

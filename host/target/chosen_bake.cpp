@@ -221,9 +221,13 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
   if (target.brdf.is_sum() && target.only == Representation::kGmm)
     throw Error(ErrorCode::kUsage,
                 fmt::format("--brdf {} is a sum of vMFs, which --ndf gmm cannot be shaded with", target.brdf.text));
-  if (!job.measure) throw Error(ErrorCode::kUsage, "--no-measure leaves nothing to choose settings by");
+  if (!job.measure)
+    throw Error(ErrorCode::kUsage,
+                "--no-measure excludes --target-error and --budget-ms, which choose settings by measured errors");
   if (job.region || !job.onto.empty() || job.resume)
-    throw Error(ErrorCode::kUsage, "--region, --onto and --resume go on with a file's settings: none can be chosen");
+    throw Error(
+        ErrorCode::kUsage,
+        "--region, --onto and --resume use a file's settings: --target-error and --budget-ms cannot choose any");
 }
 
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake that is told what to reach, and finds its settings: the cheapest that come within an error, or the most
-// accurate within a time. They are chosen on a mosaic of the map (host/target/setting_choice.h); then the whole map is
-// baked and measured at other texels, and where that says otherwise, the next settings are baked.
+// Bakes a map to a target and finds its settings: the cheapest that come within an error, or the most accurate within a
+// time. They are chosen on a mosaic of the map (host/target/setting_choice.h); then the whole map is baked and measured
+// at other texels, and where that says otherwise, the next settings are baked.
 #pragma once
 
 #include <optional>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small map that behaves like a large one: the large map is cut into as many cells as the mosaic has blocks, and of
-// each cell one block, at a random place, stands in the mosaic where the cell stands in the map. Fine levels of the
-// mosaic then are samples of the map's own, and coarse ones see neighbours that are neighbours in the map as well, so
-// that settings can be tried on it at a part of the cost.
+// Makes a small map that behaves like a large one: the large map is cut into as many cells as the mosaic has blocks,
+// and of each cell one block, at a random place, stands in the mosaic where the cell stands in the map. Fine levels of
+// the mosaic then are samples of the map's own, and coarse ones see neighbours that are neighbours in the map as well,
+// so that settings can be tried on it at a part of the cost.
 #pragma once
 
 #include <cstdint>

@@ -30,8 +30,8 @@ SettingCandidate candidate(const ParameterValues& values, int texture_count, Eff
 SettingCandidate lobe_candidate(const char* ndf, int lobes, Effort effort) {
   ParameterValues values = bake_values({{"ndf", ndf}, {"lobes", lobes}});
   if (effort == kQuickFit) {
-    values.set("sweeps", 1);
-    values.set("no_rehearsal", true);
+    values.set("passes", 1);
+    values.set("no_start_search", true);
   }
   if (effort == kLongFit) values.set("reference", true);
   return candidate(values, lobes, effort);

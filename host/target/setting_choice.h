@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which settings a map needs: candidates in the order of what they cost, tried on a mosaic of the map
+// Chooses the settings that a map needs: tries candidates in the order of their cost on a mosaic of the map
 // (host/target/map_mosaic.h) until one is near enough to the truth. Nothing is written here; the bake that follows says
 // whether the whole map keeps what the mosaic promised (host/target/chosen_bake.h).
 #pragma once
@@ -14,8 +14,8 @@
 
 namespace multum {
 
-/// Settings that may be chosen. What it costs, the most important first: textures that are read for a texel, which is
-/// memory and frame time; of as many, the bake's time.
+/// Settings that may be chosen. Cost is first the number of textures that are read per texel, which is memory and frame
+/// time, then the bake's time.
 struct SettingCandidate {
   ParameterValues values;  // representation, lobes, order, effort; all else is the job's
   std::string options;     // the same for people: "--ndf vmf --lobes 3"
@@ -24,10 +24,10 @@ struct SettingCandidate {
   Representation representation() const { return *given_representation(values); }
 };
 
-/// All that `only` allows (empty: every representation), cheapest first.
+/// Candidates of the representation `only` (unset: of every one), cheapest first.
 std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only);
 
-/// For which BRDF an error counts; of a bake with roughness in, "roughness".
+/// BRDF whose error counts; "roughness" for a bake with a roughness map.
 struct TargetBrdf {
   std::string name = "blinn-phong:100";  // as AccuracySummary::brdf
   std::string text = name;               // as options name it
@@ -39,7 +39,7 @@ struct TargetBrdf {
   /// Its highlight, unless every bake measures it.
   std::vector<Highlight> more_highlights() const;
 };
-/// As parse_brdf() reads it; the highlight alone counts. Throws Error(kUsage) naming `option`, Error(kInput).
+/// Parses a BRDF as parse_brdf() does; the highlight alone counts. Throws Error(kUsage) naming `option`, Error(kInput).
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
 /// The least error of `brdf`, in the mean over levels, among the ways to shade a file; with colours where the file has
@@ -56,7 +56,7 @@ struct ReachedError {
 };
 ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf);
 
-/// What a candidate reached on the mosaic.
+/// Error and time of a candidate on the mosaic.
 struct SettingTrial {
   std::size_t candidate;
   ReachedError reached;
@@ -75,9 +75,9 @@ class SettingTrials {
   const TargetBrdf& brdf() const { return brdf_; }
   /// Throws Cancelled.
   const SettingTrial& at(std::size_t candidate, Progress* progress);
-  /// Those that were made, in that order.
+  /// Trials that were made, in that order.
   const std::vector<SettingTrial>& made() const { return made_; }
-  /// Texels of the map to those of the mosaic.
+  /// Texels of the map per texel of the mosaic.
   double scale() const;
 
  private:
@@ -95,8 +95,8 @@ class SettingTrials {
 BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
 /// The cheapest candidate, from number `first` on, that reaches `error` on the mosaic, its interval included, when
-/// mosaic errors are multiplied by `correction`; nullopt where none does. Candidates whose
-/// quicker kin is too far off are not tried: as many lobes fitted longer take a quarter off the error at most.
+/// mosaic errors are multiplied by `correction`; nullopt where none does. Candidates whose quicker variant is too far
+/// off are not tried: as many lobes fitted longer take a quarter off the error at most.
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress);
 

@@ -236,7 +236,7 @@ class TradeoffPage {
   std::string plots() const {
     std::string html =
         "<h2>Error against cost</h2>\n<p>Both axes are logarithmic; lower and further left is better. "
-        "The line is the front: nothing is both cheaper and nearer to the truth. Point at a mark for "
+        "The line is the front: nothing is both cheaper and nearer to the reference. Point at a mark for "
         "its settings.</p>\n<div class=\"plots\">\n";
     for (const Cost& cost : costs()) html += plot(cost);
     html += "<figure>" + legend() + "</figure>\n</div>\n";
@@ -386,7 +386,7 @@ class TradeoffPage {
                         row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms)});
     if (rows.empty() || job_.viewer.empty()) return "";
     return "<h2>Shading formulas and BRDF terms</h2>\n<p>Formulas that only the renderer has are known by their "
-           "pictures alone. A row with <code>--brdf</code> is compared with a truth of that BRDF.</p>\n" +
+           "pictures alone. A row with <code>--brdf</code> is compared with a reference of that BRDF.</p>\n" +
            html_table({{"baked with", true},
                        {"drawn with", true},
                        {"varied", true},
@@ -405,8 +405,8 @@ class TradeoffPage {
   std::string pictures() const {
     if (result_.truth.empty()) return "";
     std::string html = fmt::format(
-        "<h2>Pictures</h2>\n<p>{} &times; {} pixels of a plane that runs to the horizon. The truth shades every finest "
-        "normal under what the trilinear filter covers ({} samples a pixel).</p>\n<div class=\"pictures\">\n",
+        "<h2>Pictures</h2>\n<p>{} &times; {} pixels of a plane that runs to the horizon. The reference shades every "
+        "finest normal under what the trilinear filter covers ({} samples a pixel).</p>\n<div class=\"pictures\">\n",
         job_.width, job_.height, job_.samples);
     html += figure(result_.truth, "<b>truth</b>");
     for (const TradeoffRow& row : result_.rows) {

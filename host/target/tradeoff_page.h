@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a sweep found (host/target/tradeoff_sweep.h), for people and programs. The page is one file of HTML with its
-// pictures in it; its plots are SVG, and read in light, in dark and on paper; its one script sorts tables.
+// Writes the results of a sweep (host/target/tradeoff_sweep.h) for people and programs. The page is one file of HTML
+// with its pictures in it; its plots are SVG, and read in light, in dark and on paper; its one script sorts tables.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace multum {
 
-/// `map`: its name as it is shown; `multum bake` takes it so.
+/// The page as HTML.
 std::string tradeoff_page(const TradeoffJob& job, const TradeoffResult& result);
-/// Everything but the pictures.
+/// All figures as JSON, without the pictures.
 std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result);
 /// A table of Markdown, a row each, without pictures.
 std::string tradeoff_markdown(const TradeoffResult& result);

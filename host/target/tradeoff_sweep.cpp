@@ -98,7 +98,7 @@ void add_representations(const TargetBrdf& brdf, SweepLength length, std::vector
 
 void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
   const auto add = [&](const std::string& group, Given changes) { sweep.push_back(changed(group, changes)); };
-  add("iterations", {{"sweeps", 1}, {"no_rehearsal", true}});
+  add("iterations", {{"passes", 1}, {"no_start_search", true}});
   add("storage", {{"data_format", "half"}});
   // Without level 0 lobes take a quarter of the memory: more of them fit into as much.
   for (const int lobes : length == SweepLength::kQuick     ? std::vector<int>{2, 4}
@@ -107,8 +107,8 @@ void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
     add("first level", {{"lobes", lobes}, {"first_level", 1}});
   if (length == SweepLength::kQuick) return;
   for (const int iterations : {3, 6}) add("iterations", {{"iterations", iterations}});
-  for (const int sweeps : {1, 3}) add("iterations", {{"sweeps", sweeps}});
-  add("iterations", {{"no_rehearsal", true}});
+  for (const int passes : {1, 3}) add("iterations", {{"passes", passes}});
+  add("iterations", {{"no_start_search", true}});
   add("iterations", {{"reference", true}});
   add("iterations", {{"coarse_normals", "all"}});
   SweptBake unaligned = changed("hierarchy", {{"unaligned", true}});
@@ -121,7 +121,7 @@ void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
   for (const char* compression : {"none", "piz"}) add("storage", {{"compression", compression}});
   if (length != SweepLength::kFull) return;
   for (const int lobes : {1, 2, 3, 5, 6, 7, 8}) {
-    add("iterations", {{"lobes", lobes}, {"sweeps", 1}, {"no_rehearsal", true}});
+    add("iterations", {{"lobes", lobes}, {"passes", 1}, {"no_start_search", true}});
     add("iterations", {{"lobes", lobes}, {"reference", true}});
   }
 }

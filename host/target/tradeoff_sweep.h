@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What accuracy costs in time, on this machine, for one map: every kind of setting is baked, measured against the truth
-// and drawn. Bakes are whole and real; pictures and frame times are multum-view's, a child process.
+// Measures what accuracy costs in time, on this machine, for one map: bakes it with every kind of setting, measures the
+// error against the truth, and draws it. Bakes are whole and real; pictures and frame times are multum-view's, a child
+// process.
 #pragma once
 
 #include <string>
@@ -43,8 +44,8 @@ struct TradeoffRow {
   ReachedError reached;                 // centres and midway together, with its interval
   std::vector<AccuracySummary> errors;  // the same of every BRDF that bakes measure, as it is drawn here
   double rendered = -1.0;               // of the picture, against one of the same filter's truth; < 0: not drawn
-  /// What rows are ranked by: `reached` does not see levels 0 and 1, and so not what --first-level leaves to the normal
-  /// map; pictures do.
+  /// Error that rows are ranked by: `reached` does not see levels 0 and 1, and so not what --first-level leaves to the
+  /// normal map; pictures do.
   double ranked_error() const { return rendered >= 0.0 ? rendered : reached.error; }
   double bake_seconds = 0.0;  // fitting or averaging, and writing; reading is the same for all
   double frame_ms = -1.0;     // < 0: not drawn

@@ -68,19 +68,23 @@ toml::table parse_toml(const std::string& path, const std::string& expected, con
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
-    refuse_at(path, error.source().begin.line, fmt::format("is no TOML: {}", error.description()));
+    refuse_at(path, error.source().begin.line, fmt::format("invalid TOML: {}", error.description()));
   }
 }
 
 StrictTable::StrictTable(const std::string& file, const toml::table& table, std::string name,
-                         const std::vector<std::string>& keys, std::string whole)
+                         const std::vector<std::string>& keys, std::string whole,
+                         const std::vector<std::string>& former_keys)
     : file_(file), table_(table), name_(std::move(name)), whole_(std::move(whole)) {
+  const auto is_among = [](const std::vector<std::string>& list, const std::string& text) {
+    return std::find(list.begin(), list.end(), text) != list.end();
+  };
   for (const auto& [key, value] : table_) {
     const std::string text(key.str());
-    if (keys.empty() || std::find(keys.begin(), keys.end(), text) != keys.end()) continue;
+    if (keys.empty() || is_among(keys, text) || is_among(former_keys, text)) continue;
     const std::string nearest = nearest_name(text, keys);
-    const std::string meant = nearest.empty() ? "" : fmt::format("; did you mean {}?", full_name(nearest));
-    refuse_at(file_, key.source().begin.line, fmt::format("{} is no key of {}{}", full_name(text), whole_, meant));
+    const std::string meant = nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", full_name(nearest));
+    refuse_at(file_, key.source().begin.line, fmt::format("unknown key '{}' of {}{}", full_name(text), whole_, meant));
   }
 }
 
@@ -102,7 +106,7 @@ void StrictTable::refuse_value(const std::string& key, const toml::node& value, 
 
 const toml::node* StrictTable::find(const std::string& key, bool is_required) const {
   const toml::node* node = table_.get(key);
-  if (node == nullptr && is_required) refuse("", fmt::format("has no {}, which must be there", key));
+  if (node == nullptr && is_required) refuse("", fmt::format("has no {}, which is required", key));
   return node;
 }
 
@@ -126,7 +130,7 @@ int StrictTable::whole(const std::string& key, int low, int high, std::optional<
   if (node == nullptr) return *fallback;
   const auto* value = node->as_integer();
   if (value == nullptr || value->get() < low || value->get() > high)
-    refuse_value(key, *node, fmt::format("a whole number from {} to {}", low, high));
+    refuse_value(key, *node, fmt::format("an integer from {} to {}", low, high));
   return static_cast<int>(value->get());
 }
 
@@ -170,12 +174,12 @@ std::vector<std::string> StrictTable::texts(const std::string& key, bool is_requ
 
 std::vector<int> StrictTable::integers(const std::string& key) const {
   const toml::node* node = find(key, true);
-  if (!node->is_array()) refuse_value(key, *node, "a list of whole numbers");
+  if (!node->is_array()) refuse_value(key, *node, "a list of integers");
   std::vector<int> result;
   for (const toml::node& item : *node->as_array()) {
     const auto* value = item.as_integer();
     if (value == nullptr || value->get() < 0 || value->get() > INT32_MAX)
-      refuse_value(key + "[" + std::to_string(result.size()) + "]", item, "a whole number of at least 0");
+      refuse_value(key + "[" + std::to_string(result.size()) + "]", item, "an integer of at least 0");
     result.push_back(static_cast<int>(value->get()));
   }
   return result;

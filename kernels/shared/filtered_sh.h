@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the host hands to kernels/sh_shade.cl beside coefficients. Valid OpenCL C and C++.
+// Arguments of kernels/sh_shade.cl beside the coefficients. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_FILTERED_SH_H
 #define MULTUM_KERNELS_SHARED_FILTERED_SH_H
 

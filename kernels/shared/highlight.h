@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the host hands to the shading kernels of a BRDF's facets. Valid OpenCL C and C++.
+// A BRDF's facets, as the host passes them to the shading kernels. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_HIGHLIGHT_H
 #define MULTUM_KERNELS_SHARED_HIGHLIGHT_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the host hands to kernels/mip_box.cl. Valid OpenCL C and C++.
+// Arguments of kernels/mip_box.cl. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MIP_BOX_H
 #define MULTUM_KERNELS_SHARED_MIP_BOX_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the host hands to kernels/moments.cl and kernels/moment_shade.cl. Valid OpenCL C and C++.
+// Arguments of kernels/moments.cl and kernels/moment_shade.cl. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOMENTS_H
 #define MULTUM_KERNELS_SHARED_MOMENTS_H
 

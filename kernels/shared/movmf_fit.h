@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one launch of the EM kernels fits: some texels ("slots") of one level. Valid OpenCL C and C++.
+// Arguments of one launch of the EM kernels, which fits some texels ("slots") of one level. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_FIT_H
 #define MULTUM_KERNELS_SHARED_MOVMF_FIT_H
 
@@ -10,7 +10,7 @@
 
 // Values of MovmfFit::order: which same-level neighbours are done when a texel is fitted.
 #define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1)
-#define MULTUM_ORDER_AGAIN 2     // a further sweep: every neighbour is done, the texel's own lobes are the start
+#define MULTUM_ORDER_AGAIN 2     // a further pass: every neighbour is done, the texel's own lobes are the start
 #define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, from left to right: Han et al. 2007, section 7
 
 // Floats a lobe in the start buffer: one plane of MULTUM_GROUP lanes each.

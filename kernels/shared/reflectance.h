@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the host hands to kernels/reflectance_pyramid.cl. Valid OpenCL C and C++.
+// Arguments of kernels/reflectance_pyramid.cl. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_REFLECTANCE_H
 #define MULTUM_KERNELS_SHARED_REFLECTANCE_H
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of objects with the textures that were inferred for them: radiance is looked up and nothing is lit. Drawn
-// with supersampling^2 sub-pixels a pixel and averaged, as the filter matrix was measured.
+// Draws objects with the textures that were inferred for them: radiance is looked up and nothing is lit. Drawn with
+// supersampling^2 sub-pixels a pixel and averaged, as the filter matrix was measured.
 #pragma once
 
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a surface is made of: the textures of one representation of its normals, and the GLSL that reads them
+// Material of a surface: the textures of one representation of its normals, and the GLSL that reads them
 // (shaders/common/reflection.glsl says what that must have). The renderer knows no representation by name.
 #pragma once
 

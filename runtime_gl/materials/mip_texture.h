@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps whose mip levels are made here, by averaging: normals, slopes, colours. Not the baked file's: its levels are
+// Makes textures whose mip levels are averaged here: normals, slopes, colours. Not the baked file's: its levels are
 // data.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An object where one sample of an animation has it.
+// Mesh of an object, placed as one sample of an animation has it.
 #pragma once
 
 #include <glm/mat4x4.hpp>

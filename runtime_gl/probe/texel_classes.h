@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texels in classes, so that no filter footprint holds two of one class: what a class weighs in a pixel is then one
-// texel's weight. A trilinear footprint is 2 x 2 texels in each of two successive levels: the parities of column, row
-// and level make 8 classes. Anisotropic footprints are wider and want more.
+// Divides texels into classes, so that no filter footprint holds two of one class: what a class weighs in a pixel is
+// then one texel's weight. A trilinear footprint is 2 x 2 texels in each of two successive levels: the parities of
+// column, row and level make 8 classes. Anisotropic footprints are wider and want more.
 //
 // A level of n texels in a direction is cut into blocks, each at least `span` long, and a texel's class is its place in
 // its block: any `span` neighbours then have different classes, across the seam of a periodic texture too, whatever n

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera sees of an environment where nothing stands before it.
+// Draws the environment that a camera sees where nothing stands before it.
 #pragma once
 
 #include "runtime_gl/gl/framebuffer.h"

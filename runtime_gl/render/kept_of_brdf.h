@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What takes long to make of a BRDF, fits and tables, kept for the last few of them: objects of several BRDFs then do
+// Caches what takes long to make of a BRDF, fits and tables, for the last few of them: objects of several BRDFs then do
 // not make it anew in every frame, and a BRDF that moves leaves no more than those behind.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a picture is from the truth.
+// Measures the error of a picture against the truth.
 #pragma once
 
 #include "runtime_gl/gl/framebuffer.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is drawn and how, as plain settings.
+// Describes what is drawn and how, as plain settings.
 #pragma once
 
 #include <memory>

@@ -52,7 +52,7 @@ TEST_F(AnimationCommandTest, FromWithinTheFolder) {
 
 TEST_F(AnimationCommandTest, Refusals) {
   const std::string output = path("animation.toml");
-  expect_refused({path("none"), "-o", output}, kInput, {"none", "no folder", "scene.json"});
+  expect_refused({path("none"), "-o", output}, kInput, {"none", "not a folder", "scene.json"});
   expect_refused({path("."), "-o", output}, kInput, {folder_.path(), "no scene.json"});
   expect_refused({path("renders")}, kUsage, {"--output"});
   expect_refused({"-o", output}, kUsage, {"folder"});

@@ -45,7 +45,7 @@ TEST_F(GmmCommandTest, ThreadsMemoryAndScalarKernelsChangeNoByte) {
   TestImage image = normal_image(150, 91);
   image.type = OIIO::TypeDesc::UINT16;
   write_test_image(path("map.png"), image);
-  const std::vector<std::string> quick = {"--no-measure", "--no-rehearsal", "--lobes", "2"};
+  const std::vector<std::string> quick = {"--no-measure", "--no-start-search", "--lobes", "2"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), quick.begin(), quick.end());
     return more;
@@ -61,11 +61,11 @@ TEST_F(GmmCommandTest, ThreadsMemoryAndScalarKernelsChangeNoByte) {
 // A region of an unchanged map gives the same file but for what EM still moves; of lobes of another kind there is none.
 TEST_F(GmmCommandTest, ARegionGoesOntoGaussiansAlone) {
   make_map("map", 64);
-  const std::vector<std::string> quick = {"--no-measure", "--no-rehearsal"};
+  const std::vector<std::string> quick = {"--no-measure", "--no-start-search"};
   ASSERT_EQ(bake("map_normal.png", "old.ndf.exr", quick).exit_code, 0);
-  ASSERT_EQ(
-      multum({"bake", path("map_normal.png"), "-o", path("lobes.ndf.exr"), "--no-measure", "--no-rehearsal"}).exit_code,
-      0);
+  ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("lobes.ndf.exr"), "--no-measure", "--no-start-search"})
+                .exit_code,
+            0);
   const ProgramResult region =
       bake("map_normal.png", "new.ndf.exr", {"--no-measure", "--region", "8,8,16,16", "--onto", path("old.ndf.exr")});
   ASSERT_EQ(region.exit_code, 0) << region.err;

@@ -15,7 +15,7 @@ class KernelLibraryTest : public CliTest {
     std::vector<std::string> command = {"env", "POCL_KERNELLIB_NAME=" + library, "POCL_LLVM_CPU_NAME=" + processor};
     for (const std::string& word :
          multum_command({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
-                         path(library + ".ndf.exr"), "--quiet", "--no-measure", "--no-rehearsal"}))
+                         path(library + ".ndf.exr"), "--quiet", "--no-measure", "--no-start-search"}))
       command.push_back(word);
     const ProgramResult result = run_program(command);
     EXPECT_EQ(result.exit_code, 0) << library << ": " << result.err;

@@ -39,7 +39,7 @@ class MaterialsCommandTest : public CliTest {
     write_test_image(path("rough.exr"), image);
   }
   static void append_options_of(const std::string& ndf, std::vector<std::string>& options) {
-    if (ndf == "vmf" || ndf == "gmm") options.insert(options.end(), {"--no-rehearsal", "--lobes", "2"});
+    if (ndf == "vmf" || ndf == "gmm") options.insert(options.end(), {"--no-start-search", "--lobes", "2"});
     if (ndf == "sh") options.insert(options.end(), {"--sh-order", "2"});
   }
   ProgramResult bake(const std::string& output, std::vector<std::string> more = {}) const {
@@ -54,7 +54,7 @@ TEST_F(MaterialsCommandTest, TheViewerWarnsOfOtherMapsThanTheBakeHad) {
   write_waves("colours.png", 3, 1.0);
   const ProgramResult baked =
       bake("a.ndf.exr", {"--roughness", path("orm.png") + ":R", "--weights", path("weights.png"), "--albedo",
-                         path("colours.png"), "--lobes", "2", "--no-rehearsal"});
+                         path("colours.png"), "--lobes", "2", "--no-start-search"});
   ASSERT_EQ(baked.exit_code, 0) << baked.err;
   const auto view = [&](const std::string& roughness, const std::string& weights, const std::string& albedo) {
     return run_program({std::string(MULTUM_BIN_DIR) + "/multum-view",
@@ -248,7 +248,7 @@ TEST_F(MaterialsCommandTest, NoneAndAllOfIt) {
 TEST_F(MaterialsCommandTest, ManifestsHaveTheSameKeys) {
   std::ofstream(path("maps.toml")) << R"([defaults]
 lobes = 2
-no_rehearsal = true
+no_start_search = true
 weights = "weights.png"
 [[map]]
 input = "map_normal.png"
@@ -263,7 +263,7 @@ weights = ""
   EXPECT_EQ(read_baked_header(path("a.ndf.exr")).format_version(), 4);
   EXPECT_EQ(read_baked_header(path("b.ndf.exr")).format_version(), 3);
   // As the command line makes it.
-  EXPECT_TRUE(contains(bake("a.ndf.exr", {"--lobes", "2", "--no-rehearsal", "--weights", path("weights.png"),
+  EXPECT_TRUE(contains(bake("a.ndf.exr", {"--lobes", "2", "--no-start-search", "--weights", path("weights.png"),
                                           "--roughness", path("orm.png") + ":G"})
                            .out,
                        "unchanged"));

@@ -95,23 +95,23 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
   write_maps("tiny", normal_image(7, 6));
   // To measure is slow here: the small even map is, and the tiny one, also with colours and by the scalar kernel.
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--lobes", "3", "--no-measure",
-        "--no-rehearsal"});
-  bake({path("odd_of_few.png"), "--albedo", path("odd_of_few_albedo.png"), "--iterations", "1", "--sweeps", "1",
-        "--lobes", "2", "--scalar", "--no-rehearsal", "--no-measure"});
-  bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--reference", "--iterations", "1", "--sweeps", "1",
-        "--lobes", "2", "--scalar", "--no-rehearsal", "--no-measure"});
-  bake({path("even.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2", "--no-rehearsal"});
-  bake({path("even_of_few.png"), "--iterations", "1", "--sweeps", "1", "--lobes", "2", "--no-rehearsal",
+        "--no-start-search"});
+  bake({path("odd_of_few.png"), "--albedo", path("odd_of_few_albedo.png"), "--iterations", "1", "--passes", "1",
+        "--lobes", "2", "--scalar", "--no-start-search", "--no-measure"});
+  bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--reference", "--iterations", "1", "--passes", "1",
+        "--lobes", "2", "--scalar", "--no-start-search", "--no-measure"});
+  bake({path("even.png"), "--iterations", "1", "--passes", "1", "--lobes", "2", "--no-start-search"});
+  bake({path("even_of_few.png"), "--iterations", "1", "--passes", "1", "--lobes", "2", "--no-start-search",
         "--no-measure"});
-  bake({path("even_of_few.png"), "--reference", "--iterations", "2", "--sweeps", "1", "--lobes", "2", "--no-rehearsal",
-        "--no-measure"});
+  bake({path("even_of_few.png"), "--reference", "--iterations", "2", "--passes", "1", "--lobes", "2",
+        "--no-start-search", "--no-measure"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "2"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "1", "--lobes", "8", "--albedo",
-        path("tiny_albedo.png"), "--scalar", "--no-rehearsal"});
-  bake({path("odd.png"), "--ndf", "gmm", "--reference", "--iterations", "1", "--sweeps", "1", "--lobes", "2",
-        "--scalar", "--no-rehearsal", "--no-measure"});
+        path("tiny_albedo.png"), "--scalar", "--no-start-search"});
+  bake({path("odd.png"), "--ndf", "gmm", "--reference", "--iterations", "1", "--passes", "1", "--lobes", "2",
+        "--scalar", "--no-start-search", "--no-measure"});
   bake({path("tiny.png"), "--roughness", path("tiny_albedo.png") + ":G", "--weights", path("tiny_albedo.png"),
-        "--iterations", "1", "--sweeps", "1", "--lobes", "2", "--scalar", "--no-rehearsal", "--no-measure"});
+        "--iterations", "1", "--passes", "1", "--lobes", "2", "--scalar", "--no-start-search", "--no-measure"});
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--ndf", "moments", "--no-measure"});
   bake({path("tiny.png"), "--ndf", "moments", "--first-level", "1"});
   bake({path("tiny.png"), "--albedo", path("tiny_albedo.png"), "--ndf", "sh", "--sh-order", "3", "--first-level", "1"});

@@ -496,7 +496,7 @@ TEST_F(SceneCommandTest, WhatIsWrongIsRefused) {
   EXPECT_EQ(result.exit_code, 2);
   write_bytes(path("bad.toml"), "[scene]\n");
   result = multum({"plan", path("bad.toml")});
-  expect_refusal(result, kInput, {"bad.toml:1: ", "scene", "no key"});
+  expect_refusal(result, kInput, {"bad.toml:1: ", "scene", "unknown key"});
   result = multum({"plan", path("none.toml")});
   EXPECT_EQ(result.exit_code, 3);
   result = multum({"plan", path("")});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What code a shader variant holds: its text as the preprocessor leaves it, of functions that main() reaches.
+// Finds the code that a shader variant holds: its text as the preprocessor leaves it, of functions that main() reaches.
 #pragma once
 
 #include <string>

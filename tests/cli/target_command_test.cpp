@@ -69,7 +69,7 @@ TEST_F(TargetCommandTest, RefusesWhatNothingReaches) {
   std::vector<std::string> best_effort = impossible;
   best_effort.push_back("--best-effort");
   const ProgramResult written = bake(best_effort);
-  expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "is written"});
+  expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "are written"});
   EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);
   // An exponent that is none of the usual ones is no part of the file.
   EXPECT_FALSE(contains(multum({"info", path("map.ndf.exr")}).out, "blinn-phong:70"));
@@ -132,7 +132,7 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
   for (const int size : {32, 512}) {
     make_map("map", size);
     const ProgramResult plain =
-        bake({"--lobes", "1", "--sweeps", "1", "--no-rehearsal", "--force", "--report", path("map.json")});
+        bake({"--lobes", "1", "--passes", "1", "--no-start-search", "--force", "--report", path("map.json")});
     ASSERT_EQ(plain.exit_code, 0) << plain.err;
     const bool is_sampled = size > 32;
     const std::string interval = is_sampled ? " \\+- [0-9.]+" : "";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every fuzzer shares. A fuzzer is a file NAME_fuzz.cpp with the two functions below: the first is libFuzzer's,
+// Shared parts of all fuzzers. A fuzzer is a file NAME_fuzz.cpp with the two functions below: the first is libFuzzer's,
 // and is also called by fuzz_driver.cpp, a short deterministic run for the tests. An input that has several readers
 // begins with a byte that chooses. A reader may refuse by Error; any other exception ends the fuzzer and is a finding.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold of every mesh that was read.
+// Checks what must hold of every mesh that was read.
 #pragma once
 
 #include <cmath>

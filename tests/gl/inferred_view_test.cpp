@@ -239,7 +239,7 @@ TEST_F(InferredViewTest, RequestsThatCannotBeMetLeaveNothing) {
   EXPECT_EQ(read_bytes(path("scene.obj")), scene_obj());
   const std::string whole = read_bytes(file);
   write_bytes(file, whole.substr(0, whole.size() / 2));
-  expect_refusal({"--probe", file}, 3, {"request.json: ", "no probe request"});
+  expect_refusal({"--probe", file}, 3, {"request.json: ", "not a probe request"});
   expect_refusal({"--probe", path("none.json")}, 3, {"none.json: ", "read"});
   expect_refusal({"--probe", file, "more"}, 2, {"not expected", "more"});
   expect_refusal({"--probe", file, "--threads", "0"}, 2, {"--threads"});
@@ -451,7 +451,7 @@ TEST_F(InferredPictureTest, FilesThatAreNotAsTheManifestSaysAreInputErrors) {
              {"waves_shine_0.exr: ", "32 x 16", "manifest", "77 x 41"});
   const std::string texture = read_bytes(path("board_0.exr")), text = read_bytes(path("inferred.json"));
   with_bytes("board_0.exr", texture.substr(0, texture.size() / 2), {"board_0.exr: ", "tiled EXR"});
-  with_bytes("inferred.json", text.substr(0, text.size() - 3), {"inferred.json: ", "no manifest"});
+  with_bytes("inferred.json", text.substr(0, text.size() - 3), {"inferred.json: ", "not a manifest"});
   with_bytes("inferred.json", "{}", {"'multumInferredTextures'", "not found"});
   with_manifest([](InferredManifest& m) { m.objects[1].mesh = "cup"; }, {"no object", "'cup'", "waves, board"});
   with_manifest([](InferredManifest& m) { m.geometry_file = "none.obj"; }, {"none.obj: ", "opened"});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What filter matrices are measured on in tests: waves in perspective that run towards the horizon, partly behind a
-// board, with every degree of minification and of slant.
+// Makes the scene on which tests measure filter matrices: waves in perspective that run towards the horizon, partly
+// behind a board, with every degree of minification and of slant.
 #pragma once
 
 #include <cmath>

@@ -404,7 +404,7 @@ TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, {"1..100000"});
   expect_refusal({"-o", out, "--brdf", "ggx:0.3,1.5"}, 2, {"F0 0..1"});
   expect_refusal({"-o", out, "--brdf", "cook-torrance:0.3,0.1,0.2"}, 2, {"cook-torrance:SIGMA"});
-  expect_refusal({"-o", out, "--brdf", path("map.ndf.exr")}, 3, {"no measured BRDF"});
+  expect_refusal({"-o", out, "--brdf", path("map.ndf.exr")}, 3, {"not a measured BRDF"});
   expect_refusal({"-o", out, "--brdf-terms", "5"}, 2, {"--brdf-terms"});
   expect_refusal({"-o", out, "--point-light", "0,0,1"}, 2, {"--point-light", "intensity"});
   expect_refusal({"-o", out, "--point-light", "0,0,1,-1"}, 2, {"--point-light", "intensity"});

@@ -139,6 +139,16 @@ class CheckToolsTest(unittest.TestCase):
                 self.write("host/base/bad.h", text)
                 self.expect_violation("check_style.py", "host/base/bad.h", *words)
 
+    def test_header_that_opens_with_a_riddle(self):
+        for word in ("What", "Where", "Which", "How", "That", "Whether", "Who", "As", "Of"):
+            with self.subTest(word=word):
+                self.write("host/base/bad.h", LICENCE + f"// {word} rows go.\n")
+                self.expect_violation("check_style.py", "host/base/bad.h:2", f"'{word}'", "verb or noun first")
+        for text in ("// Offers rows.\n// What they hold.\n", "// Assets of a map.\n", "// Rows. Of what: below.\n"):
+            with self.subTest(text=text):
+                self.write("host/base/bad.h", LICENCE + text)
+                self.assertEqual(self.run_tool("check_style.py"), (0, ""))
+
     def test_dead_file(self):
         self.write("host/bake/old.cpp", LICENCE + "// x\n")
         self.expect_violation("check_style.py", "host/bake/old.cpp", "dead")

@@ -116,7 +116,7 @@ TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
 // Turning by 90 degrees is exact in floats (swap and negate) and must turn every lobe alike: the kernels prefer no axis
 // beyond the rounding of sums in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two lobes
 // may compete evenly and fall either way; and candidates for the start of nearly the same worth may change places when
-// rounding does: none are rehearsed here.
+// rounding does: no start is searched here.
 void expect_lobes_turn(MovmfSettings settings) {
   settings.search_start = false;
   const NormalMap map = make_four_quarter_map(64, 3).normals;

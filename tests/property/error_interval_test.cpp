@@ -35,7 +35,7 @@ struct Baked {
 Baked bake(NormalMap map) {
   MovmfSettings fitting;
   fitting.lobe_count = 1;
-  fitting.sweep_count = 1;
+  fitting.pass_count = 1;
   fitting.search_start = false;
   FitReport report;
   Baked baked{std::move(map), {}};

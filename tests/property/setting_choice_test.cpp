@@ -51,7 +51,7 @@ TEST(SettingCandidates, ComeInTheOrderOfTheirCost) {
   ASSERT_GT(all.size(), 20u);
   for (std::size_t i = 1; i < all.size(); ++i)
     EXPECT_LE(std::pair(all[i - 1].texture_count, all[i - 1].effort), std::pair(all[i].texture_count, all[i].effort));
-  EXPECT_EQ(all.front().options, "--ndf vmf --lobes 1 --sweeps 1 --no-rehearsal");
+  EXPECT_EQ(all.front().options, "--ndf vmf --lobes 1 --passes 1 --no-start-search");
   for (const RepresentationInfo& info : representations()) {
     const std::vector<SettingCandidate> of_one = setting_candidates(info.representation);
     EXPECT_FALSE(of_one.empty()) << info.option;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole programs, file to file: `multum bake` against `maketx --bumpslopes` on one map, in turns (A B A B ...).
+// Times whole programs, file to file: `multum bake` against `maketx --bumpslopes` on one map, in turns (A B A B ...).
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was built, and how: measurements without it cannot be made again. Written anew at each build
+// States what was built, and how: measurements without it cannot be made again. Written anew at each build
 // (write_build_info.cmake).
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame of a baked map costs, beside the averaged normal map with Toksvig's rule that users have today: lobes,
+// Times a frame of a baked map, beside the averaged normal map with Toksvig's rule that users have today: lobes,
 // moments and harmonics on a plane that runs to the horizon, with and without anisotropic filtering.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a runtime waits for: reading a baked file and handing it to GL as multum-view does, for every encoding and
+// Times what a runtime waits for: reading a baked file and handing it to GL as multum-view does, for every encoding and
 // compression, beside what each takes on the disk and to write.
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that is worth measuring on a machine with a GPU, in minutes and without installing anything: one JSON file
-// and one page, written anew after every step, so that a run that is cut short keeps what it has. Each step is a child
-// process: what a driver cannot do is a line of the table, not the end.
+// Measures everything that is worth measuring on a machine with a GPU, in minutes and without installing anything: one
+// JSON file and one page, written anew after every step, so that a run that is cut short keeps what it has. Each step
+// is a child process: what a driver cannot do is a line of the table, not the end.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How `multum bake` grows with the map: sizes that double, a process each.
+// Measures how `multum bake` grows with the map: sizes that double, a process each.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -55,9 +55,8 @@ void add_decoding_option(CLI::App& app, std::string* as_given) {
            set_image_opener(open_in_child(child));
            set_mesh_child(child);
          },
-         "what the child process that decodes images and meshes may take for a file, and more for a large one: 30 s "
-         "and "
-         "1 GiB, or as said, e.g. child:120,4G")
+         "limits of the child process that decodes images and meshes, for one file; large files get more: 30 s and 1 "
+         "GiB, or as given, e.g. child:120,4G")
       ->check(CLI::Validator(
           [](std::string& text) {
             return child_of(text)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --decode child|child:SECONDS[,MEMORY]: what the child may take that decodes images (host/image/files/image_file.h)
+// Option --decode child|child:SECONDS[,MEMORY]: limits of the child that decodes images (host/image/files/image_file.h)
 // and meshes (host/mesh/mesh_source.h).
 #pragma once
 

@@ -33,28 +33,39 @@ std::string type_text(const Parameter& row) {
   }
 }
 
-void set_from_text(ParameterValues& values, const Parameter& row, const std::string& text) {
-  const std::optional<ParameterValue> value = parse_value(row, text);
-  // A text is of no other type, and is refused as such.
-  values.set(row.name, value ? *value : ParameterValue(text));
+void set_given(ParameterValues& values, const Parameter& row, ParameterValue value) {
+  if (values.has(row.name)) {
+    std::string options;
+    for (const std::string& name : row.all_names()) options += (options.empty() ? "" : " or ") + option_of(name);
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} is given twice, by two of its names: expected {}", row.option(), options));
+  }
+  values.set(row.name, std::move(value));
+  check_exclusions(values);
 }
 
-CLI::Option* add_option(CLI::App& app, ParameterValues& values, const Parameter& row) {
-  const std::string names = (row.short_option.empty() ? "" : row.short_option + ",") + row.option();
+// `names`: as CLI11 takes them, "-d,--data-format".
+CLI::Option* add_option(CLI::App& app, const std::string& names, ParameterValues& values, const Parameter& row) {
   if (row.kind == ParameterKind::kFlag)
     return app.add_flag_callback(
-        names, [&values, &row] { values.set(row.name, true); }, row.help);
+        names, [&values, &row] { set_given(values, row, true); }, row.help);
   if (row.is_repeatable)
     return app.add_option_function<std::vector<std::string>>(
         names,
         [&values, &row](const std::vector<std::string>& texts) {
           std::string joined;
           for (const std::string& text : texts) joined += (joined.empty() ? "" : ";") + text;
-          values.set(row.name, joined);
+          set_given(values, row, joined);
         },
         row.help + "; repeatable");
   return app.add_option_function<std::string>(
-      names, [&values, &row](const std::string& text) { set_from_text(values, row, text); }, row.help);
+      names,
+      [&values, &row](const std::string& text) {
+        const std::optional<ParameterValue> value = parse_value(row, text);
+        // A text is of no other type, and is refused as such.
+        set_given(values, row, value ? *value : ParameterValue(text));
+      },
+      row.help);
 }
 
 }  // namespace
@@ -66,16 +77,23 @@ void add_parameter_options(CLI::App& app, ParameterValues& values, const std::ve
     if (row.is_on(kOnCommandLine) && (names.empty() || std::find(names.begin(), names.end(), row.name) != names.end()))
       rows.push_back(&row);
   for (const Parameter* row : rows) {
-    CLI::Option* const option = add_option(app, values, *row);
+    const std::string short_name = row->short_option.empty() ? "" : row->short_option + ",";
+    CLI::Option* const option = add_option(app, short_name + row->option(), values, *row);
     if (!row->group.empty()) option->group(row->group);
     if (row->kind != ParameterKind::kFlag) option->type_name(type_text(*row));
     if (shows_defaults && !row->default_text.empty() && row->kind != ParameterKind::kFlag)
       option->default_str(row->default_text);
+    for (const std::string& former : row->former_names) add_option(app, option_of(former), values, *row)->group("");
   }
+  // For help; check_exclusions() has refused both by then.
   for (const Parameter* row : rows)
     if (!row->excludes.empty())
       if (CLI::Option* const other = app.get_option_no_throw(values.table().at(row->excludes).option()))
         app.get_option(row->option())->excludes(other);
+}
+
+std::string shown_name(const CLI::Option& option) {
+  return option.get_lnames().empty() ? option.get_name() : "--" + option.get_lnames().front();
 }
 
 }  // namespace multum

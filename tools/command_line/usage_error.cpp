@@ -16,7 +16,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   std::string text = app->get_name() + ": " + error.what();
   if (chosen.empty() && !commands.empty()) {
     const std::vector<std::string> unknown = app->remaining();
-    text = app->get_name() + (unknown.empty() ? ": no command given" : ": '" + unknown.front() + "' is no command");
+    text = app->get_name() + (unknown.empty() ? ": no command given" : ": unknown command '" + unknown.front() + "'");
     text += ", expected one of:";
     for (const CLI::App* command : commands) text += " " + command->get_name();
   }

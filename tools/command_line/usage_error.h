@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command line that is not run gets: help on stdout; on stderr what is wrong with it, and where to read on.
+// Answers a command line that is not run: help on stdout; on stderr the error, and where to read on.
 #pragma once
 
 #include <string>

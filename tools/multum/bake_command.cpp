@@ -36,7 +36,7 @@ std::optional<MapRegion> parse_region(const std::string& text) {
   char rest = 0;
   if (std::sscanf(text.c_str(), "%d,%d,%d,%d%c", &region.x, &region.y, &region.width, &region.height, &rest) != 4)
     throw Error(ErrorCode::kUsage,
-                "--region is '" + text + "', expected auto, or x,y,width,height in texels, as 0,256,128,64");
+                "--region is '" + text + "', expected auto, or x,y,width,height in texels, e.g. 0,256,128,64");
   return region;
 }
 
@@ -56,12 +56,13 @@ BakeTarget target_of(const BakeOptions& o) {
 void check_target_options(const BakeOptions& o) {
   if (!has_target(o)) {
     if (o.values.has("brdf") || o.values.flag("best_effort"))
-      throw Error(ErrorCode::kUsage, "--brdf and --best-effort are of --target-error and --budget-ms, found neither");
+      throw Error(ErrorCode::kUsage, "--brdf and --best-effort need --target-error or --budget-ms, found neither");
     return;
   }
   if (const Parameter* chosen = given_of_target(o.values))
-    throw Error(ErrorCode::kUsage, fmt::format("{} is chosen by {}: expected one of the two", chosen->option(),
-                                               o.values.has("target_error") ? "--target-error" : "--budget-ms"));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} and {} exclude each other: a target chooses that setting", chosen->option(),
+                            o.values.has("target_error") ? "--target-error" : "--budget-ms"));
 }
 
 BakePrinting printing(const BakeOptions& o) {
@@ -74,8 +75,8 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   if (chosen.written) print_report(job, printing(o), chosen.report);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
-                chosen.written ? job.input + ": no settings reach it; the best is written all the same"
-                               : fmt::format("{}: no settings reach it: {}--best-effort writes it all the same",
+                chosen.written ? job.input + ": no settings reach the target; the best are written"
+                               : fmt::format("{}: no settings reach the target: {}--best-effort writes the best",
                                              job.input, chosen.report.choice));
   return chosen.report;
 }
@@ -122,8 +123,9 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   if (has_manifest) return run_manifest(o.manifest, job, device_choice, printing(o));
   if (has_scene) return run_scene(o.inputs[0], job, device_choice, o.common, printing(o));
   if (o.values.has("region") == job.onto.empty())
-    throw Error(ErrorCode::kUsage,
-                "--region and --onto go together: the part that was edited, and the file that was baked before");
+    throw Error(
+        ErrorCode::kUsage,
+        "--region and --onto need each other: the part that was edited, and the file that was baked before the edit");
   job.region = parse_region(o.values.text("region").value_or(""));
   const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   // One map is looked at first, which may end it; of several, none is read where there is no device to bake on.
@@ -144,10 +146,10 @@ void add_bake_command(CLI::App& app, int* exit_code) {
       app.add_subcommand("bake", "bake a normal map or height field into a mipmap of normal distributions");
   bake->add_option("input", options->inputs,
                    bake_parameters().at("input").help +
-                       "; several maps, or sets as rock_<UDIM>.png; or a scene.toml, "
-                       "of whose maps only what it shows is baked, into the folder --output (docs/SCENE.md)");
+                       "; several maps, or sets, e.g. rock_<UDIM>.png; or a scene.toml, to bake only what it shows of "
+                       "its maps into the folder --output (docs/SCENE.md)");
   bake->add_option("-o,--output", options->job.output,
-                   "file to write, *.ndf.exr; of several maps: a folder, or a name with <UDIM>");
+                   "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>");
   add_parameter_options(*bake, options->values);
   add_manifest_options(*bake, options->manifest);
   add_common_options(*bake, options->common);

@@ -10,6 +10,7 @@
 #include "host/base/shown_text.h"
 #include "host/manifest/manifest_report.h"
 #include "host/parameters/bake_parameters.h"
+#include "tools/command_line/parameter_options.h"
 
 namespace multum {
 namespace {
@@ -71,17 +72,17 @@ void print_outcome(const ManifestOutcome& outcome, const BakePrinting& printing)
 }  // namespace
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
-  CLI::Option* const manifest = bake.add_option("--manifest", o.manifest,
-                                                "the maps that maps.toml lists, of which only those that changed "
-                                                "(docs/CI.md); in place of input and --output");
+  CLI::Option* const manifest = bake.add_option(
+      "--manifest", o.manifest,
+      "bake those maps listed in maps.toml that have changed (docs/CI.md); instead of input and --output");
   CLI::Option* const check =
       bake.add_flag("--check", o.run.check,
-                    "for build pipelines: verify and measure what is in place too, and fail (exit code 5) with a list "
-                    "when a file was missing, stale, damaged, or worse than it states or error_max allows")
+                    "verify and measure files that are in place, too, and fail (exit code 5) with a list when one was "
+                    "missing, stale, damaged, or worse than it states or error_max allows: for build pipelines")
           ->needs(manifest);
-  bake.add_flag("--dry-run", o.run.dry_run, "with --check: bake nothing, only list")->needs(check);
-  bake.add_option("--junit", o.junit, "write what was found as JUnit XML")->needs(manifest);
-  bake.add_option("--summary", o.summary, "write what was found as a Markdown table; -: to stdout")->needs(manifest);
+  bake.add_flag("--dry-run", o.run.dry_run, "bake nothing, only list; with --check")->needs(check);
+  bake.add_option("--junit", o.junit, "write the findings as JUnit XML")->needs(manifest);
+  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; -: to stdout")->needs(manifest);
   check->excludes("--force");
 }
 
@@ -90,14 +91,14 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
                                                         "--region", "--onto",   "--no-measure"};
   for (const CLI::Option* option : bake.get_options()) {
     if (option->count() == 0) continue;
-    const std::string name = option->get_name();
+    const std::string name = shown_name(*option);
     if (std::find(kOfNamedMaps.begin(), kOfNamedMaps.end(), name) != kOfNamedMaps.end())
-      throw Error(ErrorCode::kUsage, name + " is given beside --manifest, which names the maps itself");
+      throw Error(ErrorCode::kUsage, name + " and --manifest exclude each other: the manifest names the maps");
     std::string key = option->get_lnames().empty() ? name : option->get_lnames().front();
     std::replace(key.begin(), key.end(), '-', '_');
     const Parameter* const parameter = bake_parameters().find(key);
     if (parameter == nullptr || !parameter->is_on(kInManifest)) continue;
-    throw Error(ErrorCode::kUsage, name + " is given beside --manifest, expected " + key +
+    throw Error(ErrorCode::kUsage, name + " and --manifest exclude each other, expected " + parameter->name +
                                        " under [[map]] or [defaults] in " + o.manifest);
   }
 }

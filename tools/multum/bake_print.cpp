@@ -15,7 +15,7 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
   print_shown(out, "%s: written\n%s%s", job.output.c_str(), report.choice.c_str(), report.to_text().c_str());
   if (!printing.details) return;
   if (report.rows_resumed > 0)
-    print_shown(out, "%llu rows of levels were there from a bake that was killed\n",
+    print_shown(out, "%llu rows of levels were taken from an interrupted bake\n",
                 static_cast<unsigned long long>(report.rows_resumed));
   print_shown(out, "%s", report.plan().c_str());
   for (const LevelReport& level : report.fit.levels)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `multum bake` says of a map that it has done.
+// Prints what `multum bake` did to a map.
 #pragma once
 
 #include <cstdio>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum submit, list, show, tail, wait, cancel, retry, purge: they ask a service that runs elsewhere.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -54,7 +55,7 @@ void add_client_options(CLI::App& command, ClientOptions& o) {
   command.add_option("--server", o.server,
                      "http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
   command.add_option("--token-file", o.token_file, "file whose first line is the token (default: $MULTUM_TOKEN_FILE)");
-  command.add_flag("--json", o.json, "print what the service answers");
+  command.add_flag("--json", o.json, "print the service's answer");
 }
 
 void print_json(const Json& json) {
@@ -117,11 +118,12 @@ int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> 
 
 int run_submit(const JobType& type, SubmitOptions& o) {
   Json parameters = Json::object();
-  for (const Parameter& parameter : type.table->rows()) {
-    if (o.flags[parameter.name]) parameters[parameter.name] = true;
-    if (const auto found = o.values.find(parameter.name); found != o.values.end() && !found->second.empty())
-      parameters[parameter.name] = value_of(parameter, found->second);
-  }
+  for (const Parameter& parameter : type.table->rows())
+    for (const std::string& name : parameter.all_names()) {
+      if (o.flags[name]) parameters[name] = true;
+      if (const auto found = o.values.find(name); found != o.values.end() && !found->second.empty())
+        parameters[name] = value_of(parameter, found->second);
+    }
   Json job = {
       {"type", type.name}, {"parameters", parameters}, {"priority", o.priority}, {"attempt_max", o.attempt_max}};
   if (!o.output.empty()) job["output"] = fs::absolute(o.output).lexically_normal().string();
@@ -140,38 +142,55 @@ int run_submit(const JobType& type, SubmitOptions& o) {
   return o.wait ? wait_for(client, o.client, {id}) : 0;
 }
 
+// Takes the choices and their former names; help shows the choices.
+CLI::Validator is_choice(const Parameter& parameter) {
+  const auto check = [&parameter](const std::string& text) {
+    return is_legal(parameter, text) ? "" : fmt::format("found {}, expected {}", text, expected_text(parameter));
+  };
+  return {check, fmt::format("{{{}}}", fmt::join(parameter.choices, ","))};
+}
+
+void add_submit_option(CLI::App& command, SubmitOptions& o, const Parameter& parameter, const std::string& name) {
+  CLI::Option* option = nullptr;
+  if (parameter.kind == ParameterKind::kFlag) {
+    option = command.add_flag(option_of(name), o.flags[name], parameter.help);
+  } else {
+    option = command.add_option(option_of(name), o.values[name], parameter.help);
+    if (!parameter.default_text.empty()) option->default_str(parameter.default_text);
+    if (parameter.kind == ParameterKind::kChoice) option->check(is_choice(parameter));
+  }
+  if (name != parameter.name) option->group("");  // a former one, which is not shown
+}
+
 void add_submit(CLI::App& app, int* exit_code) {
-  CLI::App* submit = app.add_subcommand("submit", "hand a job to a service; prints its number");
+  CLI::App* submit = app.add_subcommand("submit", "submit a job to a service and print its number");
   submit->require_subcommand(1);
   for (const JobType& type : job_types()) {
     auto o = std::make_shared<SubmitOptions>();
     CLI::App* command = submit->add_subcommand(type.name, type.summary);
     for (const Parameter& parameter : type.table->rows()) {
       if (!parameter.is_on(kInService)) continue;
-      if (parameter.kind == ParameterKind::kFlag) {
-        command->add_flag(parameter.option(), o->flags[parameter.name], parameter.help);
-      } else if (parameter.name == type.input) {
+      if (parameter.name == type.input) {
         command->add_option(parameter.name, o->values[parameter.name], parameter.help)->required();
       } else {
-        CLI::Option* added = command->add_option(parameter.option(), o->values[parameter.name], parameter.help);
-        if (!parameter.default_text.empty()) added->default_str(parameter.default_text);
-        if (parameter.kind == ParameterKind::kChoice) added->check(CLI::IsMember(parameter.choices));
+        for (const std::string& name : parameter.all_names()) add_submit_option(*command, *o, parameter, name);
       }
     }
-    CLI::Option* output = command->add_option("-o,--output", o->output, "the result, on the service's disk");
+    CLI::Option* output =
+        command->add_option("-o,--output", o->output, "file or folder of the result, on the service's disk");
     if (type.needs_output) output->required();
-    command->add_option("--queue", o->queue, "the queue (default: default)");
-    command->add_option("--priority", o->priority, "-1000..1000, higher first");
-    command->add_option("--label", o->label, "free text");
-    command->add_option("--needs", o->needs, "numbers of jobs that must succeed before")->delimiter(',');
-    command->add_option("--attempts", o->attempt_max, "tries before it is dead")->capture_default_str();
-    command->add_option("--deadline", o->deadline_s, "seconds from now by which it must be done");
-    command->add_option("--job-memory", o->memory, "bytes that the service counts for it")
+    command->add_option("--queue", o->queue, "queue of the job (default: default)");
+    command->add_option("--priority", o->priority, "priority, -1000 to 1000, higher first");
+    command->add_option("--label", o->label, "label, any text");
+    command->add_option("--needs", o->needs, "numbers of jobs that must succeed before this one")->delimiter(',');
+    command->add_option("--attempts", o->attempt_max, "attempts before the job is dead")->capture_default_str();
+    command->add_option("--deadline", o->deadline_s, "seconds from now within which the job must be done");
+    command->add_option("--job-memory", o->memory, "memory that the service counts for the job")
         ->transform(CLI::AsSizeValue(false));
     if (find_job_type(type.name).command.empty())
-      command->add_option("--device", o->device, "device that it is counted on");
-    command->add_flag("--again", o->again, "make it even if an earlier job has made the same");
-    command->add_flag("--wait", o->wait, "until it is done; the exit code is 0 when it succeeded");
+      command->add_option("--device", o->device, "device that the service counts the job on");
+    command->add_flag("--again", o->again, "run the job even if an earlier one has made the same");
+    command->add_flag("--wait", o->wait, "wait until the job is done; the exit code is 0 when it succeeded");
     add_client_options(*command, o->client);
     command->callback([&type, o, exit_code] { *exit_code = run_submit(type, *o); });
   }
@@ -299,7 +318,7 @@ void add_for_ids(CLI::App& app, const char* name, const char* help, int* exit_co
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(name, help);
-  command->add_option("job", o->ids, "its number; may be several")->required();
+  command->add_option("job", o->ids, "numbers of the jobs")->required();
   add_client_options(*command, o->client);
   command->callback([o, exit_code, body] {
     HttpClient client = client_of(o->client);
@@ -315,11 +334,11 @@ void add_list(CLI::App& app, int* exit_code) {
     int limit = 50;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* list = app.add_subcommand("list", "jobs of a service, newest first");
-  list->add_option("--state", o->state, "only of this state")
+  CLI::App* list = app.add_subcommand("list", "list a service's jobs, newest first");
+  list->add_option("--state", o->state, "list only jobs of this state")
       ->check(CLI::IsMember({"waiting", "queued", "running", "publishing", "succeeded", "dead", "cancelled"}));
-  list->add_option("--queue", o->queue, "only of this queue");
-  list->add_option("--limit", o->limit, "at most")->check(CLI::Range(1, 1000))->capture_default_str();
+  list->add_option("--queue", o->queue, "list only jobs of this queue");
+  list->add_option("--limit", o->limit, "most jobs to list")->check(CLI::Range(1, 1000))->capture_default_str();
   add_client_options(*list, o->client);
   list->callback([o, exit_code] {
     std::string target = fmt::format("/v1/jobs?limit={}", o->limit);
@@ -345,9 +364,9 @@ void add_retry(CLI::App& app, int* exit_code) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
-  retry->add_option("job", o->ids, "its number; may be several");
-  retry->add_flag("--all-dead", o->all_dead, "all that are dead");
-  retry->add_option("--queue", o->queue, "of this queue alone, with --all-dead");
+  retry->add_option("job", o->ids, "numbers of the jobs");
+  retry->add_flag("--all-dead", o->all_dead, "retry all dead jobs");
+  retry->add_option("--queue", o->queue, "retry only jobs of this queue; with --all-dead");
   add_client_options(*retry, o->client);
   retry->callback([o, exit_code] {
     if (o->all_dead == !o->ids.empty()) throw Error(ErrorCode::kUsage, "expected either jobs' numbers or --all-dead");
@@ -357,7 +376,7 @@ void add_retry(CLI::App& app, int* exit_code) {
       const Json answer =
           client.ask("POST", "/v1/retry", o->queue.empty() ? Json::object() : Json{{"queue", o->queue}});
       if (o->client.json) print_json(answer);
-      else print_shown(stdout, "%zu jobs are tried again\n", answer["retried"].size());
+      else print_shown(stdout, "%zu jobs are queued again\n", answer["retried"].size());
     }
     *exit_code = 0;
   });
@@ -371,8 +390,8 @@ void add_purge(CLI::App& app, int* exit_code) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* purge = app.add_subcommand("purge", "forget finished jobs and their logs; results stay");
-  purge->add_option("job", o->ids, "its number; may be several");
-  purge->add_option("--older-than", o->age, "all that finished at least so many seconds ago")
+  purge->add_option("job", o->ids, "numbers of the jobs");
+  purge->add_option("--older-than", o->age, "purge all jobs that finished at least so many seconds ago")
       ->check(CLI::NonNegativeNumber);
   add_client_options(*purge, o->client);
   purge->callback([o, exit_code] {
@@ -380,7 +399,7 @@ void add_purge(CLI::App& app, int* exit_code) {
     const Json body = o->age < 0 ? Json{{"jobs", o->ids}} : Json{{"finished_before_s", o->age}};
     const Json answer = client_of(o->client).ask("POST", "/v1/purge", body);
     if (o->client.json) print_json(answer);
-    else print_shown(stdout, "%zu jobs are forgotten\n", answer["purged"].size());
+    else print_shown(stdout, "%zu jobs are purged\n", answer["purged"].size());
     *exit_code = 0;
   });
 }
@@ -390,11 +409,11 @@ void add_purge(CLI::App& app, int* exit_code) {
 void add_client_commands(CLI::App& app, int* exit_code) {
   add_submit(app, exit_code);
   add_list(app, exit_code);
-  add_for_ids(app, "show", "everything about jobs", exit_code,
+  add_for_ids(app, "show", "show everything about jobs", exit_code,
               [](HttpClient& client, const ClientOptions&, std::int64_t id) {
                 print_json(client.ask("GET", fmt::format("/v1/jobs/{}", id)));
               });
-  add_for_ids(app, "cancel", "stop jobs, whatever they do", exit_code,
+  add_for_ids(app, "cancel", "stop jobs in any state", exit_code,
               [](HttpClient& client, const ClientOptions& o, std::int64_t id) {
                 print_job(o, client.ask("POST", fmt::format("/v1/jobs/{}/cancel", id)));
               });
@@ -402,15 +421,15 @@ void add_client_commands(CLI::App& app, int* exit_code) {
   add_purge(app, exit_code);
 
   auto wait = std::make_shared<WaitOptions>();
-  CLI::App* wait_command = app.add_subcommand("wait", "until jobs are done; exit code 0 when all succeeded");
-  wait_command->add_option("job", wait->ids, "their numbers");
-  wait_command->add_flag("--all", wait->all, "all that are not done");
+  CLI::App* wait_command = app.add_subcommand("wait", "wait until jobs are done; exit code 0 when all succeeded");
+  wait_command->add_option("job", wait->ids, "numbers of the jobs");
+  wait_command->add_flag("--all", wait->all, "wait for all jobs that are not done");
   add_client_options(*wait_command, wait->client);
   wait_command->callback([wait, exit_code] { *exit_code = run_wait(*wait); });
 
   auto tail = std::make_shared<std::pair<ClientOptions, std::int64_t>>();
-  CLI::App* tail_command = app.add_subcommand("tail", "a job's log, as it grows");
-  tail_command->add_option("job", tail->second, "its number")->required();
+  CLI::App* tail_command = app.add_subcommand("tail", "follow a job's log");
+  tail_command->add_option("job", tail->second, "number of the job")->required();
   add_client_options(*tail_command, tail->first);
   tail_command->callback([tail, exit_code] { *exit_code = run_tail(tail->first, tail->second); });
 }

@@ -66,15 +66,15 @@ std::string material_texts(const BakedHeader& file) {
 constexpr InfoKind kInfoKinds[] = {
     {Representation::kMovmf,
      [](const std::string& path, const BakedHeader& file) {
-       return fmt::format("{} von Mises-Fisher lobes a texel{}{}", read_movmf_header(path).lobe_count(),
-                          file.has_colours ? ", with a colour a lobe" : "", material_texts(file));
+       return fmt::format("{} von Mises-Fisher lobes per texel{}{}", read_movmf_header(path).lobe_count(),
+                          file.has_colours ? ", with a colour per lobe" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
        return fmt::format("kappa up to {:.0f} survives it", static_cast<double>(storage_kappa_max(file.encoding)));
      }},
     {Representation::kGmm,
      [](const std::string& path, const BakedHeader& file) {
-       return fmt::format("{} planar Gaussians a texel{}{}", read_movmf_header(path).lobe_count(),
+       return fmt::format("{} planar Gaussians per texel{}{}", read_movmf_header(path).lobe_count(),
                           file.has_colours ? ", with a colour each" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
@@ -208,7 +208,7 @@ int run_devices(const std::string& json_path) {
 
 void add_info_command(CLI::App& app, int* exit_code) {
   auto path = std::make_shared<std::string>();
-  CLI::App* info = app.add_subcommand("info", "print what a baked file says of itself");
+  CLI::App* info = app.add_subcommand("info", "print the header of a baked file");
   info->add_option("file", *path, "a baked file, *.ndf.exr")->required();
   info->callback([path, exit_code] { *exit_code = run_info(*path); });
 }
@@ -225,7 +225,7 @@ void add_verify_command(CLI::App& app, int* exit_code) {
 void add_devices_command(CLI::App& app, int* exit_code) {
   CLI::App* devices = app.add_subcommand("devices", "list the OpenCL devices");
   auto json = std::make_shared<std::string>();
-  devices->add_option("--json", *json, "write their properties to this file, too");
+  devices->add_option("--json", *json, "write the devices' properties to this file, too");
   devices->callback([json, exit_code] { *exit_code = run_devices(*json); });
 }
 
@@ -238,12 +238,15 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* testmap = app.add_subcommand("testmap", "make the four-quarter test map: scales, rings, grooves, noise");
-  testmap->add_option("prefix", options->prefix, "writes PREFIX_normal.png and PREFIX_albedo.png")->required();
-  testmap->add_option("--size", options->size, "texels a side, even, 16 to 32768")
+  testmap
+      ->add_option("prefix", options->prefix, "prefix of the files to write, PREFIX_normal.png and PREFIX_albedo.png")
+      ->required();
+  testmap->add_option("--size", options->size, "texels per side, even, 16 to 32768")
       ->check(CLI::Range(16, 32768))
       ->capture_default_str();
-  testmap->add_option("--seed", options->seed, "of the noise quarter")->capture_default_str();
-  add_choice(*testmap, "--quarter", options->quarter, kQuarters, "one of them alone: armour, rings, grooves or noise");
+  testmap->add_option("--seed", options->seed, "seed of the noise quarter")->capture_default_str();
+  add_choice(*testmap, "--quarter", options->quarter, kQuarters,
+             "make only this quarter: armour, rings, grooves or noise");
   testmap->callback([options, exit_code] {
     if (options->size % 2 != 0)
       throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));

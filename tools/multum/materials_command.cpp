@@ -96,7 +96,7 @@ void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
   make_folder(o.folder);
   const std::string manifest = o.folder + "/maps.toml";
   if (fs::exists(manifest) && !o.force)
-    throw Error(ErrorCode::kUsage, manifest + ": is there already; --force writes it anew");
+    throw Error(ErrorCode::kUsage, manifest + ": exists already; --force overwrites it");
   std::string text = fmt::format(
       "# The normal maps of {}, made by multum materials. Bake them: multum bake --manifest maps.toml\n\n[defaults]\n"
       "bumpformat = \"normal\"\ngreen = \"up\"  # as glTF has it\nunsigned = true\n",
@@ -132,8 +132,8 @@ void add_materials_command(CLI::App& app, int* exit_code) {
       app.add_subcommand("materials", "list a glTF model's materials; write a manifest that bakes its normal maps");
   materials->add_option("model", options->model, "*.gltf or *.glb")->required();
   materials->add_option("-o,--output", options->folder,
-                        "folder for maps.toml and for images that lie inside the file; made where it is not there");
-  materials->add_flag("--force", options->force, "write maps.toml even if it is there already");
+                        "folder for maps.toml and for images embedded in the model; created if missing");
+  materials->add_flag("--force", options->force, "overwrite maps.toml");
   add_decoding_option(*materials);
   materials->callback([options, exit_code] { *exit_code = run_materials(*options); });
 }

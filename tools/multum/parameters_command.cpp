@@ -87,9 +87,9 @@ void add_parameters_command(CLI::App& app, int* exit_code) {
       "parameters", "list the parameters of bake, infer, mip, reflectance and lod: values, defaults, meaning");
   std::vector<std::string> names;
   for (const ParameterTable* table : parameter_tables()) names.push_back(table->command());
-  command->add_option("command", o->command, "of this command alone")->check(CLI::IsMember(names));
-  CLI::Option* const markdown = command->add_flag("--markdown", o->markdown, "as docs/PARAMETERS.md");
-  command->add_flag("--json", o->json, "as JSON, with the schemas of the service's jobs")->excludes(markdown);
+  command->add_option("command", o->command, "list only the parameters of this command")->check(CLI::IsMember(names));
+  CLI::Option* const markdown = command->add_flag("--markdown", o->markdown, "print docs/PARAMETERS.md");
+  command->add_flag("--json", o->json, "print JSON, with the schemas of the service's jobs")->excludes(markdown);
   command->callback([o, exit_code] { *exit_code = run_parameters(*o); });
 }
 

@@ -107,7 +107,7 @@ glm::dvec3 three_numbers(const std::string& option, const std::string& text, boo
       std::sscanf(text.c_str(), "%lf%c", &x, &rest) == 1)
     return glm::dvec3(x);
   throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected {}", option, text,
-                                             one_will_do ? "one or three numbers, as 0.5 or 0.8,0.2,0.1" : "x,y,z"));
+                                             one_will_do ? "one or three numbers, e.g. 0.5 or 0.8,0.2,0.1" : "x,y,z"));
 }
 
 ReflectanceLight parse_light(const std::string& text) {
@@ -117,8 +117,8 @@ ReflectanceLight parse_light(const std::string& text) {
   const int found = std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%c", &x, &y, &z, &r, &g, &b, &rest);
   if (found != 3 && found != 4 && found != 6)
     throw Error(ErrorCode::kUsage, "--light is '" + text +
-                                       "', expected x,y,z towards the light, then perhaps its irradiance, grey or "
-                                       "r,g,b: 0.3,0.8,0.5,3.14");
+                                       "', expected x,y,z towards the light, optionally with its irradiance, grey or "
+                                       "r,g,b, e.g. 0.3,0.8,0.5,3.14");
   light.direction = {x, y, z};
   if (found == 4) light.irradiance = glm::dvec3(r);
   if (found == 6) light.irradiance = {r, g, b};
@@ -147,7 +147,7 @@ int run_reflectance(ReflectanceOptions& o) {
   const std::string brdf = values.text("brdf").value_or(values.table().at("brdf").default_text);
   char rest = 0;
   if (std::sscanf(brdf.c_str(), "blinn-phong:%f%c", &job.exponent, &rest) != 1)
-    throw Error(ErrorCode::kUsage, "--brdf is '" + brdf + "', expected blinn-phong:S with S 1..100000");
+    throw Error(ErrorCode::kUsage, "--brdf is '" + brdf + "', expected blinn-phong:S with S from 1 to 100000");
   validate(o.job);  // before a device is looked for
   Device device = Device::when_needed(device_of(values));
   const auto progress = make_progress(o.common);

@@ -38,18 +38,18 @@ int run_command(int argc, char** argv) {
   CLI::App app(
       "multum bakes normal maps into textures that look right at every distance:\n"
       "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
-      "  multum bake bricks_normal.png -o bricks.ndf.exr     bake; prints what was found and the error reached\n"
-      "  multum bake --manifest maps.toml --check            bake what changed of a project, and say what it was\n"
-      "  multum plan scene.toml                              what a scene needs; bake scene.toml: that alone\n"
-      "  multum tradeoff bricks_normal.png -o costs.html     what accuracy costs in time and memory, as a page\n"
-      "  multum-view bricks.ndf.exr -o frame.png             render it\n"
-      "  multum info bricks.ndf.exr                          look inside\n"
-      "  multum mip bricks.png -o bricks.exr                 colours: averaged in linear light\n"
-      "  multum materials helmet.glb -o helmet               the normal maps of a model, as a manifest to bake\n"
-      "  multum selftest                                     does this machine's OpenCL driver compute what it "
-      "should?\n"
-      "  multum animation renders -o animation.toml          what a folder of ray-traced pictures holds, as a job\n"
-      "  multum serve --data jobs                            a service that bakes what clients submit",
+      "  multum bake bricks_normal.png -o bricks.ndf.exr     bake a map; print findings and the measured error\n"
+      "  multum bake --manifest maps.toml --check            bake the maps of a project that changed, and list them\n"
+      "  multum plan scene.toml                              show what a scene needs; bake scene.toml bakes only that\n"
+      "  multum tradeoff bricks_normal.png -o costs.html     show what accuracy costs in time and memory, as a page\n"
+      "  multum-view bricks.ndf.exr -o frame.png             render a baked file\n"
+      "  multum info bricks.ndf.exr                          print the header of a baked file\n"
+      "  multum mip bricks.png -o bricks.exr                 average colours in linear light\n"
+      "  multum materials helmet.glb -o helmet               list the normal maps of a model as a manifest to bake\n"
+      "  multum selftest                                     check that this machine's OpenCL driver computes "
+      "correctly\n"
+      "  multum animation renders -o animation.toml          write a folder of ray-traced pictures as a job\n"
+      "  multum serve --data jobs                            run a service that bakes what clients submit",
       "multum");
   app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
   app.require_subcommand(1);

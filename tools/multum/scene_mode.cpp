@@ -20,6 +20,7 @@
 #include "host/parameters/bake_parameters.h"
 #include "host/scene/scene_bake.h"
 #include "tools/command_line/decoding_option.h"
+#include "tools/command_line/parameter_options.h"
 
 namespace multum {
 namespace {
@@ -94,7 +95,7 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
     std::replace(key.begin(), key.end(), '-', '_');
     if (bake_parameters().find(key) != nullptr && !kOfTheScene.contains(key))
       throw Error(ErrorCode::kUsage,
-                  option->get_name() + " is given beside " + scene + ", which says itself how its maps are baked");
+                  shown_name(*option) + " cannot be given beside " + scene + ": the scene says how its maps are baked");
   }
 }
 
@@ -107,7 +108,7 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
   check_outputs(scene_file, scene, files);
   std::error_code failed;
   fs::create_directories(files.folder, failed);
-  if (failed) throw Error(ErrorCode::kEnvironment, files.folder + ": cannot be made: " + failed.message());
+  if (failed) throw Error(ErrorCode::kEnvironment, files.folder + ": cannot create the folder: " + failed.message());
   const auto progress = make_progress(common);
   PlanSettings settings;
   settings.threads = pattern.threads;
@@ -134,11 +135,11 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
 
 void add_plan_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* plan = app.add_subcommand("plan", "say which effects a scene needs of its maps, and why (docs/SCENE.md)");
+  CLI::App* plan = app.add_subcommand("plan", "show which effects a scene needs of its maps, and why (docs/SCENE.md)");
   plan->add_option("scene", options->scene, "scene.toml: maps, materials, objects, lights, camera")->required();
   plan->add_option("-o,--output", options->output, "write the plan as JSON");
-  plan->add_flag("--json", options->json, "print it as JSON");
-  plan->add_option("--width", options->width, "of the table, characters (default: the terminal's)")
+  plan->add_flag("--json", options->json, "print the plan as JSON");
+  plan->add_option("--width", options->width, "width of the table in characters (default: the terminal's)")
       ->check(CLI::Range(60, 1000));
   add_decoding_option(*plan);
   add_common_options(*plan, options->common);

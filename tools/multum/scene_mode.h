@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `multum bake scene.toml -o FOLDER`.
+// Runs `multum bake scene.toml -o FOLDER`.
 #pragma once
 
 #include <string>

@@ -35,10 +35,9 @@ NumericalRun read_run(const std::string& path) {
 }
 
 void check(const Options& options) {
-  if (!options.with.empty() && options.markdown.empty())
-    throw Error(ErrorCode::kUsage, "--with is for --markdown, which is not given");
+  if (!options.with.empty() && options.markdown.empty()) throw Error(ErrorCode::kUsage, "--with needs --markdown");
   if (!options.markdown.empty() && !options.selftest.filter.empty())
-    throw Error(ErrorCode::kUsage, "--markdown is of all cases, and --filter leaves some out");
+    throw Error(ErrorCode::kUsage, "--markdown and --filter exclude each other: the page has all cases");
 }
 
 int run_selftest_command(Options options) {
@@ -74,15 +73,17 @@ int run_selftest_command(Options options) {
 
 void add_selftest_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* selftest =
-      app.add_subcommand("selftest", "run the numerical hard cases on your device: does its driver keep the guards?");
-  selftest->add_option("--device", options->device, "a number of `multum devices`, or part of a name");
-  selftest->add_option("--filter", options->selftest.filter, "only cases or kernels with this text in their name");
+  CLI::App* selftest = app.add_subcommand(
+      "selftest", "run the numerical hard cases on your device, to check that its driver keeps the guards");
+  selftest->add_option("--device", options->device,
+                       "OpenCL device: its number in `multum devices`, or part of its name");
+  selftest->add_option("--filter", options->selftest.filter, "run only cases or kernels with this text in their name");
   selftest->add_flag("--without-guards", options->selftest.without_guards,
-                     "run each case without its guard too: what the guard is for");
+                     "run each case without its guard, too, to show what the guard is for");
   selftest->add_option("--json", options->json, "write the verdicts to this file");
   selftest->add_option("--markdown", options->markdown, "write docs/STABILITY.md to this file; runs --without-guards");
-  selftest->add_option("--with", options->with, "for --markdown: the GL's verdicts, a file of gl_stability_test");
+  selftest->add_option("--with", options->with,
+                       "read the GL's verdicts for --markdown from this file of gl_stability_test");
   add_common_options(*selftest, options->common);
   selftest->callback([options, exit_code] { *exit_code = run_selftest_command(*options); });
 }

@@ -122,25 +122,25 @@ int run_confined(const ConfinedOptions& o) {
   for (const std::string& word : o.command) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   ::execv(words.front(), words.data());
-  fail_by_errno(o.command.front(), "cannot be started");
+  fail_by_errno(o.command.front(), "cannot start");
 }
 
 }  // namespace
 
 void add_serve_commands(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ServeOptions>();
-  CLI::App* serve = app.add_subcommand("serve", "a service that bakes what clients submit (docs/SERVICE.md)");
-  serve->add_option("--data", options->data, "folder of its ledger, logs and uploads; made if need be")->required();
+  CLI::App* serve = app.add_subcommand("serve", "run a service that bakes what clients submit (docs/SERVICE.md)");
+  serve->add_option("--data", options->data, "folder for the ledger, logs and uploads; created if missing")->required();
   serve->add_option("--listen", options->listen, "HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
   serve
       ->add_option("--root", options->roots,
-                   "folder that jobs may read and write below; may be repeated; nothing of the service's own in it")
+                   "folder below which jobs may read and write; repeatable; must hold nothing of the service's own")
       ->allow_extra_args(false);
-  serve->add_option("--workers", options->workers, "bakes at once (default: 2)")->check(CLI::Range(1, 256));
-  serve->add_option("--token-file", options->token_file, "file whose first line clients must know");
-  serve->add_option("--config", options->config, "settings file, TOML; options here go before it");
+  serve->add_option("--workers", options->workers, "number of bakes at a time (default: 2)")->check(CLI::Range(1, 256));
+  serve->add_option("--token-file", options->token_file, "file whose first line is the token that clients must send");
+  serve->add_option("--config", options->config, "settings file, TOML; options take precedence over it");
   serve->add_flag("--new-ledger", options->begins_anew,
-                  "begin a new ledger in a folder whose own is lost; nothing that lies there is removed");
+                  "begin a new ledger in a folder whose ledger is lost; removes nothing");
   serve->callback([options, exit_code] { *exit_code = run_serve(*options); });
 
   auto data = std::make_shared<std::string>();

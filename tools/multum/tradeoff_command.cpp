@@ -51,7 +51,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
     if (!path.empty()) check_writable(path);
   job.scratch = o.output + ".sweep";
   if (std::filesystem::exists(job.scratch))
-    throw Error(ErrorCode::kEnvironment, job.scratch + ": is there already, expected no file or folder of that name");
+    throw Error(ErrorCode::kEnvironment, job.scratch + ": exists already, expected no file or folder of that name");
   Device device = Device::when_needed(DeviceChoice{o.values.text("device").value_or("")});
   const auto progress = make_progress(o.common);
   const TradeoffResult result = run_tradeoff(job, device, progress.get());
@@ -70,15 +70,16 @@ int run_tradeoff_command(TradeoffOptions& o) {
 void add_tradeoff_command(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<TradeoffOptions>();
   CLI::App* command = app.add_subcommand(
-      "tradeoff", "bake a map with every kind of setting: error against time and memory, as a page to choose from");
+      "tradeoff",
+      "bake a map with every kind of setting, and write a page of error against time and memory to choose from");
   command->add_option("input", o->job.bake.input, "normal map or height field")->required();
   command->add_option("-o,--output", o->output, "page to write, *.html: one file, pictures and all")->required();
-  command->add_option("--json", o->json, "write every figure here too");
-  command->add_option("--markdown", o->markdown, "write the table here too");
+  command->add_option("--json", o->json, "write all figures to this file, too");
+  command->add_option("--markdown", o->markdown, "write the table to this file, too");
   CLI::Option* error =
       command
           ->add_option("--target-error", o->job.error,
-                       "pick the cheapest settings that come within this relative L1, in the mean over levels 2 and up")
+                       "pick the cheapest settings within this error: relative L1, mean over levels 2 and up")
           ->check(CLI::PositiveNumber);
   command->add_option("--budget-ms", o->budget_ms, "pick the most accurate settings that bake in this time")
       ->check(CLI::PositiveNumber)
@@ -86,21 +87,23 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command
       ->add_option(
           "--max-bytes", o->job.bytes_max,
-          "largest size on the GPU, as 33M (MiB): settings above it are struck out and not picked; may be combined "
-          "with the other two and with --target-error, without which the most accurate is picked")
+          "largest size on the GPU, e.g. 33M (MiB): settings above it are struck out and not picked; may be combined "
+          "with the other two limits and with --target-error; without that, the most accurate settings are picked")
       ->transform(CLI::AsSizeValue(false));
-  command->add_option("--max-frame-ms", o->job.frame_ms_max, "longest time of a frame; otherwise as --max-bytes")
+  command->add_option("--max-frame-ms", o->job.frame_ms_max, "longest time of a frame; otherwise like --max-bytes")
       ->check(CLI::PositiveNumber);
-  command->add_option("--max-bake-ms", o->bake_ms_max, "longest time of a bake; otherwise as --max-bytes")
+  command->add_option("--max-bake-ms", o->bake_ms_max, "longest time of a bake; otherwise like --max-bytes")
       ->check(CLI::PositiveNumber);
-  CLI::Option* const brdf = command
-                                ->add_option("--brdf", o->brdf,
-                                             "lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA, "
-                                             "cook-torrance:SIGMA or a measured BRDF's file")
-                                ->capture_default_str();
-  CLI::Option* quick = command->add_flag("--quick", o->quick, "a dozen bakes in the place of some forty");
+  CLI::Option* const brdf =
+      command
+          ->add_option("--brdf", o->brdf,
+                       "BRDF of the errors: lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA, "
+                       "cook-torrance:SIGMA or the file of a measured BRDF")
+          ->capture_default_str();
+  CLI::Option* quick = command->add_flag("--quick", o->quick, "run a dozen bakes instead of some forty");
   command
-      ->add_flag("--full", o->full, "some sixty-five bakes: harmonics to order 20, every number of lobes fitted longer")
+      ->add_flag("--full", o->full,
+                 "run some sixty-five bakes: harmonics to order 20, every number of lobes fitted longer")
       ->excludes(quick);
   command->add_flag("--no-pictures", o->no_pictures, "draw nothing: no frame times, no rendered errors");
   command->add_option("--context", o->job.context, "GL to draw with: auto, osmesa or egl")

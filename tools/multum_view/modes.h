@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What multum-view does besides drawing baked maps: each with a command line of its own.
+// Modes of multum-view besides drawing baked maps: each with a command line of its own.
 #pragma once
 
 #include "tools/multum_view/view_options.h"

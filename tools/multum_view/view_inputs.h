@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is read to be drawn: the mesh and the normal map that was baked.
+// Reads what is to be drawn: the mesh and the normal map that was baked.
 #pragma once
 
 #include "host/light/environment_light.h"

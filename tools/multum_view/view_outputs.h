@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What multum-view writes: pictures, a table of errors and times, a report.
+// Writes the outputs of multum-view: pictures, a table of errors and times, a report.
 #pragma once
 
 #include <functional>

@@ -12,17 +12,17 @@
 
 namespace multum {
 
-/// What BakedWriteOptions::measured_error_bytes is to be: of 16 levels with colours, three ways to shade four BRDFs
+/// Value of BakedWriteOptions::measured_error_bytes: errors of 16 levels with colours, three ways to shade four BRDFs
 /// take 94 KiB (test AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
 constexpr int kMomentErrorBytes = 112 * 1024;
 
-/// As MovmfWriter (host/asset/lobes/movmf_writer.h), but that level 0 is one as the others.
+/// Writes rows as MovmfWriter does (host/asset/lobes/movmf_writer.h); level 0 is a level like the others.
 class MomentWriter {
  public:
-  /// Of `header` measured error and content hash are not read: commit() knows them. Throws as AtomicFile does for
+  /// Does not read measured error and content hash of `header`: commit() knows them. Throws as AtomicFile does for
   /// places that cannot be written, Error(kUsage) for an unknown compression.
   MomentWriter(const std::string& path, const BakedHeader& header, const BakedWriteOptions& options);
-  /// Without commit(), nothing stays.
+  /// Removes the file, unless commit() was called.
   ~MomentWriter();
   MomentWriter(const MomentWriter&) = delete;
   MomentWriter& operator=(const MomentWriter&) = delete;
@@ -30,7 +30,7 @@ class MomentWriter {
   /// Rounded rows of a stored level (rows.height of them), in order from row 0 within the level; levels in any order.
   void write_level(int level, int first_row, MomentLevel rows);
   void commit(const std::string& measured_error, Progress* progress = nullptr);
-  /// After commit().
+  /// The content's checksum; after commit().
   const std::string& content_hash() const;
 
  private:

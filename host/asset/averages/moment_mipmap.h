@@ -25,8 +25,8 @@ constexpr float kSlopeMax = 20.0f;
 /// The height that maketx writes for normal maps, which have none.
 constexpr float kNoHeight = -1.0f;
 
-/// As maketx --bumpslopes has its channels b0_h to b5_dh2dsdt. s grows to the right, t up: of a unit normal (+X right,
-/// +Y up, +Z out) the slopes dh/ds = -n_x / n_z, dh/dt = -n_y / n_z.
+/// Moments of slopes, laid out as the channels b0_h to b5_dh2dsdt of maketx --bumpslopes. s grows to the right, t up:
+/// of a unit normal (+X right, +Y up, +Z out) the slopes dh/ds = -n_x / n_z, dh/dt = -n_y / n_z.
 struct SlopeMoments {
   float height = kNoHeight;
   float s = 0.0f, t = 0.0f;               // E[dh/ds], E[dh/dt]
@@ -50,7 +50,7 @@ struct MomentMipmap {
   std::vector<MomentLevel> levels;
 };
 
-/// Of a map of that size: levels have sizes and no texels.
+/// Levels of a map of that size: sizes without texels.
 std::vector<MomentLevel> empty_moment_levels(int width, int height);
 
 /// Some rows of a level, as a level of their own.
@@ -74,7 +74,7 @@ void write_moment_mipmap(const std::string& path, const MomentMipmap& mipmap, co
 /// `threads` decompress; 0: as many as the machine has.
 MomentMipmap read_moment_mipmap(const std::string& path, int threads = 0);
 
-/// The same without pixels. Cheap for files of any size.
+/// Reads the header alone. Cheap for files of any size.
 BakedHeader read_moment_header(const std::string& path);
 
 }  // namespace multum

@@ -15,13 +15,13 @@ namespace multum {
 /// Rows of a stored level, from the top: what else wants to look at the texels needs no second reading.
 using MomentRowsSeen = std::function<void(int level, int first_row, const MomentLevel& rows)>;
 
-/// What verify_moments() looks at in rows, also for those who have them before they are in a file.
+/// Checks rows as verify_moments() does, also before they are in a file.
 class MomentScan {
  public:
   explicit MomentScan(const BakedHeader& header);
   ~MomentScan();
   void add(int level, int first_row, const MomentLevel& rows);
-  /// Of all rows that were added.
+  /// Findings of all rows that were added.
   std::vector<VerifyFinding> findings() const;
 
   struct Texels;  // what was found

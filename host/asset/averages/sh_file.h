@@ -15,13 +15,13 @@ namespace multum {
 /// every level a row of tiles waits until it is full. Depends on nothing but the file: so do its bytes.
 int sh_tile_size(int map_width, int order, int default_size);
 
-/// As MovmfWriter (host/asset/lobes/movmf_writer.h), but that level 0 is one as the others.
+/// Writes rows as MovmfWriter does (host/asset/lobes/movmf_writer.h); level 0 is a level like the others.
 class ShWriter {
  public:
-  /// Of `header` measured error and content hash are not read: commit() knows them. Throws as AtomicFile does for
+  /// Does not read measured error and content hash of `header`: commit() knows them. Throws as AtomicFile does for
   /// places that cannot be written, Error(kUsage) for an unknown compression.
   ShWriter(const std::string& path, const BakedHeader& header, int order, const BakedWriteOptions& options);
-  /// Without commit(), nothing stays.
+  /// Removes the file, unless commit() was called.
   ~ShWriter();
   ShWriter(const ShWriter&) = delete;
   ShWriter& operator=(const ShWriter&) = delete;
@@ -29,7 +29,7 @@ class ShWriter {
   /// Rounded rows of a stored level (rows.height of them), in order from row 0 within the level; levels in any order.
   void write_level(int level, int first_row, ShLevel rows);
   void commit(const std::string& measured_error, Progress* progress = nullptr);
-  /// After commit().
+  /// The content's checksum; after commit().
   const std::string& content_hash() const;
 
  private:

@@ -38,7 +38,7 @@ struct ShMipmap {
   std::vector<ShLevel> levels;
 };
 
-/// Of a map of that size: levels have sizes and no texels.
+/// Levels of a map of that size: sizes without texels.
 std::vector<ShLevel> empty_sh_levels(int width, int height);
 
 /// Some rows of a level, as a level of their own.
@@ -47,7 +47,8 @@ ShLevel rows_of(const ShLevel& level, int first_row, int row_count);
 /// Rounds every value to what the encoding stores. kHalf: to nearest. kFloat: nothing is rounded.
 void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads);
 
-/// How far rounding may move a band's sum of squares, as a part of it (docs/FORMAT.md, "Spherical harmonics").
+/// Largest change that rounding makes to a band's sum of squares, as a part of it (docs/FORMAT.md, "Spherical
+/// harmonics").
 double sh_power_tolerance(StorageEncoding encoding);
 
 /// Writes atomically, values as they are: quantize_sh() comes first. Throws as write_movmf_mipmap() does.
@@ -58,7 +59,7 @@ void write_sh_mipmap(const std::string& path, const ShMipmap& mipmap, const Bake
 /// expected. `threads` decompress; 0: as many as the machine has.
 ShMipmap read_sh_mipmap(const std::string& path, int threads = 0);
 
-/// The same without pixels: levels have sizes alone. Cheap for files of any size.
+/// Reads the header alone: levels have sizes and no texels. Cheap for files of any size.
 ShMipmap read_sh_header(const std::string& path);
 
 }  // namespace multum

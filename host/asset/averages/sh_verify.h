@@ -16,13 +16,13 @@ namespace multum {
 /// Rows of a stored level, from the top: what else wants to look at the texels needs no second reading.
 using ShRowsSeen = std::function<void(int level, int first_row, const ShLevel& rows)>;
 
-/// What verify_sh() looks at in rows, also for those who have them before they are in a file.
+/// Checks rows as verify_sh() does, also before they are in a file.
 class ShScan {
  public:
   explicit ShScan(const BakedHeader& header, int order);
   ~ShScan();
   void add(int level, int first_row, const ShLevel& rows);
-  /// Of all rows that were added.
+  /// Findings of all rows that were added.
   std::vector<VerifyFinding> findings() const;
 
   struct Texels;  // what was found

@@ -22,7 +22,7 @@ constexpr int kShOrderMax = 20;
 
 /// Coefficients that are stored: l from 1. The one of l = 0 is 1/sqrt(4 pi), whatever the normals.
 constexpr int sh_coefficient_count(int order) { return order * (order + 2); }
-/// Where that of (l, m) is among them. An order's coefficients are the first of a higher order's.
+/// Index of the coefficient of (l, m). An order's coefficients are the first of a higher order's.
 constexpr int sh_coefficient(int l, int m) { return l * l + l + m - 1; }
 /// Parts of four coefficients; of even orders all are full.
 constexpr int sh_part_count(int order) { return (sh_coefficient_count(order) + 3) / 4; }

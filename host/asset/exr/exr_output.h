@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What OpenEXR's own output lacks: a stream that keeps the first thing that went wrong (the library's stream loses what
-// fails while the tables of tiles are written, last of all), and headers that are filled in when the pixels are
+// Adds what OpenEXR's own output lacks: a stream that keeps the first thing that went wrong (the library's stream loses
+// what fails while the tables of tiles are written, last of all), and headers that are filled in when the pixels are
 // written.
 #pragma once
 

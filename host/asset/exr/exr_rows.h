@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of a baked file's part as OpenEXR takes and gives them. For host/asset alone.
+// Converts rows of a baked file's part to what OpenEXR takes and gives. For host/asset alone.
 #pragma once
 
 #include <ImfFrameBuffer.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures as OpenEXR: linear, 32-bit floats, whole or not at all.
+// Writes pictures as OpenEXR files of linear 32-bit floats; a file appears whole or not at all.
 #pragma once
 
 #include <string>

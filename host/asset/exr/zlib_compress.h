@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR's deflate, by quicker libraries: see the .cpp.
+// Replaces the deflate that OpenEXR calls by quicker libraries: see the .cpp.
 #pragma once
 
 namespace multum {

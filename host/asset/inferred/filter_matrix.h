@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// How the matrix was measured: a solution holds for this renderer and sampler alone.
+/// Circumstances of the measurement: a solution holds for this renderer and sampler alone.
 struct FilterMatrixProvenance {
   std::string software;  // "multum-view 0.1.0"
   std::string renderer;  // "osmesa: llvmpipe (...), 4.5 (Core Profile) Mesa 22.3.6"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How users name a point of the grid of parameters: by its indices, "3,5", or by the sample's name.
+// Finds the point of the grid of parameters that a user names: by its indices, "3,5", or by the sample's name.
 #pragma once
 
 #include <fmt/format.h>

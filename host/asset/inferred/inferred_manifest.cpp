@@ -128,7 +128,7 @@ InferredManifest read_inferred_manifest(const std::string& path) {
   } catch (const Error& error) {
     throw Error(error.code(), path + ": " + error.what());
   } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorCode::kInput, path + ": is no manifest of inferred textures: " + error.what());
+    throw Error(ErrorCode::kInput, path + ": is not a manifest of inferred textures: " + error.what());
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What texture inference writes: mip-mapped textures of radiance, and the manifest that says which of them an object
-// has at each point of the parameter space, where it is then, and from where it is seen. docs/FORMAT.md describes both.
+// Reads and writes the results of texture inference: mip-mapped textures of radiance, and the manifest that says which
+// of them an object has at each point of the parameter space, where it is then, and from where it is seen.
+// docs/FORMAT.md describes both.
 #pragma once
 
 #include <map>
@@ -25,7 +26,7 @@ struct InferredTexture {
 /// one, 65504. Appears whole, by rename. Throws Error(kEnvironment).
 void write_inferred_texture(const InferredTexture& texture, const std::string& path);
 
-/// What the file gives back of such values.
+/// Rounds values to what the file gives back of them.
 void round_to_half(std::vector<float>& values);
 
 /// Throws Error(kInput) naming the file and what is wrong with it.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the probe request and the manifest of inferred textures both have in their JSON: 4 x 4 matrices, as four rows of
-// four numbers, for column vectors; the sampler's anisotropy; the picture's size.
+// Reads and writes the JSON that the probe request and the manifest of inferred textures share: 4 x 4 matrices, as four
+// rows of four numbers, for column vectors; the sampler's anisotropy; the picture's size.
 #pragma once
 
 #include <array>

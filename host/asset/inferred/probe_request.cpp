@@ -61,7 +61,7 @@ ProbeRequest read_probe_request(const std::string& path) {
   } catch (const Error& error) {
     throw Error(error.code(), path + ": " + error.what());
   } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorCode::kInput, path + ": is no probe request: " + error.what());
+    throw Error(ErrorCode::kInput, path + ": is not a probe request: " + error.what());
   }
 }
 

@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// What GPUs take, of pixels and of texels a side.
+/// Largest side of pictures and textures that GPUs take.
 constexpr int kGpuSideMax = 16384;
 
 /// Coordinates across the texture (0..1, v upwards) = linear * (u', v') + offset, where u' = u, or in a direction with

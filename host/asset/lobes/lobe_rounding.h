@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rounding of lobes of either kind has in common: amplitudes that sum to 1, colours, rows by bands. For host/asset
-// alone.
+// Shares the steps of rounding between both families of lobes: amplitudes that sum to 1, colours, rows by bands. For
+// host/asset alone.
 #pragma once
 
 #include <cstddef>

@@ -51,7 +51,7 @@ MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count,
 
 /// The other way round: (normal, 1) and the colour for the lobe that has the texel, zeros for the others.
 MovmfLevel expand(const MovmfFinest& rows, int lobe_count);
-/// The same into rows of a level that has room for them.
+/// Expands rows into a level that has room for them.
 void expand_into(const MovmfFinest& rows, MovmfLevel& level, int first_row, int threads);
 
 }  // namespace multum

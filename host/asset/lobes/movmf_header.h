@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What headers of movmf files have beside those of all baked files (host/asset/baked_header.h): the lobes. For
-// host/asset alone.
+// Adds the attributes of lobes to the headers of movmf files, beside those of all baked files
+// (host/asset/baked_header.h), and reads them. For host/asset alone.
 #pragma once
 
 #include <ImfHeader.h>
@@ -18,8 +18,8 @@ namespace multum {
 std::vector<Imf::Header> make_headers(const MovmfMipmap& header, const std::vector<MovmfPart>& parts,
                                       const BakedWriteOptions& options);
 
-/// All but pixels, from the first part's header. Throws Error(kInput) naming `path`, what was found and what was
-/// expected.
+/// Reads everything but pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
+/// what was expected.
 MovmfMipmap parse_header(const Imf::Header& header, const std::string& path);
 
 }  // namespace multum

@@ -77,7 +77,7 @@ void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, cons
 /// decompress; 0: as many as the machine has.
 MovmfMipmap read_movmf_mipmap(const std::string& path, int threads = 0);
 
-/// The same without pixels: levels have sizes and empty lobes. Cheap for files of any size.
+/// Reads the header alone: levels have sizes and empty lobes. Cheap for files of any size.
 MovmfMipmap read_movmf_header(const std::string& path);
 
 /// Largest kappa whose spread (1/kappa) a lobe of amplitude 1 keeps to within about a quarter; sharper lobes are stored

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which parts a baked file has, in order, with which channels and levels: what writer, reader and checksum agree on
+// Lists the parts of a baked file in order, with their channels and levels: writer, reader and checksum agree by it
 // (docs/FORMAT.md, "Parts and channels"). For host/asset alone.
 #pragma once
 
@@ -23,7 +23,7 @@ struct MovmfPart : BakedPart {
   float* values(MovmfLevel& rows) const;
 };
 
-/// Of a mipmap with or without texels.
+/// Parts of a mipmap with or without texels.
 std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header);
 
 /// Texels of the part "finest" as values lie there, interleaved: R, G, B where there are colours, lobe, x, y, z with

@@ -20,7 +20,7 @@ class MovmfReader {
   MovmfReader(const MovmfReader&) = delete;
   MovmfReader& operator=(const MovmfReader&) = delete;
 
-  /// All but texels: levels have sizes and empty lobes.
+  /// Everything but texels: levels have sizes and empty lobes.
   const MovmfMipmap& header() const;
   /// Rows are decompressed by rows of tiles of this height: multiples of it, from a multiple on, cost no row twice.
   int tile_size() const;

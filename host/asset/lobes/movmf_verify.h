@@ -16,7 +16,7 @@ namespace multum {
 /// Rows of a stored level, from the top: what else wants to look at the texels needs no second reading.
 using MovmfRowsSeen = std::function<void(int level, int first_row, const MovmfLevel& rows)>;
 
-/// What verify_movmf() looks at in rows, also for those who have them before they are in a file.
+/// Checks rows as verify_movmf() does, also before they are in a file.
 class MovmfScan {
  public:
   /// `header`: without texels; it need not outlive this.
@@ -24,7 +24,7 @@ class MovmfScan {
   ~MovmfScan();
   void add(int level, int first_row, const MovmfLevel& rows);
   void add_finest(int first_row, const MovmfFinest& rows);
-  /// Of all rows that were added.
+  /// Findings of all rows that were added.
   std::vector<VerifyFinding> findings() const;
 
  private:

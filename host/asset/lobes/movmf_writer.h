@@ -20,7 +20,7 @@ class MovmfWriter {
   /// texels. Its measured error and content hash are not read: commit() knows them. Throws as AtomicFile does for
   /// places that cannot be written, Error(kUsage) for an unknown compression.
   MovmfWriter(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options);
-  /// Without commit(), nothing stays.
+  /// Removes the file, unless commit() was called.
   ~MovmfWriter();
   MovmfWriter(const MovmfWriter&) = delete;
   MovmfWriter& operator=(const MovmfWriter&) = delete;
@@ -35,7 +35,7 @@ class MovmfWriter {
   /// end, syncs, and gives the file its name. `measured_error` is JSON of at most options.measured_error_bytes.
   /// Progress: counts no units; cancels until the file gets its name.
   void commit(const std::string& measured_error, Progress* progress = nullptr);
-  /// As docs/FORMAT.md defines it; after commit().
+  /// The content's checksum as docs/FORMAT.md defines it; after commit().
   const std::string& content_hash() const;
 
  private:

@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// What a pyramid averages.
+/// Kind of the numbers that a pyramid averages.
 enum class PyramidKind {
   kColour,       // linear RGB, or three numbers of another meaning
   kReflectance,  // radiance towards the eye, RGB, over the normals of a surface (reflectance_mapping.h)
@@ -48,10 +48,10 @@ std::uint64_t quantize_pyramid(std::vector<float>& values, StorageEncoding encod
 
 class PyramidWriter {
  public:
-  /// Of `header` the content hash is not read: commit() knows it. Throws as AtomicFile does for places that cannot be
+  /// Does not read the content hash of `header`: commit() knows it. Throws as AtomicFile does for places that cannot be
   /// written, Error(kUsage) for an unknown compression.
   PyramidWriter(const std::string& path, const PyramidHeader& header, const BakedWriteOptions& options);
-  /// Without commit(), nothing stays.
+  /// Removes the file, unless commit() was called.
   ~PyramidWriter();
   PyramidWriter(const PyramidWriter&) = delete;
   PyramidWriter& operator=(const PyramidWriter&) = delete;
@@ -59,7 +59,7 @@ class PyramidWriter {
   /// Rounded rows (quantize_pyramid), in order from row 0 within the level; levels in any order.
   void write_level(int level, int first_row, PyramidLevel rows);
   void commit(Progress* progress);
-  /// After commit().
+  /// The content's checksum; after commit().
   const std::string& content_hash() const;
 
  private:
@@ -72,7 +72,7 @@ bool is_pyramid_file(const std::string& path);
 
 /// Throws Error(kInput) naming the file, what was found and what was expected; also for texels that are not finite.
 Pyramid read_pyramid(const std::string& path);
-/// The same, of one kind.
+/// Reads a pyramid that must be of one kind.
 Pyramid read_pyramid(const std::string& path, PyramidKind expected);
 PyramidHeader read_pyramid_header(const std::string& path);
 

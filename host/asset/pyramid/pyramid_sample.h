@@ -19,7 +19,7 @@ PyramidSample sample_pyramid(const Pyramid& pyramid, double s, double t, double 
 /// One level of it, bilinear.
 PyramidSample sample_level(const Pyramid& pyramid, int level, double s, double t);
 
-/// How texture coordinates in texels of level 0 grow from one pixel to the next.
+/// Growth of texture coordinates, in texels of level 0, from one pixel to the next.
 struct TexelDerivatives {
   double u_x, v_x;  // along a row of pixels
   double u_y, v_y;  // down a column

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a normal lies in a reflectance map (Williams 1983, section 4): Lambert's azimuthal equal-area projection about
-// the direction to the viewer, who is distant, as the lights are.
+// Maps normals to points of a reflectance map (Williams 1983, section 4): Lambert's azimuthal equal-area projection
+// about the direction to the viewer, who is distant, as the lights are.
 //
 //     (x, y, z)   the normal, z towards the viewer       p = (x, y) sqrt(2 / (1 + z)),  |p| = 2 sin(angle / 2)
 //     s = 1/2 + p_x / (2 sqrt 2),  t = 1/2 - p_y / (2 sqrt 2)
@@ -42,7 +42,7 @@ glm::dvec3 reflectance_normal(const ReflectanceFrame& frame, const glm::dvec2& p
 /// Side of the square that is mapped to 0..1.
 constexpr double kReflectanceSide = 2.8284271247461903;
 
-/// As the file's settings say it ("frame"), and back. Throws Error(kInput) naming `path`.
+/// Writes the frame as the file's settings have it ("frame"), and reads it. Throws Error(kInput) naming `path`.
 std::string reflectance_frame_json(const ReflectanceFrame& frame);
 ReflectanceFrame parse_reflectance_frame(const std::string& settings, const std::string& path);
 

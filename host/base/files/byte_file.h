@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes of a file by position, for a look at it before a library sees it. A read past the end is an error that says
+// Reads bytes of a file by position, to examine it before a library sees it. A read past the end is an error that says
 // what was being read.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A look at an OpenEXR file's headers ("OpenEXR file layout") by our own few lines: the library believes what they say
+// Examines an OpenEXR file's headers ("OpenEXR file layout") by our own few lines: the library believes what they say
 // of their lengths, and takes gigabytes for an attribute of a file of 30 KiB.
 #pragma once
 
@@ -31,8 +31,8 @@ void walk_exr_headers(const std::string& path, ByteFile& file, const std::functi
 /// chunks does not fit into it.
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file);
 
-/// The same, before a library opens the file; what is no OpenEXR file, or not there, is left to the library to refuse.
-/// `otherwise`: what the refusal says first, as "not a readable baked file".
+/// Checks the headers before a library opens the file; leaves it to the library to refuse what is no OpenEXR file, or
+/// not there. `otherwise`: what the refusal says first, as "not a readable baked file".
 void check_exr_headers(const std::string& path, const std::string& otherwise);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder that one living process has to itself.
+// Locks a folder for one living process.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file's descriptor, closed by its end.
+// Owns a file descriptor and closes it in its destructor.
 #pragma once
 
 #include <unistd.h>

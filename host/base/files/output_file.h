@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes to a file for libraries that write through callbacks: the first thing that goes wrong is kept and thrown when
-// the file is closed, since what is thrown within a callback may not arrive.
+// Writes bytes to a file for libraries that write through callbacks: the first thing that goes wrong is kept and thrown
+// when the file is closed, since what is thrown within a callback may not arrive.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ class OutputFile {
   bool write(const void* bytes, std::size_t count);
   bool seek(std::uint64_t position);
   std::uint64_t position() const { return position_; }
-  /// What failed first, as text; empty: nothing did.
+  /// The first failure, as text; empty: there was none.
   std::string failure() const;
   /// Hands everything to the system. Throws Error(kEnvironment) when this or anything before it failed.
   void close();

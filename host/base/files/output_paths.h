@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold of the names of files to write, checked before any work is done for them.
+// Checks the names of files to write before any work is done for them.
 #pragma once
 
 #include <string>

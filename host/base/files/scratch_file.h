@@ -13,7 +13,7 @@ class ScratchFile {
  public:
   /// Throws Error(kEnvironment) when the folder does not exist or cannot be written.
   explicit ScratchFile(std::string folder);
-  /// With a name: what an earlier process wrote to it is there.
+  /// Opens a file of that name: what an earlier process wrote to it is there.
   ScratchFile(std::string folder, const std::string& name);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;
@@ -21,7 +21,7 @@ class ScratchFile {
 
   /// Anywhere, also beyond the end. Throws Error(kEnvironment) when the disk refuses (it is full).
   void write(std::uint64_t offset, const void* data, std::size_t byte_count);
-  /// What was written there. Any number of threads may read at once.
+  /// Reads what was written there. Any number of threads may read at once.
   void read(std::uint64_t offset, void* data, std::size_t byte_count) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of an image or a level is held in memory, and the folder for what is not.
+// Policy of memory and disk: how much of an image or a level is held in memory, and the folder for the rest.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One thing at a time in another thread: the next is begun when the one before is done, so that their order stays.
+// Runs one task at a time in another thread: the next begins when the one before is done, so that their order stays.
 #pragma once
 
 #include <functional>

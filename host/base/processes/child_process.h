@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// What a child took, with the children that it waited for itself.
+/// Time and memory that a child took, with the children that it waited for itself.
 struct ChildUsage {
   double wall_seconds;    // from before it was started until it was waited for
   double user_seconds;    // processor time of all its threads
@@ -32,8 +32,8 @@ struct ChildResult {
   bool is_over_time = false;  // or not wanted any more, or said too much: it was killed
 };
 
-/// What a child is held to that works on what strangers sent. One with limits has a process group of its own: Ctrl-C
-/// does not reach it, and what it has started ends with it when it is killed.
+/// Limits of a child that works on files of strangers. One with limits has a process group of its own: Ctrl-C does not
+/// reach it, and what it has started ends with it when it is killed.
 struct ChildLimits {
   std::chrono::milliseconds time_max{};     // then it is killed
   int niceness = 0;                         // 0..19

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a signal has asked this program to end (make_progress() in host/base/progress.h listens to them).
+// Tells whether a signal has asked this program to end (make_progress() in host/base/progress.h listens to them).
 #pragma once
 
 namespace multum {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the machine has, and how a program uses its memory.
+// Describes the machine, and tunes how a program uses its memory.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ std::string own_folder();
 /// Bytes of physical memory.
 std::uint64_t machine_memory_bytes();
 
-/// Before memory of many megabytes is touched for the first time: pages of 2 MB, where the system grants them on
-/// demand, are a 512th of the page faults. A hint.
+/// Asks for large pages, before memory of many megabytes is touched for the first time: pages of 2 MB, where the system
+/// grants them on demand, are a 512th of the page faults. A hint.
 void prefer_large_pages(void* memory, std::size_t bytes);
 
 /// Keeps freed blocks of up to 32 MB for the next that ask, up to 64 MB in all, where the C library would give each

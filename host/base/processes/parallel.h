@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work that several threads share: bands of an image's rows, or numbered items. A result must depend on its rows or its
+// Shares work between threads: bands of an image's rows, or numbered items. A result must depend on its rows or its
 // number alone; results are combined by the caller in order, so that every thread count gives the same bytes.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace multum {
 void for_each_row_band(int row_count, int rows_per_band, int threads,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 
-/// The same, and `progress` may cancel after every few bands.
+/// The same; `progress` may cancel after every few bands.
 void for_each_row_band(int row_count, int rows_per_band, int threads, Progress* progress,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// MULTUM_SHADOW_MEMORY: a sanitizer is compiled in whose shadow memory takes terabytes of addresses, so that no limit
-// of memory can be set, and which has words of its own for signals. GCC says so by macros, clang by features.
+// Defines MULTUM_SHADOW_MEMORY where a sanitizer is compiled in whose shadow memory takes terabytes of addresses, so
+// that no limit of memory can be set, and which has words of its own for signals. GCC says so by macros, clang by
+// features.
 #pragma once
 
 #ifdef __has_feature

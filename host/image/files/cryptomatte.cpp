@@ -58,7 +58,7 @@ std::uint32_t as_identifier(std::uint32_t hash) {
 
 std::map<std::string, std::uint32_t> parse_manifest(const std::string& path, const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object()) refuse_file(path, "the Cryptomatte manifest is damaged: it is no JSON object");
+  if (!json.is_object()) refuse_file(path, "the Cryptomatte manifest is damaged: it is not a JSON object");
   std::map<std::string, std::uint32_t> manifest;
   for (const auto& [name, value] : json.items()) {
     const std::string digits = value.is_string() ? value.get<std::string>() : "";

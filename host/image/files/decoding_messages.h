@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a process and its decoder of images (host/decoder/image_decoder.h) say to each other.
+// Messages between a process and its decoder of images (host/decoder/image_decoder.h).
 //
 //   request   kOpenImage, path, texel_count_max, threads, all_parts   answer   description
 //             kReadImage, block, offset in the shared memory                   what the library says against it

@@ -141,7 +141,7 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
     container.width = file.little_endian(26, 2, "the width") & 0x3fff;
     container.height = file.little_endian(28, 2, "the height") & 0x3fff;
   } else {
-    refuse_file(path, "damaged WebP: the first chunk is no picture");
+    refuse_file(path, "damaged WebP: the first chunk is not a picture");
   }
   keep(container, 0, file.size());
 }

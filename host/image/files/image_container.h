@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first look at an image file, by our own few lines, before any image library sees it: which format it is by its
-// first bytes, how large it says it is, and which byte ranges hold the picture. Libraries trust headers (they allocate,
-// or parse metadata for minutes); fuzzed files show where.
+// Examines an image file by our own few lines, before any image library sees it: which format it is by its first bytes,
+// how large it says it is, and which byte ranges hold the picture. Libraries trust headers (they allocate, or parse
+// metadata for minutes); fuzzed files show where.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// An open image file as its numbers: all that the project sees of OpenImageIO's readers. They run in a child process
-// (child_image_file.cpp), since some broken files end the process that opens them, and since their libraries take a
-// quarter of a second to load.
+// Reads the numbers of an image file: the only view that the project has of OpenImageIO's readers. They run in a child
+// process (child_image_file.cpp), since some broken files end the process that opens them, and since their libraries
+// take a quarter of a second to load.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,8 @@
 
 namespace multum {
 
-/// What a file says of one of its pictures. Only what is checked by check_described() can be relied on.
+/// Description of one of a file's pictures, by the file itself. Only what is checked by check_described() can be relied
+/// on.
 struct ImagePart {
   int x = 0, y = 0, width = 0, height = 0, depth = 1;  // of the data window
   int full_x = 0, full_y = 0, full_width = 0, full_height = 0;
@@ -81,8 +82,8 @@ class ImageFile {
 /// Throws Error(kInput) naming the file: missing, of another format, damaged, or its decoding came to no end.
 std::unique_ptr<ImageFile> open_image_file(const std::string& path, const ImageFileSettings& settings);
 
-/// How open_image_file() opens, for the whole process: in a child as DecodingChild's defaults have it, unless a program
-/// says otherwise at its start.
+/// Sets how open_image_file() opens files, for the whole process: in a child as DecodingChild's defaults have it,
+/// unless a program says otherwise at its start.
 using ImageOpener = std::function<std::unique_ptr<ImageFile>(const std::string&, const ImageFileSettings&)>;
 void set_image_opener(ImageOpener opener);
 

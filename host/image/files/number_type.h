@@ -15,10 +15,10 @@ constexpr int kHalf = 10, kFloat = 11, kDouble = 12;
 /// Whether the code is one of these.
 constexpr bool is_number_type(int code) { return code >= number_type::kUint8 && code <= number_type::kDouble; }
 
-/// Of one number; 0 for other codes.
+/// Bytes of one number; 0 for other codes.
 std::size_t number_bytes(int code);
 
-/// As in messages: "uint8", "half"; "unknown" for other codes.
+/// Name of a type in messages: "uint8", "half"; "unknown" for other codes.
 const char* number_name(int code);
 
 }  // namespace multum

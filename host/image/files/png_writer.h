@@ -19,7 +19,7 @@ class Png16Writer {
 
   /// The next rows; `interleaved` holds 3 values a texel.
   void write_rows(int row_count, const std::uint16_t* interleaved);
-  /// After all rows: the file gets its name.
+  /// Gives the file its name, after all rows.
   void finish();
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A look at the directories of a TIFF file (TIFF 6.0, section 2; BigTIFF) and of EXIF blocks, which have the same
-// layout: for what OpenImageIO does not heed or not tell.
+// Examines the directories of a TIFF file (TIFF 6.0, section 2; BigTIFF) and of EXIF blocks, which have the same
+// layout, for what OpenImageIO ignores or does not tell.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// Of the first directory, but for the counts. What is missing or damaged stays at its default: the library that reads
-/// the picture refuses what it cannot do without.
+/// Findings in the first directory, but for the counts. What is missing or damaged stays at its default: the library
+/// that reads the picture refuses what it cannot do without.
 struct TiffSurvey {
   bool is_whole = false;  // the first directory could be read to its end
   int orientation = 1;    // 1: as stored; 2 to 8: to be mirrored or turned
@@ -32,10 +32,11 @@ struct TiffSurvey {
   double texel_metres = 0.0;  // along x; 0: not said, or not in metres
 };
 
-/// Of the directories whose header is at `base`: 0 of a TIFF file.
+/// Examines the directories whose header is at `base`: 0 in a TIFF file.
 TiffSurvey survey_tiff(ByteFile& file, std::int64_t base);
 
-/// Of an EXIF block that begins at `position`, with its "Exif" or without; 1 where there is none that can be read.
+/// Orientation in an EXIF block that begins at `position`, with its "Exif" or without; 1 where there is none that can
+/// be read.
 int exif_orientation(ByteFile& file, std::int64_t position, std::int64_t size);
 
 /// "its orientation (6, turned by 90 degrees) is not applied ..."; empty for 1 and for what is no orientation.

@@ -245,8 +245,8 @@ bool has_x_in_alpha(const Evidence& evidence) {
                     ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
                     "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
   throw Error(ErrorCode::kInput,
-              fmt::format("{}: found no normal map and no height field: {}; expected unit vectors around +Z, or grey. "
-                          "If it is one all the same, say so (--bumpformat normal or height)",
+              fmt::format("{}: found neither a normal map nor a height field: {}; expected unit vectors around +Z, or "
+                          "grey. If it is one all the same, give --bumpformat normal or height",
                           path, why));
 }
 
@@ -276,10 +276,10 @@ DetectedEncoding height_field(const std::string& reason, const NormalMapSettings
 DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, const std::string& reason,
                             const NormalMapSettings& settings) {
   if (const std::optional<std::string> why = grey_refusal(evidence))
-    throw Error(ErrorCode::kInput, fmt::format("{}: found a grey image that is no height field: {}; expected heights "
-                                               "of more than two values. If it is one all the same, say so "
-                                               "(--bumpformat height)",
-                                               path, *why));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found a grey image that is not a height field: {}; expected heights of more than two "
+                            "values. If it is one all the same, give --bumpformat height",
+                            path, *why));
   return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height", settings);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the numbers of an image mean, found from their statistics: height field or normal map, signed or 0..1, two or
+// Detects the meaning of an image's numbers from their statistics: height field or normal map, signed or 0..1, two or
 // three channels, green up or down. The answer carries its reason; a file that is neither is refused with the reason.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is found out of an image while it is read, so that its numbers need not be gone through again: finite or not,
-// how grey, between which bounds, and what they look like as vectors.
+// Collects statistics of an image while it is read, so that its numbers need not be read again: finite or not, how
+// grey, between which bounds, and how they look as vectors.
 #pragma once
 
 #include <array>
@@ -19,14 +19,14 @@ class ImageSurvey {
   /// `readings`: of what the numbers may mean, the ones whose statistics are taken.
   ImageSurvey(const RawImageInfo& info, const std::vector<VectorEncoding>& readings);
 
-  /// All bands, in order, from the top.
+  /// Adds a band; all come, in order, from the top.
   void add(const RawBand& band);
 
   struct Range {
     float low = std::numeric_limits<float>::infinity();
     float high = -std::numeric_limits<float>::infinity();  // below `low` while nothing is finite
   };
-  /// Of a channel's finite values.
+  /// Range of a channel's finite values.
   const Range& range(int channel) const { return ranges_[static_cast<std::size_t>(channel)]; }
   /// Texels of which a channel is NaN or infinite, and the first of them, by rows.
   std::int64_t nonfinite_count() const { return nonfinite_count_; }
@@ -38,7 +38,7 @@ class ImageSurvey {
   double chroma_rms() const;
   /// Standard deviation of the channels' mean, in the same unit and of the same texels as what chroma_rms() is of.
   double grey_deviation() const;
-  /// Of one of `readings`; nullopt for others.
+  /// Statistics of one of `readings`; nullopt for others.
   std::optional<VectorStatistics> statistics(const VectorEncoding& encoding) const;
 
  private:

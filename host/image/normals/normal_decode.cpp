@@ -142,13 +142,13 @@ void check_unused_share(const std::string& path, NormalMapRows& map, const Norma
   const auto texel_count = static_cast<double>(map.normals.width()) * map.normals.height();
   const double share = static_cast<double>(map.report.unused_texels) / texel_count;
   if (share <= kUnusedShareNoted) return;
-  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are black, which is no normal",
+  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are black, which is not a normal",
                                         map.report.unused_texels, texel_count, 100.0 * share);
   if (share > kUnusedShareMax && settings.bump_format != BumpFormat::kNormal)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: {}; expected at most {:.0f} % (if it is a normal map all the same, say so: "
-                            "--bumpformat normal)",
-                            path, found, 100.0 * kUnusedShareMax));
+    throw Error(
+        ErrorCode::kInput,
+        fmt::format("{}: {}; expected at most {:.0f} % (if it is a normal map all the same, give --bumpformat normal)",
+                    path, found, 100.0 * kUnusedShareMax));
   map.report.warnings.push_back(found + "; they are taken as never written, and as flat");
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a file's numbers to unit normals, once it is known what the numbers mean, and the repair of texels that hold
-// none.
+// Decodes a file's numbers to unit normals, once their meaning is known, and repairs texels that hold none.
 #pragma once
 
 #include <cmath>

@@ -21,8 +21,8 @@ enum class BumpFormat { kAuto, kHeight, kNormal };  // maketx --bumpformat
 enum class GreenAxis { kUp, kDown };                // OpenGL, DirectX
 enum class FixNan { kNone, kBlack, kBox3 };  // maketx --fixnan: refuse, flat normal, mean of the 3 x 3 neighbours
 
-/// Where a wrap mode comes from: nobody said one, somebody did, or it is to be found: periodic where the map tiles,
-/// else clamp.
+/// Origin of a wrap mode: nobody said one, somebody did, or it is to be found: periodic where the map tiles, else
+/// clamp.
 enum class WrapOrigin { kDefault, kSaid, kFound };
 
 struct NormalMapSettings {
@@ -47,7 +47,7 @@ struct NormalMapSettings {
 constexpr double kUnusedShareNoted = 0.01;
 constexpr double kUnusedShareMax = 0.5;
 
-/// What was found and done; printed by the bake and written into its report.
+/// Findings and repairs; printed by the bake and written into its report.
 struct NormalMapReport {
   std::string format;                       // "png uint8, 3 channels"
   std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
@@ -78,7 +78,7 @@ inline PlaneStore planes_of(const NormalMap& map) {
   return planes;
 }
 
-/// The same by rows: a map that may be larger than memory.
+/// A map by rows, which may be larger than memory.
 struct NormalMapRows {
   PlaneStore normals;
   NormalMapReport report;

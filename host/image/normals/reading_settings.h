@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a map was read, as the baked file keeps it: so that another program reads the same map in the same way.
+// Stores how a map was read in the baked file, so that another program reads the same map in the same way.
 #pragma once
 
 #include <string>

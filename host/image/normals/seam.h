@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a map tiles: the step from its last column to its first, and from its last row to its first, beside the steps
-// between neighbours inside.
+// Tells whether a map tiles: the step from its last column to its first, and from its last row to its first, beside the
+// steps between neighbours inside.
 #pragma once
 
 #include "host/base/wrap_mode.h"
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Of one direction; rms differences over the pairs of texels of two columns or rows, in the file's own numbers.
+/// Steps in one direction: rms differences over the pairs of texels of two columns or rows, in the file's own numbers.
 struct SeamStep {
   double border = 0.0;   // from the last to the first
   double median = 0.0;   // median of those inside
@@ -23,7 +23,7 @@ struct MapSeams {
   SeamStep t;  // rows
 };
 
-/// Of at most 512 rows, evenly spaced, with the one below each.
+/// Measures at most 512 rows, evenly spaced, each with the one below it.
 MapSeams measure_seams(const RawImage& image);
 
 }  // namespace multum

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an image's numbers look like when they are read as vectors: the evidence for
-// host/image/normals/encoding_detection.
+// Statistics of an image's numbers read as vectors: the evidence for host/image/normals/encoding_detection.
 #pragma once
 
 #include <memory>
@@ -49,7 +48,7 @@ class VectorStatisticsSums {
   std::unique_ptr<State> state_;
 };
 
-/// The same of a stored image.
+/// The same for a stored image.
 VectorStatistics vector_statistics(const RawImage& image, const VectorEncoding& encoding, int threads);
 
 }  // namespace multum

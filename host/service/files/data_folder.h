@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the daemon keeps for others in DATA: uploads by content, results for those who have no other place, logs. Held
-// to a limit, and swept: what the ledger names as finished with goes, and nothing else.
+// Manages the folder DATA, where the daemon keeps files for others: uploads by content, results for those who have no
+// other place, logs. Held to a limit, and swept: what the ledger names as finished with goes, and nothing else.
 #pragma once
 
 #include <chrono>
@@ -38,7 +38,7 @@ class DataFolder {
   /// Blocks. Throws Refusal 507 "quota" when so many bytes more are too many.
   void check_room(std::int64_t bytes);
 
-  /// Whether what is there is as much as may be, as far as was counted lately; looks at no disk.
+  /// Is the folder at its limit, by the last count? Looks at no disk.
   bool is_full() const;
   /// A result has come: counts it, when it lies here.
   void count_result(const std::string& output);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which files a job reads. A scene and a job of inference are files of clients that name others: they are parsed in a
-// child that is confined to the roots and held to memory and time, never in the daemon.
+// Lists the files that a job reads. A scene and a job of inference are files of clients that name others: they are
+// parsed in a child that is confined to the roots and held to memory and time, never in the daemon.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -21,7 +21,7 @@ struct InputList {
 /// Blocks. Throws Error as such a file's reader does, and Error(kInput) when the child needs too much.
 InputList list_inputs_in_child(const JobType& type, const nlohmann::json& parameters, const PathRoots& roots);
 
-/// What the child is: `multum inputs`, confined to the roots and what is readable of `system`. Prints the list; throws
+/// Runs in the child, `multum inputs`, confined to the roots and what is readable of `system`. Prints the list; throws
 /// Error.
 void print_input_list(const std::string& type, const std::string& parameters, const std::vector<std::string>& roots,
                       Confinement system);

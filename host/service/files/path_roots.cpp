@@ -54,7 +54,7 @@ PathRoots::PathRoots(const std::vector<std::string>& roots) {
     std::error_code error;
     const fs::path canonical = fs::canonical(root, error);
     if (error || !fs::is_directory(canonical, error))
-      throw Error(ErrorCode::kUsage, fmt::format("root '{}' is no folder", root));
+      throw Error(ErrorCode::kUsage, fmt::format("root '{}' is not a folder", root));
     OpenFile folder(::open(canonical.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (!folder.is_open()) throw Error(ErrorCode::kUsage, fmt::format("root '{}' cannot be opened", root));
     if (const OpenFile itself(open_below(folder.descriptor(), ".", O_PATH)); !itself.is_open())
@@ -92,7 +92,7 @@ OpenFile PathRoots::open_input(const std::string& canonical) const {
   OpenFile file = open_beneath(canonical, O_RDONLY | O_NONBLOCK);  // a pipe is not waited for
   struct stat found {};
   if (::fstat(file.descriptor(), &found) != 0 || !S_ISREG(found.st_mode))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is no file", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is not a file", canonical));
   return file;
 }
 
@@ -123,7 +123,7 @@ std::string PathRoots::input(const std::string& path) const {
     throw Error(ErrorCode::kUsage, fmt::format("{}: there is no such file", path));
   }
   if (!is_inside(canonical.string())) refuse(path);
-  if (!fs::is_regular_file(canonical, error)) throw Error(ErrorCode::kUsage, fmt::format("{}: is no file", path));
+  if (!fs::is_regular_file(canonical, error)) throw Error(ErrorCode::kUsage, fmt::format("{}: is not a file", path));
   return canonical.string();
 }
 
@@ -132,7 +132,7 @@ std::string PathRoots::output(const std::string& path) const {
   const fs::path named = fs::path(path).lexically_normal();
   const std::string name = named.filename().string();
   if (name.empty() || name == ".." || name.starts_with(".multum-"))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is no name for a result", path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is not a name for a result", path));
   if (name.size() > kNameMax)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: its name has {} bytes, expected at most {}", path, name.size(), kNameMax));
@@ -145,10 +145,10 @@ std::string PathRoots::output(const std::string& path) const {
   const fs::path result = folder / name;
   if (!is_inside(result.string())) refuse(path);
   if (!fs::is_directory(folder, error))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: {} is no folder", path, folder.string()));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: {} is not a folder", path, folder.string()));
   const fs::file_status status = fs::symlink_status(result, error);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is there already, and neither file nor folder", path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: exists already and is neither a file nor a folder", path));
   return result.string();
 }
 

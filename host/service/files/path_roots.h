@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs touch files below the configured roots alone, by whatever name or link they come, and whatever becomes of a name
+// Confines jobs to files below the configured roots, by whatever name or link they come, and whatever becomes of a name
 // after it was looked at: a file is opened beneath its root's descriptor by a name without links (openat2), or not at
 // all.
 #pragma once
@@ -24,7 +24,8 @@ class PathRoots {
   /// The file without links or dots. Throws Error(kUsage): not absolute, not there, no file, or outside of the roots;
   /// nothing is told of what lies outside.
   std::string input(const std::string& path) const;
-  /// The same of a result to be: its folder must be there, and it may be a file, a folder, or not there; no link.
+  /// The same for a result to be written: its folder must be there, and it may be a file, a folder, or not there; no
+  /// link.
   std::string output(const std::string& path) const;
   bool is_inside(const std::string& canonical) const;
   const std::vector<std::string>& roots() const { return roots_; }
@@ -42,7 +43,7 @@ class PathRoots {
   std::vector<std::shared_ptr<const OpenFile>> descriptors_;
 };
 
-/// What jobs may touch.
+/// Folders that jobs may touch.
 struct JobRoots {
   PathRoots inputs;   // the configured roots, uploads and results
   PathRoots outputs;  // the configured roots and results

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job whose result another one has made already gets a copy of it.
+// Copies the result of an earlier job for one that would make the same.
 #pragma once
 
 #include <string>

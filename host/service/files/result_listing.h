@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a folder held when it was published: .multum-result in it, a line a file. Only what is still so may be removed
-// for the next result of that name; whatever a person has put there, or changed, stays. All is done beneath the
+// Lists what a folder held when it was published: .multum-result in it, a line a file. Only what is still so may be
+// removed for the next result of that name; whatever a person has put there, or changed, stays. All is done beneath the
 // folder's own descriptor: a sub-folder that becomes a link meanwhile leads nowhere.
 #pragma once
 
@@ -14,11 +14,11 @@ namespace multum {
 /// Writes and syncs the listing of a folder's files. Throws Error(kEnvironment).
 void write_result_listing(const std::string& folder);
 
-/// What of the folder is not as it was published, the first that is found: its name; "": nothing, or the folder is
-/// empty. A folder without a listing was not published at all. Throws Error(kEnvironment) when that cannot be known.
+/// Name of the first entry of the folder that is not as it was published; "": there is none, or the folder is empty. A
+/// folder without a listing was not published at all. Throws Error(kEnvironment) when that cannot be known.
 std::string unlisted_in(const std::string& folder);
 
-/// Whether the folder was published, and holds what it held then: no more, no less. Throws likewise.
+/// Was the folder published, and does it hold what it held then, no more and no less? Throws likewise.
 bool is_as_published(const std::string& folder);
 
 /// Removes what is listed and as it was, then what folders are empty. False: something is left. Throws likewise.
@@ -29,12 +29,12 @@ std::size_t listing_bytes(const OpenFile& folder);
 
 /// A file as it is listed: "BYTES NANOSECONDS" by its name below the folder.
 using PublishedFiles = std::map<std::string, std::string>;
-/// What an open folder was published with; empty: it was not. `path` is for messages. Throws Error(kEnvironment).
+/// Files that an open folder was published with; empty: it was not. `path` is for messages. Throws Error(kEnvironment).
 PublishedFiles published_files(const OpenFile& folder, const std::string& path);
 /// Opens one of them for reading, beneath the folder and by no link. Throws Error(kUsage) when it is not there any more
 /// or not as it was.
 OpenFile open_published(const OpenFile& folder, const std::string& name, const std::string& state);
-/// Whether an open file still is.
+/// Is an open file still in that state?
 bool is_in_state(const OpenFile& file, const std::string& state);
 
 }  // namespace multum

@@ -91,7 +91,7 @@ void StagedResult::check_place(bool is_folder) const {
   const std::string other = unlisted_in(name_of(folder_) + "/" + name_);
   if (!other.empty())
     refuse(
-        fmt::format("holds {}, which is no result as this service published it; expected an empty folder, a result "
+        fmt::format("holds {}, which is not a result as this service published it; expected an empty folder, a result "
                     "of this service, or nothing there",
                     other));
 }

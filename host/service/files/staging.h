@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a job makes its result before it has its name: a hidden folder of its own beside the output, on the same file
-// system, so that a rename publishes it and nothing half made is ever seen. Names are used beneath the descriptor of
-// the output's folder, as PathRoots opened it: whatever becomes of a link or a folder above, it is that folder's.
+// Stages a job's result before it has its name: a hidden folder of its own beside the output, on the same file system,
+// so that a rename publishes it and nothing half made is ever seen. Names are used beneath the descriptor of the
+// output's folder, as PathRoots opened it: whatever becomes of a link or a folder above, it is that folder's.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ namespace multum {
 
 /// DIR/.multum-INSTANCE-ID of DIR/NAME. `instance` tells daemons apart that write into one folder.
 std::string staging_folder(const std::string& output, const std::string& instance, std::int64_t id);
-/// Where in it the result is made: under its own name.
+/// Path of the result within the folder: under its own name.
 std::string staged_path(const std::string& output, const std::string& instance, std::int64_t id);
 
 /// "INODE:BYTES:NANOSECONDS" of a file, or of a folder's inode alone; empty when it is not there. A rename keeps it.
 std::string file_identity(const std::string& path);
 
-/// Whether a result lies there as it was published, by its identity then; a folder with all that it held, and no more.
+/// Does a result lie there as it was published, by its identity then? a folder with all that it held, and no more.
 /// Throws Error(kEnvironment) when that cannot be known.
 bool is_as_made(const std::string& path, const std::string& identity);
 
@@ -31,7 +31,7 @@ class StagedResult {
   /// Throws as PathRoots::open_folder_of() does.
   StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id);
 
-  /// Of what lies ready; empty: nothing, or a link.
+  /// Identity of the staged result; empty: there is none, or a link.
   std::string identity() const;
   /// Throws Error(kUsage) when something lies where the result is to be that it must not take the place of: a folder
   /// that holds anything but a result of multum, as it was published; a file where a folder is to be, or a folder where

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happens, to everybody who listens: job changes and progress, each with a number, the last ones kept for those
-// who come back after a broken line. Listeners are served on a thread of the hub's own: however many there are, those
-// who publish and those who ask other things do not wait for them.
+// Sends events to everybody who listens: job changes and progress, each with a number, the last ones kept for those who
+// come back after a broken line. Listeners are served on a thread of the hub's own: however many there are, those who
+// publish and those who ask other things do not wait for them.
 #pragma once
 
 #include <atomic>
@@ -39,7 +39,7 @@ class EventHub {
   /// The number of the last event published.
   std::uint64_t last() const { return last_; }
 
-  /// Of all events whose texts are kept, here or by listeners.
+  /// Bytes of all events whose texts are kept, here or by listeners.
   std::size_t bytes() const { return *bytes_; }
 
   /// Its thread runs this: what listeners do belongs there, and the calls below too.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the web interface answers: docs/openapi.json describes every request and answer, and the tests hold both
-// together.
+// Answers the requests of the web interface: docs/openapi.json describes every request and answer, and the tests hold
+// both together.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -28,7 +28,8 @@ class HttpApi {
   HttpApi(const HttpApi&) = delete;
   HttpApi& operator=(const HttpApi&) = delete;
 
-  /// Before a body is read: who may not, and what is not there, is told so.
+  /// Checks a request before its body is read: returns a refusal to clients that may not ask, and for what is not
+  /// there.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
   /// "GET /v1/jobs/{}", of all that programs ask; the page is for people.

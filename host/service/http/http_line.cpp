@@ -20,7 +20,7 @@ using asio::use_awaitable;
 constexpr long kFieldsMax = 100;
 constexpr std::size_t kOverheadBytes = 65536;  // of chunked bodies, beside as much again as their content
 
-UnreadableRequest no_http(const std::string& what) { return {400, "usage", "the request is no HTTP: " + what}; }
+UnreadableRequest no_http(const std::string& what) { return {400, "usage", "the request is not HTTP: " + what}; }
 UnreadableRequest gone() { return {0, "", ""}; }
 UnreadableRequest too_slow() { return {408, "timeout", "the request did not come in time"}; }
 

@@ -38,9 +38,10 @@ class HttpLine {
   using Clock = std::chrono::steady_clock;
   using Parser = boost::beast::http::request_parser<boost::beast::http::buffer_body>;
 
-  /// What is read and not yet used: a whole header, the extension of a chunk or a trailer must fit in.
+  /// Bytes that are read and not yet used: a whole header, the extension of a chunk or a trailer must fit in.
   static constexpr std::size_t kBufferBytes = 16384;
-  /// What a line takes, but for bodies and answers, about: the buffer, a piece of a body, and a header's fields twice.
+  /// Bytes that a line takes, about, but for bodies and answers: the buffer, a piece of a body, and a header's fields
+  /// twice.
   static constexpr std::size_t kBytes = 4 * kBufferBytes;
 
   explicit HttpLine(Socket socket);
@@ -61,14 +62,14 @@ class HttpLine {
   template <typename Serializer>
   boost::asio::awaitable<void> write_some(Serializer& serializer, Clock::duration silence);
 
-  /// The same of bytes; returns how many went.
+  /// Writes some of the bytes; returns how many.
   boost::asio::awaitable<std::size_t> write_some(boost::asio::const_buffer bytes, Clock::duration silence);
 
   /// Hears the client for a while, and listens to nothing: somebody who still talks when the line is closed may never
   /// see the answer, since the system throws it away.
   boost::asio::awaitable<void> linger(Clock::duration time, std::size_t bytes_max);
 
-  /// Whatever waits here ends.
+  /// Ends whatever waits here.
   void close();
   /// For a listener's stream. The line is of no use any more.
   Socket release() { return std::move(socket_); }

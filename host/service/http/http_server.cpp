@@ -279,7 +279,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     request.method = head.method() == http::verb::head ? "GET" : std::string(head.method_string());
     for (const auto& field : head) request.headers[lower(field.name_string())] = std::string(field.value());
     if (!split_target(std::string_view(head.target().data(), head.target().size()), request))
-      return refusal_response({400, "usage", "the target is no path"});
+      return refusal_response({400, "usage", "the target is not a path"});
     if (const std::unique_ptr<HttpResponse> refused = settings.check(request)) return *refused;
     const std::size_t limit = body_limit(request);
     if (limit == 0 && !parser.is_done())
@@ -485,7 +485,7 @@ HttpServer::~HttpServer() { close(); }
 int HttpServer::listen_tcp(const std::string& host, int port) {
   boost::system::error_code error;
   const auto address = asio::ip::make_address(host, error);
-  if (error) throw Error(ErrorCode::kUsage, fmt::format("'{}' is no numeric address to listen on", host));
+  if (error) throw Error(ErrorCode::kUsage, fmt::format("'{}' is not a numeric address to listen on", host));
   const asio::ip::tcp::endpoint endpoint(address, static_cast<std::uint16_t>(port));
   const auto acceptor = std::make_shared<asio::basic_socket_acceptor<asio::ip::tcp>>(state_->io);
   try {
@@ -508,7 +508,7 @@ int HttpServer::listen_tcp(const std::string& host, int port) {
 void HttpServer::listen_unix(const std::string& path) {
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0 && !S_ISSOCK(found.st_mode))
-    throw Error(ErrorCode::kEnvironment, path + ": is there already, and is no socket");
+    throw Error(ErrorCode::kEnvironment, path + ": exists already and is not a socket");
   asio::local::stream_protocol::socket probe(state_->io);
   boost::system::error_code error;
   probe.connect(path, error);

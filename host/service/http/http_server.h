@@ -31,12 +31,12 @@ struct HttpRequest {
   MemoryShare* memory = nullptr;  // what it has of the budget; its answer may need more, while it is made
 };
 
-/// What is made while it is sent, of a length that is known before.
+/// Body that is made while it is sent; its length is known before.
 class HttpBody {
  public:
   virtual ~HttpBody() = default;
   virtual std::uint64_t bytes() const = 0;
-  /// That it holds meanwhile.
+  /// Bytes that it holds meanwhile.
   virtual std::size_t memory() const = 0;
   /// Blocks: its next bytes, as many as were asked for unless it ends. Throws what it likes: the line is cut.
   virtual std::size_t read(char* to, std::size_t bytes_max) = 0;
@@ -62,14 +62,15 @@ class HttpServer {
     std::size_t body_max = 1 << 20;      // bytes, of POST; others but uploads have none
     std::size_t upload_max = 64 << 20;   // of the requests that is_upload
     std::function<bool(const std::string& method, const std::string& path)> is_upload;
-    /// Where an upload of at most so many bytes is kept as it comes. May block, and throw Refusal.
+    /// Opens the file that keeps an upload of at most `bytes_max` bytes as it comes. May block, and throw Refusal.
     std::function<std::shared_ptr<UploadFile>(std::size_t bytes_max)> open_upload;
     /// Runs a function on a thread that may wait for disks.
     std::function<boost::asio::awaitable<void>(std::function<void()>)> beside;
-    /// Before a body is read: null to go on, or what is answered at once.
+    /// Checks a request before its body is read: null to go on, or the answer.
     std::function<std::unique_ptr<HttpResponse>(const HttpRequest& without_body)> check;
     std::function<boost::asio::awaitable<HttpResponse>(HttpRequest request)> answer;
-    /// What monitors ask: answered before others that wait, and when all connections are taken.
+    /// Is this a path that monitors ask for? Those are answered before others that wait, and when all connections are
+    /// taken.
     std::function<bool(const std::string& path)> is_urgent;
   };
   struct Counters {

@@ -18,11 +18,12 @@ namespace {
 using Json = nlohmann::json;
 
 void only_keys(const Json& object, const std::vector<std::string>& keys, const char* what) {
-  if (!object.is_object()) throw Refusal{400, "usage", fmt::format("{} is no JSON object", what)};
+  if (!object.is_object()) throw Refusal{400, "usage", fmt::format("{} is not a JSON object", what)};
   for (const auto& [key, value] : object.items())
     if (std::find(keys.begin(), keys.end(), key) == keys.end())
-      throw Refusal{400, "usage",
-                    fmt::format("{} has no key \"{}\"; it has {}", what, key.substr(0, 60), fmt::join(keys, ", "))};
+      throw Refusal{
+          400, "usage",
+          fmt::format("unknown key \"{}\" of {}, expected one of {}", key.substr(0, 60), what, fmt::join(keys, ", "))};
 }
 
 template <typename Value, typename Is>
@@ -95,7 +96,7 @@ Json parse_body(const HttpRequest& request) {
     deepest = std::max(deepest, depth);
   }
   Json json = deepest <= 64 ? Json::parse(request.body, nullptr, false) : Json(Json::value_t::discarded);
-  if (json.is_discarded()) throw Refusal{400, "usage", "the body is no JSON"};
+  if (json.is_discarded()) throw Refusal{400, "usage", "the body is not valid JSON"};
   make_integers(json);
   return json;
 }
@@ -115,6 +116,7 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   const JobType& type = find_job_type(s.type);
   Json parameters = json.value("parameters", Json::object());
   check_parameters(type, parameters);
+  parameters = with_current_names(type, parameters);
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
       parameters[parameter.name] = roots.inputs.input(parameters[parameter.name].get<std::string>());
@@ -133,9 +135,9 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
     throw Refusal{400, "usage", fmt::format("queue is \"{}\", expected one of {}", s.queue, fmt::join(names, ", "))};
   }
   s.label = value_of<std::string>(json, "label", "", is_text, "a text of up to 1000 characters");
-  s.priority = value_of<int>(json, "priority", 0, whole_between(-1000, 1000), "a whole number from -1000 to 1000");
+  s.priority = value_of<int>(json, "priority", 0, whole_between(-1000, 1000), "an integer from -1000 to 1000");
   s.needs = value_of<std::vector<std::int64_t>>(json, "needs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
-  s.attempt_max = value_of<int>(json, "attempt_max", 5, whole_between(1, 100), "a whole number from 1 to 100");
+  s.attempt_max = value_of<int>(json, "attempt_max", 5, whole_between(1, 100), "an integer from 1 to 100");
   s.memory_bytes =
       value_of<std::int64_t>(json, "memory_bytes", type.memory_bytes, whole_between(0, 1LL << 50), "bytes");
   s.device = value_of<std::string>(json, "device", "", is_text, "a device's name");
@@ -152,13 +154,13 @@ JobFilter parse_filter(const HttpRequest& request) {
   for (const auto& [name, value] : request.query) {
     if (name == "state") {
       filter.state = parse_job_state(value);
-      if (!filter.state) throw Refusal{400, "usage", "state is none that a job can be in"};
+      if (!filter.state) throw Refusal{400, "usage", "unknown state"};
     } else if (name == "queue") {
       filter.queue = value;
     } else if (name == "before" || name == "limit") {
       const std::optional<std::int64_t> number = parse_integer(value);
       if (!number || *number < 1 || (name == "limit" && *number > 1000))
-        throw Refusal{400, "usage", name + " is no whole number from 1" + (name == "limit" ? " to 1000" : "")};
+        throw Refusal{400, "usage", name + " is not an integer from 1" + (name == "limit" ? " to 1000" : "")};
       if (name == "before") filter.before = *number;
       else filter.limit = static_cast<int>(*number);
     } else {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What clients ask, read and checked: bodies and queries into what the ledger is asked. Whatever is not as
+// Reads and checks clients' requests: turns bodies and queries into what the ledger is asked. Whatever is not as
 // docs/openapi.json says is a Refusal that names the key, what was found and what was expected.
 #pragma once
 
@@ -22,8 +22,8 @@ std::vector<std::string> split_path(const std::string& path);
 /// The body; {} when there is none.
 nlohmann::json parse_body(const HttpRequest& request);
 
-/// What POST /v1/jobs asks for. Files are held to `roots`, and given by their canonical names; those that a scene names
-/// in it are for check_input_files().
+/// Request of POST /v1/jobs. Files are held to `roots`, and given by their canonical names; those that a scene names in
+/// it are for check_input_files().
 struct SubmitRequest {
   JobSubmission job;  // without its key
   nlohmann::json parameters() const;

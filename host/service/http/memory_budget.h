@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes that many may use together. Who asks for more than is left is told so, and gives back what it took when it is
-// gone.
+// Budget of bytes that many use together. Who asks for more than is left is told so, and gives back what it took when
+// it is gone.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/openapi.json, as it was when this was built.
+// Text of docs/openapi.json, as it was when this was built.
 #pragma once
 
 #include <string>

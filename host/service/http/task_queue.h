@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tasks that come together, by the thousand, run one at a time, each behind whatever else is ready by then: they do not
-// stand between a monitor and its answer.
+// Runs tasks that come together, by the thousand, one at a time, each behind whatever else is ready by then: they do
+// not stand between a monitor and its answer.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

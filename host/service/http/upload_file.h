@@ -23,7 +23,7 @@ class UploadFile {
   /// Blocks: syncs it, and names it so; a file that has the name already stays as it is. Readable, not writable.
   /// Throws Error(kEnvironment).
   void name(const std::string& path);
-  /// Of what was written; called once.
+  /// Hash of what was written; called once.
   std::string sha256() { return hash_.finish(); }
 
  private:

@@ -9,7 +9,7 @@
 namespace multum {
 
 nlohmann::json job_json(const Job& job);
-/// Of events, in one line; bytes of names that are no UTF-8 are replaced.
+/// A job as events have it, in one line; bytes of names that are no UTF-8 are replaced.
 std::string job_text(const Job& job);
 nlohmann::json attempt_json(const JobAttempt& attempt);
 

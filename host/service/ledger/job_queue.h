@@ -17,7 +17,7 @@
 
 namespace multum {
 
-/// What may run beside what is running already.
+/// Limits of what runs at a time in a queue.
 struct QueueLimits {
   int priority = 0;             // of the queue: before that of its jobs
   int jobs_max = 1 << 30;       // running at once
@@ -50,7 +50,7 @@ struct SubmitResult {
   bool is_new = true;  // false: a job of this key and output was there
 };
 
-/// What came of an attempt.
+/// Result of an attempt.
 struct AttemptResult {
   AttemptOutcome outcome = AttemptOutcome::kSucceeded;
   int exit_code = 0;
@@ -76,7 +76,7 @@ class JobQueue {
   /// Opens or creates the database. Throws as SqliteDatabase and prepare_ledger() do, and Error(kEnvironment) for
   /// another instance's ledger.
   explicit JobQueue(const LedgerSettings& settings);
-  /// Of the folder that it belongs to; "": of none yet.
+  /// Name of the folder that the ledger belongs to; "": of none yet.
   const std::string& instance() const { return instance_; }
   /// The next job's number is above `number`, whoever has used the ones up to it. A new ledger's, and an old copy's
   /// that takes the place of a later one, are above LedgerSettings::numbers by itself.
@@ -98,9 +98,9 @@ class JobQueue {
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity);
   /// The result has its name. Queues those that needed it.
   void published(std::int64_t id, TimeMs now);
-  /// What it made is not what its key says: its inputs have changed since it was submitted.
+  /// Removes a job's key: its inputs have changed since it was submitted, so that its result is another.
   void forget_key(std::int64_t id);
-  /// As begin_publishing() was told; empty: none was published.
+  /// Identity that begin_publishing() was given; empty: no result was published.
   std::string result_identity(std::int64_t id);
   /// An attempt ended otherwise, or without a result to publish. False: the holder is not the holder any more.
   bool ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now);
@@ -109,8 +109,8 @@ class JobQueue {
   /// A dead or cancelled job again; with it those of its needs that are dead or cancelled, down to the roots, and those
   /// that died because of any of these. Refused: it is neither, or one of its needs was purged.
   RetryResult retry(std::int64_t id, TimeMs now);
-  /// All dead ones, of one queue or of all, but for those that would be refused: their message says why. Returns all
-  /// that are queued again.
+  /// Retries all dead jobs of one queue or of all, but for those that would be refused, whose message says why. Returns
+  /// all that are queued again.
   std::vector<std::int64_t> retry_dead(const std::string& queue, TimeMs now);
   /// Jobs that may not start any more die; returns their ids, and those of running ones that are to be stopped.
   struct Overdue {
@@ -123,7 +123,7 @@ class JobQueue {
 
   std::optional<Job> find(std::int64_t id);
   std::vector<Job> list(const JobFilter& filter);
-  /// Bytes of the texts of all that list() would find, about: for who has to know whether there is room for them.
+  /// Bytes, about, of the texts of all that list() would find.
   std::int64_t list_bytes(const JobFilter& filter);
   std::vector<JobAttempt> attempts(std::int64_t id);
   /// "default" -> {queued -> 12, ...}.
@@ -132,17 +132,17 @@ class JobQueue {
   std::vector<Job> succeeded_with_key(const std::string& key);
   void set_reused_from(std::int64_t id, std::int64_t from);
 
-  /// After what was done was undone, by an error: what is kept beside the database is read from it again.
+  /// Reads what is kept beside the database again, after an error has undone a transaction.
   void resync();
 
-  /// After a start: what ran is lost and counts as an attempt; what was being published is returned, with the identity
-  /// of its staged result, to be looked after.
+  /// Recovers after a start: what ran is lost and counts as an attempt; what was being published is returned, with the
+  /// identity of its staged result, to be looked after.
   struct Recovered {
     std::vector<std::int64_t> lost;
     std::vector<std::pair<Job, std::string>> publishing;
   };
   Recovered recover(TimeMs now);
-  /// Of a job whose result could not be published.
+  /// Notes that a job's result could not be published.
   void publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now);
 
   /// Whether the ledger gave a number to a job that has ended. Of numbers that it knows nothing of: no.

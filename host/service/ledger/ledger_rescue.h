@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A new ledger of what can be read of a damaged one: row by row, from both ends of each table and between by number, so
-// that a damaged page costs the rows on it alone. Where the page that lists the tables is lost, a new ledger's is
-// taken: all are laid out alike.
+// Rescues what can be read of a damaged ledger into a new one: row by row, from both ends of each table and between by
+// number, so that a damaged page costs the rows on it alone. Where the page that lists the tables is lost, a new
+// ledger's is taken: all are laid out alike.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one thread that uses the ledger. What many ask for at once is committed together: one sync of the disk serves all
-// of them, and nobody is answered before it. A ledger that is removed or replaced meanwhile is only read from then on:
-// what would be committed to it is in nobody's hands.
+// Runs the one thread that uses the ledger. What many ask for at once is committed together: one sync of the disk
+// serves all of them, and nobody is answered before it. A ledger that is removed or replaced meanwhile is only read
+// from then on: what would be committed to it is in nobody's hands.
 #pragma once
 
 #include <atomic>
@@ -32,10 +32,11 @@ class QueueThread {
   QueueThread& operator=(const QueueThread&) = delete;
 
   void run(Work work, Done done);
-  /// The same, waiting for it; rethrows. Not for the thread that `post` runs things on while others wait for it.
+  /// Runs work and waits for it; rethrows. Not for the thread that `post` runs things on while others wait for it.
   void run_now(const Work& work);
   std::size_t pending() const;
-  /// It is not in its place any more: all that would change it throws Error(kEnvironment), until the next start.
+  /// Is the ledger no longer in its place? All that would change it then throws Error(kEnvironment), until the next
+  /// start.
   bool is_lost() const { return is_lost_; }
 
  private:

@@ -37,7 +37,7 @@ class SqliteStatement {
 
   /// The next row, false after the last: then it may be bound anew.
   bool step();
-  /// Of a statement without rows. Returns how many rows it changed.
+  /// Runs a statement without rows. Returns how many rows it changed.
   int run();
   void reset();
 
@@ -69,14 +69,14 @@ class SqliteDatabase {
   /// A statement that stays prepared, ready to be bound. `sql` is known by its address: a literal, or a static text.
   SqliteStatement& statement(const char* sql);
   std::int64_t last_insert_id() const;
-  /// What `PRAGMA quick_check` finds, empty when all is well.
+  /// Findings of `PRAGMA quick_check`; empty when all is well.
   std::string damage();
   const std::string& path() const { return path_; }
 
   /// Why what is committed would be lost: another file or none is at its path, or at its log's; empty: all is in place.
   /// Two calls of stat(). Throws Error(kEnvironment) when that cannot be known.
   std::string displaced() const;
-  /// From now on it is only read: what would change it throws Error(kEnvironment, why).
+  /// Makes the database read-only: what would change it throws Error(kEnvironment, why).
   void look_only(const std::string& why);
   bool is_look_only() const { return !look_only_.empty(); }
   /// Throws as a change would.
@@ -97,7 +97,7 @@ class SqliteDatabase {
   std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
 };
 
-/// Everything until commit() is done wholly or not at all: undone when it goes out of scope before.
+/// Transaction: everything until commit() is done wholly or not at all, and undone when it goes out of scope before.
 class SqliteTransaction {
  public:
   explicit SqliteTransaction(SqliteDatabase& database) : database_(database) {
@@ -113,7 +113,7 @@ class SqliteTransaction {
   bool is_open_ = true;
 };
 
-/// The same inside of a transaction: what fails is undone alone.
+/// Transaction within a transaction: what fails is undone alone.
 class SqliteSavepoint {
  public:
   explicit SqliteSavepoint(SqliteDatabase& database) : database_(database) { database_.execute("SAVEPOINT part"); }

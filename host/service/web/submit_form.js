@@ -7,6 +7,9 @@ import { byId, bytesText, node, notify } from "./nodes.js";
 const FEW = 6; // parameters that are shown at once
 const PATH_LENGTH = 4095; // by which the schema tells a file's path from other texts
 
+/** The choices of a parameter, without their former names; undefined: it has none. */
+const choicesOf = (schema) => schema.enum ?? schema.anyOf?.find((one) => !one.deprecated).enum;
+
 const withoutEnding = (name) => name.replace(/(\.(png|tiff?|exr|jpe?g|webp|toml))+$/i, "");
 
 /** What comes of an input, beside it; of an upload, among the results that can be downloaded. */
@@ -19,11 +22,12 @@ function outputFor(type, input) {
 function inputFor(name, schema, isRequired) {
   const id = `parameter-${name}`;
   if (schema.type === "boolean") return node("input", { id, type: "checkbox" });
-  if (schema.enum)
-    return node("select", { id }, node("option", { value: "" }, "as usual"),
-      ...schema.enum.map((one) => node("option", { value: one }, one)));
+  const choices = choicesOf(schema);
+  if (choices)
+    return node("select", { id }, node("option", { value: "" }, "default"),
+      ...choices.map((one) => node("option", { value: one }, one)));
   if (schema.type === "integer" || schema.type === "number")
-    return node("input", { id, type: "number", min: schema.minimum, max: schema.maximum, placeholder: "as usual",
+    return node("input", { id, type: "number", min: schema.minimum, max: schema.maximum, placeholder: "default",
       step: schema.type === "integer" ? 1 : "any" });
   return node("input", { id, type: "text", maxlength: schema.maxLength, required: isRequired, spellcheck: "false",
     autocomplete: "off", placeholder: schema.maxLength === PATH_LENGTH ? "/path/on/the/server.png" : null });

@@ -22,7 +22,7 @@ namespace multum {
 
 TimeMs wall_clock_ms();
 
-/// Whether a succeeded job's result is as it was published.
+/// Is a succeeded job's result as it was published?
 bool is_result_intact(JobQueue& queue, const Job& job);
 
 class Dispatcher {
@@ -45,7 +45,7 @@ class Dispatcher {
   void pump();
   /// Jobs have changed, by others' doing: tells listeners, and pumps.
   void changed(const std::set<std::int64_t>& ids);
-  /// Of a running job: its worker is asked to stop, and `outcome` comes of it.
+  /// Asks the worker of a running job to stop; the attempt ends with `outcome`.
   void stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome);
   void set_paused(const std::string& queue, bool is_paused);
   /// New limits, from the settings.
@@ -62,7 +62,7 @@ class Dispatcher {
   std::string log_path(std::int64_t id) const;
   void remove_logs(const std::vector<std::int64_t>& ids) const;
   const std::string& instance() const { return instance_; }
-  /// Of a job that will not be run. Blocks.
+  /// Removes the staging of a job that will not be run. Blocks.
   void remove_staging(const Job& job) const;
 
  private:
@@ -70,7 +70,7 @@ class Dispatcher {
     Job job;
     std::string copy_from;  // a finished result of the same key
   };
-  /// What a unit of work in the ledger has changed, and the next jobs that it has claimed on the way.
+  /// Changes by a unit of work in the ledger, and the next jobs that it has claimed on the way.
   struct Outcome {
     std::vector<Job> touched;
     std::vector<Claimed> claimed;

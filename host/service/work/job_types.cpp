@@ -33,28 +33,26 @@ constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|co
 
 const ParameterTable& fault_injection_parameters() {
   static const ParameterTable table(
-      "drill",
-      {{.name = "seconds",
-        .kind = Kind::kNumber,
-        .help = "how long it takes",
-        .low = 0,
-        .high = 86400,
-        .unit = "s",
-        .surfaces = kInService},
-       {.name = "then",
-        .kind = Kind::kChoice,
-        .help =
-            "how it ends: well, with an error worth trying again, with one that is not, by crashing, or not at all, "
-            "deaf to its heartbeat or making no progress",
-        .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
-        .surfaces = kInService},
-       {.name = "text", .kind = Kind::kText, .help = "written to the output", .surfaces = kInService}});
+      "drill", {{.name = "seconds",
+                 .kind = Kind::kNumber,
+                 .help = "duration",
+                 .low = 0,
+                 .high = 86400,
+                 .unit = "s",
+                 .surfaces = kInService},
+                {.name = "then",
+                 .kind = Kind::kChoice,
+                 .help = "end of the job: success, an error worth trying again, one that is not, a crash, or none: "
+                         "without a heartbeat, or without progress",
+                 .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
+                 .surfaces = kInService},
+                {.name = "text", .kind = Kind::kText, .help = "text to write to the output", .surfaces = kInService}});
   return table;
 }
 
 JobType bake_type() {
   return {.name = "bake",
-          .summary = "a normal map or height field into a mipmap of normal distributions",
+          .summary = "bake a normal map or height field into a mipmap of normal distributions",
           .command = "bake",
           .input = "input",
           .output_extension = ".ndf.exr",
@@ -64,7 +62,7 @@ JobType bake_type() {
 
 JobType scene_type() {
   return {.name = "scene",
-          .summary = "the maps of a scene, each as the scene needs it",
+          .summary = "bake the maps of a scene, each as the scene needs it",
           .command = "bake",
           .input = "scene",
           .output_is_folder = true,
@@ -74,7 +72,7 @@ JobType scene_type() {
 
 JobType infer_type() {
   return {.name = "infer",
-          .summary = "textures from ray-traced pictures",
+          .summary = "infer textures from ray-traced pictures",
           .command = "infer",
           .input = "job",
           .output_is_folder = true,
@@ -84,7 +82,7 @@ JobType infer_type() {
 
 JobType fault_injection_type() {
   return {.name = "drill",
-          .summary = "does nothing, or fails as asked: for trying out queues, limits and alarms",
+          .summary = "do nothing, or fail as asked: for trying out queues, limits and alarms",
           .needs_output = false,
           .table = &fault_injection_parameters()};
 }
@@ -106,6 +104,10 @@ std::optional<ParameterValue> value_of(const Json& json, Kind kind) {
   return std::nullopt;
 }
 
+[[noreturn]] void refuse_both(const std::string& name, const std::string& other) {
+  throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is given beside {}: expected one of them", name, other));
+}
+
 bool is_accepted(const Parameter& parameter, const Json& json) {
   const std::optional<ParameterValue> value = value_of(json, parameter.kind);
   if (!value || !is_legal(parameter, *value)) return false;
@@ -116,6 +118,37 @@ bool is_accepted(const Parameter& parameter, const Json& json) {
     case Kind::kFile: return !text->empty() && text->size() < 4096 && text->find('\0') == std::string::npos;
     default: return true;
   }
+}
+
+// A choice's former names are taken beside those of today, which alone are its `enum`.
+Json choice_schema(const Parameter& parameter) {
+  if (parameter.former_choices.empty()) return {{"type", "string"}, {"enum", parameter.choices}};
+  Json former = Json::array();
+  for (const auto& [name, current] : parameter.former_choices) former.push_back(name);
+  return {{"type", "string"}, {"anyOf", {{{"enum", parameter.choices}}, {{"deprecated", true}, {"enum", former}}}}};
+}
+
+Json value_schema(const Parameter& parameter) {
+  switch (parameter.kind) {
+    case Kind::kFlag: return {{"type", "boolean"}};
+    case Kind::kInteger:
+    case Kind::kBytes:
+      return {{"type", "integer"},
+              {"minimum", static_cast<std::int64_t>(parameter.low)},
+              {"maximum", static_cast<std::int64_t>(parameter.high)}};
+    case Kind::kNumber: {
+      Json schema = {{"type", "number"}};
+      if (parameter.has_low()) schema[parameter.low_excluded ? "exclusiveMinimum" : "minimum"] = parameter.low;
+      if (parameter.has_high()) schema["maximum"] = parameter.high;
+      if (parameter.zero_excluded) schema["not"] = {{"const", 0}};
+      return schema;
+    }
+    case Kind::kChoice: return choice_schema(parameter);
+    case Kind::kText: return {{"type", "string"}, {"maxLength", 1000}, {"pattern", kPlainPattern}};
+    case Kind::kBrdf: return {{"type", "string"}, {"pattern", kBrdfPattern}};
+    case Kind::kFile: return {{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}, {"pattern", "^[^\\u0000]*$"}};
+  }
+  return {};
 }
 
 }  // namespace
@@ -158,23 +191,36 @@ const JobType& find_job_type(const std::string& name) {
 }
 
 void check_parameters(const JobType& type, const Json& parameters) {
-  if (!parameters.is_object()) throw Error(ErrorCode::kUsage, "parameters is no object");
+  if (!parameters.is_object()) throw Error(ErrorCode::kUsage, "parameters is not an object");
   for (const auto& [name, value] : parameters.items()) {
     const Parameter* parameter = type.find(name);
     if (parameter == nullptr) {
       const std::string nearest = nearest_name(name, type.table->names(kInService));
-      throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is no parameter of {}{}", name.substr(0, 60), type.name,
-                                                 nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+      throw Error(ErrorCode::kUsage, fmt::format("unknown parameter '{}' of {}{}", name.substr(0, 60), type.name,
+                                                 nearest.empty() ? "" : " (did you mean '" + nearest + "'?)"));
     }
     if (!is_accepted(*parameter, value))
       throw Error(ErrorCode::kUsage,
                   fmt::format("parameters.{} is {}, expected {}", name, shortened(value), expected_of_job(*parameter)));
-    if (!parameter->excludes.empty() && parameters.contains(parameter->excludes))
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("parameters.{} is given beside {}, expected one of them", name, parameter->excludes));
+    for (const std::string& other : parameter->all_names())
+      if (other != name && parameters.contains(other)) refuse_both(name, other);
+    if (parameter->excludes.empty()) continue;
+    for (const std::string& other : type.table->at(parameter->excludes).all_names())
+      if (parameters.contains(other)) refuse_both(name, other);
   }
   if (!type.input.empty() && !parameters.contains(type.input))
     throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
+}
+
+Json with_current_names(const JobType& type, const Json& parameters) {
+  Json renamed = Json::object();
+  for (const auto& [name, value] : parameters.items()) {
+    const Parameter& row = type.table->at(name);
+    renamed[row.name] = value;
+    if (row.kind == Kind::kChoice)
+      renamed[row.name] = std::get<std::string>(current_value(row, value.get<std::string>()));
+  }
+  return renamed;
 }
 
 void check_is_one_map(const JobType& type, const Json& parameters) {
@@ -185,40 +231,22 @@ void check_is_one_map(const JobType& type, const Json& parameters) {
         ErrorCode::kUsage,
         fmt::format("parameters.{} is {}, expected a map; a scene is baked by a job of type scene", type.input, file));
   if (file.find("<UDIM>") != std::string::npos)
-    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, no set", type.input, file));
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, not a set", type.input, file));
 }
 
 Json parameters_schema(const JobType& type) {
-  Json properties = Json::object();
+  Json properties = Json::object(), former = Json::object();
   for (const Parameter& parameter : type.table->rows()) {
     if (!parameter.is_on(kInService)) continue;
-    Json one = {{"description", parameter.help}};
+    Json one = value_schema(parameter);
+    for (const std::string& name : parameter.former_names) former["^" + name + "$"] = one;
+    one["description"] = parameter.help;
     if (!parameter.default_text.empty())
       one["description"] = parameter.help + " (default: " + parameter.default_text + ")";
-    switch (parameter.kind) {
-      case Kind::kFlag: one["type"] = "boolean"; break;
-      case Kind::kInteger:
-      case Kind::kBytes:
-        one.update({{"type", "integer"},
-                    {"minimum", static_cast<std::int64_t>(parameter.low)},
-                    {"maximum", static_cast<std::int64_t>(parameter.high)}});
-        break;
-      case Kind::kNumber:
-        one["type"] = "number";
-        if (parameter.has_low()) one[parameter.low_excluded ? "exclusiveMinimum" : "minimum"] = parameter.low;
-        if (parameter.has_high()) one["maximum"] = parameter.high;
-        if (parameter.zero_excluded) one["not"] = {{"const", 0}};
-        break;
-      case Kind::kChoice: one.update({{"type", "string"}, {"enum", parameter.choices}}); break;
-      case Kind::kText: one.update({{"type", "string"}, {"maxLength", 1000}, {"pattern", kPlainPattern}}); break;
-      case Kind::kBrdf: one.update({{"type", "string"}, {"pattern", kBrdfPattern}}); break;
-      case Kind::kFile:
-        one.update({{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}, {"pattern", "^[^\\u0000]*$"}});
-        break;
-    }
     properties[parameter.name] = one;
   }
   Json schema = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  if (!former.empty()) schema["patternProperties"] = former;
   if (!type.input.empty()) schema["required"] = {type.input};
   return schema;
 }

@@ -41,11 +41,11 @@ class FolderReader {
  public:
   explicit FolderReader(const std::string& folder) : folder_(folder), scene_path_(path("scene.json")) {
     std::error_code error;
-    if (!fs::is_directory(folder, error)) refuse_file(folder, std::string("is no folder; ") + kExpected);
+    if (!fs::is_directory(folder, error)) refuse_file(folder, std::string("is not a folder; ") + kExpected);
     if (!exists("scene.json")) refuse_file(folder, std::string("holds no scene.json; ") + kExpected);
     std::ifstream file(scene_path_);
     scene_ = Json::parse(file, nullptr, false);
-    if (!scene_.is_object()) refuse_file(scene_path_, "is no JSON object");
+    if (!scene_.is_object()) refuse_file(scene_path_, "is not a JSON object");
   }
 
   AnimationJob read() {
@@ -95,13 +95,13 @@ class FolderReader {
   int whole(const Json& json, const char* key, const std::string& what) const {
     const Json& value = member(json, key, what);
     if (!value.is_number_integer() || value.get<std::int64_t>() < 0 || value.get<std::int64_t>() > 65536)
-      refuse_file(scene_path_, fmt::format("\"{}\" of {} is {}, expected a whole number", key, what, value.dump()));
+      refuse_file(scene_path_, fmt::format("\"{}\" of {} is {}, expected an integer", key, what, value.dump()));
     return value.get<int>();
   }
   const Json& list(const char* key) const {
     const Json& value = member(scene_, key, "the scene");
     const bool is_list = value.is_array() && !value.empty() && value.front().is_object();
-    if (!is_list) refuse_file(scene_path_, fmt::format("\"{}\" is no list of objects", key));
+    if (!is_list) refuse_file(scene_path_, fmt::format("\"{}\" is not a list of objects", key));
     return value;
   }
   std::string sample_name(const Json& sample) const {
@@ -115,7 +115,7 @@ class FolderReader {
              std::all_of(row.begin(), row.end(), [](const Json& value) { return value.is_number(); });
     };
     if (!rows.is_array() || rows.size() != 4 || !std::all_of(rows.begin(), rows.end(), is_row))
-      refuse_file(scene_path_, what + " is no matrix of 4 rows of 4 numbers");
+      refuse_file(scene_path_, what + " is not a matrix of 4 rows of 4 numbers");
     glm::dmat4 m;
     for (int row = 0; row < 4; ++row)
       for (int column = 0; column < 4; ++column)

@@ -46,7 +46,7 @@ std::string checked_name(const StrictTable& table) {
 template <typename Item>
 void add_unique(std::vector<Item>& items, Item item, const StrictTable& table) {
   for (const Item& other : items)
-    if (other.name == item.name) table.refuse("name", fmt::format("is \"{}\", which is there already", item.name));
+    if (other.name == item.name) table.refuse("name", fmt::format("is \"{}\", which another one has", item.name));
   items.push_back(std::move(item));
 }
 
@@ -152,9 +152,10 @@ void check_camera(const StrictTable& table, const AnimationCamera& camera) {
   const glm::dmat4& p = camera.projection;
   const bool has_w = p[0][3] == 0.0 && p[1][3] == 0.0 && p[2][3] < 0.0 && p[3][3] == 0.0;
   if (!has_w || !(p[0][0] > 0.0) || !(p[1][1] > 0.0) || p[3][0] != 0.0 || p[3][1] != 0.0)
-    table.refuse("projection",
-                 "is no perspective: expected a last row of 0 0 -1 0, a diagonal that begins with two numbers above 0, "
-                 "and a last column that begins with 0 0");
+    table.refuse(
+        "projection",
+        "is not a perspective: expected a last row of 0 0 -1 0, a diagonal that begins with two numbers above 0, "
+        "and a last column that begins with 0 0");
 }
 
 void read_cameras(const StrictTable& job_table, AnimationJob& job) {

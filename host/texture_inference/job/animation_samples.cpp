@@ -97,7 +97,7 @@ void check_known(const StrictTable& table, const std::string& key, const std::st
                  const std::vector<std::string>& known, const std::string& what) {
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
   table.refuse(table.has(key) ? key : "",
-               fmt::format("names \"{}\", which is no {}; there are {}", name, what, fmt::join(known, ", ")));
+               fmt::format("names \"{}\", an unknown {}, expected one of {}", name, what, fmt::join(known, ", ")));
 }
 
 std::string existing_file(const StrictTable& table, const std::string& key, const AnimationJob& job) {
@@ -119,9 +119,9 @@ void read_animation_samples(const StrictTable& job_table, const std::vector<std:
                             {"at", "name", "radiance", "geometry", "object_index", "camera", "object_to_world"});
     AnimationSample sample = read_sample(table, meshes, job);
     const std::size_t number = grid_number(table, job, sample.at);
-    if (grid[number]) table.refuse("at", fmt::format("is [{}], which is there already", fmt::join(sample.at, ", ")));
+    if (grid[number]) table.refuse("at", fmt::format("is [{}], which another one has", fmt::join(sample.at, ", ")));
     if (!names.insert(sample.name).second)
-      table.refuse(table.has("name") ? "name" : "", fmt::format("is \"{}\", which is there already", sample.name));
+      table.refuse(table.has("name") ? "name" : "", fmt::format("is \"{}\", which another one has", sample.name));
     grid[number] = std::move(sample);
   }
   const auto is_missing = [](const std::optional<AnimationSample>& sample) { return !sample; };

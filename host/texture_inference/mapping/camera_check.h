@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a camera fits its picture: depths of the picture, put back into the world, must lie on the objects.
+// Checks that a camera fits its picture: depths of the picture, put back into the world, must lie on the objects.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which object and triangle is seen at the centre of each pixel: an item buffer (Weghorst, Hooper and Greenberg 1984),
-// from which texture mapping takes what is visible (Hakura et al. 2000, section 3.4).
+// Finds the object and triangle that is seen at the centre of each pixel: an item buffer (Weghorst, Hooper and
+// Greenberg 1984), from which texture mapping takes what is visible (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <cstdint>

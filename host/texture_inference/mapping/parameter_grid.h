@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which samples of the grid of parameters belong together: the blocks that share texture coordinates (Hakura et al.
-// 2000, section 3.4), the poses that share filter matrices, and the points of a layer, each with one texture.
+// Groups the samples of the grid of parameters: the blocks that share texture coordinates (Hakura et al. 2000, section
+// 3.4), the poses that share filter matrices, and the points of a layer, each with one texture.
 #pragma once
 
 #include <map>

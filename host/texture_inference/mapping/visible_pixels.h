@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What of one object is seen in one picture, and how its texture coordinates change across each pixel: what the steps
-// of texture mapping read (Hakura et al. 2000, section 3.4).
+// Finds what of one object is seen in one picture, and how its texture coordinates change across each pixel: what the
+// steps of texture mapping read (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <cstddef>

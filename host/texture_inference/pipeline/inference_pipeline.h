@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `multum infer`: from a job to textures (Hakura et al. 2000, section 3). For every object: texture coordinates, filter
-// matrices, and for every layer one texture for each point of the parameters that the layer depends on, inferred from
-// all samples of that point together (eq. 4). An object without a layer gets none.
+// Runs `multum infer`: from a job to textures (Hakura et al. 2000, section 3). For every object: texture coordinates,
+// filter matrices, and for every layer one texture for each point of the parameters that the layer depends on, inferred
+// from all samples of that point together (eq. 4). An object without a layer gets none.
 //
 // Points are solved in an order in which each is a neighbour of the one before, whose texture is the start. Textures
 // are written as soon as they are solved; one that is there already, made from the same inputs with the same settings,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An object's layer as the rows of its filter matrix see it: how much each pixel counts, what it shows, and what a
-// texture makes of it.
+// Presents an object's layer as the rows of its filter matrix see it: how much each pixel counts, what it shows, and
+// what a texture makes of it.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a job of texture inference refers to, as its stages need it: meshes, poses, what is seen where, and the objects'
+// Reads the scene of a job of texture inference for its stages: meshes, poses, what is seen where, and the objects'
 // layers of each sample (Hakura et al. 2000, section 3.1). Pictures are read when asked for, not kept.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What choices cost, at one sample, as in figure 6 of Hakura et al. 2000: each object's layers inferred from that one
+// Compares choices at one sample, as in figure 6 of Hakura et al. 2000: each object's layers inferred from that one
 // picture with bilinear, trilinear and anisotropic filtering, with and without pyramidal regularisation, against
 // forward mapping.
 #pragma once

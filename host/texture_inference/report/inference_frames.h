@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What inferred textures are worth in the end: frames that multum-view draws with them, against the ray-traced pictures
-// (Hakura et al. 2000, section 3.3). A texture's own error is of one layer and of the pixels it was solved for; a
-// frame's has all layers added, silhouettes, and objects in front of one another.
+// Measures the frames that multum-view draws with inferred textures against the ray-traced pictures (Hakura et al.
+// 2000, section 3.3). A texture's own error is of one layer and of the pixels it was solved for; a frame's has all
+// layers added, silhouettes, and objects in front of one another.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mean of means, by the pixels that each is of.
+// Averages means, each weighted by its number of pixels.
 #pragma once
 
 namespace multum {

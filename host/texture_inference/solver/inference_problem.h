@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What texture inference solves (host/texture_inference/solver/texture_inference.h): views of a texture, and settings.
+// States the problem that texture inference solves (host/texture_inference/solver/texture_inference.h): views of a
+// texture, and settings.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where texture inference begins when no neighbouring sample is solved: every texel is the mean of the pixels that look
-// at it, and what few look at is taken from the coarser level (Gortler et al. 1996, "The lumigraph", pull-push).
+// Starts texture inference where no neighbouring sample is solved: every texel is the mean of the pixels that look at
+// it, and what few look at is taken from the coarser level (Gortler et al. 1996, "The lumigraph", pull-push).
 #pragma once
 
 #include <array>

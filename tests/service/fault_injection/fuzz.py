@@ -22,8 +22,8 @@ from service_harness import Service, fail, process_state  # noqa: E402
 
 # Of what the file cannot say: which queues, jobs and files there are.
 REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder", "expected an absolute",
-           "no name for a result", "there is no such file", "its folder is not there", "expected a name ending in",
-           "state is none", "no file")
+           "not a name for a result", "there is no such file", "its folder is not there", "expected a name ending in",
+           "unknown state", "not a file")
 STRANGE_TEXTS = ("", " ", "default", "../../etc/passwd", "%2e%2e", "a" * 1000, "a" * 1001, "\u00e9" * 1000,
                  "\u00e9" * 1001, "\U0001f9f1" * 300, "line\nbreak and more", "nul\x00nul", "<script>alert(1)</script>",
                  "' OR 1=1 --", "-1")
@@ -47,6 +47,8 @@ class Fuzzer:
         choose = self.random
         if "const" in schema:
             return schema["const"]
+        if "anyOf" in schema:
+            schema = choose.choice(schema["anyOf"])
         if "enum" in schema:
             return choose.choice(schema["enum"])
         kind = schema.get("type", "string")

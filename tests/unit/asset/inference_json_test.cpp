@@ -73,7 +73,7 @@ TEST(ProbeRequestTest, EveryFieldComesBack) {
 TEST(ProbeRequestTest, WhatIsMissingOrOfAnotherTypeIsRefused) {
   const TemporaryFolder folder;
   write_probe_request(unusual_request(), folder / "r.json");
-  expect_damage_is_refused(folder / "r.json", "is no probe request: ", {"objectToWorld"},
+  expect_damage_is_refused(folder / "r.json", "is not a probe request: ", {"objectToWorld"},
                            [](const std::string& path) { read_probe_request(path); });
 }
 
@@ -158,7 +158,7 @@ TEST(InferredManifestTest, EveryFieldComesBack) {
 TEST(InferredManifestTest, WhatIsMissingOrOfAnotherTypeIsRefused) {
   const TemporaryFolder folder;
   write_inferred_manifest(unusual_manifest(), folder / "inferred.json");
-  expect_damage_is_refused(folder / "inferred.json", "is no manifest of inferred textures: ", {"objectToWorld"},
+  expect_damage_is_refused(folder / "inferred.json", "is not a manifest of inferred textures: ", {"objectToWorld"},
                            [](const std::string& path) { read_inferred_manifest(path); });
 }
 

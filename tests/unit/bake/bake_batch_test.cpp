@@ -63,7 +63,7 @@ TEST_F(BakeBatchTest, SetsAreFoundByTheirTiles) {
   EXPECT_EQ(jobs[2].albedo, "colour.1011.png");
   EXPECT_EQ(jobs[2].report, path("1011.json"));
   expect_refused({"none_<UDIM>.png"}, ErrorCode::kInput, {"none_1001.png"});
-  expect_refused({"rock_<UDIM>.png", "b.png"}, ErrorCode::kUsage, {"b.png", "no set"});
+  expect_refused({"rock_<UDIM>.png", "b.png"}, ErrorCode::kUsage, {"b.png", "not a set"});
   expect_refused({"rock_<UDIM>.png", "rock_<UDIM>.png"}, ErrorCode::kUsage, {"would go there"});
 }
 

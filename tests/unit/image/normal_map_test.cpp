@@ -384,7 +384,8 @@ TEST(NormalMapReading, ColoursAreRefusedWithTheReason) {
         image.values.push_back(static_cast<float>(std::clamp(v + test.spread * uniform(generator), 0.0, 1.0)));
     write_test_image(folder / "colour.png", image);
     SCOPED_TRACE(std::string(test.name) + ", seed " + std::to_string(seed));
-    expect_error(ErrorCode::kInput, {"colour.png", "found no normal map", test.reason, "expected", "--bumpformat"},
+    expect_error(ErrorCode::kInput,
+                 {"colour.png", "neither a normal map nor a height field", test.reason, "expected", "--bumpformat"},
                  [&] { read_map(folder / "colour.png"); });
     NormalMapSettings settings;
     settings.bump_format = BumpFormat::kNormal;

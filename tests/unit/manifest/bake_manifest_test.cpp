@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "host/bake/output_state.h"
+#include "host/parameters/bake_parameters.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum::testing {
@@ -75,28 +76,36 @@ TEST_F(BakeManifestTest, MapsStandOnTheDefaults) {
   EXPECT_EQ(read("[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n")[0].error_max, std::nullopt);
 }
 
-TEST_F(BakeManifestTest, UnalignedIsWithoutParentsPriorOrSecondSweep) {
+TEST_F(BakeManifestTest, UnalignedIsWithoutParentsPriorOrSecondPass) {
   const MovmfSettings fit = read("[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\nunaligned = true\n")[0].job.fitting;
   EXPECT_FALSE(fit.aligned_start);
   EXPECT_EQ(fit.alignment, 0.0f);
-  EXPECT_EQ(fit.sweep_count, 1);
+  EXPECT_EQ(fit.pass_count, 1);
+}
+
+TEST_F(BakeManifestTest, RefitIterationsGoBeforeThoseOfReference) {
+  const std::string map = "[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n";
+  EXPECT_EQ(read(map)[0].job.fitting.refit_iterations, 6);
+  EXPECT_EQ(read(map + "reference = true\n")[0].job.fitting.refit_iterations, 10);
+  EXPECT_EQ(read(map + "reference = true\nrefit_iterations = 3\n")[0].job.fitting.refit_iterations, 3);
 }
 
 // Every key, set to what is not its default, against options set by hand: both make the same settings of the file.
 TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
   const std::string whole =
-      "[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\nlobes = 5\nreference = true\niterations = 9\nsweeps = 3\n"
-      "order = \"scanline\"\nalign = 0.3\nkappa_cap = 250\nfirst_level = 2\ndata_format = \"half\"\n"
+      "[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\nlobes = 5\nreference = true\niterations = 9\npasses = 3\n"
+      "refit_iterations = 8\norder = \"scanline\"\nalign = 0.3\nkappa_cap = 250\nfirst_level = 2\ndata_format = "
+      "\"half\"\n"
       "compression = \"zips:4\"\nwrap = \"clamp\"\nswrap = \"mirror\"\ngreen = \"down\"\ntwo_channel = true\n"
       "signed = true\nbumpformat = \"height\"\nheight_scale = -2.5\nfixnan = \"none\"\nchecknan = true\n"
-      "repair_max = 0.125\nno_rehearsal = true\ncoarse_normals = \"condensed\"\n";
+      "repair_max = 0.125\nno_start_search = true\ncoarse_normals = \"binned\"\n";
   const BakeJob job = read(whole)[0].job;
   BakeJob expected;
   expected.fitting.convergence_tolerance = 0.0f;  // of --reference
-  expected.fitting.refit_iterations = 10;
   expected.fitting.lobe_count = 5;
   expected.fitting.iteration_count = expected.fitting.iteration_count_coarse = 9;
-  expected.fitting.sweep_count = 3;
+  expected.fitting.pass_count = 3;
+  expected.fitting.refit_iterations = 8;
   expected.fitting.order = FitOrder::kScanline;
   expected.fitting.alignment = 0.3f;
   expected.fitting.kappa_cap = 250.0f;
@@ -123,10 +132,10 @@ TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
 }
 
 TEST_F(BakeManifestTest, UnknownKeysNameTheNearest) {
-  expect_refused("lobes = 2", "lobse = 2", {"map.lobse", "no key", "map.lobes"});
-  expect_refused("lobes = 3", "qqqqqqqqqq = 3", {"defaults.qqqqqqqqqq", "no key"});
-  expect_refused("lobes = 3", "input = \"a\"", {"defaults.input", "no key"});
-  expect_refused("[defaults]", "[default]", {"default", "no key", "defaults"});
+  expect_refused("lobes = 2", "lobse = 2", {"map.lobse", "unknown key", "map.lobes"});
+  expect_refused("lobes = 3", "qqqqqqqqqq = 3", {"defaults.qqqqqqqqqq", "unknown key"});
+  expect_refused("lobes = 3", "input = \"a\"", {"defaults.input", "unknown key"});
+  expect_refused("[defaults]", "[default]", {"default", "unknown key", "defaults"});
 }
 
 TEST_F(BakeManifestTest, WhatMustBeThere) {
@@ -148,19 +157,19 @@ TEST_F(BakeManifestTest, WrongTypesAndRanges) {
   };
   refused("lobes = 9", {"lobes", "9", "1 to 8"});
   refused("lobes = 0", {"lobes", "0"});
-  refused("lobes = \"4\"", {"lobes", "\"4\"", "a whole number"});
+  refused("lobes = \"4\"", {"lobes", "\"4\"", "an integer"});
   refused("iterations = 1001", {"iterations", "1001", "1 to 1000"});
-  refused("sweeps = 2.5", {"sweeps", "2.5", "1 to 8"});
+  refused("passes = 2.5", {"passes", "2.5", "1 to 8"});
   refused("first_level = 16", {"first_level", "16", "0 to 15"});
   refused("align = -1", {"align", "-1", "0 to 10"});
   refused("kappa_cap = 0.5", {"kappa_cap", "0.5", "1 to 100000"});
   refused("reference = 1", {"reference", "1", "true or false"});
-  refused("no_rehearsal = \"yes\"", {"no_rehearsal", "\"yes\"", "true or false"});
+  refused("no_start_search = \"yes\"", {"no_start_search", "\"yes\"", "true or false"});
   refused("checknan = 1", {"checknan", "1", "true or false"});
   refused("two_channel = 1", {"two_channel", "1", "true or false"});
   refused("order = \"color\"", {"order", "\"color\"", "colour, scanline"});
   refused("order = 1", {"order", "1", "text"});
-  refused("coarse_normals = \"some\"", {"coarse_normals", "\"some\"", "condensed, all"});
+  refused("coarse_normals = \"some\"", {"coarse_normals", "\"some\"", "binned, all"});
   refused("data_format = \"double\"", {"data_format", "\"double\"", "snorm16, half, float"});
   refused("compression = \"zip:0\"", {"compression", "\"zip:0\"", "none|rle|piz|zip[:1-9]"});
   for (const char* key : {"wrap", "swrap", "twrap"})
@@ -282,13 +291,9 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
 // The page has a row for every key that is read, in backquotes.
 TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/CI.md");
-  for (const char* key :
-       {"input",       "output",         "error_max",    "lobes",       "reference",   "iterations", "sweeps",
-        "order",       "align",          "kappa_cap",    "first_level", "data_format", "wrap",       "swrap",
-        "twrap",       "coarse_normals", "green",        "signed",      "unsigned",    "bumpformat", "height_scale",
-        "two_channel", "no_rehearsal",   "unaligned",    "fixnan",      "checknan",    "repair_max", "albedo",
-        "compression", "normal_scale",   "target_error", "budget_ms",   "brdf",        "best_effort"})
-    EXPECT_NE(page.find("`" + std::string(key) + "`"), std::string::npos) << key;
+  std::vector<std::string> keys = bake_parameters().names(kInManifest);
+  keys.emplace_back("output");
+  for (const std::string& key : keys) EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << key;
 }
 
 }  // namespace

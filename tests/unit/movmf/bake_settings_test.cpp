@@ -58,7 +58,7 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
                                        [](auto& s) { s.iteration_count = 5; },
                                        [](auto& s) { s.iteration_count_coarse = 5; },
                                        [](auto& s) { s.iteration_count_top = 5; },
-                                       [](auto& s) { s.sweep_count = 3; },
+                                       [](auto& s) { s.pass_count = 3; },
                                        [](auto& s) { s.refit_iterations = 7; },
                                        [](auto& s) { s.convergence_tolerance = 0.02f; },
                                        [](auto& s) { s.coarse_normals = CoarseNormals::kAll; },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the coarsest level starts: candidates, and the proxy map that they are rehearsed on.
+// Where the coarsest level starts: candidates, and the proxy map that they are tried on.
 #include "host/movmf/movmf_start.h"
 
 #include <gtest/gtest.h>

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -16,6 +17,7 @@
 #include "host/parameters/pyramid_parameters.h"
 #include "host/scene/scene_file.h"
 #include "host/service/work/job_types.h"
+#include "host/toml/parameter_keys.h"
 #include "tests/unit/base/test_folder.h"
 #include "tools/command_line/parameter_options.h"
 
@@ -233,7 +235,7 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
   ParameterValues defaults(bake_parameters());
   for (const Parameter& row : bake_parameters().rows()) {
     const bool is_value = row.kind == ParameterKind::kInteger || row.kind == ParameterKind::kNumber ||
-                          (row.kind == ParameterKind::kChoice && row.default_text != "found");
+                          (row.kind == ParameterKind::kChoice && row.default_text != "detected");
     if (!is_value || row.default_text.empty() || row.surfaces == 0) continue;
     if (row.name == "iterations" || row.name == "wrap") continue;  // set two, or say that somebody said it
     defaults.set(row.name, *parse_value(row, row.default_text));
@@ -282,6 +284,173 @@ TEST(ParameterTable, HashKeysAreTheSettingsThatFilesState) {
     const auto has_it = [&](const Parameter& row) { return row.hashed_as == key; };
     const auto& rows = bake_parameters().rows();
     EXPECT_TRUE(kDerived.contains(key) || std::any_of(rows.begin(), rows.end(), has_it)) << key << " has no row";
+  }
+}
+
+// A name that a parameter or a choice of it had, and what it is called now, with a value for both.
+struct FormerName {
+  const ParameterTable* table;
+  const Parameter* row;
+  std::string former_name, former_value, name, value;
+  bool renames_row() const { return former_name != name; }
+};
+
+std::vector<FormerName> former_names(unsigned surface) {
+  std::vector<FormerName> all;
+  for (const ParameterTable* table : all_tables())
+    for (const Parameter& row : table->rows()) {
+      if (!row.is_on(surface)) continue;
+      const std::optional<ParameterValue> other = another_value(row);
+      const std::string value = other ? value_text(*other) : "\"a.png\"";
+      for (const std::string& former : row.former_names) all.push_back({table, &row, former, value, row.name, value});
+      for (const auto& [former, choice] : row.former_choices)
+        all.push_back({table, &row, row.name, '"' + former + '"', row.name, '"' + choice + '"'});
+    }
+  return all;
+}
+
+std::string unquoted(std::string text) {
+  std::erase(text, '"');
+  return text;
+}
+
+TEST(FormerNames, AreNoNamesOfToday) {
+  EXPECT_GE(former_names(kOnCommandLine).size(), 3u);
+  for (const ParameterTable* table : all_tables())
+    for (const Parameter& row : table->rows()) {
+      for (const std::string& former : row.former_names) {
+        EXPECT_EQ(table->find(former), &row) << former << " is the name of another";
+        for (const unsigned surface : {kOnCommandLine, kInManifest, kInScene, kInService}) {
+          const std::vector<std::string> names = table->names(surface);
+          EXPECT_EQ(std::count(names.begin(), names.end(), former), 0) << former;
+        }
+      }
+      for (const auto& [former, choice] : row.former_choices) {
+        EXPECT_EQ(std::count(row.choices.begin(), row.choices.end(), former), 0) << former;
+        EXPECT_EQ(std::count(row.choices.begin(), row.choices.end(), choice), 1) << choice;
+      }
+    }
+}
+
+// What `arguments` say, as today's options.
+std::string parsed_options(const ParameterTable& table, const std::vector<std::string>& arguments) {
+  ParameterValues values(table);
+  CLI::App app;
+  add_parameter_options(app, values);
+  app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  return values.options_text();
+}
+
+TEST(FormerNames, AreTakenByCommandLinesButNotBesideTheNewOne) {
+  for (const FormerName& one : former_names(kOnCommandLine)) {
+    SCOPED_TRACE(one.table->command() + " " + one.former_name + " = " + one.former_value);
+    const bool is_flag = one.row->kind == ParameterKind::kFlag;
+    const std::string former = option_of(one.former_name) + (is_flag ? "" : "=" + unquoted(one.former_value));
+    const std::string now = one.row->option() + (is_flag ? "" : "=" + unquoted(one.value));
+    EXPECT_EQ(parsed_options(*one.table, {former}), one.row->option() + (is_flag ? "" : " " + unquoted(one.value)));
+    if (!one.renames_row()) continue;
+    try {
+      parsed_options(*one.table, {former, now});
+      ADD_FAILURE() << "took both";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      for (const std::string& name : {one.former_name, one.name})
+        EXPECT_NE(std::string(error.what()).find(option_of(name)), std::string::npos) << error.what();
+    }
+    ParameterValues values(*one.table);
+    CLI::App app;
+    add_parameter_options(app, values);
+    EXPECT_EQ(app.help().find(option_of(one.former_name)), std::string::npos) << "is shown";
+  }
+}
+
+TEST(FormerNames, AreTakenByJobsOfTheServiceButNotBesideTheNewOne) {
+  for (const FormerName& one : former_names(kInService))
+    for (const JobType& type : job_types()) {
+      if (type.table != one.table) continue;
+      SCOPED_TRACE(type.name + " " + one.former_name + " = " + one.former_value);
+      Json former = {{one.former_name, Json::parse(one.former_value)}}, now = {{one.name, Json::parse(one.value)}};
+      former[type.input] = now[type.input] = "/a.png";
+      EXPECT_NO_THROW(check_parameters(type, former));
+      EXPECT_EQ(with_current_names(type, former), now);
+      EXPECT_EQ(with_current_names(type, now), now);
+      EXPECT_EQ(job_arguments(type, with_current_names(type, former), "o"), job_arguments(type, now, "o"));
+      const Json schema = parameters_schema(type);
+      if (!one.renames_row()) continue;
+      EXPECT_FALSE(schema.at("properties").contains(one.former_name));
+      EXPECT_TRUE(schema.at("patternProperties").contains("^" + one.former_name + "$"));
+      former[one.name] = now[one.name];
+      EXPECT_THROW(check_parameters(type, former), Error);
+    }
+}
+
+// A ledger may hold a job from before a name changed: its worker is told today's.
+TEST(FormerNames, AreTakenFromStoredJobs) {
+  const JobType& bake = find_job_type("bake");
+  const std::vector<std::string> arguments = job_arguments(bake, {{"input", "/a.png"}, {"sweeps", 3}}, "");
+  EXPECT_EQ(arguments, (std::vector<std::string>{"bake", "--passes=3", "--", "/a.png"}));
+}
+
+TEST_F(ParameterFileTest, ManifestsTakeFormerNamesButNotBesideTheNewOne) {
+  const auto settings = [&](const std::string& lines) {
+    const std::string path = write("maps.toml", "[[map]]\ninput = \"a.png\"\noutput = \"a.ndf.exr\"\n" + lines);
+    return all_settings_json(read_bake_manifest(path, {}).at(0).job);
+  };
+  for (const FormerName& one : former_names(kInManifest)) {
+    const std::string former = one.former_name + " = " + one.former_value + "\n";
+    const std::string now = one.name + " = " + one.value + "\n";
+    SCOPED_TRACE(former);
+    EXPECT_EQ(settings(former), settings(now));
+    if (!one.renames_row()) continue;
+    EXPECT_NE(settings(former), settings("")) << "is read over";
+    try {
+      settings(now + former);
+      ADD_FAILURE() << "took both";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("maps.toml:5: map." + one.former_name + " is given beside " + one.name),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+// [defaults] and [[map]] are tables of their own: one may have the former name, the other the new one.
+TEST_F(ParameterFileTest, AMapsOwnNameGoesBeforeTheFormerOneOfDefaults) {
+  const std::string path = write("maps.toml",
+                                 "[defaults]\nsweeps = 3\n[[map]]\ninput = \"a.png\"\noutput = \"a.ndf.exr\"\n"
+                                 "passes = 4\n[[map]]\ninput = \"a.png\"\noutput = \"b.ndf.exr\"\n");
+  const std::vector<ManifestMap> maps = read_bake_manifest(path, {});
+  EXPECT_EQ(maps.at(0).job.fitting.pass_count, 4);
+  EXPECT_EQ(maps.at(1).job.fitting.pass_count, 3);
+}
+
+// No parameter of scenes has a former name yet, so a table of its own stands for them.
+TEST_F(ParameterFileTest, TablesOfTomlTakeFormerNames) {
+  const ParameterTable rows("test", {{.name = "width",
+                                      .former_names = {"breadth", "wideness"},
+                                      .kind = ParameterKind::kInteger,
+                                      .help = "a width",
+                                      .low = 1,
+                                      .high = 9,
+                                      .surfaces = kInScene}});
+  const auto width = [&](const std::string& lines) {
+    const toml::table toml = toml::parse(lines);
+    const std::string file = "scene.toml";
+    const StrictTable table(file, toml, "map", rows.names(kInScene), "the scene", rows.former_names(kInScene));
+    ParameterValues values(rows);
+    read_parameters(table, kInScene, values);
+    return values.integer("width").value_or(0);
+  };
+  EXPECT_EQ(width("width = 3"), 3);
+  EXPECT_EQ(width("breadth = 3"), 3);
+  EXPECT_EQ(width("wideness = 4"), 4);
+  EXPECT_THROW(width("breadth = 3\nwidth = 3"), Error);
+  EXPECT_THROW(width("breadth = 3\nwideness = 3"), Error);
+  try {
+    width("breadht = 3\nbreadth = 3");
+    FAIL() << "took it";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find("did you mean"), std::string::npos) << "suggests a former name";
   }
 }
 

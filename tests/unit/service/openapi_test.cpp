@@ -64,7 +64,7 @@ TEST(JobTypes, AMisspeltParameterIsAnsweredWithTheOneThatWasMeant) {
     check_parameters(find_job_type("bake"), {{"input", "a.png"}, {"lobs", 2}});
     FAIL() << "took it";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "parameters.lobs is no parameter of bake; did you mean lobes?");
+    EXPECT_STREQ(error.what(), "unknown parameter 'lobs' of bake (did you mean 'lobes'?)");
   }
 }
 

@@ -166,9 +166,9 @@ TEST_F(AnimationJobTest, KeysAndTypes) {
   expect_error(ErrorCode::kInput, {folder_ / "none.toml", "cannot be read"},
                [&] { read_animation_job(folder_ / "none.toml"); });
   expect_refused("width = 4", "width = 4 4", {"TOML"});
-  expect_refused("depth_tolerance = ", "depth_tolerence = ", {"depth_tolerence", "no key", "depth_tolerance"});
+  expect_refused("depth_tolerance = ", "depth_tolerence = ", {"depth_tolerence", "unknown key", "depth_tolerance"});
   expect_refused("stretch_max = ", "strech_max = ", {"texture.strech_max", "texture.stretch_max"});
-  expect_refused("view = true", "qqqqqqqqq = true", {"parameter.qqqqqqqqq", "no key"});
+  expect_refused("view = true", "qqqqqqqqq = true", {"parameter.qqqqqqqqq", "unknown key"});
 
   expect_refused("width = 4", "width = \"4\"", {"width", "\"4\"", "1 to 16384"});
   expect_refused("view = true", "view = 1", {"parameter.view", "1", "true or false"});
@@ -176,7 +176,7 @@ TEST_F(AnimationJobTest, KeysAndTypes) {
                  {"cryptomatte", "a date or time", "text"});
   expect_refused("passes = [\"diffuse\"]", "passes = \"diffuse\"", {"layer.passes", "\"diffuse\"", "list of texts"});
   expect_refused("passes = [\"diffuse\"]", "passes = [1]", {"layer.passes[0]", "1", "text"});
-  expect_refused("at = [0, 0]", "at = 0", {"sample.at", "0", "list of whole numbers"});
+  expect_refused("at = [0, 0]", "at = 0", {"sample.at", "0", "list of integers"});
   expect_refused("at = [0, 0]", "at = [0, -1]", {"sample.at[1]", "-1", "at least 0"});
 
   std::string no_width = text_;
@@ -222,18 +222,19 @@ TEST_F(AnimationJobTest, NumbersOutOfRange) {
 TEST_F(AnimationJobTest, NamesThatNothingAnswersTo) {
   make(false);
   expect_refused("depends_on = [\"light\"]", "depends_on = [\"lamp\"]",
-                 {"layer.depends_on", "\"lamp\"", "no parameter", "view, light"});
+                 {"layer.depends_on", "\"lamp\"", "unknown parameter", "view, light"});
   expect_refused("depends_on = [\"light\"]", "depends_on = [\"light\", \"light\"]", {"layer.depends_on", "twice"});
   expect_refused("passes = [\"diffuse\"]", "passes = []", {"layer.passes", "empty"});
   expect_refused("passes = [\"glossy\", ", "passes = [\"diffuse\", ", {"\"diffuse\"", "second time"});
   expect_refused("passes = [\"diffuse\"]", "passes = [\"difuse\"]",
-                 {"\"difuse.R\"", "no channel", "rad_v00_p00.exr", "diffuse.R"});
-  expect_refused("mesh = \"thing\"", "mesh = \"cup\"", {"object.mesh", "\"cup\"", "no object", "thing"});
+                 {"\"difuse.R\"", "unknown channel", "rad_v00_p00.exr", "diffuse.R"});
+  expect_refused("mesh = \"thing\"", "mesh = \"cup\"", {"object.mesh", "\"cup\"", "unknown object", "thing"});
   expect_refused("layers = []", "layers = [\"shiny\"]",
-                 {"object.layers", "\"shiny\"", "no layer", "diffuse, view_dependent"});
-  expect_refused("cryptomatte = \"thing\"", "cryptomatte = \"cup\"", {"\"cup\"", "no name", "geom_v00.exr", "thing"});
-  expect_refused("depth = \"Z\"", "depth = \"depth\"", {"depth", "\"depth\"", "no channel", "geom_v00.exr"});
-  expect_refused("camera = \"v00\"", "camera = \"v07\"", {"sample.camera", "\"v07\"", "no camera", "v00, v01"});
+                 {"object.layers", "\"shiny\"", "unknown layer", "diffuse, view_dependent"});
+  expect_refused("cryptomatte = \"thing\"", "cryptomatte = \"cup\"",
+                 {"\"cup\"", "unknown name", "geom_v00.exr", "thing"});
+  expect_refused("depth = \"Z\"", "depth = \"depth\"", {"depth", "\"depth\"", "unknown channel", "geom_v00.exr"});
+  expect_refused("camera = \"v00\"", "camera = \"v07\"", {"sample.camera", "\"v07\"", "unknown camera", "v00, v01"});
   expect_refused("geometry = \"geometry.gltf\"", "geometry = \"none.gltf\"",
                  {"geometry", "\"none.gltf\"", "no file", "none.gltf"});
   expect_refused("radiance = \"rad_v00_p00.exr\"", "radiance = \"none.exr\"", {"sample.radiance", "\"none.exr\""});
@@ -245,15 +246,15 @@ TEST_F(AnimationJobTest, NamesThatNothingAnswersTo) {
 
 TEST_F(AnimationJobTest, NamesThatAreThereTwice) {
   make(false);
-  expect_refused("name = \"light\"", "name = \"view\"", {"parameter.name", "\"view\"", "there"});
-  expect_refused("name = \"view_dependent\"", "name = \"diffuse\"", {"layer.name", "\"diffuse\"", "is there"});
+  expect_refused("name = \"light\"", "name = \"view\"", {"parameter.name", "\"view\"", "another one has"});
+  expect_refused("name = \"view_dependent\"", "name = \"diffuse\"", {"layer.name", "\"diffuse\"", "another one has"});
   expect_refused("name = \"v01\"", "name = \"v00\"", {"camera.name", "\"v00\""});
-  expect_refused("name = \"v00_p01\"", "name = \"v00_p00\"", {"sample.name", "\"v00_p00\"", "there"});
+  expect_refused("name = \"v00_p01\"", "name = \"v00_p00\"", {"sample.name", "\"v00_p00\"", "another one has"});
   std::string again = text_;
   replace_once(again, "# Rows are",
                "[[object]]\nname = \"other\"\nmesh = \"thing\"\nindex = 1\ncryptomatte = \"thing\"\n# Rows are");
   text_ = again;
-  expect_refused("name = \"other\"", "name = \"thing\"", {"object.name", "\"thing\"", "there"});
+  expect_refused("name = \"other\"", "name = \"thing\"", {"object.name", "\"thing\"", "another one has"});
   replace_once(text_, "index = 0", "index = 1");
   std::size_t second = text_.find("index = 1", text_.find("\"other\""));
   const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(second), '\n');
@@ -263,7 +264,7 @@ TEST_F(AnimationJobTest, NamesThatAreThereTwice) {
 
 TEST_F(AnimationJobTest, TheGridMustBeWhole) {
   make(false);
-  expect_refused("at = [0, 1]", "at = [0, 0]", {"sample.at", "[0, 0]", "there"});
+  expect_refused("at = [0, 1]", "at = [0, 0]", {"sample.at", "[0, 0]", "another one has"});
   expect_refused("at = [0, 1]", "at = [0, 2]", {"sample.at", "[0, 2]", "0 to 1 along light"});
   expect_refused("at = [0, 1]", "at = [0]", {"sample.at", "1 numbers", "2, one a parameter (view, light)"});
   std::string fewer = text_;
@@ -294,7 +295,7 @@ TEST_F(AnimationJobTest, Matrices) {
                             "[[-16, 0, 0, 0], [0, 16, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]]",
                             "[[16, 0, 0, 0], [0, -16, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]]",
                             "[[16, 0, 0, 1], [0, 16, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]]"})
-    expect_refused(projection, std::string("projection = ") + other, {"camera.projection", "no perspective"});
+    expect_refused(projection, std::string("projection = ") + other, {"camera.projection", "not a perspective"});
 }
 
 TEST_F(AnimationJobTest, ObjectsMustBeTold) {
@@ -310,7 +311,7 @@ TEST_F(AnimationJobTest, ObjectsMustBeTold) {
   make(true);
   expect_refused("thing\" = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.125]",
                  "cup\" = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.125]",
-                 {"sample.object_to_world.cup", "\"cup\"", "no object"});
+                 {"sample.object_to_world.cup", "\"cup\"", "unknown object"});
   expect_refused("[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.125]", "[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0.125]",
                  {"sample.object_to_world.thing", "flat"});
   expect_refused("[0, 0, 1, 0.125], [0, 0, 0, 1]", "[0, 0, 1, 0.125], [0, 0, 1, 1]", {"last row"});
@@ -336,7 +337,7 @@ TEST_F(AnimationJobTest, LayersFollowFromTheChannels) {
 }
 
 TEST_F(AnimationJobTest, FoldersThatAreNotUnderstood) {
-  expect_error(ErrorCode::kInput, {"none", "no folder", "scene.json"}, [&] { job_for_folder(folder_ / "none"); });
+  expect_error(ErrorCode::kInput, {"none", "not a folder", "scene.json"}, [&] { job_for_folder(folder_ / "none"); });
   expect_folder_refused({"no scene.json", "folder of renders"});
   make(false);
   const std::string scene = read_bytes(folder_ / "scene.json");
@@ -349,7 +350,7 @@ TEST_F(AnimationJobTest, FoldersThatAreNotUnderstood) {
   };
   expect_edit_refused([](auto& s) { s = 1; }, {"JSON object"});
   expect_edit_refused([](auto& s) { s.erase("width"); }, {"no \"width\""});
-  expect_edit_refused([](auto& s) { s["views"] = -2; }, {"\"views\"", "-2", "whole number"});
+  expect_edit_refused([](auto& s) { s["views"] = -2; }, {"\"views\"", "-2", "integer"});
   expect_edit_refused([](auto& s) { s["params"] = 3; }, {"4 samples", "expected 6"});
   expect_edit_refused([](auto& s) { s["samples"] = 3; }, {"\"samples\"", "list of objects"});
   expect_edit_refused([](auto& s) { s["samples"][0]["name"] = 3; }, {"name", "sample", "3"});
@@ -358,7 +359,7 @@ TEST_F(AnimationJobTest, FoldersThatAreNotUnderstood) {
       [](auto& s) {
         s["samples"][1]["projection"][2] = {1, 2};
       },
-      {"v00_p01", "projection", "no matrix"});
+      {"v00_p01", "projection", "not a matrix"});
   expect_edit_refused([](auto& s) { s["objects"] = nlohmann::json::object(); }, {"\"objects\"", "no objects"});
   edit_scene([](auto& s) { s["objects"]["cup"] = 1; });
   expect_folder_refused({"geometry.gltf", "no object \"cup\"", "thing"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drivers that a machine has and its loaders do not know: a container that is lent a GPU often has the maker's
+// Finds drivers that a machine has and its loaders do not know: a container that is lent a GPU often has the maker's
 // libraries without the files that name them. They are named to the loaders for this process's children, in a folder of
 // its own.
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long something took, by a clock that is never set.
+// Measures elapsed seconds by a clock that is never set.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a table of figures says of the machine that made it.
+// Describes the machine that made a table of figures.
 #pragma once
 
 #include <cstdint>
