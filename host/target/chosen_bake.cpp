@@ -264,7 +264,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   const BakeSource& source = given_source != nullptr ? *given_source : *read;
   clock.finish("read");
   if (source.has_roughness && target.brdf.name != "lambert") target.brdf.name = "roughness";
-  std::vector<SettingCandidate> candidates = setting_candidates(target.only);
+  std::vector<SettingCandidate> candidates = target_candidates(target.only);
   progress_stage(progress, "choose settings");
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));
   const double read_seconds = choosing.bake_seconds();

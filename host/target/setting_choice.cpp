@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/asset/averages/spherical_harmonics.h"
 #include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -15,57 +14,6 @@
 #include "host/target/map_mosaic.h"
 
 namespace multum {
-namespace {
-
-// Orders of harmonics that are worth a trial: each has about half as many coefficients again as the one before.
-constexpr int kOrders[] = {2, 3, 4, 6, 8, 10, 13, 16, 20};
-
-// Of candidates with as many textures, in the order of their bakes' times (docs/ACCURACY.md).
-enum Effort { kAveraged, kQuickFit, kDefaultFit, kLongFit };
-
-SettingCandidate candidate(const ParameterValues& values, int texture_count, Effort effort) {
-  return {values, options_text(values), texture_count, effort};
-}
-
-SettingCandidate lobe_candidate(const char* ndf, int lobes, Effort effort) {
-  ParameterValues values = bake_values({{"ndf", ndf}, {"lobes", lobes}});
-  if (effort == kQuickFit) {
-    values.set("sweeps", 1);
-    values.set("no_rehearsal", true);
-  }
-  if (effort == kLongFit) values.set("reference", true);
-  return candidate(values, lobes, effort);
-}
-
-std::vector<SettingCandidate> all_candidates() {
-  std::vector<SettingCandidate> all;
-  all.push_back(candidate(bake_values({{"ndf", "moments"}}), 2, kAveraged));
-  for (const int order : kOrders)
-    all.push_back(candidate(bake_values({{"ndf", "sh"}, {"sh_order", order}}), sh_part_count(order), kAveraged));
-  const LobeCounts counts = lobe_counts();
-  for (int lobes = counts.fewest; lobes <= counts.most; ++lobes) {
-    for (const Effort effort : {kQuickFit, kDefaultFit}) all.push_back(lobe_candidate("vmf", lobes, effort));
-    all.push_back(lobe_candidate("gmm", lobes, kDefaultFit));
-  }
-  // Of fewer lobes, another lobe does more than the long fit, in less time.
-  all.push_back(lobe_candidate("vmf", counts.most, kLongFit));
-  std::stable_sort(all.begin(), all.end(), [](const SettingCandidate& a, const SettingCandidate& b) {
-    return std::pair(a.texture_count, a.effort) < std::pair(b.texture_count, b.effort);
-  });
-  return all;
-}
-
-}  // namespace
-
-std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only) {
-  std::vector<SettingCandidate> candidates = all_candidates();
-  // Gaussians of as many lobes are never nearer than vMFs (docs/ACCURACY.md), and cost as much.
-  std::erase_if(candidates, [&](const SettingCandidate& one) {
-    return only ? one.representation() != *only : one.representation() == Representation::kGmm;
-  });
-  return candidates;
-}
-
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option) {
   TargetBrdf target{text, text, parse_brdf(option, text, Brdf().term_count)};
   if (target.brdf.kind == BrdfKind::kBlinnPhong)

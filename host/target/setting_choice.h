@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which settings a map needs: candidates in the order of what they cost, tried on a mosaic of the map
-// (host/target/map_mosaic.h) until one is near enough to the truth. Nothing is written here; the bake that follows says
-// whether the whole map keeps what the mosaic promised (host/target/chosen_bake.h).
+// Which settings a map needs: candidates (host/target/setting_candidates.h) in the order of what they cost, tried on a
+// mosaic of the map (host/target/map_mosaic.h) until one is near enough to the truth. Nothing is written here; the bake
+// that follows says whether the whole map keeps what the mosaic promised (host/target/chosen_bake.h).
 #pragma once
 
 #include <optional>
@@ -10,22 +10,9 @@
 
 #include "host/bake/bake_job.h"
 #include "host/bake/bake_source.h"
-#include "host/bake/job_parameters.h"
+#include "host/target/setting_candidates.h"
 
 namespace multum {
-
-/// Settings that may be chosen. What it costs, the most important first: textures that are read for a texel, which is
-/// memory and frame time; of as many, the bake's time.
-struct SettingCandidate {
-  ParameterValues values;  // representation, lobes, order, effort; all else is the job's
-  std::string options;     // the same for people: "--ndf vmf --lobes 3"
-  int texture_count;       // of four channels of 16 bits
-  int effort;              // of as many textures: less bakes faster
-  Representation representation() const { return *given_representation(values); }
-};
-
-/// All that `only` allows (empty: every representation), cheapest first.
-std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only);
 
 /// For which BRDF an error counts; of a bake with roughness in, "roughness".
 struct TargetBrdf {

@@ -25,7 +25,6 @@
 namespace multum {
 namespace {
 
-constexpr int kDefaultLobes = 4;
 constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 
 // A way to draw a bake.
@@ -37,19 +36,10 @@ struct View {
   std::optional<Highlight> highlight = std::nullopt;  // another that it is measured for
 };
 
-using Given = std::initializer_list<std::pair<const char*, ParameterValue>>;
-
 struct SweptBake {
   ParameterValues values;
   std::vector<View> views;
 };
-
-// With four lobes of the default, some settings changed.
-SweptBake changed(const std::string& group, Given changes) {
-  SweptBake swept{bake_values({{"ndf", "vmf"}, {"lobes", kDefaultLobes}}), {{group, "", "", true}}};
-  for (const auto& [name, value] : changes) swept.values.set(name, value);
-  return swept;
-}
 
 // GGX as wide as Blinn-Phong of that exponent: alpha^2 = 2 / (s + 2), and glTF's roughness is its root.
 std::string ggx_of(double exponent) {
@@ -67,73 +57,42 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
 }
 
 // The default's bake is drawn by every formula and every sum of terms.
-SweptBake default_bake(const TradeoffJob& job) {
-  const TargetBrdf& brdf = job.brdf;
-  SweptBake by_default = changed("lobes", {});
-  if (job.length == SweepLength::kQuick) return by_default;
-  by_default.views.push_back({"shading formula", "--shade-first", "", false});
-  if (job.has_roughness()) return by_default;  // the BRDF is the map's, and its formula the product's
-  if (brdf.brdf.kind == BrdfKind::kBlinnPhong)
-    by_default.views.push_back({"shading formula", "--formula paper", "", false});
-  if (brdf.has_highlight()) add_term_views(brdf, by_default.views);
-  return by_default;
+void add_default_views(const TradeoffJob& job, std::vector<View>& views) {
+  if (job.length == SweepLength::kQuick) return;
+  views.push_back({"shading formula", "--shade-first", "", false});
+  if (job.has_roughness()) return;  // the BRDF is the map's, and its formula the product's
+  if (job.brdf.brdf.kind == BrdfKind::kBlinnPhong) views.push_back({"shading formula", "--formula paper", "", false});
+  if (job.brdf.has_highlight()) add_term_views(job.brdf, views);
 }
 
-void add_representations(const TargetBrdf& brdf, SweepLength length, std::vector<SweptBake>& sweep) {
-  SweptBake moments{bake_values({{"ndf", "moments"}}), {}};
-  for (const char* shading : kMomentShadings)
-    moments.views.push_back({"moments", fmt::format("--moments {}", shading), "", true});
-  sweep.push_back(moments);
-  for (const int order : length == SweepLength::kQuick     ? std::vector<int>{4, 8}
-                         : length == SweepLength::kDefault ? std::vector<int>{2, 4, 6, 8, 12}
-                                                           : std::vector<int>{2, 3, 4, 6, 8, 10, 13, 16, 20}) {
-    sweep.push_back({bake_values({{"ndf", "sh"}, {"sh_order", order}}), {{"harmonics", "", "", true}}});
-  }
-  if (brdf.is_sum()) return;
-  for (const int count : length == SweepLength::kQuick     ? std::vector<int>{4}
-                         : length == SweepLength::kDefault ? std::vector<int>{1, 2, 4, 6}
-                                                           : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    sweep.push_back({bake_values({{"ndf", "gmm"}, {"lobes", count}}), {{"Gaussians", "", "", true}}});
+std::vector<View> views_of(const SettingCandidate& candidate, const TradeoffJob& job) {
+  const std::string group = candidate_axis_name(candidate.axis);
+  std::vector<View> views;
+  if (candidate.axis == CandidateAxis::kMoments)
+    for (const char* shading : kMomentShadings)
+      views.push_back({group, fmt::format("--moments {}", shading), "", true});
+  else views.push_back({group, "", "", true});
+  if (candidate.axis == CandidateAxis::kLobes && candidate.lobe_count() == default_lobe_count())
+    add_default_views(job, views);
+  if (candidate.values.flag("unaligned")) views.push_back({group, "--shade-first", "", false});
+  return views;
 }
 
-void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
-  const auto add = [&](const std::string& group, Given changes) { sweep.push_back(changed(group, changes)); };
-  add("iterations", {{"sweeps", 1}, {"no_rehearsal", true}});
-  add("storage", {{"data_format", "half"}});
-  // Without level 0 lobes take a quarter of the memory: more of them fit into as much.
-  for (const int lobes : length == SweepLength::kQuick     ? std::vector<int>{2, 4}
-                         : length == SweepLength::kDefault ? std::vector<int>{1, 2, 3, 4, 6, 8}
-                                                           : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    add("first level", {{"lobes", lobes}, {"first_level", 1}});
-  if (length == SweepLength::kQuick) return;
-  for (const int iterations : {3, 6}) add("iterations", {{"iterations", iterations}});
-  for (const int sweeps : {1, 3}) add("iterations", {{"sweeps", sweeps}});
-  add("iterations", {{"no_rehearsal", true}});
-  add("iterations", {{"reference", true}});
-  add("iterations", {{"coarse_normals", "all"}});
-  SweptBake unaligned = changed("hierarchy", {{"unaligned", true}});
-  unaligned.views.push_back({"hierarchy", "--shade-first", "", false});
-  sweep.push_back(unaligned);
-  for (const double alignment : {0.0, 1.0}) add("hierarchy", {{"align", alignment}});
-  add("hierarchy", {{"order", "scanline"}});
-  add("storage", {{"data_format", "float"}});
-  add("first level", {{"first_level", 2}});
-  for (const char* compression : {"none", "piz"}) add("storage", {{"compression", compression}});
-  if (length != SweepLength::kFull) return;
-  for (const int lobes : {1, 2, 3, 5, 6, 7, 8}) {
-    add("iterations", {{"lobes", lobes}, {"sweeps", 1}, {"no_rehearsal", true}});
-    add("iterations", {{"lobes", lobes}, {"reference", true}});
+CandidateUser user_of(SweepLength length) {
+  switch (length) {
+    case SweepLength::kQuick: return kQuickSweep;
+    case SweepLength::kDefault: return kDefaultSweep;
+    case SweepLength::kFull: return kFullSweep;
   }
+  return kDefaultSweep;
 }
 
 std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
-  const SweepLength length = job.length;
   std::vector<SweptBake> sweep;
-  for (const int count :
-       length == SweepLength::kQuick ? std::vector<int>{1, 2, 4, 6} : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    sweep.push_back(count == kDefaultLobes ? default_bake(job) : changed("lobes", {{"lobes", count}}));
-  add_representations(job.brdf, length, sweep);
-  add_changes(length, sweep);
+  for (const SettingCandidate& one : setting_candidates(user_of(job.length))) {
+    if (job.brdf.is_sum() && one.representation() == Representation::kGmm) continue;
+    sweep.push_back({one.values, views_of(one, job)});
+  }
   return sweep;
 }
 

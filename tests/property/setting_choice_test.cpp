@@ -38,7 +38,7 @@ BakeJob job_on_two_threads() {
 
 SettingTrials trials_of(const BakeSource& source, const std::string& brdf,
                         std::optional<Representation> only = std::nullopt) {
-  return {test_device(), job_on_two_threads(), source, parse_target_brdf(brdf), setting_candidates(only)};
+  return {test_device(), job_on_two_threads(), source, parse_target_brdf(brdf), target_candidates(only)};
 }
 
 std::string chosen(SettingTrials& trials, double error) {
@@ -47,13 +47,13 @@ std::string chosen(SettingTrials& trials, double error) {
 }
 
 TEST(SettingCandidates, ComeInTheOrderOfTheirCost) {
-  const std::vector<SettingCandidate> all = setting_candidates(std::nullopt);
+  const std::vector<SettingCandidate> all = target_candidates(std::nullopt);
   ASSERT_GT(all.size(), 20u);
   for (std::size_t i = 1; i < all.size(); ++i)
     EXPECT_LE(std::pair(all[i - 1].texture_count, all[i - 1].effort), std::pair(all[i].texture_count, all[i].effort));
   EXPECT_EQ(all.front().options, "--ndf vmf --lobes 1 --sweeps 1 --no-rehearsal");
   for (const RepresentationInfo& info : representations()) {
-    const std::vector<SettingCandidate> of_one = setting_candidates(info.representation);
+    const std::vector<SettingCandidate> of_one = target_candidates(info.representation);
     EXPECT_FALSE(of_one.empty()) << info.option;
     for (const SettingCandidate& one : of_one) {
       const BakeJob job = with_candidate(job_on_two_threads(), one);
