@@ -186,7 +186,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
                         const Attempt& chosen, bool met) {
   const auto options = [&](const SettingTrial& trial) { return trials.candidates()[trial.candidate].options; };
   std::string text = fmt::format("{}: {}: {} for {}", met ? "chosen" : "best reached", options(chosen.trial),
-                                 reached_text(chosen.reached), trials.brdf().name);
+                                 reached_text(chosen.reached), trials.brdf().id.text());
   text += target.error ? fmt::format(", asked for {}", in_percent(*target.error))
                        : fmt::format(" in {:.0f} ms, asked for {:.0f}", 1e3 * chosen.seconds, 1e3 * *target.seconds);
   text += fmt::format("; {} of {} settings tried on a mosaic, {} baked\n", trials.made().size(),
@@ -233,7 +233,7 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& 
 std::string target_text(const BakeTarget& target) {
   std::string text = target.error ? fmt::format("an error of {:g}", *target.error)
                                   : fmt::format("a bake of {:g} ms", 1e3 * *target.seconds);
-  text += fmt::format(" for {}", target.brdf.name);
+  text += fmt::format(" for {}", target.brdf.id.text());
   if (target.only) text += fmt::format(" by {}", representation_info(*target.only).option);
   return text;
 }
@@ -263,7 +263,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   if (given_source == nullptr) read = read_source(job, MapReadings::kMany, choosing, progress);
   const BakeSource& source = given_source != nullptr ? *given_source : *read;
   clock.finish("read");
-  if (source.has_roughness && target.brdf.name != "lambert") target.brdf.name = "roughness";
+  if (source.has_roughness && target.brdf.id != AccuracyBrdf::lambert()) target.brdf.id = AccuracyBrdf::roughness();
   std::vector<SettingCandidate> candidates = target_candidates(target.only);
   progress_stage(progress, "choose settings");
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));

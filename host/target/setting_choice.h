@@ -16,9 +16,9 @@ namespace multum {
 
 /// For which BRDF an error counts; of a bake with roughness in, "roughness".
 struct TargetBrdf {
-  std::string name = "blinn-phong:100";  // as AccuracySummary::brdf
-  std::string text = name;               // as options name it
-  Brdf brdf;                             // kLambert: no highlight
+  AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without a way to shade it, and without colours
+  std::string text = id.text();                        // as options name it
+  Brdf brdf;                                           // kLambert: no highlight
 
   bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
   /// Is it shaded as a sum of vMFs? Planar Gaussians know none of these.

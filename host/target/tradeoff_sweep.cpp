@@ -34,6 +34,7 @@ struct View {
   std::string brdf;                                   // of multum-view; empty: the target
   bool is_measured;                                   // do the bake's measured errors of the target hold for it?
   std::optional<Highlight> highlight = std::nullopt;  // another that it is measured for
+  std::string shading = {};                           // AccuracyBrdf::shading of its errors
 };
 
 struct SweptBake {
@@ -51,8 +52,9 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
   const std::string text = target.is_sum() ? target.text : ggx_of(equivalent_exponent(target.brdf));
   for (int terms = 1; terms <= kBrdfTermCountMax; ++terms) {
     const std::string arguments = fmt::format("--brdf-terms {}", terms);
-    views.push_back({"BRDF terms", arguments, text, false,
-                     make_highlight("terms:" + std::to_string(terms), parse_brdf("--brdf", text, terms))});
+    views.push_back(
+        {"BRDF terms", arguments, text, false,
+         make_highlight(AccuracyBrdf::named("terms:" + std::to_string(terms)), parse_brdf("--brdf", text, terms))});
   }
 }
 
@@ -70,7 +72,7 @@ std::vector<View> views_of(const SettingCandidate& candidate, const TradeoffJob&
   std::vector<View> views;
   if (candidate.axis == CandidateAxis::kMoments)
     for (const char* shading : kMomentShadings)
-      views.push_back({group, fmt::format("--moments {}", shading), "", true});
+      views.push_back({group, fmt::format("--moments {}", shading), "", true, std::nullopt, shading});
   else views.push_back({group, "", "", true});
   if (candidate.axis == CandidateAxis::kLobes && candidate.lobe_count() == default_lobe_count())
     add_default_views(job, views);
@@ -118,7 +120,7 @@ std::string read_bytes(const std::string& path) {
 }
 
 // The mean over levels of one kind of point.
-double mean_error(const std::vector<AccuracyRow>& rows, const std::string& brdf,
+double mean_error(const std::vector<AccuracyRow>& rows, const AccuracyBrdf& brdf,
                   std::initializer_list<AccuracyPoint> points) {
   double sum = 0.0;
   int count = 0;
@@ -208,14 +210,10 @@ class Sweep {
 
   void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
     // Of moments, those of this way to shade them.
-    constexpr std::string_view kMoments = "--moments ";
-    const std::string shading =
-        view.arguments.starts_with(kMoments) ? " " + view.arguments.substr(kMoments.size()) : std::string();
     for (const AccuracySummary& one : report.error)
-      if (const std::size_t space = one.brdf.find(' ');
-          (space == std::string::npos ? "" : one.brdf.substr(space)) == shading)
-        row.errors.push_back(one);
-    const std::string brdf = job_.brdf.name + shading;
+      if (one.brdf.shading == view.shading && !one.brdf.has_colours) row.errors.push_back(one);
+    AccuracyBrdf brdf = job_.brdf.id;
+    brdf.shading = view.shading;
     row.reached = reached_error(row.errors, job_.brdf);
     row.has_error = true;
     row.centre = mean_error(report.accuracy, brdf, {AccuracyPoint::kCentre});
@@ -224,7 +222,7 @@ class Sweep {
   }
 
   static void add_errors_of(const BakeReport& report, const Highlight& highlight, TradeoffRow& row) {
-    row.reached = reached_error(report.error, {highlight.name, highlight.name, highlight.brdf});
+    row.reached = reached_error(report.error, {highlight.id, highlight.id.text(), highlight.brdf});
     row.has_error = true;
   }
 

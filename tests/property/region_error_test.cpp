@@ -64,8 +64,8 @@ std::map<std::string, double> region_errors(Device& device, const std::string& f
   std::map<std::string, int> counts;
   for (const AccuracyRow& row : measure_accuracy(device, part, truth, nullptr, settings, nullptr)) {
     if (row.level == 0) continue;
-    sums[row.brdf] += row.error;
-    ++counts[row.brdf];
+    sums[row.brdf.text()] += row.error;
+    ++counts[row.brdf.text()];
   }
   for (auto& [brdf, sum] : sums) sum /= counts[brdf];
   return sums;

@@ -64,11 +64,11 @@ TEST(SettingCandidates, ComeInTheOrderOfTheirCost) {
 }
 
 TEST(TargetBrdf, IsNamedAsRowsAre) {
-  EXPECT_EQ(parse_target_brdf("blinn-phong:100").name, "blinn-phong:100");
-  EXPECT_EQ(parse_target_brdf("blinn-phong:1e2").name, "blinn-phong:100");
+  EXPECT_EQ(parse_target_brdf("blinn-phong:100").id.text(), "blinn-phong:100");
+  EXPECT_EQ(parse_target_brdf("blinn-phong:1e2").id.text(), "blinn-phong:100");
   EXPECT_EQ(parse_target_brdf("blinn-phong:33.5").brdf.exponent, 33.5f);
   EXPECT_FALSE(parse_target_brdf("lambert").has_highlight());
-  EXPECT_EQ(parse_target_brdf("ggx:0.4").name, "ggx:0.4");
+  EXPECT_EQ(parse_target_brdf("ggx:0.4").id.text(), "ggx:0.4");
   // What every bake measures is not measured again.
   EXPECT_TRUE(parse_target_brdf("blinn-phong:500").more_highlights().empty());
   EXPECT_EQ(parse_target_brdf("torrance-sparrow:0.1").more_highlights().size(), 1u);
@@ -230,7 +230,7 @@ TEST(AccuracySummary, IntervalHoldsTheErrorOfAllTexels) {
       return std::pair(meter.summaries().front(), rows);
     };
     const auto [whole, rows] = measure(0, 1);
-    EXPECT_EQ(whole.brdf, "blinn-phong:100");
+    EXPECT_EQ(whole.brdf, AccuracyBrdf::blinn_phong(100.0));
     EXPECT_EQ(whole.confidence, 0.0);
     // Each level weighs the same; their mean truth is the same but for borders.
     double sum = 0.0;
