@@ -60,7 +60,7 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   BakedProvenance from;
   from.software = software_version();
   from.source_name = source;
-  from.source_hash = hash_file(job.input);
+  from.source_hash = job.hashes->hash(job.input);
   from.settings = settings;
   from.settings_hash = hash_text(settings);
   return from;

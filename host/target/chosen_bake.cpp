@@ -240,7 +240,7 @@ std::string target_text(const BakeTarget& target) {
 
 std::string target_key(const BakeJob& job, const BakeTarget& target) {
   std::string rest = all_settings_json(job);
-  if (is_brdf_file(target.brdf.text)) rest += hash_file(target.brdf.text);
+  if (is_brdf_file(target.brdf.text)) rest += job.hashes->hash(target.brdf.text);
   return fmt::format("{}, {}", target_text(target), hash_text(rest).substr(0, 16));
 }
 
