@@ -73,8 +73,8 @@ class ErrorSums {
   }
 
   // Ratio of sums, and the half width of its 95 % interval.
-  AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf, std::string name) const {
-    AccuracyRow row{level, kind, std::move(name), 0.0, 0.0, counts_[group(level, kind)]};
+  AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf, AccuracyBrdf what) const {
+    AccuracyRow row{level, kind, std::move(what), 0.0, 0.0, counts_[group(level, kind)]};
     const ErrorSum& total = totals_[group(level, kind) * brdf_count_ + brdf];
     if (!(total.count > 0.0)) return row;
     const ErrorBase base(total);
@@ -88,8 +88,8 @@ class ErrorSums {
     return row;
   }
 
-  AccuracySummary summary(std::size_t brdf, std::string name, int first_level) const {
-    AccuracySummary summary{std::move(name), 0.0, 0.0, 0, 0, 0.0};
+  AccuracySummary summary(std::size_t brdf, AccuracyBrdf what, int first_level) const {
+    AccuracySummary summary{std::move(what), 0.0, 0.0, 0, 0, 0.0};
     const int level_count = static_cast<int>(points_.texels().sizes().size());
     first_level = std::min(std::max(first_level, kSummaryLevel), level_count - 1);
     ErrorSum means;  // of a point, all levels together
@@ -229,7 +229,7 @@ class Comparison {
       for (AccuracyPoint kind :
            {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
         for (std::size_t b = 0; b < brdf_count(); ++b) {
-          AccuracyRow made = sums_.row(l, kind, b, brdf_name(b));
+          AccuracyRow made = sums_.row(l, kind, b, what_of(b));
           if (made.sample_count > 0) rows.push_back(std::move(made));
         }
     return rows;
@@ -237,7 +237,7 @@ class Comparison {
 
   std::vector<AccuracySummary> summaries() const {
     std::vector<AccuracySummary> all;
-    for (std::size_t b = 0; b < brdf_count(); ++b) all.push_back(sums_.summary(b, brdf_name(b), settings_.first_level));
+    for (std::size_t b = 0; b < brdf_count(); ++b) all.push_back(sums_.summary(b, what_of(b), settings_.first_level));
     return all;
   }
 
@@ -334,14 +334,14 @@ class Comparison {
   // Plain, and with colours.
   std::size_t groups_per_shading() const { return channel_count_ > 0 ? 2 : 1; }
   std::size_t brdf_count() const { return plain_count_ * groups_per_shading() * shadings_.size(); }
-  std::string brdf_name(std::size_t brdf) const {
+  AccuracyBrdf what_of(std::size_t brdf) const {
     const std::size_t plain = brdf % plain_count_, group = brdf / plain_count_;
-    std::string name = plain + 1 == plain_count_ ? "lambert"
-                       : settings_.has_roughness ? "roughness"
-                                                 : highlights_[plain].name;
-    const std::string& shading = shadings_[group / groups_per_shading()];
-    if (!shading.empty()) name += " " + shading;
-    return group % groups_per_shading() == 0 ? name : name + " coloured";
+    AccuracyBrdf what = plain + 1 == plain_count_ ? AccuracyBrdf::lambert()
+                        : settings_.has_roughness ? AccuracyBrdf::roughness()
+                                                  : highlights_[plain].id;
+    what.shading = shadings_[group / groups_per_shading()];
+    what.has_colours = group % groups_per_shading() != 0;
+    return what;
   }
 
   const AccuracySettings& settings_;
@@ -431,8 +431,8 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
   std::vector<LevelDifference> sums;
   for (int l = 0; l < level_count; ++l) {
     for (const Highlight& highlight : highlights)
-      sums.push_back({l, settings_.has_roughness ? "roughness" : highlight.name});
-    sums.push_back({l, "lambert"});
+      sums.push_back({l, settings_.has_roughness ? AccuracyBrdf::roughness() : highlight.id});
+    sums.push_back({l, AccuracyBrdf::lambert()});
   }
   // Values [point][highlight, half vector; then light] of a channel; -1: without colours.
   const auto shaded = [&](AccuracyMeter& meter, int channel) {

@@ -13,6 +13,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/accuracy/accuracy_brdf.h"
 #include "host/accuracy/accuracy_model.h"
 #include "host/accuracy/accuracy_points.h"
 #include "host/accuracy/highlight.h"
@@ -30,9 +31,7 @@ namespace multum {
 struct AccuracyRow {
   int level;
   AccuracyPoint point;
-  // "lambert", "blinn-phong:20", another Highlight::name, or "roughness" where a BRDF's width is in; with " toksvig", "
-  // lean", ... where there are several ways to shade it, and then with " coloured" when multiplied by the colours.
-  std::string brdf;
+  AccuracyBrdf brdf;
   double error;  // relative L1, 0.1 = 10 %; of a hundredth of a white diffuse surface where the truth is less
   // Half width of the 95 % interval of `error`: 0 where all texels were measured, at least kIntervalMin where they were
   // sampled, kIntervalUnstated in rows of a file whose header has none.
@@ -47,7 +46,7 @@ constexpr double kIntervalUnstated = -1.0;
 /// (of smaller maps: the coarsest). Each level weighs the same, since each is what some distance shows; within a level
 /// a point weighs by its truth.
 struct AccuracySummary {
-  std::string brdf;  // as AccuracyRow::brdf
+  AccuracyBrdf brdf;
   double error;
   // Half width of the 95 % interval: 1.96 standard errors of the combined ratio estimate over the strata, which are the
   // levels (Cochran 1977, section 6.11), with the finite population correction. Texels are the sampling units: a texel
@@ -63,7 +62,7 @@ constexpr int kSummaryLevel = 2;
 /// b.
 struct LevelDifference {
   int level;
-  std::string brdf;  // "lambert", "blinn-phong:20", "roughness"
+  AccuracyBrdf brdf;  // however shaded, without colours
   double difference = 0.0, by_default = 0.0;
 };
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <utility>
 
 namespace multum {
@@ -23,7 +22,7 @@ double millionths_up(double half_width) { return std::ceil(half_width * 1e6 - 1e
 double hundredths_of_percent_up(double half_width) { return std::ceil(millionths_up(half_width) / 100.0); }
 
 const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, AccuracyPoint point,
-                            const std::string& brdf) {
+                            const AccuracyBrdf& brdf) {
   for (const AccuracyRow& row : rows)
     if (row.level == level && row.point == point && row.brdf == brdf) return &row;
   return nullptr;
@@ -48,19 +47,17 @@ std::string texels_text(double confidence) {
   return confidence > 0.0 ? "sampled" : "all";
 }
 
-// What a table's heading says of " lean coloured": rows of one group differ in the BRDF alone.
-std::string group_text(std::string suffix) {
-  constexpr std::string_view kColoured = " coloured";  // ends the names of coloured rows, see AccuracyRow::brdf
-  std::string text;
-  if (suffix.ends_with(kColoured)) {
-    suffix.resize(suffix.size() - kColoured.size());
-    text = " with colours";
-  }
-  return (suffix.empty() ? "" : " of" + suffix) + text;
+// What a table's heading says of its BRDFs, which are shaded alike: " of lean with colours".
+std::string group_text(const AccuracyBrdf& brdf) {
+  return (brdf.shading.empty() ? "" : " of " + brdf.shading) + (brdf.has_colours ? " with colours" : "");
 }
 
-std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::string>& brdfs,
-                  const std::string& suffix) {
+bool is_shaded_alike(const AccuracyBrdf& a, const AccuracyBrdf& b) {
+  return a.shading == b.shading && a.has_colours == b.has_colours;
+}
+
+// `brdfs`: at least one, all shaded alike.
+std::string table(const std::vector<AccuracyRow>& rows, const std::vector<AccuracyBrdf>& brdfs) {
   std::map<int, double> confidences;  // [level]: whether it was sampled is the same of all its rows
   bool has_intervals = false;
   for (const AccuracyRow& row : rows) {
@@ -70,16 +67,16 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<std::s
   std::string text = fmt::format(
       "measured error{}, relative L1 in %, at texel centres | midway between texels (the worse of x and y){}\n"
       "  level    texels",
-      group_text(suffix), has_intervals ? "; +- 95 % interval" : "");
-  const auto column = [&](const std::string& brdf) {
-    return std::max<std::size_t>(has_intervals ? 32 : 20, brdf.size() + 2);
+      group_text(brdfs.front()), has_intervals ? "; +- 95 % interval" : "");
+  const auto column = [&](const AccuracyBrdf& brdf) {
+    return std::max<std::size_t>(has_intervals ? 32 : 20, brdf.brdf_text().size() + 2);
   };
-  for (const std::string& brdf : brdfs) text += fmt::format("{:>{}}", brdf, column(brdf));
+  for (const AccuracyBrdf& brdf : brdfs) text += fmt::format("{:>{}}", brdf.brdf_text(), column(brdf));
   text += "\n";
   for (const auto& [level, confidence] : confidences) {
     text += fmt::format("  {:>5}  {:>8}", level, texels_text(confidence));
-    for (const std::string& brdf : brdfs) {
-      const auto found = [&](AccuracyPoint point) { return find_row(rows, level, point, brdf + suffix); };
+    for (const AccuracyBrdf& brdf : brdfs) {
+      const auto found = [&](AccuracyPoint point) { return find_row(rows, level, point, brdf); };
       const AccuracyRow* centre = found(AccuracyPoint::kCentre);
       const AccuracyRow* midway = worse(found(AccuracyPoint::kMidX), found(AccuracyPoint::kMidY));
       text += fmt::format("{:>{}}", centre == nullptr ? "-" : percent_text(centre) + " | " + percent_text(midway),
@@ -100,23 +97,22 @@ std::optional<AccuracyPoint> parse_point(const std::string& name) {
 }  // namespace
 
 std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // suffix -> BRDFs, as they come
+  std::vector<std::vector<AccuracyBrdf>> groups;  // of BRDFs that are shaded alike, as they come
   for (const AccuracyRow& row : rows) {
-    const std::string name = row.brdf.substr(0, row.brdf.find(' ')), suffix = row.brdf.substr(name.size());
-    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& one) { return one.first == suffix; });
-    if (group == groups.end()) group = groups.insert(groups.end(), {suffix, {}});
-    std::vector<std::string>& names = group->second;
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    auto group = std::find_if(groups.begin(), groups.end(),
+                              [&](const auto& brdfs) { return is_shaded_alike(brdfs.front(), row.brdf); });
+    if (group == groups.end()) groups.push_back({row.brdf});
+    else if (std::find(group->begin(), group->end(), row.brdf) == group->end()) group->push_back(row.brdf);
   }
   std::string text;
-  for (const auto& [suffix, brdfs] : groups) text += table(rows, brdfs, suffix);
+  for (const std::vector<AccuracyBrdf>& brdfs : groups) text += table(rows, brdfs);
   return text;
 }
 
 std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
   nlohmann::json json = nlohmann::json::array();
   for (const AccuracyRow& row : rows) {
-    nlohmann::json one = {row.level, accuracy_point_name(row.point), row.brdf, rounded(row.error)};
+    nlohmann::json one = {row.level, accuracy_point_name(row.point), row.brdf.text(), rounded(row.error)};
     if (row.confidence == 0.0) one.push_back(0);
     else if (row.confidence > 0.0) one.push_back(millionths_up(row.confidence) / 1e6);
     json.push_back(std::move(one));
@@ -137,7 +133,8 @@ std::optional<std::vector<AccuracyRow>> parse_measured_error(const std::string& 
     const auto level = one[0].get<std::int64_t>();
     const std::optional<AccuracyPoint> point = parse_point(one[1].get<std::string>());
     if (level < 0 || level > kLevelMax || !point) return std::nullopt;
-    rows.push_back({static_cast<int>(level), *point, one[2].get<std::string>(), one[3].get<double>(), confidence, 0});
+    rows.push_back({static_cast<int>(level), *point, parse_accuracy_brdf(one[2].get<std::string>()),
+                    one[3].get<double>(), confidence, 0});
   }
   return rows;
 }

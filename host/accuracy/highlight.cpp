@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/accuracy/highlight.h"
 
-#include <fmt/format.h>
-
 #include "host/base/error.h"
 #include "host/brdf/facet_distribution.h"
 #include "host/brdf/vmf_terms.h"
@@ -14,15 +12,13 @@ static_assert(MULTUM_HIGHLIGHT_TERMS == kBrdfTermCountMax);
 
 }  // namespace
 
-std::string blinn_phong_name(double exponent) { return fmt::format("blinn-phong:{}", exponent); }
-
 Highlight blinn_phong_highlight(double exponent) {
   Brdf brdf;
   brdf.exponent = static_cast<float>(exponent);
-  return make_highlight(blinn_phong_name(exponent), brdf);
+  return make_highlight(AccuracyBrdf::blinn_phong(exponent), brdf);
 }
 
-Highlight make_highlight(const std::string& name, const Brdf& brdf) { return {name, brdf, shaded_highlight(brdf)}; }
+Highlight make_highlight(const AccuracyBrdf& id, const Brdf& brdf) { return {id, brdf, shaded_highlight(brdf)}; }
 
 double grey_density(const Brdf& brdf, double e) { return mean_channel(facet_density(brdf, e)); }
 

@@ -3,23 +3,20 @@
 // (Fresnel, shadowing), as the truth takes it and as the shading kernels do. Coloured f are taken grey, by their mean.
 #pragma once
 
-#include <string>
-
+#include "host/accuracy/accuracy_brdf.h"
 #include "host/brdf/brdf.h"
 #include "kernels/shared/highlight.h"
 
 namespace multum {
 
 struct Highlight {
-  std::string name;  // "blinn-phong:100", "ggx:0.5"
-  Brdf brdf;         // not kLambert
+  AccuracyBrdf id;  // what errors of it are stated as; not kLambert
+  Brdf brdf;        // the same, as it is shaded
   MultumHighlight shaded;
 };
 /// Takes 10 to 100 ms for GGX and measurements, which are fitted: made once, and handed on.
-Highlight make_highlight(const std::string& name, const Brdf& brdf);
+Highlight make_highlight(const AccuracyBrdf& id, const Brdf& brdf);
 
-/// "blinn-phong:100".
-std::string blinn_phong_name(double exponent);
 Highlight blinn_phong_highlight(double exponent);
 
 /// The mean of f's channels at e = 1 - n.h.

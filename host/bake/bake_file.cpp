@@ -84,7 +84,7 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   BakedProvenance from;
   from.software = software_version();
   from.source_name = source;
-  from.source_hash = hash_file(job.input);
+  from.source_hash = job.hashes->hash(job.input);
   from.settings = settings;
   from.settings_hash = hash_text(settings);
   return from;
@@ -110,8 +110,8 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
   if (!report.roughness) return;
   double error = 0.0;
   for (const AccuracyRow& row : report.accuracy)
-    if (row.level < kFineLevels && row.point == AccuracyPoint::kCentre && row.brdf.starts_with("lambert") &&
-        !row.brdf.ends_with(" coloured"))
+    if (row.level < kFineLevels && row.point == AccuracyPoint::kCentre && row.brdf.kind == AccuracyBrdfKind::kLambert &&
+        !row.brdf.has_colours)
       error = std::max(error, row.error);
   if (error <= kDiffuseErrorNoted) return;
   report.roughness->warnings.push_back(fmt::format(

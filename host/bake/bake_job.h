@@ -2,6 +2,7 @@
 // Describes a bake: the files it reads and writes, and its settings. host/bake/bake_file.h runs it.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "host/accuracy/highlight.h"
 #include "host/asset/baked_file.h"
 #include "host/bake/region_bake.h"
+#include "host/base/files/input_hashes.h"
 #include "host/image/material_maps.h"
 #include "host/image/normals/normal_map.h"
 #include "host/movmf/bake_settings.h"
@@ -44,6 +46,8 @@ struct BakeJob {
   std::string onto;
   std::optional<MapRegion> region;
   int threads = 2;  // of the host's own loops
+  // Of the files that are read. Copies of a job share it: each file is hashed once.
+  std::shared_ptr<InputHashes> hashes = std::make_shared<InputHashes>();
 };
 
 /// Material maps, which are read along with the normals.

@@ -18,7 +18,7 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
   for (const AccuracyRow& row : rows)
     list.push_back({{"level", row.level},
                     {"point", accuracy_point_name(row.point)},
-                    {"brdf", row.brdf},
+                    {"brdf", row.brdf.text()},
                     {"relative_l1", row.error},
                     {"confidence_95", row.confidence},
                     {"samples", row.sample_count},
@@ -29,7 +29,7 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
 Json error_json(const std::vector<AccuracySummary>& summaries) {
   Json list = Json::array();
   for (const AccuracySummary& one : summaries)
-    list.push_back({{"brdf", one.brdf},
+    list.push_back({{"brdf", one.brdf.text()},
                     {"relative_l1", one.error},
                     {"confidence_95", one.confidence},
                     {"samples", one.sample_count},
@@ -45,7 +45,7 @@ std::string error_line(const std::vector<AccuracySummary>& summaries, int first_
   bool is_whole = true;
   for (const AccuracySummary& one : summaries) is_whole = is_whole && one.confidence == 0.0;
   for (const AccuracySummary& one : summaries)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf,
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf.text(),
                         is_whole ? fmt::format("{:.2f} %", 100.0 * one.error) : error_text(one.error, one.confidence));
   if (text.empty()) return "";
   return fmt::format("error, mean over levels {} and up, {}: {}\n", first_level,

@@ -60,6 +60,7 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
 }
 
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress) {
+  for (const std::string& file : input_files(job)) job.hashes->note(file);
   const SpillPolicy spill = {scratch_folder(job), map_bytes_in_memory(job, readings)};
   BakeSource source{read_normal_map_rows(job.input, job.reading, spill, job.threads, progress), std::nullopt,
                     std::nullopt};
@@ -76,6 +77,7 @@ BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* 
     source.roughness = shorten_by_roughness(source.map.normals, roughness_file(job), spill, job.threads);
     source.mean_cosine = source.roughness->mean_cosine;
   }
+  for (const std::string& file : input_files(job)) job.hashes->check_unchanged(file);
   return source;
 }
 

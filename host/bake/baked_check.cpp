@@ -68,7 +68,7 @@ std::uint64_t stored_rows(const BakedHeader& header) {
 double comparable(double error) { return std::isnan(error) ? std::numeric_limits<double>::infinity() : error; }
 
 std::string row_name(const AccuracyRow& row) {
-  return fmt::format("level {}, {}, {}", row.level, accuracy_point_name(row.point), row.brdf);
+  return fmt::format("level {}, {}, {}", row.level, accuracy_point_name(row.point), row.brdf.text());
 }
 
 }  // namespace

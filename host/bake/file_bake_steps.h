@@ -59,9 +59,7 @@ inline AccuracySettings accuracy_settings(const BakeJob& job) {
 /// Removes the rows of BakeJob::highlights; the others are what every file states.
 inline std::vector<AccuracyRow> stated_rows(const BakeJob& job, std::vector<AccuracyRow> rows) {
   for (const Highlight& one : job.highlights)
-    std::erase_if(rows, [&name = one.name](const AccuracyRow& row) {
-      return row.brdf == name || row.brdf.starts_with(name + " ");
-    });
+    std::erase_if(rows, [&id = one.id](const AccuracyRow& row) { return row.brdf.is_same_brdf(id); });
   return rows;
 }
 

@@ -91,13 +91,13 @@ std::string all_settings_json(const BakeJob& job) {
   add_reading_settings(job.reading, json);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
-  json["albedo"] = job.albedo.empty() ? "" : hash_file(job.albedo);
+  json["albedo"] = job.albedo.empty() ? "" : job.hashes->hash(job.albedo);
   // Where there are none, the text is that of programs that knew none.
-  if (!job.weights.empty()) json["weights"] = hash_file(job.weights);
+  if (!job.weights.empty()) json["weights"] = job.hashes->hash(job.weights);
   if (!job.roughness.empty()) {
     const ChannelFile file = roughness_file(job);
-    json["roughness"] =
-        hash_file(file.path) + (file.channel.empty() ? "" : ":" + file.channel) + (file.is_gloss ? ", gloss" : "");
+    json["roughness"] = job.hashes->hash(file.path) + (file.channel.empty() ? "" : ":" + file.channel) +
+                        (file.is_gloss ? ", gloss" : "");
   }
   if (!job.onto.empty()) {
     if (job.region) json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
@@ -121,7 +121,7 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
     return state;
   }
   std::vector<std::string> reasons;
-  if (there->source_hash != hash_file(job.input)) reasons.emplace_back("the source has changed");
+  if (there->source_hash != job.hashes->hash(job.input)) reasons.emplace_back("the source has changed");
   if (there->software != software_version())
     reasons.push_back(fmt::format("it was baked by {}, this is {}", there->software, software_version()));
   if (there->settings != settings)

@@ -91,7 +91,7 @@ class StartTrial {
     while (too_fine(accuracy.first_level)) ++accuracy.first_level;
     double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
     for (const AccuracyRow& row : measure_accuracy(device_, mipmap, proxy_, accuracy, nullptr))
-      if (row.brdf != "lambert") error += std::log(row.error + 0.005);
+      if (row.brdf != AccuracyBrdf::lambert()) error += std::log(row.error + 0.005);
     return error;
   }
 

@@ -12,9 +12,12 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kTexelsASample = 65536;
-constexpr int kLobesDefault = 4, kLobesMax = 8;
 // Lobes as sharp as the storage loses, as a share: fewer are in every map (host/bake/movmf_file_bake.cpp).
 constexpr double kUnrepresentableMax = 1.0 / 3.0;
+
+std::string lobes_name(Representation representation, int lobes) {
+  return fmt::format("{}, {} lobe{}", representation_info(representation).option, lobes, lobes == 1 ? "" : "s");
+}
 
 BakeCandidate finished(BakeCandidate candidate) {
   candidate.cost = bake_cost(candidate.shape);
@@ -115,11 +118,12 @@ PartErrors MapPlanner::lobes_error(int lobes, ColourModel colours) {
 
 // What `multum bake` does of itself.
 void MapPlanner::add_default() {
-  BakeShape s = shape(Representation::kMovmf, kLobesDefault);
+  const int lobes = default_lobe_count();
+  BakeShape s = shape(Representation::kMovmf, lobes);
   s.first_level = 0;
   s.has_colours = source_->albedo.has_value();
   s.exponent_count = 3;
-  plan_.default_bake = finished({"vmf, 4 lobes", s, s.has_colours, {}, {}});
+  plan_.default_bake = finished({lobes_name(Representation::kMovmf, lobes), s, s.has_colours, {}, {}});
   if (plan_.is_constant) return;
   // One lobe within the tolerance needs no comparison: the default bake is taken to be no worse.
   if (!scene_.budget.target_error) {
@@ -127,7 +131,7 @@ void MapPlanner::add_default() {
     plan_.default_error_is_bound = one.worst() <= scene_.budget.tolerance;
     if (plan_.default_error_is_bound) plan_.default_bake.error = one;
   }
-  if (!plan_.default_error_is_bound) plan_.default_bake.error = lobes_error(kLobesDefault, ColourModel::kLobes);
+  if (!plan_.default_error_is_bound) plan_.default_bake.error = lobes_error(lobes, ColourModel::kLobes);
 }
 
 void MapPlanner::add_constant() {
@@ -142,7 +146,7 @@ void MapPlanner::add_constant() {
 void MapPlanner::add_lobes(int lobes) {
   BakeShape s = shape(Representation::kMovmf, lobes);
   s.encoding = lobe_encoding(lobes);
-  const std::string name = fmt::format("vmf, {} lobe{}", lobes, lobes == 1 ? "" : "s");
+  const std::string name = lobes_name(Representation::kMovmf, lobes);
   if (has_colours_ && lobes > 1) {
     s.mean_colours = true;
     plan_.candidates.push_back(finished({name + ", 1 colour", s, false, lobes_error(lobes, ColourModel::kMean), {}}));
@@ -153,10 +157,13 @@ void MapPlanner::add_lobes(int lobes) {
       finished({name, s, has_colours_ && lobes > 1, lobes_error(lobes, ColourModel::kLobes), {}}));
 }
 
+std::vector<SettingCandidate> MapPlanner::candidates_of(Representation representation) const {
+  return setting_candidates(scene_.budget.target_error ? kSceneTarget : kScenePlan, representation);
+}
+
 void MapPlanner::add_candidates() {
-  const int most = scene_.budget.target_error ? kLobesMax : kLobesDefault;
-  for (int lobes = 1; lobes <= most; ++lobes) {
-    add_lobes(lobes);
+  for (const SettingCandidate& one : candidates_of(Representation::kMovmf)) {
+    add_lobes(one.lobe_count());
     if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
   }
   if (plan_.default_error_is_bound) return;  // no other takes fewer textures
@@ -165,18 +172,24 @@ void MapPlanner::add_candidates() {
   add_gaussians();
   // Of harmonics and moments an environment's highlight is that of one lobe of the mean normal.
   if (needs_.environment_highlight) return;
-  BakeShape s = shape(Representation::kMoments, 1);
+  for (const SettingCandidate& one : candidates_of(Representation::kMoments)) add_averages(one);
+  for (const SettingCandidate& one : candidates_of(Representation::kSh)) add_averages(one);
+}
+
+void MapPlanner::add_averages(const SettingCandidate& one) {
+  const bool is_sh = one.representation() == Representation::kSh;
+  const int order = one.sh_order();
+  BakeShape s = shape(one.representation(), 1);
+  if (is_sh) s.sh_order = order;
   s.has_colours = has_colours_;
-  const auto lean = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->lean_error(by, c); };
-  plan_.candidates.push_back(finished({"moments", s, false, part_errors(lean, ColourModel::kMean), {}}));
-  for (const int order : {2, 4}) {
-    s = shape(Representation::kSh, 1);
-    s.sh_order = order;
-    s.has_colours = has_colours_;
-    const auto sh = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->sh_error(order, by, c); };
-    plan_.candidates.push_back(
-        finished({fmt::format("sh of order {}", order), s, false, part_errors(sh, ColourModel::kMean), {}}));
-  }
+  const auto error = [&](const std::vector<ShadedBy>& by, ColourModel c) {
+    return is_sh ? errors_->sh_error(order, by, c) : errors_->lean_error(by, c);
+  };
+  plan_.candidates.push_back(finished({is_sh ? fmt::format("sh of order {}", order) : "moments",
+                                       s,
+                                       false,
+                                       part_errors(error, ColourModel::kMean),
+                                       {}}));
 }
 
 // Gaussians take as many textures as vMFs, and as much time to fit: they are cheaper where fewer will do.
@@ -184,11 +197,13 @@ void MapPlanner::add_gaussians() {
   if (!scene_.environment.empty()) return;
   const BakeCandidate vmf = plan_.candidates.back();
   const int most = vmf.shape.lobe_count - (vmf.error.within(plan_.limit) ? 1 : 0);
-  for (int lobes = 1; lobes <= most; ++lobes) {
+  for (const SettingCandidate& one : candidates_of(Representation::kGmm)) {
+    const int lobes = one.lobe_count();
+    if (lobes > most) break;
     BakeShape s = shape(Representation::kGmm, lobes);
     s.has_colours = has_colours_;
     const auto gmm = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->gmm_error(lobes, by, c); };
-    plan_.candidates.push_back(finished({fmt::format("gmm, {} lobe{}", lobes, lobes == 1 ? "" : "s"),
+    plan_.candidates.push_back(finished({lobes_name(Representation::kGmm, lobes),
                                          s,
                                          has_colours_ && lobes > 1,
                                          part_errors(gmm, ColourModel::kLobes),

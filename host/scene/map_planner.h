@@ -10,6 +10,7 @@
 #include "host/scene/map_needs.h"
 #include "host/scene/map_survey.h"
 #include "host/scene/scene_plan.h"
+#include "host/target/setting_candidates.h"
 
 namespace multum {
 
@@ -41,7 +42,9 @@ class MapPlanner {
   void add_default();
   void add_constant();
   void add_lobes(int lobes);
+  std::vector<SettingCandidate> candidates_of(Representation representation) const;
   void add_candidates();
+  void add_averages(const SettingCandidate& one);
   void add_gaussians();
   void choose_nearest();
   void choose();

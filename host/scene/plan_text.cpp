@@ -159,7 +159,7 @@ std::string bakes_text(const MapPlan& map) {
 // Intel Xeon with AVX-512 (docs/SCENE.md).
 std::string trials_text() {
   return fmt::format(" and the trials (up to {} a map, seconds in all)",
-                     setting_candidates(Representation::kMovmf).size());
+                     target_candidates(Representation::kMovmf).size());
 }
 
 // What the bake costs, and how near it is taken to be.

@@ -76,8 +76,8 @@ std::vector<AccuracySummary> errors_of(const nlohmann::json& row) {
   std::vector<AccuracySummary> errors;
   try {
     for (const nlohmann::json& one : row.at("bake").at("error"))
-      errors.push_back({one.at("brdf"), one.at("relative_l1"), one.at("confidence_95"), one.at("samples"),
-                        one.at("worst_level"), one.at("worst_level_relative_l1")});
+      errors.push_back({parse_accuracy_brdf(one.at("brdf")), one.at("relative_l1"), one.at("confidence_95"),
+                        one.at("samples"), one.at("worst_level"), one.at("worst_level_relative_l1")});
   } catch (const nlohmann::json::exception&) {
     errors.clear();
   }

@@ -127,16 +127,16 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
         meter->difference_from(*other, device, mosaic.map.normals, has_colours ? mosaic.colours() : nullptr, &quiet));
   }
   SceneDifference worst;
-  std::vector<std::string> parts;
+  std::vector<AccuracyBrdf> parts;
   for (const LevelDifference& one : found.front())
     if (std::find(parts.begin(), parts.end(), one.brdf) == parts.end()) parts.push_back(one.brdf);
-  for (const std::string& part : parts) {
+  for (const AccuracyBrdf& part : parts) {
     SceneDifference here;
-    here.part = part;
+    here.part = part.text();
     double level_count = 0.0, half_widths = 0.0;
     for (std::size_t i = 0; i < found.front().size(); ++i) {
       const LevelDifference& shape = found.front()[i];
-      if (part == "lambert" && !map.is_diffuse) continue;
+      if (part == AccuracyBrdf::lambert() && !map.is_diffuse) continue;
       if (shape.brdf != part || shape.level < first || !(shape.by_default > 0.0)) continue;
       std::vector<LevelDifference> of_mosaics;
       for (const auto& mosaic : found) of_mosaics.push_back(mosaic[i]);

@@ -186,7 +186,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
                         const Attempt& chosen, bool met) {
   const auto options = [&](const SettingTrial& trial) { return trials.candidates()[trial.candidate].options; };
   std::string text = fmt::format("{}: {}: {} for {}", met ? "chosen" : "best reached", options(chosen.trial),
-                                 reached_text(chosen.reached), trials.brdf().name);
+                                 reached_text(chosen.reached), trials.brdf().id.text());
   text += target.error ? fmt::format(", asked for {}", in_percent(*target.error))
                        : fmt::format(" in {:.0f} ms, asked for {:.0f}", 1e3 * chosen.seconds, 1e3 * *target.seconds);
   text += fmt::format("; {} of {} settings tried on a mosaic, {} baked\n", trials.made().size(),
@@ -237,14 +237,14 @@ ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& 
 std::string target_text(const BakeTarget& target) {
   std::string text = target.error ? fmt::format("an error of {:g}", *target.error)
                                   : fmt::format("a bake of {:g} ms", 1e3 * *target.seconds);
-  text += fmt::format(" for {}", target.brdf.name);
+  text += fmt::format(" for {}", target.brdf.id.text());
   if (target.only) text += fmt::format(" by {}", representation_info(*target.only).option);
   return text;
 }
 
 std::string target_key(const BakeJob& job, const BakeTarget& target) {
   std::string rest = all_settings_json(job);
-  if (is_brdf_file(target.brdf.text)) rest += hash_file(target.brdf.text);
+  if (is_brdf_file(target.brdf.text)) rest += job.hashes->hash(target.brdf.text);
   return fmt::format("{}, {}", target_text(target), hash_text(rest).substr(0, 16));
 }
 
@@ -267,8 +267,8 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   if (given_source == nullptr) read = read_source(job, MapReadings::kMany, choosing, progress);
   const BakeSource& source = given_source != nullptr ? *given_source : *read;
   clock.finish("read");
-  if (source.has_roughness() && target.brdf.name != "lambert") target.brdf.name = "roughness";
-  std::vector<SettingCandidate> candidates = setting_candidates(target.only);
+  if (source.has_roughness() && target.brdf.id != AccuracyBrdf::lambert()) target.brdf.id = AccuracyBrdf::roughness();
+  std::vector<SettingCandidate> candidates = target_candidates(target.only);
   progress_stage(progress, "choose settings");
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));
   const double read_seconds = choosing.bake_seconds();

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/asset/averages/spherical_harmonics.h"
 #include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -15,63 +14,14 @@
 #include "host/target/map_mosaic.h"
 
 namespace multum {
-namespace {
-
-// Orders of harmonics that are worth a trial: each has about half as many coefficients again as the one before.
-constexpr int kOrders[] = {2, 3, 4, 6, 8, 10, 13, 16, 20};
-
-// Of candidates with as many textures, in the order of their bakes' times (docs/ACCURACY.md).
-enum Effort { kAveraged, kQuickFit, kDefaultFit, kLongFit };
-
-SettingCandidate candidate(const ParameterValues& values, int texture_count, Effort effort) {
-  return {values, options_text(values), texture_count, effort};
-}
-
-SettingCandidate lobe_candidate(const char* ndf, int lobes, Effort effort) {
-  ParameterValues values = bake_values({{"ndf", ndf}, {"lobes", lobes}});
-  if (effort == kQuickFit) {
-    values.set("passes", 1);
-    values.set("no_start_search", true);
-  }
-  if (effort == kLongFit) values.set("reference", true);
-  return candidate(values, lobes, effort);
-}
-
-std::vector<SettingCandidate> all_candidates() {
-  std::vector<SettingCandidate> all;
-  all.push_back(candidate(bake_values({{"ndf", "moments"}}), 2, kAveraged));
-  for (const int order : kOrders)
-    all.push_back(candidate(bake_values({{"ndf", "sh"}, {"sh_order", order}}), sh_part_count(order), kAveraged));
-  const LobeCounts counts = lobe_counts();
-  for (int lobes = counts.fewest; lobes <= counts.most; ++lobes) {
-    for (const Effort effort : {kQuickFit, kDefaultFit}) all.push_back(lobe_candidate("vmf", lobes, effort));
-    all.push_back(lobe_candidate("gmm", lobes, kDefaultFit));
-  }
-  // Of fewer lobes, another lobe does more than the long fit, in less time.
-  all.push_back(lobe_candidate("vmf", counts.most, kLongFit));
-  std::stable_sort(all.begin(), all.end(), [](const SettingCandidate& a, const SettingCandidate& b) {
-    return std::pair(a.texture_count, a.effort) < std::pair(b.texture_count, b.effort);
-  });
-  return all;
-}
-
-}  // namespace
-
-std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only) {
-  std::vector<SettingCandidate> candidates = all_candidates();
-  // Gaussians of as many lobes are never nearer than vMFs (docs/ACCURACY.md), and cost as much.
-  std::erase_if(candidates, [&](const SettingCandidate& one) {
-    return only ? one.representation() != *only : one.representation() == Representation::kGmm;
-  });
-  return candidates;
-}
-
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option) {
-  TargetBrdf target{text, text, parse_brdf(option, text, Brdf().term_count)};
-  if (target.brdf.kind == BrdfKind::kBlinnPhong)
-    target.name = blinn_phong_name(std::stod(text.substr(text.find(':') + 1)));
-  std::replace(target.name.begin(), target.name.end(), ' ', '_');  // after a space comes the way to shade it
-  return target;
+  const Brdf brdf = parse_brdf(option, text, Brdf().term_count);
+  switch (brdf.kind) {
+    case BrdfKind::kLambert: return {AccuracyBrdf::lambert(), text, brdf};
+    case BrdfKind::kBlinnPhong:
+      return {AccuracyBrdf::blinn_phong(std::stod(text.substr(text.find(':') + 1))), text, brdf};
+    default: return {AccuracyBrdf::named(text), text, brdf};
+  }
 }
 
 std::vector<Highlight> TargetBrdf::more_highlights() const {
@@ -80,21 +30,17 @@ std::vector<Highlight> TargetBrdf::more_highlights() const {
       brdf.kind == BrdfKind::kBlinnPhong &&
       std::find(exponents.begin(), exponents.end(), static_cast<double>(brdf.exponent)) != exponents.end();
   if (!has_highlight() || is_default) return {};
-  return {make_highlight(name, brdf)};
+  return {make_highlight(id, brdf)};
 }
 
 ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf) {
-  constexpr std::string_view kColoured = " coloured";
-  const bool has_colours = std::any_of(summaries.begin(), summaries.end(),
-                                       [&](const AccuracySummary& one) { return one.brdf.ends_with(kColoured); });
+  const bool has_colours =
+      std::any_of(summaries.begin(), summaries.end(), [](const AccuracySummary& one) { return one.brdf.has_colours; });
   std::optional<ReachedError> best;
   for (const AccuracySummary& one : summaries) {
-    if (one.brdf.ends_with(kColoured) != has_colours) continue;
-    std::string name = one.brdf.substr(0, one.brdf.size() - (has_colours ? kColoured.size() : 0));
-    const std::size_t space = name.find(' ');
-    const std::string shading = space == std::string::npos ? "" : name.substr(space + 1);
-    if (name.substr(0, space) != brdf.name || (best && !(one.error < best->error))) continue;
-    best = {one.error, one.confidence, one.worst_level, one.worst_level_error, shading};
+    if (one.brdf.has_colours != has_colours || !one.brdf.is_same_brdf(brdf.id)) continue;
+    if (best && !(one.error < best->error)) continue;
+    best = {one.error, one.confidence, one.worst_level, one.worst_level_error, one.brdf.shading};
   }
   MULTUM_CHECK(best.has_value());
   return *best;
@@ -111,8 +57,7 @@ SettingTrials::SettingTrials(Device& device, const BakeJob& job, const BakeSourc
     : device_(device),
       job_(job),
       brdf_(std::move(brdf)),
-      highlights_(brdf_.has_highlight() ? std::vector{make_highlight(brdf_.name, brdf_.brdf)}
-                                        : std::vector<Highlight>()),
+      highlights_(brdf_.has_highlight() ? std::vector{make_highlight(brdf_.id, brdf_.brdf)} : std::vector<Highlight>()),
       mosaic_(make_mosaic(source, {})),
       candidates_(std::move(candidates)),
       scale_(static_cast<double>(source.map.normals.width()) * source.map.normals.height() /

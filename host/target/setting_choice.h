@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the settings that a map needs: tries candidates in the order of their cost on a mosaic of the map
-// (host/target/map_mosaic.h) until one is near enough to the truth. Nothing is written here; the bake that follows says
-// whether the whole map keeps what the mosaic promised (host/target/chosen_bake.h).
+// Chooses the settings that a map needs: tries candidates (host/target/setting_candidates.h) in the order of their cost
+// on a mosaic of the map (host/target/map_mosaic.h) until one is near enough to the truth. Nothing is written here; the
+// bake that follows says whether the whole map keeps what the mosaic promised (host/target/chosen_bake.h).
 #pragma once
 
 #include <optional>
@@ -10,28 +10,15 @@
 
 #include "host/bake/bake_job.h"
 #include "host/bake/bake_source.h"
-#include "host/bake/job_parameters.h"
+#include "host/target/setting_candidates.h"
 
 namespace multum {
 
-/// Settings that may be chosen. Cost is first the number of textures that are read per texel, which is memory and frame
-/// time, then the bake's time.
-struct SettingCandidate {
-  ParameterValues values;  // representation, lobes, order, effort; all else is the job's
-  std::string options;     // the same for people: "--ndf vmf --lobes 3"
-  int texture_count;       // of four channels of 16 bits
-  int effort;              // of as many textures: less bakes faster
-  Representation representation() const { return *given_representation(values); }
-};
-
-/// Candidates of the representation `only` (unset: of every one), cheapest first.
-std::vector<SettingCandidate> setting_candidates(std::optional<Representation> only);
-
 /// BRDF whose error counts; "roughness" for a bake with a roughness map.
 struct TargetBrdf {
-  std::string name = "blinn-phong:100";  // as AccuracySummary::brdf
-  std::string text = name;               // as options name it
-  Brdf brdf;                             // kLambert: no highlight
+  AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without a way to shade it, and without colours
+  std::string text = id.text();                        // as options name it
+  Brdf brdf;                                           // kLambert: no highlight
 
   bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
   /// Is it shaded as a sum of vMFs? Planar Gaussians know none of these.

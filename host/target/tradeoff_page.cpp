@@ -206,7 +206,7 @@ class TradeoffPage {
         "<p>{} settings for <b>{}</b>, {} &times; {} texels, measured for {} on {}{}. Errors are relative L1, "
         "in %, in the mean over mip levels 2 and up{}.</p>\n",
         result_.setting_count(), html_escaped(map_name(job_)), result_.width, result_.height,
-        html_escaped(job_.brdf.name), html_escaped(result_.device),
+        html_escaped(job_.brdf.id.text()), html_escaped(result_.device),
         result_.renderer.empty() ? "" : ", drawn by " + html_escaped(result_.renderer),
         result_.renderer.empty() ? "" : "; settings are ranked by the error of their pictures, which see all levels");
     if (job_.has_budget())
@@ -451,7 +451,7 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) 
                                  {"map", map_name(job)},
                                  {"width", result.width},
                                  {"height", result.height},
-                                 {"brdf", job.brdf.name},
+                                 {"brdf", job.brdf.id.text()},
                                  {"device", result.device},
                                  {"renderer", result.renderer},
                                  {"seconds", result.seconds}};

@@ -25,7 +25,6 @@
 namespace multum {
 namespace {
 
-constexpr int kDefaultLobes = 4;
 constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 
 // A way to draw a bake.
@@ -35,21 +34,13 @@ struct View {
   std::string brdf;                                   // of multum-view; empty: the target
   bool is_measured;                                   // do the bake's measured errors of the target hold for it?
   std::optional<Highlight> highlight = std::nullopt;  // another that it is measured for
+  std::string shading = {};                           // AccuracyBrdf::shading of its errors
 };
-
-using Given = std::initializer_list<std::pair<const char*, ParameterValue>>;
 
 struct SweptBake {
   ParameterValues values;
   std::vector<View> views;
 };
-
-// With four lobes of the default, some settings changed.
-SweptBake changed(const std::string& group, Given changes) {
-  SweptBake swept{bake_values({{"ndf", "vmf"}, {"lobes", kDefaultLobes}}), {{group, "", "", true}}};
-  for (const auto& [name, value] : changes) swept.values.set(name, value);
-  return swept;
-}
 
 // GGX as wide as Blinn-Phong of that exponent: alpha^2 = 2 / (s + 2), and glTF's roughness is its root.
 std::string ggx_of(double exponent) {
@@ -61,79 +52,49 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
   const std::string text = target.is_sum() ? target.text : ggx_of(equivalent_exponent(target.brdf));
   for (int terms = 1; terms <= kBrdfTermCountMax; ++terms) {
     const std::string arguments = fmt::format("--brdf-terms {}", terms);
-    views.push_back({"BRDF terms", arguments, text, false,
-                     make_highlight("terms:" + std::to_string(terms), parse_brdf("--brdf", text, terms))});
+    views.push_back(
+        {"BRDF terms", arguments, text, false,
+         make_highlight(AccuracyBrdf::named("terms:" + std::to_string(terms)), parse_brdf("--brdf", text, terms))});
   }
 }
 
 // The default's bake is drawn by every formula and every sum of terms.
-SweptBake default_bake(const TradeoffJob& job) {
-  const TargetBrdf& brdf = job.brdf;
-  SweptBake by_default = changed("lobes", {});
-  if (job.length == SweepLength::kQuick) return by_default;
-  by_default.views.push_back({"shading formula", "--shade-first", "", false});
-  if (job.has_roughness()) return by_default;  // the BRDF is the map's, and its formula the product's
-  if (brdf.brdf.kind == BrdfKind::kBlinnPhong)
-    by_default.views.push_back({"shading formula", "--formula paper", "", false});
-  if (brdf.has_highlight()) add_term_views(brdf, by_default.views);
-  return by_default;
+void add_default_views(const TradeoffJob& job, std::vector<View>& views) {
+  if (job.length == SweepLength::kQuick) return;
+  views.push_back({"shading formula", "--shade-first", "", false});
+  if (job.has_roughness()) return;  // the BRDF is the map's, and its formula the product's
+  if (job.brdf.brdf.kind == BrdfKind::kBlinnPhong) views.push_back({"shading formula", "--formula paper", "", false});
+  if (job.brdf.has_highlight()) add_term_views(job.brdf, views);
 }
 
-void add_representations(const TargetBrdf& brdf, SweepLength length, std::vector<SweptBake>& sweep) {
-  SweptBake moments{bake_values({{"ndf", "moments"}}), {}};
-  for (const char* shading : kMomentShadings)
-    moments.views.push_back({"moments", fmt::format("--moments {}", shading), "", true});
-  sweep.push_back(moments);
-  for (const int order : length == SweepLength::kQuick     ? std::vector<int>{4, 8}
-                         : length == SweepLength::kDefault ? std::vector<int>{2, 4, 6, 8, 12}
-                                                           : std::vector<int>{2, 3, 4, 6, 8, 10, 13, 16, 20}) {
-    sweep.push_back({bake_values({{"ndf", "sh"}, {"sh_order", order}}), {{"harmonics", "", "", true}}});
-  }
-  if (brdf.is_sum()) return;
-  for (const int count : length == SweepLength::kQuick     ? std::vector<int>{4}
-                         : length == SweepLength::kDefault ? std::vector<int>{1, 2, 4, 6}
-                                                           : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    sweep.push_back({bake_values({{"ndf", "gmm"}, {"lobes", count}}), {{"Gaussians", "", "", true}}});
+std::vector<View> views_of(const SettingCandidate& candidate, const TradeoffJob& job) {
+  const std::string group = candidate_axis_name(candidate.axis);
+  std::vector<View> views;
+  if (candidate.axis == CandidateAxis::kMoments)
+    for (const char* shading : kMomentShadings)
+      views.push_back({group, fmt::format("--moments {}", shading), "", true, std::nullopt, shading});
+  else views.push_back({group, "", "", true});
+  if (candidate.axis == CandidateAxis::kLobes && candidate.lobe_count() == default_lobe_count())
+    add_default_views(job, views);
+  if (candidate.values.flag("unaligned")) views.push_back({group, "--shade-first", "", false});
+  return views;
 }
 
-void add_changes(SweepLength length, std::vector<SweptBake>& sweep) {
-  const auto add = [&](const std::string& group, Given changes) { sweep.push_back(changed(group, changes)); };
-  add("iterations", {{"passes", 1}, {"no_start_search", true}});
-  add("storage", {{"data_format", "half"}});
-  // Without level 0 lobes take a quarter of the memory: more of them fit into as much.
-  for (const int lobes : length == SweepLength::kQuick     ? std::vector<int>{2, 4}
-                         : length == SweepLength::kDefault ? std::vector<int>{1, 2, 3, 4, 6, 8}
-                                                           : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    add("first level", {{"lobes", lobes}, {"first_level", 1}});
-  if (length == SweepLength::kQuick) return;
-  for (const int iterations : {3, 6}) add("iterations", {{"iterations", iterations}});
-  for (const int passes : {1, 3}) add("iterations", {{"passes", passes}});
-  add("iterations", {{"no_start_search", true}});
-  add("iterations", {{"reference", true}});
-  add("iterations", {{"coarse_normals", "all"}});
-  SweptBake unaligned = changed("hierarchy", {{"unaligned", true}});
-  unaligned.views.push_back({"hierarchy", "--shade-first", "", false});
-  sweep.push_back(unaligned);
-  for (const double alignment : {0.0, 1.0}) add("hierarchy", {{"align", alignment}});
-  add("hierarchy", {{"order", "scanline"}});
-  add("storage", {{"data_format", "float"}});
-  add("first level", {{"first_level", 2}});
-  for (const char* compression : {"none", "piz"}) add("storage", {{"compression", compression}});
-  if (length != SweepLength::kFull) return;
-  for (const int lobes : {1, 2, 3, 5, 6, 7, 8}) {
-    add("iterations", {{"lobes", lobes}, {"passes", 1}, {"no_start_search", true}});
-    add("iterations", {{"lobes", lobes}, {"reference", true}});
+CandidateUser user_of(SweepLength length) {
+  switch (length) {
+    case SweepLength::kQuick: return kQuickSweep;
+    case SweepLength::kDefault: return kDefaultSweep;
+    case SweepLength::kFull: return kFullSweep;
   }
+  return kDefaultSweep;
 }
 
 std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
-  const SweepLength length = job.length;
   std::vector<SweptBake> sweep;
-  for (const int count :
-       length == SweepLength::kQuick ? std::vector<int>{1, 2, 4, 6} : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8})
-    sweep.push_back(count == kDefaultLobes ? default_bake(job) : changed("lobes", {{"lobes", count}}));
-  add_representations(job.brdf, length, sweep);
-  add_changes(length, sweep);
+  for (const SettingCandidate& one : setting_candidates(user_of(job.length))) {
+    if (job.brdf.is_sum() && one.representation() == Representation::kGmm) continue;
+    sweep.push_back({one.values, views_of(one, job)});
+  }
   return sweep;
 }
 
@@ -159,7 +120,7 @@ std::string read_bytes(const std::string& path) {
 }
 
 // The mean over levels of one kind of point.
-double mean_error(const std::vector<AccuracyRow>& rows, const std::string& brdf,
+double mean_error(const std::vector<AccuracyRow>& rows, const AccuracyBrdf& brdf,
                   std::initializer_list<AccuracyPoint> points) {
   double sum = 0.0;
   int count = 0;
@@ -249,14 +210,10 @@ class Sweep {
 
   void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
     // Of moments, those of this way to shade them.
-    constexpr std::string_view kMoments = "--moments ";
-    const std::string shading =
-        view.arguments.starts_with(kMoments) ? " " + view.arguments.substr(kMoments.size()) : std::string();
     for (const AccuracySummary& one : report.error)
-      if (const std::size_t space = one.brdf.find(' ');
-          (space == std::string::npos ? "" : one.brdf.substr(space)) == shading)
-        row.errors.push_back(one);
-    const std::string brdf = job_.brdf.name + shading;
+      if (one.brdf.shading == view.shading && !one.brdf.has_colours) row.errors.push_back(one);
+    AccuracyBrdf brdf = job_.brdf.id;
+    brdf.shading = view.shading;
     row.reached = reached_error(row.errors, job_.brdf);
     row.has_error = true;
     row.centre = mean_error(report.accuracy, brdf, {AccuracyPoint::kCentre});
@@ -265,7 +222,7 @@ class Sweep {
   }
 
   static void add_errors_of(const BakeReport& report, const Highlight& highlight, TradeoffRow& row) {
-    row.reached = reached_error(report.error, {highlight.name, highlight.name, highlight.brdf});
+    row.reached = reached_error(report.error, {highlight.id, highlight.id.text(), highlight.brdf});
     row.has_error = true;
   }
 

@@ -15,7 +15,7 @@ enum class SweepLength { kQuick, kDefault, kFull };
 
 struct TradeoffJob {
   BakeJob bake;     // its input, roughness and how to read them; settings that are swept do not count
-  TargetBrdf brdf;  // "roughness" with a roughness map
+  TargetBrdf brdf;  // kRoughness with a roughness map
   SweepLength length = SweepLength::kDefault;
   std::string viewer;             // multum-view; empty: nothing is drawn
   std::string context = "auto";   // of multum-view

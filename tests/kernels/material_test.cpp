@@ -378,7 +378,7 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
     AccuracySettings settings;
     settings.samples_per_level = 50;
     for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, nullptr, settings, nullptr))
-      EXPECT_TRUE(row.brdf != "lambert" || row.error < (c < 0.6 ? 0.06 : 0.03))
+      EXPECT_TRUE(row.brdf != AccuracyBrdf::lambert() || row.error < (c < 0.6 ? 0.06 : 0.03))
           << c << ", level " << row.level << ": " << row.error;
   }
 }
@@ -402,7 +402,7 @@ TEST(Roughness, ErrorsAreThoseOfTheTable) {
     accuracy.first_level = 2;
     std::map<int, double> errors;
     for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, accuracy, nullptr))
-      if (row.brdf == "roughness" && row.point == AccuracyPoint::kCentre) errors[row.level] = row.error;
+      if (row.brdf == AccuracyBrdf::roughness() && row.point == AccuracyPoint::kCentre) errors[row.level] = row.error;
     return std::pair(errors.at(2), errors.at(5));
   };
   std::mt19937 random(1);
@@ -437,8 +437,8 @@ TEST(Roughness, OfNoisyNormalsAVaryingMapIsAsGoodAsAConstantOne) {
     double sum = 0.0;
     int count = 0;
     for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, accuracy, nullptr)) {
-      EXPECT_TRUE(row.brdf == "roughness" || row.brdf == "lambert") << row.brdf;
-      if (row.brdf != "roughness" || row.point != AccuracyPoint::kCentre) continue;
+      EXPECT_TRUE(row.brdf == AccuracyBrdf::roughness() || row.brdf == AccuracyBrdf::lambert()) << row.brdf.text();
+      if (row.brdf != AccuracyBrdf::roughness() || row.point != AccuracyPoint::kCentre) continue;
       sum += row.error;
       ++count;
     }

@@ -169,7 +169,7 @@ TEST(ZonalTest, RecurrencesEqualQuadrature) {
 // What Han et al. have of it in section 5: 9 coefficients do for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
 TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
   const NormalMap map = random_map(64, 64, 0.0, 41);
-  const auto worst = [&](int order, const std::string& brdf, double exponent) {
+  const auto worst = [&](int order, const AccuracyBrdf& brdf, double exponent) {
     AccuracySettings settings;
     settings.exponents = {exponent};
     settings.samples_per_level = 64;
@@ -178,10 +178,10 @@ TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
       if (row.level >= 2 && row.brdf == brdf) found = std::max(found, row.error);
     return found;
   };
-  EXPECT_LT(worst(2, "lambert", 12.0), 0.04);
-  EXPECT_LT(worst(8, "blinn-phong:12", 12.0), 0.03);
-  EXPECT_LT(worst(20, "blinn-phong:100", 100.0), 0.15);
-  EXPECT_GT(worst(4, "blinn-phong:100", 100.0), 0.10) << "4 is far below 2 sqrt(100)";
+  EXPECT_LT(worst(2, AccuracyBrdf::lambert(), 12.0), 0.04);
+  EXPECT_LT(worst(8, AccuracyBrdf::blinn_phong(12.0), 12.0), 0.03);
+  EXPECT_LT(worst(20, AccuracyBrdf::blinn_phong(100.0), 100.0), 0.15);
+  EXPECT_GT(worst(4, AccuracyBrdf::blinn_phong(100.0), 100.0), 0.10) << "4 is far below 2 sqrt(100)";
 }
 
 TEST(ShHardCaseTest, CancellingIsHeardAndOrdersAreChecked) {

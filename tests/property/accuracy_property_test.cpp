@@ -84,7 +84,7 @@ TEST(FirstLevelAccuracy, IsThatOfTheNormalMapsOwnLevels) {
         mixes = mixes || std::abs(coarse[i].error - whole[i].error) > 1e-4;
       } else {
         EXPECT_NEAR(coarse[i].error, whole[i].error, 2e-6)
-            << "level " << whole[i].level << " " << accuracy_point_name(whole[i].point) << " " << whole[i].brdf;
+            << "level " << whole[i].level << " " << accuracy_point_name(whole[i].point) << " " << whole[i].brdf.text();
       }
     }
     EXPECT_TRUE(mixes);
@@ -100,12 +100,12 @@ TEST(FirstLevelAccuracy, LinearShadingIsExactAcrossTheTransition) {
   const ColourMap colours = random_colours(5, 1.0);
   for (const int first_level : {0, 1, 2, 3}) {
     for (const AccuracyRow& row : measure(average_lobes(mild, grey), first_level, mild, grey))
-      if (row.brdf.starts_with("lambert")) {
+      if (row.brdf.kind == AccuracyBrdfKind::kLambert) {
         EXPECT_LT(row.error, 3e-4) << first_level << ": level " << row.level << " " << accuracy_point_name(row.point);
       }
     for (const AccuracyRow& row : measure(average_lobes(flat, colours), first_level, flat, colours))
       EXPECT_LT(row.error, 3e-6) << first_level << ": level " << row.level << " " << accuracy_point_name(row.point)
-                                 << " " << row.brdf;
+                                 << " " << row.brdf.text();
   }
 }
 
@@ -121,8 +121,8 @@ TEST(AccuracyTest, IsTheRatioOfSums) {
   settings.samples_per_level = 0;
   settings.exponents = {4.0, 33.0};
   for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, settings, nullptr)) {
-    if (row.point != AccuracyPoint::kCentre || row.brdf == "lambert") continue;
-    const double s = row.brdf == "blinn-phong:4" ? 4.0 : 33.0;
+    if (row.point != AccuracyPoint::kCentre || row.brdf == AccuracyBrdf::lambert()) continue;
+    const double s = row.brdf.exponent;
     const auto f = [&](double t) { return t > 0.0 ? (s + 1.0) / (2.0 * M_PI) * std::pow(t, s) : 0.0; };
     const MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(row.level)];
     double difference = 0.0, sum = 0.0;
@@ -136,7 +136,7 @@ TEST(AccuracyTest, IsTheRatioOfSums) {
         sum += truth[i];
       }
     }
-    EXPECT_NEAR(row.error, difference / sum, 2e-5) << "level " << row.level << " " << row.brdf;
+    EXPECT_NEAR(row.error, difference / sum, 2e-5) << "level " << row.level << " " << row.brdf.text();
     EXPECT_EQ(row.sample_count, level.width * level.height);
     EXPECT_EQ(row.confidence, 0.0);
   }

@@ -125,7 +125,7 @@ class Coverage {
 
  private:
   using Key = std::tuple<int, AccuracyPoint, std::string>;
-  static Key key(const AccuracyRow& row) { return {row.level, row.point, row.brdf}; }
+  static Key key(const AccuracyRow& row) { return {row.level, row.point, row.brdf.text()}; }
 
   const Baked& baked_;
   std::map<Key, AccuracyRow> whole_;

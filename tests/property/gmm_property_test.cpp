@@ -59,8 +59,8 @@ std::map<std::string, double> errors_of(const NormalMap& map, Representation rep
   std::map<std::string, double> sums;
   std::map<std::string, int> counts;
   for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, accuracy, nullptr)) {
-    sums[row.brdf] += row.error;
-    ++counts[row.brdf];
+    sums[row.brdf.text()] += row.error;
+    ++counts[row.brdf.text()];
   }
   for (auto& [brdf, sum] : sums) sum /= counts[brdf];
   return sums;

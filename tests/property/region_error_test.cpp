@@ -64,8 +64,8 @@ std::map<std::string, double> region_errors(Device& device, const std::string& f
   std::map<std::string, int> counts;
   for (const AccuracyRow& row : measure_accuracy(device, part, truth, nullptr, settings, nullptr)) {
     if (row.level == 0) continue;
-    sums[row.brdf] += row.error;
-    ++counts[row.brdf];
+    sums[row.brdf.text()] += row.error;
+    ++counts[row.brdf.text()];
   }
   for (auto& [brdf, sum] : sums) sum /= counts[brdf];
   return sums;
@@ -95,6 +95,10 @@ TEST(RegionErrorTest, IsAtMostAHundredthAboveAWholeBakes) {
     EXPECT_LT(after.at(brdf), 1.01 * error + 1e-5) << brdf;
     EXPECT_GT(before.at(brdf), 1.5 * error) << brdf << ": the edit is seen";
   }
+  EXPECT_EQ(job.hashes->read_count(), 2) << "edited.png was baked twice and hashed once";
+  write_map(folder / "edited.png", false);
+  testing::expect_error(ErrorCode::kInput, {"edited.png", "changed while it was read"},
+                        [&] { bake("edited.png", "changed.ndf.exr"); });
 }
 
 }  // namespace

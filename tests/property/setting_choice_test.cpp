@@ -38,7 +38,7 @@ BakeJob job_on_two_threads() {
 
 SettingTrials trials_of(const BakeSource& source, const std::string& brdf,
                         std::optional<Representation> only = std::nullopt) {
-  return {test_device(), job_on_two_threads(), source, parse_target_brdf(brdf), setting_candidates(only)};
+  return {test_device(), job_on_two_threads(), source, parse_target_brdf(brdf), target_candidates(only)};
 }
 
 std::string chosen(SettingTrials& trials, double error) {
@@ -47,13 +47,13 @@ std::string chosen(SettingTrials& trials, double error) {
 }
 
 TEST(SettingCandidates, ComeInTheOrderOfTheirCost) {
-  const std::vector<SettingCandidate> all = setting_candidates(std::nullopt);
+  const std::vector<SettingCandidate> all = target_candidates(std::nullopt);
   ASSERT_GT(all.size(), 20u);
   for (std::size_t i = 1; i < all.size(); ++i)
     EXPECT_LE(std::pair(all[i - 1].texture_count, all[i - 1].effort), std::pair(all[i].texture_count, all[i].effort));
   EXPECT_EQ(all.front().options, "--ndf vmf --lobes 1 --passes 1 --no-start-search");
   for (const RepresentationInfo& info : representations()) {
-    const std::vector<SettingCandidate> of_one = setting_candidates(info.representation);
+    const std::vector<SettingCandidate> of_one = target_candidates(info.representation);
     EXPECT_FALSE(of_one.empty()) << info.option;
     for (const SettingCandidate& one : of_one) {
       const BakeJob job = with_candidate(job_on_two_threads(), one);
@@ -64,11 +64,11 @@ TEST(SettingCandidates, ComeInTheOrderOfTheirCost) {
 }
 
 TEST(TargetBrdf, IsNamedAsRowsAre) {
-  EXPECT_EQ(parse_target_brdf("blinn-phong:100").name, "blinn-phong:100");
-  EXPECT_EQ(parse_target_brdf("blinn-phong:1e2").name, "blinn-phong:100");
+  EXPECT_EQ(parse_target_brdf("blinn-phong:100").id.text(), "blinn-phong:100");
+  EXPECT_EQ(parse_target_brdf("blinn-phong:1e2").id.text(), "blinn-phong:100");
   EXPECT_EQ(parse_target_brdf("blinn-phong:33.5").brdf.exponent, 33.5f);
   EXPECT_FALSE(parse_target_brdf("lambert").has_highlight());
-  EXPECT_EQ(parse_target_brdf("ggx:0.4").name, "ggx:0.4");
+  EXPECT_EQ(parse_target_brdf("ggx:0.4").id.text(), "ggx:0.4");
   // What every bake measures is not measured again.
   EXPECT_TRUE(parse_target_brdf("blinn-phong:500").more_highlights().empty());
   EXPECT_EQ(parse_target_brdf("torrance-sparrow:0.1").more_highlights().size(), 1u);
@@ -230,7 +230,7 @@ TEST(AccuracySummary, IntervalHoldsTheErrorOfAllTexels) {
       return std::pair(meter.summaries().front(), rows);
     };
     const auto [whole, rows] = measure(0, 1);
-    EXPECT_EQ(whole.brdf, "blinn-phong:100");
+    EXPECT_EQ(whole.brdf, AccuracyBrdf::blinn_phong(100.0));
     EXPECT_EQ(whole.confidence, 0.0);
     // Each level weighs the same; their mean truth is the same but for borders.
     double sum = 0.0;

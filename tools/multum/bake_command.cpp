@@ -46,7 +46,7 @@ BakeTarget target_of(const BakeOptions& o) {
   BakeTarget target;
   target.error = o.values.number("target_error");
   if (const auto budget = o.values.number("budget_ms")) target.seconds = *budget / 1e3;
-  target.brdf = parse_target_brdf(o.values.text("brdf").value_or(TargetBrdf().name));
+  target.brdf = parse_target_brdf(o.values.text("brdf").value_or(TargetBrdf().text));
   target.only = given_representation(o.values);
   target.best_effort = o.values.flag("best_effort");
   return target;

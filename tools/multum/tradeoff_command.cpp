@@ -22,7 +22,7 @@ struct TradeoffOptions {
   TradeoffJob job;
   ParameterValues values{bake_parameters()};
   std::optional<double> budget_ms, bake_ms_max;
-  std::string brdf = TargetBrdf().name, output, json, markdown;
+  std::string brdf = TargetBrdf().text, output, json, markdown;
   bool quick = false, full = false, no_pictures = false;
 };
 
@@ -40,7 +40,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   keep_freed_memory();
   apply(o.values, job.bake);
   job.brdf = parse_target_brdf(o.brdf);
-  if (job.has_roughness()) job.brdf.name = "roughness";
+  if (job.has_roughness()) job.brdf.id = AccuracyBrdf::roughness();
   if (o.budget_ms) job.bake_seconds = *o.budget_ms / 1e3;
   if (o.bake_ms_max) job.bake_seconds_max = *o.bake_ms_max / 1e3;
   job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kDefault;

@@ -13,11 +13,11 @@ namespace {
 std::vector<AccuracyRow> some_rows() {
   std::vector<AccuracyRow> rows;
   for (const char* brdf : {"blinn-phong:500", "lambert", "blinn-phong:500 coloured", "lambert coloured"}) {
-    rows.push_back({0, AccuracyPoint::kCentre, brdf, 0.0123456, 0.0010000004, 4});
-    rows.push_back({0, AccuracyPoint::kMidX, brdf, 0.02, 0.001, 4});
-    rows.push_back({0, AccuracyPoint::kMidY, brdf, 0.03, 0.001, 4});
-    rows.push_back({0, AccuracyPoint::kBetween, brdf, 0.9, 0.001, 4});
-    rows.push_back({1, AccuracyPoint::kCentre, brdf, 0.05, 0.0, 1});
+    rows.push_back({0, AccuracyPoint::kCentre, parse_accuracy_brdf(brdf), 0.0123456, 0.0010000004, 4});
+    rows.push_back({0, AccuracyPoint::kMidX, parse_accuracy_brdf(brdf), 0.02, 0.001, 4});
+    rows.push_back({0, AccuracyPoint::kMidY, parse_accuracy_brdf(brdf), 0.03, 0.001, 4});
+    rows.push_back({0, AccuracyPoint::kBetween, parse_accuracy_brdf(brdf), 0.9, 0.001, 4});
+    rows.push_back({1, AccuracyPoint::kCentre, parse_accuracy_brdf(brdf), 0.05, 0.0, 1});
   }
   return rows;
 }
@@ -60,7 +60,7 @@ TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
         for (const std::string& way : ways)
           for (const std::string brdf : {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert"})
             for (const char* coloured : {"", " coloured"})
-              rows.push_back({level, point, brdf + way + coloured, 0.123456, 0.012345, 1});
+              rows.push_back({level, point, parse_accuracy_brdf(brdf + way + coloured), 0.123456, 0.012345, 1});
     return measured_error_json(rows).size();
   };
   EXPECT_LE(longest({""}), static_cast<std::size_t>(BakedWriteOptions().measured_error_bytes));
@@ -69,9 +69,10 @@ TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
 
 // A table a way of shading and colours, each with a column a BRDF.
 TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
-  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert toksvig", 0.125, 0.0, 1},
-                                         {0, AccuracyPoint::kCentre, "lambert toksvig coloured", 0.25, 0.0, 1},
-                                         {0, AccuracyPoint::kCentre, "lambert lean", 0.5, 0.0, 1}};
+  const std::vector<AccuracyRow> rows = {
+      {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert toksvig"), 0.125, 0.0, 1},
+      {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert toksvig coloured"), 0.25, 0.0, 1},
+      {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert lean"), 0.5, 0.0, 1}};
   const std::string text = accuracy_table(rows);
   std::size_t at = 0;
   for (const char* part : {"measured error of toksvig, relative", "12.50", "measured error of toksvig with colours, ",
@@ -84,8 +85,27 @@ TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
 
 // Rounding to six digits, then to four, is not rounding to four.
 TEST(AccuracyTable, RoundsAlikeFromBakeAndFile) {
-  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert", 0.0001499996, 0.0, 1}};
+  const std::vector<AccuracyRow> rows = {
+      {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.0001499996, 0.0, 1}};
   EXPECT_EQ(accuracy_table(*parse_measured_error(measured_error_json(rows))), accuracy_table(rows));
+}
+
+TEST(AccuracyBrdf, HasTheTextThatItIsReadFrom) {
+  for (const char* text :
+       {"lambert", "lambert coloured", "lambert lean", "blinn-phong:20", "blinn-phong:33.3", "blinn-phong:1e+05",
+        "blinn-phong:500 lean-jacobian coloured", "roughness", "roughness toksvig", "ggx:0.40", "ggx:0.5 coloured"})
+    EXPECT_EQ(parse_accuracy_brdf(text).text(), text);
+  const AccuracyBrdf read = parse_accuracy_brdf("blinn-phong:33.3 lean coloured");
+  EXPECT_EQ(read, (AccuracyBrdf{AccuracyBrdfKind::kBlinnPhong, 33.3, "", "lean", true}));
+  EXPECT_TRUE(read.is_same_brdf(AccuracyBrdf::blinn_phong(33.3)));
+  EXPECT_FALSE(read.is_same_brdf(AccuracyBrdf::blinn_phong(33.0)));
+  EXPECT_EQ(parse_accuracy_brdf("roughness").kind, AccuracyBrdfKind::kRoughness);
+  EXPECT_EQ(parse_accuracy_brdf("ggx:0.5 lean"),
+            (AccuracyBrdf{AccuracyBrdfKind::kNamed, 0.0, "ggx:0.5", "lean", false}));
+  EXPECT_EQ(AccuracyBrdf::named("my paint.brdf").text(), "my_paint.brdf");
+  // What no program of ours writes is handed on as it is.
+  for (const char* text : {"", " ", "blinn-phong:2e1", "blinn-phong:", "blinn-phong:20x lean", "lambert ", " coloured"})
+    EXPECT_EQ(parse_accuracy_brdf(text).text(), text);
 }
 
 // Files of earlier programs have four fields an entry.
@@ -103,10 +123,11 @@ TEST(AccuracyTable, IntervalsMayBeUnstated) {
 
 // However narrow, an interval of a sample is no 0, which says that all texels were measured.
 TEST(AccuracyTable, IntervalsAreRoundedUp) {
-  const std::vector<AccuracyRow> rows = {{0, AccuracyPoint::kCentre, "lambert", 0.0, kIntervalMin, 9},
-                                         {1, AccuracyPoint::kCentre, "lambert", 0.1, 0.0012, 9},
-                                         {2, AccuracyPoint::kCentre, "lambert", 0.1, 0.00120001, 9},
-                                         {3, AccuracyPoint::kCentre, "lambert", 0.1, 0.0, 9}};
+  const std::vector<AccuracyRow> rows = {
+      {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.0, kIntervalMin, 9},
+      {1, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.1, 0.0012, 9},
+      {2, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.1, 0.00120001, 9},
+      {3, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.1, 0.0, 9}};
   EXPECT_EQ(measured_error_json(rows),
             "[[0,\"centre\",\"lambert\",0.0,1e-06],[1,\"centre\",\"lambert\",0.1,0.0012],"
             "[2,\"centre\",\"lambert\",0.1,0.001201],[3,\"centre\",\"lambert\",0.1,0]]");

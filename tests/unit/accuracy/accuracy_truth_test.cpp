@@ -137,7 +137,7 @@ TEST(AccuracyTruthTest, TakesEveryHighlight) {
   const PlaneStore normals(map.width, map.height, planes.normal_rows());
   std::vector<Highlight> highlights;
   for (const char* text : {"ggx:0.4", "blinn-phong:33.5", "torrance-sparrow:0.2", "blinn-phong:20", "ggx:0.9"})
-    highlights.push_back(make_highlight(text, parse_brdf("brdf", text, 4)));
+    highlights.push_back(make_highlight(AccuracyBrdf::named(text), parse_brdf("brdf", text, 4)));
   BrdfTruth truth(averages, highlight_values(kOmega, highlights), false);
   stream_rows({normals, nullptr}, {2}, {&truth}, nullptr);
   for (std::size_t f = 0; f < highlights.size(); ++f) {

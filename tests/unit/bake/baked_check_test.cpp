@@ -10,7 +10,7 @@ namespace multum {
 namespace {
 
 AccuracyRow row(int level, double error, const std::string& brdf = "lambert") {
-  return {level, AccuracyPoint::kCentre, brdf, error, 0.0, 1};
+  return {level, AccuracyPoint::kCentre, parse_accuracy_brdf(brdf), error, 0.0, 1};
 }
 
 TEST(BakedCheck, TheWorstErrorIsTheLargest) {

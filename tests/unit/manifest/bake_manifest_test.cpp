@@ -222,7 +222,7 @@ TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
   const ManifestMap chosen = of_map("target_error = 0.2\nbrdf = \"ggx:0.4\"", "ndf = \"vmf\"\nbest_effort = true");
   ASSERT_TRUE(chosen.target);
   EXPECT_EQ(chosen.target->error, 0.2);
-  EXPECT_EQ(chosen.target->brdf.name, "ggx:0.4");
+  EXPECT_EQ(chosen.target->brdf.id.text(), "ggx:0.4");
   EXPECT_EQ(chosen.target->only, Representation::kMovmf);
   EXPECT_TRUE(chosen.target->best_effort);
   const ManifestMap timed = of_map("error_max = 1\nlobes = 3", "budget_ms = 500");

@@ -326,7 +326,8 @@ double measured_error(const PlaneStore& normals, double exponent) {
     meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
   double sum = 0.0, count = 0.0;
   for (const AccuracyRow& row : meter.run(device, normals, nullptr, nullptr))
-    if (row.brdf.starts_with("blinn-phong") && row.point == AccuracyPoint::kCentre) sum += row.error, count += 1.0;
+    if (row.brdf.kind == AccuracyBrdfKind::kBlinnPhong && row.point == AccuracyPoint::kCentre)
+      sum += row.error, count += 1.0;
   return sum / count;
 }
 

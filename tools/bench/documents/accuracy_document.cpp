@@ -32,7 +32,8 @@ constexpr AccuracyPoint kPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMid
 class Errors {
  public:
   explicit Errors(const std::vector<AccuracyRow>& rows, double fit_seconds = 0.0) : fit_seconds_(fit_seconds) {
-    for (const AccuracyRow& row : rows) values_[{row.level, static_cast<int>(row.point), row.brdf}] = row.error * 100.0;
+    for (const AccuracyRow& row : rows)
+      values_[{row.level, static_cast<int>(row.point), row.brdf.text()}] = row.error * 100.0;
   }
   std::optional<double> at(int level, AccuracyPoint point, const std::string& brdf) const {
     const auto found = values_.find({level, static_cast<int>(point), brdf});

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/base/files/input_hashes.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "host/base/error.h"
+#include "host/base/files/content_hash.h"
+
+namespace multum {
+namespace {
+
+// Times of files are those of the kernel's last tick, of 1 to 10 ms on Linux: two writes within one have the same time.
+// A file that was written to just now is looked at a little later, so that any write after the look has another time.
+// File systems that keep whole seconds (FAT) are not provided for.
+constexpr std::int64_t kTickNs = 20'000'000;
+
+std::int64_t nanoseconds(const timespec& time) { return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec; }
+
+std::int64_t now_ns() {
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
+}
+
+}  // namespace
+
+std::optional<InputHashes::Stamp> InputHashes::stamp_of(const std::string& path) {
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0) return std::nullopt;
+  return Stamp{found.st_dev, found.st_ino, found.st_size, nanoseconds(found.st_mtim), nanoseconds(found.st_ctim)};
+}
+
+InputHashes::Known* InputHashes::noted(const std::string& path) {
+  if (const auto found = known_.find(path); found != known_.end()) return &found->second;
+  std::optional<Stamp> stamp = stamp_of(path);
+  if (!stamp) return nullptr;
+  // Of a clock that runs ahead, the wait is no longer.
+  const std::int64_t age = std::max(std::int64_t{0}, now_ns() - stamp->changed_ns);
+  if (age < kTickNs) {
+    std::this_thread::sleep_for(std::chrono::nanoseconds(kTickNs - age));
+    stamp = stamp_of(path);
+    if (!stamp) return nullptr;
+  }
+  return &known_.emplace(path, Known{*stamp, std::nullopt}).first->second;
+}
+
+void InputHashes::check(const Known& known, const std::string& path) {
+  if (stamp_of(path) != known.stamp)
+    throw Error(ErrorCode::kInput, path + ": was changed while it was read, expected a file that stays as it is");
+}
+
+void InputHashes::note(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  noted(path);
+}
+
+std::string InputHashes::hash(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  Known* const known = noted(path);
+  if (known == nullptr) return hash_file(path);  // which says why
+  if (known->hash) return *known->hash;
+  const std::string hash = hash_file(path);
+  ++read_count_;
+  check(*known, path);
+  known->hash = hash;
+  return hash;
+}
+
+void InputHashes::check_unchanged(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = known_.find(path); found != known_.end()) check(found->second, path);
+}
+
+int InputHashes::read_count() const {
+  const std::lock_guard lock(mutex_);
+  return read_count_;
+}
+
+}  // namespace multum
