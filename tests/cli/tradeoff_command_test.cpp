@@ -178,10 +178,11 @@ TEST_F(TradeoffPictureTest, RanksByPicturesWithRoughnessToo) {
   EXPECT_TRUE(contains(swept.out, count + " in ")) << swept.out;
   const std::string page = read_bytes(path("costs.html"));
   EXPECT_EQ(page_data(page)["setting_count"], rows.size()) << "one number everywhere";
-  if (const std::optional<std::string> shown = rendered_page(page))
+  if (const std::optional<std::string> shown = rendered_page(page)) {
     for (const char* part :
          {"<h2>Pictures</h2>", "<b>truth</b>", "src=\"data:image/png;base64,iVBOR", "% off</b>: --ndf"})
       EXPECT_TRUE(contains(*shown, part)) << part;
+  }
   EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--brdf", "lambert"})).exit_code, kUsage);
   EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--json", path("map_gloss.png")})).exit_code, kUsage);
 }
