@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenCL sources that are compiled into the program: name of the .cl file without suffix -> flattened source.
+// The OpenCL sources that are compiled into the program: name of the .cl file -> its source, with its
+// #includes in place.
 #pragma once
 
 #include <map>

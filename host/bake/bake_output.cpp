@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bake/bake_output.h"
 
-#include <chrono>
 #include <utility>
+
+#include "host/base/stopwatch.h"
 
 namespace multum {
 namespace {
-
-// Adds the time from its making to its end.
-class StopWatch {
- public:
-  explicit StopWatch(double& seconds) : seconds_(seconds) {}
-  ~StopWatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count(); }
-
- private:
-  double& seconds_;
-  const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-};
 
 MovmfFinest row_of(const MovmfFinest& rows, int row) {
   const std::size_t texels = rows.normals.size(), width = static_cast<std::size_t>(rows.width);
@@ -41,7 +31,7 @@ void BakeOutput::add_finest(int first_row, MovmfFinest rows) {
 }
 
 void BakeOutput::round(MovmfLevel& rows) {
-  const StopWatch watch(report_.round_seconds);
+  const ScopedStopwatch watch(report_.round_seconds);
   const SharpLobes sharp = count_sharp_lobes(rows, header_, threads_);
   report_.unrepresentable += sharp.count;
   report_.unrepresentable_amplitude += sharp.amplitude;
@@ -49,13 +39,13 @@ void BakeOutput::round(MovmfLevel& rows) {
 }
 
 void BakeOutput::round(MovmfFinest& rows) {
-  const StopWatch watch(report_.round_seconds);
+  const ScopedStopwatch watch(report_.round_seconds);
   quantize_movmf(rows, header_.header.encoding, threads_);
 }
 
 void BakeOutput::write(int level, int first_row, MovmfLevel rows) {
   if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
-  const StopWatch watch(report_.write_wait_seconds);
+  const ScopedStopwatch watch(report_.write_wait_seconds);
   writer_.write_level(level, first_row, std::move(rows));
 }
 
@@ -64,7 +54,7 @@ void BakeOutput::write(int first_row, MovmfFinest rows) {
   for (int y = 0; meter_ != nullptr && y < rows.height; ++y)
     if (meter_->needs_rows(0, first_row + y, 1))
       meter_->add_rows(0, first_row + y, expand(row_of(rows, y), header_.lobe_count()));
-  const StopWatch watch(report_.write_wait_seconds);
+  const ScopedStopwatch watch(report_.write_wait_seconds);
   writer_.write_finest(first_row, std::move(rows));
 }
 

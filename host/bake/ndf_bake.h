@@ -3,7 +3,6 @@
 // (host/bake/bake_file.h) that differ between representations.
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "host/asset/baked_verify.h"
 #include "host/bake/bake_job.h"
 #include "host/bake/bake_source.h"
+#include "host/base/stopwatch.h"
 
 namespace multum {
 
@@ -19,15 +19,11 @@ namespace multum {
 class StageClock {
  public:
   explicit StageClock(BakeReport& report) : report_(report) {}
-  void finish(const std::string& name) {
-    const auto now = std::chrono::steady_clock::now();
-    report_.stages.push_back({name, std::chrono::duration<double>(now - last_).count()});
-    last_ = now;
-  }
+  void finish(const std::string& name) { report_.stages.push_back({name, stopwatch_.lap()}); }
 
  private:
   BakeReport& report_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  Stopwatch stopwatch_;
 };
 
 /// One bake, its source read.

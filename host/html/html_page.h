@@ -1,28 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares the parts of the project's HTML pages: one style that reads in light, in dark and on paper, text made safe,
-// tables.
+// Makes pages of HTML out of templates (host/html/templates) and data: one file each, which opens from disk and needs
+// nothing else. A page's script renders the data, which are a block of JSON in it.
 #pragma once
 
+#include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace multum {
 
-/// Text between tags, or in an attribute.
-std::string html_escaped(const std::string& text);
-
-struct HtmlColumn {
-  std::string head;  // HTML, as cells are
-  bool is_text = false;
+/// What a page has beside the style and the helpers (templates/page.js) that all have. Texts may hold no "</script".
+struct PageTemplate {
+  std::string_view body;    // HTML behind the title
+  std::string_view style;   // CSS
+  std::string_view script;  // JavaScript; `data` is parsed, and its "title" is shown, when it begins
 };
 
-using HtmlRow = std::vector<std::string>;
+/// `data` may hold any text of strangers: it reaches the page as data, and its script makes text nodes of it.
+std::string html_page(const PageTemplate& page, const nlohmann::ordered_json& data);
 
-/// Cells that begin with '*' are the best of their column. `attributes`: of the table, as " class=\"sortable\"".
-std::string html_table(const std::vector<HtmlColumn>& columns, const std::vector<HtmlRow>& rows,
-                       const std::string& attributes = "");
-
-/// A whole page; `title` and `body` are HTML, `more_style` is CSS.
-std::string html_page(const std::string& title, const std::string& body, const std::string& more_style = "");
+/// The files of host/html/templates, by name. Made by tools/embed_files.py.
+const std::map<std::string, std::string_view>& html_templates();
 
 }  // namespace multum

@@ -2,13 +2,14 @@
 #include "host/mesh/gltf_document.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
+#include "host/base/base64.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -54,26 +55,6 @@ void split_glb(const std::string& bytes, const std::string& path, std::string& j
   binary = bytes.substr(next + 8, binary_length);
 }
 
-std::string decode_base64(const std::string& text, const std::string& path) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::array<int, 256> values;
-  values.fill(-1);
-  for (int i = 0; i < 64; ++i) values[static_cast<unsigned char>(kDigits[i])] = i;
-  std::string bytes;
-  unsigned bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    if (c == '=') break;
-    const int value = values[static_cast<unsigned char>(c)];
-    if (value < 0) refuse_file(path, "holds a data URI that is not base64");
-    bits = (bits << 6) | static_cast<unsigned>(value);
-    if ((count += 6) < 8) continue;
-    count -= 8;
-    bytes += static_cast<char>((bits >> count) & 0xff);
-  }
-  return bytes;
-}
-
 }  // namespace
 
 bool is_gltf_name(const std::string& path) {
@@ -96,7 +77,9 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos || uri.substr(0, comma).find(";base64") == std::string::npos)
     refuse_file(path, "holds a data URI that is not base64");
-  bytes = decode_base64(uri.substr(comma + 1), path);
+  std::optional<std::string> decoded = decode_base64(uri.substr(comma + 1));
+  if (!decoded) refuse_file(path, "holds a data URI that is not base64");
+  bytes = std::move(*decoded);
   return true;
 }
 

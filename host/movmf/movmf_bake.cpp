@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
 #include "host/accuracy/accuracy.h"
 #include "host/accuracy/movmf_model.h"
 #include "host/base/error.h"
+#include "host/base/stopwatch.h"
 #include "host/movmf/mip_schedule.h"
 #include "host/movmf/movmf_average.h"
 #include "host/movmf/movmf_fit.h"
@@ -107,7 +107,7 @@ class StartTrial {
 std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
                                         const MipSchedule& schedule, FitReport& report) {
   constexpr int kProxySide = 64;
-  const auto started = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   const std::uint64_t launches_before = device.launch_total();
   const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
@@ -136,7 +136,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
     }
   }
   report.start_launches = device.launch_total() - launches_before;
-  report.start_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  report.start_seconds = stopwatch.seconds();
   return candidates[best];
 }
 

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 #include "host/asset/lobes/gmm_quantize.h"
 #include "host/base/error.h"
 #include "host/base/processes/background_task.h"
 #include "host/base/processes/parallel.h"
+#include "host/base/stopwatch.h"
 #include "host/movmf/lobe_rows.h"
 #include "host/movmf/movmf_binning.h"
 #include "host/movmf/movmf_level_fit.h"
@@ -19,10 +19,6 @@
 
 namespace multum {
 namespace {
-
-double now_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 ProgramChoice level_zero_program(const MipSchedule& schedule, const MovmfSettings& settings) {
   return {"movmf_level_zero",
@@ -51,19 +47,20 @@ class MovmfFitter {
   }
 
   void bin() {
-    const double start_seconds = now_seconds();
+    const Stopwatch stopwatch;
     const std::uint64_t launches_before = device_.launch_total();
     progress_stage(progress_, "bin normals");
     on_device_ = map_on_device(device_, *inputs_.normals, inputs_.features.rgb_planes);
     binned_ = bin_levels(device_, *inputs_.normals, inputs_.features.rgb_planes, schedule_, settings_.representation,
                          plan_.bin_rows, on_device_ ? &*on_device_ : nullptr, plan_.spill, progress_);
-    report_.binning_seconds = now_seconds() - start_seconds;
+    report_.binning_seconds = stopwatch.seconds();
     report_.binning_launches = device_.launch_total() - launches_before;
   }
 
   void fit(const LevelSchedule& level) {
     progress_stage(progress_, fmt::format("fit level {}", level.level));
-    const double start_seconds = now_seconds(), zero_seconds = zero_seconds_;
+    const Stopwatch stopwatch;
+    const double zero_seconds = zero_seconds_;
     const std::uint64_t launches_before = device_.launch_total(), zero_launches = zero_launches_;
     LevelInputs inputs{inputs_};
     inputs.on_device = on_device_ ? &*on_device_ : nullptr;
@@ -88,7 +85,7 @@ class MovmfFitter {
     keep(level, std::move(store), std::move(there));
     binned_.erase(level.level);
     LevelReport& report = report_of(level.level);
-    report.seconds = now_seconds() - start_seconds - (zero_seconds_ - zero_seconds);
+    report.seconds = stopwatch.seconds() - (zero_seconds_ - zero_seconds);
     report.launches = device_.launch_total() - launches_before - (zero_launches_ - zero_launches);
   }
 
@@ -249,7 +246,7 @@ class MovmfFitter {
 
   // The rows of level 0 whose parents are `rows` of level 1, while their normals are on the device.
   FinestRows fit_level_zero(const FittedRows& rows) {
-    const double start_seconds = now_seconds();
+    const Stopwatch stopwatch;
     const int first = 2 * rows.first_row, below = rows.first_row + rows.row_count;
     FinestRows out{first, finest_end(rows.fit, below) - first, {}};
     const std::size_t texels = static_cast<std::size_t>(map_width_) * static_cast<std::size_t>(out.row_count);
@@ -264,7 +261,7 @@ class MovmfFitter {
     ++zero_launches_;
     out.lobe.resize(texels);
     device_.read(nearest, out.lobe.data(), texels);
-    zero_seconds_ += now_seconds() - start_seconds;
+    zero_seconds_ += stopwatch.seconds();
     report_of(0).seconds = zero_seconds_;
     report_of(0).launches = zero_launches_;
     return out;

@@ -116,7 +116,7 @@ struct Source {
 };
 
 Source source_of(const DeviceState& state, const std::string& file, const std::string& options) {
-  const auto found = kernel_sources().find(file);
+  const auto found = kernel_sources().find(file + ".cl");
   MULTUM_CHECK(found != kernel_sources().end());
   Source source{edited_source(found->second, file, state.edits), ""};
   if (g_cache_folder.empty()) return source;

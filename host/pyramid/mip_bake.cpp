@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -14,23 +13,11 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/size_of.h"
+#include "host/base/stopwatch.h"
 #include "host/base/version.h"
 
 namespace multum {
 namespace {
-
-class Seconds {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const std::chrono::duration<double> passed = now - begin_;
-    begin_ = now;
-    return passed.count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 const char* colour_encoding_name(ColourEncoding encoding) {
   switch (encoding) {
@@ -217,7 +204,7 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
     if (!job.report.empty()) write_text_file(job.report, report.to_json());
     return report;
   }
-  Seconds seconds;
+  Stopwatch seconds;
   progress_stage(progress, "read");
   const ColourRows source = read_colour_rows(job.input, reading_of(job), spill_policy(job), job.threads, progress);
   if (job.kind == PyramidKind::kPosition && source.channel_count != 3)

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
@@ -15,6 +14,7 @@
 #include "host/base/files/content_hash.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
+#include "host/base/stopwatch.h"
 #include "host/base/version.h"
 #include "host/image/files/environment_file.h"
 #include "kernels/shared/reflectance.h"
@@ -139,10 +139,6 @@ PyramidHeader make_header(const ReflectanceJob& job) {
   return header;
 }
 
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
 }  // namespace
 
 void validate(const ReflectanceJob& job) {
@@ -201,7 +197,7 @@ MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* 
     throw Error(ErrorCode::kUsage, job.output + ": is not a name for a pyramid, expected one that ends in .exr");
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch reading;
   MipReport report;
   const PyramidHeader header = make_header(job);
   if (!job.force && is_pyramid_in_place(job.output, header.map.provenance)) {
@@ -227,16 +223,16 @@ MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* 
   report.width = report.height = job.size;
   report.level_count = header.level_count();
   report.device = device.info().name;
-  report.read_seconds = seconds_since(begin);
+  report.read_seconds = reading.seconds();
   progress_start(progress, static_cast<std::uint64_t>(job.size) * static_cast<std::uint64_t>(job.size));
   progress_stage(progress, "light");
-  const auto lit = std::chrono::steady_clock::now();
+  const Stopwatch averaging;
   ReflectanceTexels texels(device, job, lights);
   BoxPyramid pyramid(device, box_map(job), memory_of(job, texels.evaluations_a_row()));
   PyramidWriter writer(job.output, header, job.writing);
   const auto fill = [&](const MultumBoxBand& band) { texels.fill(band, pyramid); };
   report.limited_count = write_box_pyramid(pyramid, box_map(job), writer, job.encoding, fill, progress);
-  report.average_seconds = seconds_since(lit);
+  report.average_seconds = averaging.seconds();
   progress_stage(progress, "write");
   writer.commit(progress);
   report.content_hash = writer.content_hash();

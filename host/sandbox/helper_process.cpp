@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -23,6 +22,7 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/sanitizers.h"
+#include "host/base/processes/spawned_process.h"
 #include "host/sandbox/helper_service.h"
 
 namespace multum {
@@ -48,33 +48,14 @@ int moved_away(int descriptor) {
   return moved;
 }
 
-pid_t spawn(const std::string& program, int socket, int memory, int last_words) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, last_words, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, last_words, STDERR_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, socket, kHelperSocket);
-  posix_spawn_file_actions_adddup2(&actions, memory, kHelperMemory);
-  posix_spawn_file_actions_addclosefrom_np(&actions, kHelperMemory + 1);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  // It stays in this process's group, and ends with it; what a terminal sends to the group is for this process.
-  sigset_t terminal, all;
-  sigemptyset(&terminal);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&terminal, signal);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &terminal);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  char* const arguments[] = {const_cast<char*>(program.c_str()), nullptr};
-  pid_t pid = -1;
-  const int error = ::posix_spawn(&pid, program.c_str(), &actions, &attributes, arguments, environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0)
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be started: {}", program, std::strerror(error)));
-  return pid;
+// It stays in this process's group, and ends with it; what a terminal sends to the group is for this process.
+pid_t spawn_helper(const std::string& program, int socket, int memory, int last_words) {
+  return spawn_process({program}, {.files = {{last_words, STDOUT_FILENO},
+                                             {last_words, STDERR_FILENO},
+                                             {socket, kHelperSocket},
+                                             {memory, kHelperMemory}},
+                                   .has_empty_input = true,
+                                   .blocked_signals = {{SIGINT, SIGTERM, SIGHUP, SIGQUIT}}});
 }
 
 // Bytes of its own in memory now: what is resident and not shared.
@@ -124,7 +105,7 @@ HelperProcess::HelperProcess(const std::string& program) : program_(program) {
     if (last_words_ < 0) fail("memfd_create");
     last_words_ = moved_away(last_words_);
     ::fcntl(last_words_, F_SETFL, O_APPEND);
-    pid_ = spawn(program, theirs, memory, last_words_);
+    pid_ = spawn_helper(program, theirs, memory, last_words_);
   } catch (...) {
     for (const int descriptor : {socket_, pair[1], theirs, memory, last_words_})
       if (descriptor >= 0) ::close(descriptor);

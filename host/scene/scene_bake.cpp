@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -14,14 +13,11 @@
 #include "host/bake/bake_file.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/stopwatch.h"
 #include "host/target/chosen_bake.h"
 
 namespace multum {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 std::uint64_t bytes_of(const std::string& path) {
   std::error_code none;
@@ -87,7 +83,7 @@ std::vector<AccuracySummary> errors_of(const nlohmann::json& row) {
 // `earlier`: the map's row in the report of before, by which what was written then is known again; null: none.
 SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
                         const nlohmann::json& earlier, Device& device, Progress* progress) {
-  const auto start = Clock::now();
+  const Stopwatch stopwatch;
   SceneMapReport report;
   report.name = map.name;
   BakeJob job = map.job;
@@ -110,7 +106,7 @@ SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const
     report.colours = bake_mip(colour_job(map, files.colours(map)), device, progress);
     report.file_bytes += bytes_of(files.colours(map));
   }
-  report.seconds = seconds_since(start);
+  report.seconds = stopwatch.seconds();
   return report;
 }
 
@@ -142,7 +138,7 @@ std::map<std::string, nlohmann::json> earlier_rows(const std::string& path) {
 
 SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
                        const SceneMapDone& done, Progress* progress) {
-  const auto start = Clock::now();
+  const Stopwatch stopwatch;
   write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
   const std::map<std::string, nlohmann::json> earlier = earlier_rows(files.report());
   SceneReport report;
@@ -163,8 +159,8 @@ SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, con
   if (is_settled) write_text_file(files.plan(), plan_json(scene, report.plan, files).dump(2) + "\n");
   report.launches = device.launch_counts();
   report.builds = device.build_counts();
-  report.seconds = seconds_since(start);
-  const auto compared = Clock::now();
+  report.seconds = stopwatch.seconds();
+  const Stopwatch comparing;
   for (std::size_t m = 0; m < plan.maps.size(); ++m) {
     const MapPlan& map = plan.maps[m];
     const SceneMapReport& made = report.maps[m];
@@ -172,7 +168,7 @@ SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, con
     progress_stage(progress, "compare with the default bake");
     report.maps[m].difference = measure_difference(scene, map, device, progress);
   }
-  report.compare_seconds = seconds_since(compared);
+  report.compare_seconds = comparing.seconds();
   write_text_file(files.report(), report.to_json().dump(2) + "\n");
   return report;
 }

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 
 #include "host/base/error.h"
+#include "host/base/stopwatch.h"
 #include "host/image/files/environment_file.h"
 #include "host/scene/effect_rows.h"
 #include "host/scene/map_planner.h"
@@ -92,7 +92,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
 }  // namespace
 
 ScenePlan plan_scene(const SceneDescription& scene, const PlanSettings& settings, Progress* progress) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   ScenePlan plan;
   if (!scene.environment.empty()) check_environment_map(scene.environment);
   std::vector<std::unique_ptr<MapPlanner>> planners;
@@ -129,7 +129,7 @@ ScenePlan plan_scene(const SceneDescription& scene, const PlanSettings& settings
   }
   for (const SceneObject& object : scene.objects)
     plan.objects.push_back(plan_object(scene, object, plan.maps[object.map]));
-  plan.plan_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  plan.plan_seconds = stopwatch.seconds();
   return plan;
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the results of a sweep (host/target/tradeoff_sweep.h) for people and programs. The page is one file of HTML
-// with its pictures in it; its plots are SVG, and read in light, in dark and on paper; its one script sorts tables.
+// with its pictures and JSON in it, of host/target/templates: its script draws plots as SVG, and tables that can be
+// sorted.
 #pragma once
 
+#include <map>
 #include <string>
+#include <string_view>
 
 #include "host/target/tradeoff_sweep.h"
 
@@ -17,5 +20,8 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result);
 std::string tradeoff_markdown(const TradeoffResult& result);
 /// The rows on a front, a line each, and what was chosen: for a terminal.
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result);
+
+/// The files of host/target/templates, by name. Made by tools/embed_files.py.
+const std::map<std::string, std::string_view>& tradeoff_templates();
 
 }  // namespace multum

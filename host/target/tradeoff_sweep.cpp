@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -19,6 +18,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/held_warnings.h"
 #include "host/base/processes/viewer_process.h"
+#include "host/base/stopwatch.h"
 #include "host/brdf/brdf_text.h"
 #include "host/brdf/facet_distribution.h"
 
@@ -140,7 +140,7 @@ class Sweep {
       : job_(job), device_(device), progress_(progress), scratch_(job.scratch) {}
 
   TradeoffResult run() {
-    const auto started = std::chrono::steady_clock::now();
+    const Stopwatch stopwatch;
     BakeReport reading;
     const BakeSource source = read_source(job_.bake, MapReadings::kMany, reading, progress_);
     result_.width = source.map.normals.width();
@@ -158,7 +158,7 @@ class Sweep {
     mark_budgets();
     choose();
     progress_finish(progress_);
-    result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    result_.seconds = stopwatch.seconds();
     return std::move(result_);
   }
 

@@ -3,22 +3,17 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/base/error.h"
+#include "host/base/stopwatch.h"
 #include "runtime_gl/render/light_shading.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
 namespace {
-
-double now_ms() {
-  using Clock = std::chrono::steady_clock;
-  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
-}
 
 // Roberts' R2 sequence: multiples of 1/g and 1/g^2, g^3 = g + 1, shifted by one half. Evenly spread for every count.
 glm::vec2 jitter_offset(int sample) {
@@ -135,7 +130,7 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const RenderScen
   DrawTimer timer(gl_);
   for (std::size_t frame = 0; frame < times.size(); ++frame) {
     gl_.Finish();
-    const double begin = now_ms();
+    const Stopwatch stopwatch;
     timer.begin();
     framebuffer_.clear_colour();
     framebuffer_.clear_depth();
@@ -148,7 +143,7 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const RenderScen
     }
     timer.end();
     gl_.Finish();
-    times[frame] = now_ms() - begin;
+    times[frame] = 1e3 * stopwatch.seconds();
     draw_times[frame] = timer.milliseconds();
   }
   check_gl(gl_, "drawing");
@@ -180,7 +175,7 @@ Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const R
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
   gl_.Finish();
-  const double begin = now_ms();
+  const Stopwatch stopwatch;
   for (int i = 0; i < sample_count; ++i) {
     framebuffer_.bind();
     framebuffer_.clear_colour();
@@ -195,7 +190,7 @@ Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const R
     progress->advance(1);
   }
   gl_.Finish();
-  const double time = now_ms() - begin;
+  const double time = 1e3 * stopwatch.seconds();
   check_gl(gl_, "drawing the truth");
   Picture picture{sum_.read(), time};
   for (float& value : picture.image.rgba) value /= static_cast<float>(sample_count);

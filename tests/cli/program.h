@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/unit/base/test_folder.h"
+#include "tests/unit/base/text_parts.h"
 
 namespace multum::testing {
 
@@ -49,8 +50,6 @@ bool program_works(const std::string& program, const std::string& argument);
 
 /// Exit codes (host/base/error.h).
 inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5;
-
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// It ended with `exit_code`, and stderr says all of `parts`.
 inline void expect_refusal(const ProgramResult& result, int exit_code, const std::vector<std::string>& parts) {

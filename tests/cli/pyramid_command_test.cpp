@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/asset/pyramid/pyramid_file.h"
+#include "host/base/base64.h"
 #include "host/image/colour_map.h"
 #include "tests/cli/program.h"
 #include "tests/unit/image/image_test_files.h"
@@ -168,21 +169,9 @@ std::string model(const std::string& more) {
          more + R"("}]})";
 }
 
-std::string base64(const std::string& bytes) {
-  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned bits = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      bits = (bits << 8) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[(bits >> (18 - 6 * k)) & 63];
-  }
-  return text;
-}
-
 TEST_F(PyramidCommandTest, MaterialsOfAModelAreBakedByTheirManifest) {
   write("n map.png", normal_image(16, 16));
-  write_bytes(path("m.gltf"), model(base64(read_bytes(path("n map.png")))));
+  write_bytes(path("m.gltf"), model(encode_base64(read_bytes(path("n map.png")))));
   const ProgramResult listed = multum({"materials", path("m.gltf"), "-o", path("maps")});
   ASSERT_EQ(listed.exit_code, 0) << listed.err;
   for (const char* part : {"steel\n", "wrap clamp,mirror, scale 0.5", "material 1", "inside.png (inside the file)",

@@ -4,11 +4,13 @@
 
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "tests/cli/program.h"
+#include "tests/unit/html/rendered_page.h"
 #include "tests/unit/image/image_test_files.h"
 
 namespace multum::testing {
@@ -50,11 +52,35 @@ TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
   const nlohmann::json& chosen = rows.at(json.at("chosen").get<std::size_t>());
   EXPECT_LE(chosen.at("relative_l1").get<double>() + chosen.at("confidence_95").get<double>(), 0.3);
   const std::string page = read_bytes(path("costs.html"));
-  EXPECT_TRUE(contains(page, chosen.at("command").get<std::string>())) << chosen.at("command");
-  for (const char* part : {"<svg", "<polyline", "class=\"sortable\"", "For an error of 30 %", "</html>"})
-    EXPECT_TRUE(contains(page, part)) << part;
-  EXPECT_FALSE(contains(page, "http://") || contains(page, "https://")) << "the page is whole by itself";
-  EXPECT_FALSE(contains(page, "nan") || contains(page, "inf\"")) << page;
+  EXPECT_FALSE(contains(page, "src=\"http") || contains(page, "href=") || contains(page, "import "))
+      << "the page is whole by itself";
+  // It has all that the JSON has.
+  const nlohmann::json data = page_data(page);
+  for (const auto& [key, value] : json.items()) EXPECT_EQ(data[key], value) << key;
+  EXPECT_EQ(data["asked"], (nlohmann::json{{"error", 0.3}}));
+  const std::optional<std::string> shown = rendered_page(page);
+  if (!shown) GTEST_SKIP() << "no Chromium";
+  EXPECT_TRUE(contains(*shown, chosen.at("command").get<std::string>())) << chosen.at("command");
+  for (const char* part : {"<svg", "<polyline", "class=\"sortable\"", "For an error of 30 %", "</html>",
+                           "What accuracy costs: map_normal.png</h1>"})
+    EXPECT_TRUE(contains(*shown, part)) << part;
+  for (const char* part : {"NaN", "Infinity", "undefined", "null"}) EXPECT_FALSE(contains(*shown, part)) << *shown;
+}
+
+// A file may be called what it wants: the page shows its name as text, and the command quotes it.
+TEST_F(TradeoffCommandTest, AHostileNameStaysText) {
+  const std::string name = "<script><img src=x onerror=\"document.title='mine'\">.png";
+  std::filesystem::copy_file(path("map_normal.png"), path(name));
+  const ProgramResult swept =
+      multum({"tradeoff", path(name), "-o", path("costs.html"), "--green", "up", "--quick", "--no-pictures"});
+  ASSERT_EQ(swept.exit_code, 0) << swept.err;
+  const std::string page = read_bytes(path("costs.html"));
+  EXPECT_EQ(page_data(page)["map"], name);
+  EXPECT_FALSE(contains(page, "<img"));
+  const std::optional<std::string> shown = rendered_page(page);
+  if (!shown) GTEST_SKIP() << "no Chromium";
+  EXPECT_FALSE(contains(*shown, "<img"));
+  EXPECT_TRUE(contains(*shown, "<h1 id=\"title\">What accuracy costs: &lt;script&gt;&lt;img src=x")) << *shown;
 }
 
 // What keeps to all budgets is marked, in page and JSON, and the most accurate of it is chosen; more lobes fit without
@@ -100,10 +126,14 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   const std::string kept = fmt::format("{} of {} settings", fitting, json["rows"].size());
   expect_says(swept.out, {"within 0.03147 MiB on the GPU, 1e+07 ms of baking: " + kept, " MiB  ", "chosen: "});
   const std::string page = read_bytes(path("costs.html"));
-  for (const std::string& part : {kept, std::string("<s><code>--ndf vmf --lobes 6</code></s>"), std::string("GPU, MiB"),
-                                  std::string("mark over"), std::string("0.03147 MiB on the GPU")})
-    EXPECT_TRUE(contains(page, part)) << part;
-  EXPECT_FALSE(contains(page, "MB")) << "one unit of memory";
+  EXPECT_EQ(page_data(page)["fitting_count"], fitting);
+  EXPECT_EQ(page_data(page)["setting_count"], json["rows"].size());
+  if (const std::optional<std::string> shown = rendered_page(page)) {
+    for (const char* part : {"<s><code>--ndf vmf --lobes 6</code></s>", "GPU, MiB", "mark over",
+                             "0.03147 MiB on the GPU, 1e+07 ms of baking", "keep to it"})
+      EXPECT_TRUE(contains(*shown, part)) << part;
+    EXPECT_FALSE(contains(*shown, "MB")) << "one unit of memory";
+  }
   // Nothing keeps to it; frames that are not drawn can keep to nothing.
   EXPECT_EQ(sweep("map_normal.png", {"--max-bytes", "10"}).exit_code, kVerification);
   EXPECT_EQ(sweep("map_normal.png", {"--max-frame-ms", "10"}).exit_code, kUsage);
@@ -146,7 +176,13 @@ TEST_F(TradeoffPictureTest, RanksByPicturesWithRoughnessToo) {
   EXPECT_EQ(rows.at(json["chosen"].get<std::size_t>())["rendered_relative_l1"], best);
   const std::string count = fmt::format("{} settings", rows.size());
   EXPECT_TRUE(contains(swept.out, count + " in ")) << swept.out;
-  EXPECT_TRUE(contains(read_bytes(path("costs.html")), "<p>" + count + " for ")) << "one number everywhere";
+  const std::string page = read_bytes(path("costs.html"));
+  EXPECT_EQ(page_data(page)["setting_count"], rows.size()) << "one number everywhere";
+  if (const std::optional<std::string> shown = rendered_page(page)) {
+    for (const char* part :
+         {"<h2>Pictures</h2>", "<b>truth</b>", "src=\"data:image/png;base64,iVBOR", "% off</b>: --ndf"})
+      EXPECT_TRUE(contains(*shown, part)) << part;
+  }
   EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--brdf", "lambert"})).exit_code, kUsage);
   EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--json", path("map_gloss.png")})).exit_code, kUsage);
 }

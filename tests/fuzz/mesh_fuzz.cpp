@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "host/base/base64.h"
 #include "host/decoder/mesh_decoder.h"
 #include "host/mesh/gltf_material.h"
 #include "tests/fuzz/mesh_checks.h"
@@ -19,17 +20,6 @@ std::string buffer() {
   const std::uint16_t indices[] = {0, 1, 2, 0};
   std::string bytes(reinterpret_cast<const char*>(numbers), sizeof(numbers));
   return bytes.append(reinterpret_cast<const char*>(indices), sizeof(indices));
-}
-
-std::string base64(const std::string& bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i + 2 < bytes.size(); i += 3) {
-    unsigned triple = 0;
-    for (std::size_t k = 0; k < 3; ++k) triple = triple << 8 | static_cast<unsigned char>(bytes[i + k]);
-    for (int shift = 18; shift >= 0; shift -= 6) text += kDigits[triple >> shift & 63];
-  }
-  return text;
 }
 
 std::string gltf(const std::string& uri) {
@@ -100,7 +90,7 @@ std::string answer_of(DecodingRequest kind) {
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
-  const std::string uri = R"("uri":"data:application/octet-stream;base64,)" + base64(buffer()) + R"(",)";
+  const std::string uri = R"("uri":"data:application/octet-stream;base64,)" + encode_base64(buffer()) + R"(",)";
   std::vector<std::string> seeds;
   for (const Reader& reader : kReaders) {
     const std::string_view name = reader.name;

@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/base/base64.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/mesh/mesh.h"
@@ -84,15 +85,11 @@ TEST(Mesh, RefusesWhatCannotCarryAMap) {
 /// One right triangle and one whose last index is `index`, as glTF with its buffer inside.
 std::string two_triangles(char index) {
   const char indices[12] = {0, 0, 1, 0, 2, 0, 0, 0, 1, 0, index, 0};
-  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   // Positions (0,0,0) (1,0,0) (0,1,0) and uvs (0,0) (1,0) (0,1), 60 bytes.
-  std::string base64 =
+  const std::string base64 =
       "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAA"
-      "AIA/AAAAAAAAAAAAAIA/";
-  for (int i = 0; i < 12; i += 3) {
-    const int bits = (indices[i] << 16) | (indices[i + 1] << 8) | indices[i + 2];
-    for (int shift = 18; shift >= 0; shift -= 6) base64 += digits[(bits >> shift) & 63];
-  }
+      "AIA/AAAAAAAAAAAAAIA/" +
+      encode_base64({indices, sizeof(indices)});
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"indices":2}]}],)"
          R"("buffers":[{"byteLength":72,"uri":"data:application/octet-stream;base64,)" +

@@ -4,13 +4,13 @@
 #include <ImfThreading.h>
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 
 #include "host/asset/lobes/movmf_mipmap.h"
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/stopwatch.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/measuring/bake_programs.h"
@@ -29,9 +29,9 @@ constexpr StorageEncoding kEncodings[] = {StorageEncoding::kSnorm16, StorageEnco
 constexpr const char* kCompressions[] = {"none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz"};
 
 double seconds_of(const std::function<void()>& body) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   body();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return stopwatch.seconds();
 }
 
 struct FileTimes {

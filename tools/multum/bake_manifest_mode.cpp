@@ -2,12 +2,12 @@
 #include "tools/multum/bake_manifest_mode.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/progress.h"
 #include "host/base/shown_text.h"
+#include "host/base/stopwatch.h"
 #include "host/manifest/manifest_report.h"
 #include "host/parameters/bake_parameters.h"
 #include "tools/command_line/parameter_options.h"
@@ -16,10 +16,6 @@ namespace multum {
 namespace {
 
 constexpr char kStdout[] = "-";
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 // Before any work: a run of an hour must not end in a report that cannot be written, or that takes a map's place.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
@@ -50,7 +46,7 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
 
 // Each map for itself: one that fails does not keep the others from theirs.
 MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const BakePrinting& printing) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   MapResult result;
   try {
     const auto progress = make_terminal_progress(!printing.quiet);
@@ -58,7 +54,7 @@ MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& 
   } catch (const Error& error) {
     result = failed_map(map, error);
   }
-  result.seconds = seconds_since(start);
+  result.seconds = stopwatch.seconds();
   print_result(map, printing, result, o.run.check);
   return result;
 }
@@ -105,14 +101,14 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
 
 int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const DeviceChoice& device_choice,
                  BakePrinting printing) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   if (o.summary == kStdout) printing.out = stderr;
   const std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
   check_result_files(o, maps);
   Device device = Device::open(device_choice);
   ManifestOutcome outcome{o.manifest, o.run, {}, 0.0};
   for (const ManifestMap& map : maps) outcome.results.push_back(run_map(map, o, device, printing));
-  outcome.seconds = seconds_since(start);
+  outcome.seconds = stopwatch.seconds();
   print_outcome(outcome, printing);
   if (!o.junit.empty()) write_text_file(o.junit, manifest_junit(outcome));
   if (o.summary == kStdout) write_shown(stdout, manifest_summary(outcome));

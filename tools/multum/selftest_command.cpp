@@ -2,7 +2,6 @@
 // multum selftest: the numerical cases of the kernels on the user's own device and driver.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -11,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/shown_text.h"
+#include "host/base/stopwatch.h"
 #include "host/reference/case_page.h"
 #include "host/reference/case_table.h"
 #include "host/selftest/selftest.h"
@@ -44,19 +44,19 @@ int run_selftest_command(Options options) {
   check(options);
   apply(options.common);
   options.selftest.without_guards = options.selftest.without_guards || !options.markdown.empty();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   std::vector<NumericalRun> runs;
   if (!options.with.empty()) runs.push_back(read_run(options.with));  // before the work, which takes a while
   Device device = Device::open(options.device);
   const auto progress = make_progress(options.common);
   const NumericalRun run = run_selftest(device, options.selftest, progress.get());
   progress_finish(progress.get());
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const double seconds = stopwatch.seconds();
   write_shown(stdout, fmt::format("device  {} ({}, {})\n\n", run.device, run.platform, run.driver));
   write_shown(stdout, case_table(run));
   std::size_t broken = 0;
   for (const NumericalVerdict& v : run.verdicts) broken += v.holds() ? 0 : 1;
-  write_shown(stdout, fmt::format("\n{} cases, {} broken, {:.1f} s\n", run.verdicts.size(), broken, seconds.count()));
+  write_shown(stdout, fmt::format("\n{} cases, {} broken, {:.1f} s\n", run.verdicts.size(), broken, seconds));
   if (!options.json.empty()) write_text_file(options.json, case_json(run));
   if (!options.markdown.empty()) {
     runs.insert(runs.begin(), run);

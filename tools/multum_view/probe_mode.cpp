@@ -3,7 +3,6 @@
 // that a driver's crash ends it alone.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <thread>
 
@@ -14,6 +13,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/shown_text.h"
+#include "host/base/stopwatch.h"
 #include "host/mesh/object_mesh.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/probe/filter_probe.h"
@@ -69,7 +69,7 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
         {plain.back().get(), object_to_clip(request.world_to_clip, object_place(mesh, request.object_to_world))});
   }
   for (std::size_t i = 0; i < request.tasks.size(); ++i) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch stopwatch;
     const ProbeTask& task = request.tasks[i];
     const std::size_t object = task_objects[i];
     const gl::MeshData data = mapped_mesh_data(meshes[object], task.mapping);
@@ -86,7 +86,7 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
                          task.key};
     write_filter_matrix(matrix, task.output);
     if (options.matrix_market) write_matrix_market(matrix, task.output + ".mtx");
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = stopwatch.seconds();
     write_shown(stdout, fmt::format("{}: {} pixels, {} entries, {} rejected, {:.2f} s\n", task.object,
                                     matrix.row_count(), matrix.columns.size(), matrix.rows_rejected, seconds));
   }

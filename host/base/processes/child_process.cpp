@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,6 +15,8 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/sanitizers.h"
+#include "host/base/processes/spawned_process.h"
+#include "host/base/stopwatch.h"
 
 namespace multum {
 namespace {
@@ -26,26 +27,6 @@ double seconds(const timeval& time) {
 
 // Linux counts in KiB.
 std::uint64_t peak_memory_bytes(const rusage& usage) { return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; }
-
-pid_t spawn(const std::vector<std::string>& arguments, int output, bool has_own_group) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
-  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  if (has_own_group) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  std::vector<char*> argv;
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
-  pid_t pid = 0;
-  const int error = posix_spawnp(&pid, argv[0], &actions, &attributes, argv.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw Error(ErrorCode::kEnvironment, arguments[0] + ": cannot be started: " + std::strerror(error));
-  return pid;
-}
 
 // From outside, at once after its start: before it has read anything that it was told to.
 void hold_to(pid_t pid, const ChildLimits& limits) {
@@ -60,15 +41,15 @@ void hold_to(pid_t pid, const ChildLimits& limits) {
 
 // What comes out of it until it closes its end. False: it was killed, for it took too long or is not wanted any more.
 bool read_output(int pipe_end, pid_t pid, const ChildLimits* limits, std::string& output) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   std::array<char, 4096> buffer;
   bool is_killed = false;
   for (;;) {
     if (limits != nullptr && !is_killed) {
       pollfd waited = {pipe_end, POLLIN, 0};
       const bool has_more = poll(&waited, 1, 100) > 0;
-      is_killed = std::chrono::steady_clock::now() - start > limits->time_max || output.size() > limits->output_max ||
-                  (limits->is_cancelled && limits->is_cancelled());
+      is_killed = stopwatch.seconds() > std::chrono::duration<double>(limits->time_max).count() ||
+                  output.size() > limits->output_max || (limits->is_cancelled && limits->is_cancelled());
       if (is_killed) ::kill(-pid, SIGKILL);
       if (!has_more) continue;
     }
@@ -84,10 +65,12 @@ ChildResult run(const std::vector<std::string>& arguments, const ChildLimits* li
   // No other child that another thread starts meanwhile may hold it open.
   if (pipe2(pipe_ends, O_CLOEXEC) != 0)
     throw Error(ErrorCode::kEnvironment, std::string("pipe: ") + std::strerror(errno));
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   pid_t pid = 0;
   try {
-    pid = spawn(arguments, pipe_ends[1], limits != nullptr);
+    pid = spawn_process(arguments, {.files = {{pipe_ends[1], STDOUT_FILENO}, {pipe_ends[1], STDERR_FILENO}},
+                                    .has_own_group = limits != nullptr,
+                                    .is_in_path = true});
   } catch (const Error&) {
     close(pipe_ends[0]);
     close(pipe_ends[1]);
@@ -102,8 +85,7 @@ ChildResult run(const std::vector<std::string>& arguments, const ChildLimits* li
   rusage usage = {};
   while (wait4(pid, &status, 0, &usage) < 0 && errno == EINTR) {
   }
-  result.usage = {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-                  seconds(usage.ru_utime), seconds(usage.ru_stime), peak_memory_bytes(usage)};
+  result.usage = {stopwatch.seconds(), seconds(usage.ru_utime), seconds(usage.ru_stime), peak_memory_bytes(usage)};
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   return result;

@@ -399,7 +399,7 @@ asio::awaitable<HttpResponse> health(HttpApi::State&, std::string, HttpRequest) 
   co_return HttpResponse{200, "text/plain; charset=utf-8", "ok\n"};
 }
 asio::awaitable<HttpResponse> openapi(HttpApi::State&, std::string, HttpRequest) {
-  co_return HttpResponse{200, "application/json", openapi_json()};
+  co_return HttpResponse{200, "application/json", openapi_json};
 }
 asio::awaitable<HttpResponse> types(HttpApi::State& state, std::string, HttpRequest) { co_return state.types(); }
 asio::awaitable<HttpResponse> pause(HttpApi::State& state, std::string part, HttpRequest) {
@@ -432,7 +432,7 @@ asio::awaitable<HttpResponse> picture(HttpApi::State& state, std::string part, H
 using State = HttpApi::State;
 
 std::vector<Route> with_web_files(std::vector<Route> list) {
-  for (const EmbeddedFile& file : embedded_web_files()) list.push_back({"GET", {file.name}, true, web_file});
+  for (const auto& [name, bytes] : embedded_web_files()) list.push_back({"GET", {name}, true, web_file});
   return list;
 }
 

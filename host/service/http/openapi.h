@@ -2,10 +2,8 @@
 // Text of docs/openapi.json, as it was when this was built.
 #pragma once
 
-#include <string>
-
 namespace multum {
 
-const std::string& openapi_json();
+extern const char* const openapi_json;
 
 }  // namespace multum

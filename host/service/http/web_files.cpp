@@ -26,14 +26,14 @@ std::string content_type(std::string_view name) {
 const std::map<std::string, HttpResponse>& responses() {
   static const std::map<std::string, HttpResponse> all = [] {
     std::map<std::string, HttpResponse> made;
-    for (const EmbeddedFile& file : embedded_web_files())
-      made["/" + file.name] = {200,
-                               content_type(file.name),
-                               std::string(file.bytes),
-                               {{"ETag", '"' + hash_text(file.bytes).substr(0, 32) + '"'},
-                                {"Cache-Control", "no-cache"},
-                                {"Content-Security-Policy", kSecurityPolicy},
-                                {"Referrer-Policy", "no-referrer"}}};
+    for (const auto& [name, bytes] : embedded_web_files())
+      made["/" + name] = {200,
+                          content_type(name),
+                          std::string(bytes),
+                          {{"ETag", '"' + hash_text(bytes).substr(0, 32) + '"'},
+                           {"Cache-Control", "no-cache"},
+                           {"Content-Security-Policy", kSecurityPolicy},
+                           {"Referrer-Policy", "no-referrer"}}};
     made["/"] = made.at("/index.html");
     return made;
   }();

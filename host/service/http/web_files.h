@@ -2,20 +2,16 @@
 // The page that the daemon serves: files of host/service/web, embedded at build time.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "host/service/http/http_server.h"
 
 namespace multum {
 
-struct EmbeddedFile {
-  std::string name;  // "app.js"
-  std::string_view bytes;
-};
-/// Written by embed_web_files.cmake.
-const std::vector<EmbeddedFile>& embedded_web_files();
+/// By name, e.g. "app.js". Made by tools/embed_files.py.
+const std::map<std::string, std::string_view>& embedded_web_files();
 
 /// Answers "/" and "/NAME" for each of them, 304 to who has it already. The page may load nothing from elsewhere and
 /// run no script but its own, whatever text of strangers it shows.

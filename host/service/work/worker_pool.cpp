@@ -2,7 +2,6 @@
 #include "host/service/work/worker_pool.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -18,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/processes/spawned_process.h"
 #include "host/service/service_log.h"
 
 namespace multum {
@@ -33,34 +33,12 @@ constexpr int kSocket = 3;                 // of a worker
 constexpr std::size_t kLineMax = 1 << 20;  // bytes: a worker that says more in one breath has lost its mind
 constexpr int kBackOffDoublingsMax = 4;    // of the pause before another worker is started, from 250 ms on
 
-pid_t spawn_process(const std::vector<std::string>& command, int socket) {
-  std::vector<std::string> arguments = command;
-  arguments.push_back(fmt::format("--socket={}", kSocket));
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, socket, kSocket);
-  // Connections and listeners are the daemon's alone: a line that it closes must be closed for its client.
-  posix_spawn_file_actions_addclosefrom_np(&actions, kSocket + 1);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  // A group of its own: what a worker has started ends with it, and Ctrl-C is the daemon's alone.
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  sigset_t none, all;
-  sigemptyset(&none);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  pid_t pid = -1;
-  const int error = posix_spawn(&pid, arguments.front().c_str(), &actions, &attributes, pointers.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
-  if (error != 0)
-    throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: cannot be started as a worker: {}", arguments.front(), std::strerror(error)));
-  return pid;
+// It has no connections and listeners: a line that the daemon closes must be closed for its client. What a worker has
+// started ends with it, and Ctrl-C is the daemon's alone.
+pid_t spawn_worker(std::vector<std::string> command, int socket) {
+  command.push_back(fmt::format("--socket={}", kSocket));
+  return spawn_process(command,
+                       {.files = {{socket, kSocket}}, .has_own_group = true, .blocked_signals = std::vector<int>{}});
 }
 
 // Of a worker's words: they are kept, and told to everybody.
@@ -117,7 +95,7 @@ void WorkerPool::spawn() {
   const auto worker = std::make_shared<Worker>(io_);
   worker->socket.assign(asio::local::stream_protocol(), pair[0]);
   try {
-    worker->pid = spawn_process(settings_.command, pair[1]);
+    worker->pid = spawn_worker(settings_.command, pair[1]);
   } catch (...) {
     ::close(pair[1]);
     throw;

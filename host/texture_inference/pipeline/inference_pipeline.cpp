@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -15,6 +14,7 @@
 #include "host/base/files/content_hash.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
+#include "host/base/stopwatch.h"
 #include "host/texture_inference/mapping/forward_mapping.h"
 #include "host/texture_inference/pipeline/inference_rows.h"
 
@@ -22,18 +22,6 @@ namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // A linear system and what it was made of.
 struct ObjectSystem {
@@ -63,7 +51,7 @@ class InferencePipeline {
         units += point.samples.size() + job_.objects.size();
     progress_start(progress_, units);
     {
-      const Stopwatch watch(result_.seconds.probing);
+      const ScopedStopwatch watch(result_.seconds.probing);
       probe_.run(progress_);
     }
     result_.matrices_measured = probe_.measured;
@@ -75,7 +63,7 @@ class InferencePipeline {
 
  private:
   ObjectMappings find_mappings() {
-    const Stopwatch watch(result_.seconds.mapping);
+    const ScopedStopwatch watch(result_.seconds.mapping);
     ObjectMappings mappings(job_.objects.size());
     for (std::size_t k = 0; k < job_.objects.size(); ++k) {
       bool is_seen = false;
@@ -141,7 +129,7 @@ class InferencePipeline {
       block = point.block;
       std::vector<std::vector<ObjectLayer>> pictures;  // [sample of the point][object]
       {
-        const Stopwatch watch(result_.seconds.segmentation);
+        const ScopedStopwatch watch(result_.seconds.segmentation);
         for (const int sample : point.samples) {
           SegmentationReport report;
           pictures.push_back(field_.segment(sample, layer, settings_.threads, &report));
@@ -197,7 +185,7 @@ class InferencePipeline {
     std::vector<float> texels = texels_there(path, key);
     texture.was_there = !texels.empty();
     if (!texture.was_there) {
-      const Stopwatch watch(result_.seconds.solving);
+      const ScopedStopwatch watch(result_.seconds.solving);
       InferenceResult solved = system.inference->solve(colours, starts_[k]);
       texture.converged = solved.converged;
       texture.iterations = solved.iterations;
@@ -211,7 +199,7 @@ class InferencePipeline {
     divide(texels, job_.radiance_max);
     texture.squared_errors = squared_errors(k, system, pictures, colours, texels, texture.pixel_counts);
     if (settings_.with_baseline) {
-      const Stopwatch watch(result_.seconds.baseline);
+      const ScopedStopwatch watch(result_.seconds.baseline);
       texture.forward_squared_errors =
           squared_errors(k, system, pictures, colours, forward_texels(k, point, pictures), texture.pixel_counts);
     }
@@ -224,7 +212,7 @@ class InferencePipeline {
 
   ObjectSystem& system_of(std::size_t k, const ParameterPoint& point,
                           const std::vector<std::vector<ObjectLayer>>& pictures, const std::vector<bool>& is_held_out) {
-    const Stopwatch watch(result_.seconds.systems);
+    const ScopedStopwatch watch(result_.seconds.systems);
     ObjectSystem& system = systems_[k];
     std::string matrices_key;
     for (const int sample : point.samples) matrices_key += probe_.key(field_.pose_of(sample), k);

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/processes/viewer_process.h"
+#include "host/base/stopwatch.h"
 #include "host/image/files/exr_layers.h"
 #include "host/texture_inference/pipeline/inference_pipeline.h"
 #include "host/texture_inference/pipeline/inference_rows.h"
@@ -119,7 +119,7 @@ FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFr
 
 InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettings& settings,
                               const std::vector<int>& samples, Progress* progress) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   const AnimationJob& job = field.job();
   InferenceFrames result;
   make_folder(settings.output + "/frames");
@@ -141,7 +141,7 @@ InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettin
       progress_advance(progress, 1);
     }
   }
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = stopwatch.seconds();
   return result;
 }
 

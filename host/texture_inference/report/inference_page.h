@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of `multum infer` as one page of HTML: it refers to the pictures in OUTPUT/report and to nothing else, has
-// no scripts, and can be read in light, in dark and on paper.
+// Shows the report of `multum infer` as one page of HTML: it refers to the pictures in OUTPUT/report and to nothing
+// else, and can be read in light, in dark and on paper. host/texture_inference/report/templates has what it says.
 #pragma once
 
+#include <map>
 #include <string>
+#include <string_view>
 
 #include "host/texture_inference/report/inference_pictures.h"
 #include "host/texture_inference/report/inference_report.h"
@@ -14,5 +16,8 @@ std::string inference_page(const InferenceReport& report, const ReportPictures& 
 
 /// Writes report.json, the pictures and report.html into the output folder.
 void write_inference_report(const ParameterizedScene& field, const InferenceReport& report);
+
+/// The files of host/texture_inference/report/templates, by name. Made by tools/embed_files.py.
+const std::map<std::string, std::string_view>& inference_templates();
 
 }  // namespace multum

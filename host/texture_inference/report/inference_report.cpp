@@ -237,7 +237,7 @@ std::vector<LayerSummary> summarise_layers(const InferenceReport& report) {
   return summaries;
 }
 
-std::string inference_report_json(const InferenceReport& report) {
+Json inference_figures(const InferenceReport& report) {
   const AnimationJob& job = report.job;
   const AnimationInferResult& result = report.result;
   Json json;
@@ -263,10 +263,15 @@ std::string inference_report_json(const InferenceReport& report) {
   json["seconds"] = seconds_json(result.seconds);
   json["frames"] = report.frames != nullptr ? frames_json(job, *report.frames) : Json(nullptr);
   json["comparison"] = report.comparison != nullptr ? comparison_json(job, *report.comparison) : Json(nullptr);
+  return json;
+}
+
+std::string inference_report_json(const InferenceReport& report) {
+  Json json = inference_figures(report);
   json["textures"] = Json::array();
-  for (const TextureResult& texture : result.textures)
+  for (const TextureResult& texture : report.result.textures)
     if (!texture.file.empty()) json["textures"].push_back(texture_json(report, texture));
-  return json.dump(1) + "\n";
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string texel_count_text(const InferenceReport& report, const LayerSummary& layer, const std::string& times) {

@@ -3,6 +3,7 @@
 // pictures (inference_page.h).
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,8 @@ std::vector<LayerSummary> summarise_layers(const InferenceReport& report);
 /// largest.
 std::string texel_count_text(const InferenceReport& report, const LayerSummary& layer, const std::string& times);
 
+/// report.json without its `textures`, of which there may be thousands.
+nlohmann::ordered_json inference_figures(const InferenceReport& report);
 /// report.json.
 std::string inference_report_json(const InferenceReport& report);
 

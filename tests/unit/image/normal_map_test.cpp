@@ -12,14 +12,13 @@
 
 #include "host/image/normals/encoding_detection.h"
 #include "host/image/normals/normal_decode.h"
+#include "tests/unit/base/text_parts.h"
 #include "tests/unit/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {
 
 using OIIO::TypeDesc;
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 std::string warnings(const NormalMap& map) {
   std::string text;

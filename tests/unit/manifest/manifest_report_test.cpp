@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/base/test_folder.h"
+#include "tests/unit/base/text_parts.h"
 
 namespace multum {
 namespace {
+
+using testing::contains;
 
 MapResult result_of(const std::string& name, MapState state, const std::string& why = "",
                     ErrorCode failure = ErrorCode::kInput) {
@@ -24,8 +27,6 @@ ManifestOutcome outcome_of(std::vector<MapResult> results) {
 }
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(ManifestReport, AllInPlace) {
   ManifestOutcome outcome =

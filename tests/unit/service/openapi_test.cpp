@@ -25,7 +25,7 @@ std::string parameters_name(const JobType& type) {
 
 TEST(Openapi, HasEveryRouteAndNoOther) {
   std::set<std::string> described;
-  const Json document = Json::parse(openapi_json());
+  const Json document = Json::parse(openapi_json);
   for (const auto& [path, operations] : document.at("paths").items())
     for (const auto& [method, operation] : operations.items()) {
       std::string upper = method;
@@ -37,7 +37,7 @@ TEST(Openapi, HasEveryRouteAndNoOther) {
 }
 
 TEST(Openapi, HasTheParametersOfEveryType) {
-  const Json schemas = Json::parse(openapi_json()).at("components").at("schemas");
+  const Json schemas = Json::parse(openapi_json).at("components").at("schemas");
   std::vector<std::string> names;
   for (const JobType& type : job_types()) {
     names.push_back(type.name);
@@ -76,14 +76,14 @@ TEST(JobTypes, TextsHoldNoControlCharacters) {
     text += static_cast<char>(code < 0x80 ? code : 0x80 | (code & 63));
     EXPECT_EQ(is_plain_text(text), code >= 0x20 && (code < 0x7f || code >= 0xa0)) << code;
   }
-  const Json schemas = Json::parse(openapi_json()).at("components").at("schemas");
+  const Json schemas = Json::parse(openapi_json).at("components").at("schemas");
   const Json pattern = parameters_schema(find_job_type("drill")).at("properties").at("text").at("pattern");
   for (const char* key : {"label", "queue", "device"})
     EXPECT_EQ(schemas.at("Submission").at("properties").at(key).at("pattern"), pattern) << key;
 }
 
 TEST(Openapi, EveryReferenceLeadsSomewhere) {
-  const Json document = Json::parse(openapi_json());
+  const Json document = Json::parse(openapi_json);
   int references = 0;
   const auto follow = [&](const auto& self, const Json& node) -> void {
     if (!node.is_structured()) return;

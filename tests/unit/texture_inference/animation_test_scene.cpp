@@ -13,22 +13,12 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
+#include "host/base/base64.h"
 #include "tests/unit/base/test_folder.h"
 #include "tests/unit/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {
-
-std::string base64(const std::string& bytes) {
-  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
-  std::string text;
-  for (std::size_t i = 0; i + 2 < bytes.size(); i += 3) {  // all our buffers are of whole rgb_planes
-    const unsigned bits = static_cast<unsigned>(byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2));
-    for (int shift = 18; shift >= 0; shift -= 6) text += digits[bits >> shift & 63];
-  }
-  return text;
-}
 
 template <typename Values>
 std::string bytes_of(const Values& values) {
@@ -69,7 +59,7 @@ std::string gltf_text(const GltfScene& scene) {
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + scene.nodes +
          R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2},"indices":3}]}],)"
          R"("buffers":[{"byteLength":96,"uri":"data:application/octet-stream;base64,)" +
-         base64(buffer) +
+         encode_base64(buffer) +
          R"("}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24},)"
          R"({"buffer":0,"byteOffset":60,"byteLength":24},{"buffer":0,"byteOffset":84,"byteLength":12}],"accessors":[)"
          R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"

@@ -11,21 +11,26 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "host/texture_inference/report/inference_frames.h"
 #include "host/texture_inference/report/inference_page.h"
 #include "host/texture_inference/report/inference_pictures.h"
 #include "tests/unit/base/test_folder.h"
+#include "tests/unit/base/text_parts.h"
+#include "tests/unit/html/rendered_page.h"
 
 namespace multum {
 namespace {
 
+using testing::contains;
 using testing::expect_error;
+using testing::part_count;
 using testing::TemporaryFolder;
 
 constexpr const char* kOddName = "<b>&\"";
-constexpr const char* kOddNameEscaped = "&lt;b&gt;&amp;&quot;";
+constexpr const char* kOddNameShown = "&lt;b&gt;&amp;\"";  // as a browser writes text
 
 // Two views and three lights; a vase of two layers, and an object with an odd name that is never seen.
 struct ReportScene {
@@ -89,12 +94,6 @@ struct ReportScene {
 
   InferenceReport report() const { return {job, settings, result, 4, &frames, &comparison}; }
 };
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-  return found;
-}
 
 TEST(InferenceReport, MeansAreOfPixelsAndHeldOutOnesAreApart) {
   const ReportScene scene;
@@ -176,9 +175,11 @@ TEST(InferenceReport, WithoutFramesAndComparisonJsonSaysSo) {
   const nlohmann::json json = nlohmann::json::parse(inference_report_json(report));
   EXPECT_TRUE(json["frames"].is_null());
   EXPECT_TRUE(json["comparison"].is_null());
-  const std::string page = inference_page(report, {});
-  EXPECT_NE(page.find("No frames"), std::string::npos);
-  EXPECT_EQ(page.find("<svg"), std::string::npos);
+  const std::optional<std::string> shown = testing::rendered_page(inference_page(report, {}));
+  if (!shown) GTEST_SKIP() << "no Chromium";
+  EXPECT_TRUE(contains(*shown, "No frames"));
+  EXPECT_FALSE(contains(*shown, "<svg"));
+  EXPECT_FALSE(contains(*shown, "What the choices cost"));
 }
 
 TEST(InferenceReport, TextHasALineForEachLayer) {
@@ -200,9 +201,10 @@ TEST(InferenceReport, BlocksHaveTheirOwnTextureCoordinates) {
   EXPECT_EQ(json["objects"][0]["mappings"][1]["width"], 9);
   EXPECT_TRUE(json["objects"][1]["mappings"][0].is_null());
   EXPECT_EQ(json["textures"][1]["block"], "view01-01");
-  const std::string page = inference_page(scene.report(), {});
-  for (const char* part : {"9 &times; 200 to 148 &times; 96", ">view01-01</td>", "5 &times; 6", "not seen"})
-    EXPECT_NE(page.find(part), std::string::npos) << part;
+  const std::optional<std::string> shown = testing::rendered_page(inference_page(scene.report(), {}));
+  if (!shown) GTEST_SKIP() << "no Chromium";
+  for (const char* part : {"9 \u00d7 200 to 148 \u00d7 96", ">view01-01</td>", "5 \u00d7 6", "not seen"})
+    EXPECT_TRUE(contains(*shown, part)) << part;
 }
 
 TEST(InferenceReport, SamplesAreFoundByIndicesAndByName) {
@@ -225,26 +227,36 @@ TEST(InferencePage, HasEveryObjectAndEscapesNames) {
   pictures.objects = {row("vase", 30, 60), row("odd", 5, 7)};
   pictures.textures = {{1, 0, {"report/t.png", 148, 96}}};
   const std::string page = inference_page(scene.report(), pictures);
-  EXPECT_EQ(page.find(kOddName), std::string::npos);
-  EXPECT_GE(count(page, kOddNameEscaped), 6u) << "three alt texts, a heading, a column and a row";
-  EXPECT_NE(page.find("bilinear &lt;1&gt;"), std::string::npos);
-  EXPECT_EQ(count(page, "<img "), 10u);
-  EXPECT_EQ(count(page, "<img "), count(page, "alt=\"") - count(page, "alt=\"\"")) << "pictures without words";
+  EXPECT_FALSE(contains(page, "secret"));
+  EXPECT_FALSE(contains(page, "src=\"http")) << "refers to nothing outside";
+  const nlohmann::json data = testing::page_data(page);
+  EXPECT_EQ(data["objects"][1]["name"], kOddName);
+  EXPECT_FALSE(data.contains("textures")) << "thousands of them, which the page does not show";
+  EXPECT_EQ(data["pictures"]["textures"][0]["picture"]["file"], "report/t.png");
+  const std::optional<std::string> shown = testing::rendered_page(page);
+  if (!shown) GTEST_SKIP() << "no Chromium";
+  EXPECT_EQ(part_count(*shown, "<b>&amp;"), 0u);
+  EXPECT_GE(part_count(*shown, kOddNameShown), 3u) << "a heading, a column and a row";
+  EXPECT_TRUE(contains(*shown, "bilinear &lt;1&gt;"));
+  EXPECT_EQ(part_count(*shown, "<img "), 10u);
+  EXPECT_EQ(part_count(*shown, "<img "), part_count(*shown, "alt=\"") - part_count(*shown, "alt=\"\""))
+      << "pictures without words";
   for (const char* src : {"report/frame_a.png", "report/vase_b.png", "report/odd_c.png", "report/t.png"})
-    EXPECT_EQ(count(page, std::string("src=\"") + src), 1u) << src;
-  EXPECT_EQ(page.find("<script"), std::string::npos);
-  EXPECT_EQ(page.find("http"), std::string::npos) << "refers to nothing outside";
-  EXPECT_NE(page.find("<td class=\"best\">3.25</td>"), std::string::npos);
-  EXPECT_EQ(page.find("<td class=\"best\">4.50</td>"), std::string::npos);
-  EXPECT_EQ(page.find("secret"), std::string::npos);
+    EXPECT_EQ(part_count(*shown, std::string("src=\"") + src), 1u) << src;
+  EXPECT_TRUE(contains(*shown, "<td class=\"best\">3.25</td>"));
+  EXPECT_FALSE(contains(*shown, "<td class=\"best\">4.50</td>"));
+  for (const char* part : {"NaN", "undefined", "null", "[object"}) EXPECT_EQ(part_count(*shown, part), 0u) << part;
 }
 
 TEST(InferencePage, ASampleOfTheGridIsOneCell) {
   const ReportScene scene;
   const std::string page = inference_page(scene.report(), {});
+  EXPECT_EQ(testing::page_data(page)["frames"]["samples"][1]["sample"], 5) << "its place on the grid";
+  const std::optional<std::string> shown = testing::rendered_page(page);
+  if (!shown) GTEST_SKIP() << "no Chromium";
   // Whole frames and the vase have two samples each; the odd one is seen in none and has no map.
-  EXPECT_EQ(count(page, "<rect class=\"cell\""), 4u);
-  EXPECT_NE(page.find("<title>v1_p2: MSE 8.00</title>"), std::string::npos);
+  EXPECT_EQ(part_count(*shown, "<rect class=\"cell\""), 4u);
+  EXPECT_TRUE(contains(*shown, "<title>v1_p2: MSE 8.00</title>"));
 }
 
 // Five pixels of one row: right, off by a step, not covered by the GL, not a number, covered partly.

@@ -2,15 +2,15 @@
 // Measures elapsed seconds by a clock that is never set.
 #pragma once
 
-#include <chrono>
+#include "host/base/stopwatch.h"
 
 namespace multum::bench {
 
 template <typename Body>
 double milliseconds_of(const Body& body) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   body();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return 1e3 * stopwatch.seconds();
 }
 
 }  // namespace multum::bench

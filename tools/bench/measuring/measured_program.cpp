@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 
 #include "host/base/error.h"
 #include "host/base/processes/child_process.h"
+#include "host/base/stopwatch.h"
 #include "tools/bench/measuring/scratch_folder.h"
 #include "tools/bench/measuring/statistics.h"
 
@@ -43,12 +43,12 @@ std::string last_words(const std::string& output) {
 
 ProgramCost run_to_disk(const std::vector<std::string>& command, const std::string& output, Progress* progress) {
   std::filesystem::remove(output);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   const ChildResult result = run_child(command);
   progress_advance(progress, 0);  // Ctrl-C ends the child too: that is not the child's failure
   check_result(command[0], result, output);
   sync_file(output);
-  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double wall = stopwatch.seconds();
   return {wall, result.usage.cpu_seconds(), static_cast<double>(result.usage.peak_memory_bytes) / (1 << 20),
           static_cast<double>(std::filesystem::file_size(output)) / 1e6};
 }

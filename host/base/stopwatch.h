@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures seconds of wall time.
+#pragma once
+
+#include <chrono>
+
+namespace multum {
+
+/// Runs from its making, or its last lap, on.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  /// Seconds so far; begins anew.
+  double lap() {
+    const Clock::time_point now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// Adds the seconds of its own life to `total`.
+class ScopedStopwatch {
+ public:
+  explicit ScopedStopwatch(double& total) : total_(total) {}
+  ~ScopedStopwatch() { total_ += stopwatch_.seconds(); }
+  ScopedStopwatch(const ScopedStopwatch&) = delete;
+  ScopedStopwatch& operator=(const ScopedStopwatch&) = delete;
+
+ private:
+  double& total_;
+  Stopwatch stopwatch_;
+};
+
+}  // namespace multum

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the scripts of pages share. Text of strangers becomes text nodes and attributes, never markup.
+
+const byId = (id) => document.getElementById(id);
+const data = JSON.parse(byId("data").textContent);
+document.title = byId("title").textContent = data.title;
+
+function made(node, attributes, children) {
+  for (const [key, value] of Object.entries(attributes))
+    if (value !== null && value !== undefined && value !== false)
+      node.setAttribute(key, value === true ? "" : value);
+  for (const child of children.flat()) if (child !== null && child !== undefined && child !== "") node.append(child);
+  return node;
+}
+/** node("a", {href: "x"}, "text", otherNode, [nodes], null): attributes and children without value are left out. */
+const node = (name, attributes = {}, ...children) => made(document.createElement(name), attributes, children);
+const svgNode = (name, attributes = {}, ...children) =>
+  made(document.createElementNS("http://www.w3.org/2000/svg", name), attributes, children);
+
+/** The value of "budget.gpu_bytes" in `data`; undefined where it is not. */
+const valueAt = (path) => path.split(".").reduce((value, key) => value?.[key], data);
+
+/**
+ * Fills what the template leaves open: <span data-value="view.width"> with a value, by `formats` where its data-format
+ * names one of them. Elements with data-if stay only if `data` has that, and it is not false, null, 0 or "".
+ */
+function fillTemplate(formats = {}) {
+  for (const element of document.querySelectorAll("[data-if]")) if (!valueAt(element.dataset.if)) element.remove();
+  for (const element of document.querySelectorAll("[data-value]")) {
+    const value = valueAt(element.dataset.value);
+    element.textContent = element.dataset.format ? formats[element.dataset.format](value) : String(value);
+  }
+}
+
+/** `values` with `separator` between them, and nothing before the first: [a, ", ", b]. */
+const joined = (values, separator) => values.flatMap((value, i) => (i > 0 ? [separator, value] : [value]));
+
+/** As printf's %.4g: 4 significant digits, without zeros at the end, and with an exponent where it is shorter. */
+function general(value, digits = 6) {
+  if (value === 0) return "0";
+  const [mantissa, power] = value.toExponential(digits - 1).split("e");
+  const exponent = Number(power);
+  const trimmed = (text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
+  if (exponent >= -4 && exponent < digits) return trimmed(value.toFixed(digits - 1 - exponent));
+  return `${trimmed(mantissa)}e${exponent < 0 ? "-" : "+"}${String(Math.abs(exponent)).padStart(2, "0")}`;
+}
+
+/**
+ * Columns: {head, isText}. Cells: text, a number, a node or a list of these, or {best: cell}, which is bold.
+ */
+function table(columns, rows, attributes = {}) {
+  const cell = (content, { isText }) => {
+    const isBest = content !== null && typeof content === "object" && "best" in content;
+    return node("td", { class: isText ? "text" : isBest ? "best" : null }, isBest ? content.best : content);
+  };
+  const heads = columns.map(({ head, isText }) => node("th", { scope: "col", class: isText ? "text" : null }, head));
+  return node("div", { class: "wide" }, node("table", attributes, node("tbody", {}, node("tr", {}, heads),
+    rows.map((row) => node("tr", {}, row.map((content, i) => cell(content, columns[i])))))));
+}

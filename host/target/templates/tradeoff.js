@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page of `multum tradeoff`: plots, commands, sortable tables and pictures of the rows of its JSON.
+
+const MIB = 1 << 20;
+const percent = (share) => (share === undefined ? "-" : (100 * share).toFixed(2));
+const milliseconds = (seconds) => (1000 * seconds).toFixed(0);
+const mebibytes = (bytes) => (bytes / MIB).toFixed(2);
+const frameTime = (row) => (row.frame_ms === undefined ? "-" : row.frame_ms.toFixed(1));
+
+// A cost, as a plot and the fronts have it: its key in `fronts`, and what a row costs, > 0 where that is known.
+const COSTS = [
+  { title: "Bake time", unit: "milliseconds", front: "bake_time", of: (row) => 1000 * row.bake_seconds },
+  { title: "Memory on the GPU", unit: "MiB", front: "gpu_bytes", of: (row) => row.gpu_bytes / MIB },
+  { title: "Frame time", unit: "milliseconds", front: "frame_time", of: (row) => row.frame_ms ?? -1 },
+];
+
+// Others, drawn alone, have no points midway, and no fronts.
+const isMeasured = (row) => row.fronts !== undefined;
+const isOnFront = (row) => isMeasured(row) && Object.values(row.fronts).includes(true);
+const fits = (row) => row.fits !== false;
+// The measured error begins at level 2; pictures see all levels.
+const rankedError = (row) => row.rendered_relative_l1 ?? row.relative_l1;
+const nameOf = (row) => row.bake + (row.view ? `, drawn with ${row.view}` : "");
+const errorText = (row) => `${percent(row.relative_l1)} +- ${percent(row.confidence_95)} %` +
+  (row.rendered_relative_l1 === undefined ? "" : `, ${percent(row.rendered_relative_l1)} % in its picture`);
+
+function budgetText() {
+  const { gpu_bytes, frame_ms, bake_seconds } = data.budget;
+  return [gpu_bytes !== undefined && `${general(gpu_bytes / MIB, 4)} MiB on the GPU`,
+    frame_ms !== undefined && `${general(frame_ms, 4)} ms a frame`,
+    bake_seconds !== undefined && `${general(1000 * bake_seconds, 4)} ms of baking`].filter(Boolean).join(", ");
+}
+
+/** What settings were asked for, and those that were chosen. */
+function choice() {
+  const { error, bake_seconds } = data.asked;
+  const parts = [];
+  if (error !== undefined) parts.push(`an error of ${general(100 * error, 4)} %`);
+  else if (bake_seconds !== undefined) parts.push(`${milliseconds(bake_seconds)} ms of baking`);
+  if (data.budget) parts.push(budgetText());
+  if (parts.length === 0) return [];
+  const asked = parts.join(" within ");
+  if (data.chosen === undefined) return [node("p", {}, node("b", {}, `No settings reach ${asked}.`))];
+  const row = data.rows[data.chosen];
+  return [node("h2", {}, `For ${asked}`),
+    node("p", {}, `${errorText(row)} (mean over levels; the worst is level ${row.worst_level} with ` +
+      `${percent(row.worst_level_relative_l1)} %) in ${milliseconds(row.bake_seconds)} ms, ` +
+      `${mebibytes(row.gpu_bytes)} MiB on the GPU: the ` +
+      `${error !== undefined ? "cheapest" : "most accurate"} settings that meet this.`),
+    node("pre", {}, row.command)];
+}
+
+// Shapes tell the groups apart on paper too: corners around the mark's middle, none of a circle.
+const SHAPES = [
+  null,
+  [[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],
+  [[0, -5], [5, 0], [0, 5], [-5, 0]],
+  [[0, -5], [4.6, 3.8], [-4.6, 3.8]],
+  [[-4, -4], [0, -1.5], [4, -4], [1.5, 0], [4, 4], [0, 1.5], [-4, 4], [-1.5, 0]],
+  [[0, 5], [4.6, -3.8], [-4.6, -3.8]],
+  [[-2, -5], [2, -5], [2, 5], [-2, 5]],
+  [[-5, -2], [5, -2], [5, 2], [-5, 2]],
+];
+const groups = [...new Set(data.rows.filter(isMeasured).map((row) => row.group))];
+const shapeOf = (group) => SHAPES[groups.indexOf(group) % SHAPES.length];
+
+function mark(shape, x, y, classes, title) {
+  const titled = svgNode("title", {}, title);
+  if (shape === null) return svgNode("circle", { class: classes, cx: x.toFixed(1), cy: y.toFixed(1), r: 4 }, titled);
+  const points = shape.map(([dx, dy]) => `${(x + dx).toFixed(1)},${(y + dy).toFixed(1)}`).join(" ");
+  return svgNode("polygon", { class: classes, points }, titled);
+}
+
+// 1, 2 and 5 times powers of ten that lie in the range: ticks of a logarithmic axis; over many decades powers alone.
+function ticks(low, high) {
+  const all = [];
+  for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; ++decade)
+    for (const digit of [1, 2, 5]) {
+      const value = Number(`${digit}e${decade}`);
+      if (value >= low && value <= high) all.push(value);
+    }
+  if (all.length <= 7) return all;
+  const powers = all.filter((value) => value.toExponential().startsWith("1e"));
+  return powers.length >= 2 ? powers : all;
+}
+
+const WIDTH = 400, HEIGHT = 300, LEFT = 46, TOP = 26, RIGHT = WIDTH - 12, BOTTOM = HEIGHT - 40;
+
+/** Where values lie on a logarithmic axis whose ends are drawn at `from` and `to`. */
+function axis(values, margin, from, to) {
+  const low = Math.min(...values) / margin, high = Math.max(...values) * margin;
+  return { low, high, at: (value) => from + (to - from) * Math.log(value / low) / Math.log(high / low) };
+}
+
+const line = (kind, x1, y1, x2, y2) => svgNode("line", { class: kind, x1, y1, x2, y2 });
+const label = (x, y, anchor, text) => svgNode("text", { x, y, "text-anchor": anchor }, text);
+
+function axes(x, y, unit) {
+  return [
+    ticks(x.low, x.high).map((tick) => [line("grid", x.at(tick).toFixed(1), TOP, x.at(tick).toFixed(1), BOTTOM),
+      label(x.at(tick).toFixed(1), BOTTOM + 14, "middle", general(tick))]),
+    ticks(100 * y.low, 100 * y.high).map((tick) => {
+      const at = y.at(tick / 100);
+      return [line("grid", LEFT, at.toFixed(1), RIGHT, at.toFixed(1)),
+        label(LEFT - 5, (at + 4).toFixed(1), "end", general(tick))];
+    }),
+    line("axis", LEFT, TOP, LEFT, BOTTOM), line("axis", LEFT, BOTTOM, RIGHT, BOTTOM),
+    label(RIGHT, HEIGHT - 8, "end", unit), label(4, HEIGHT - 8, null, "error, %"),
+  ].flat(2);
+}
+
+/** Error against a cost, as a scatter plot with its front; null: no row has that cost. */
+function plot(cost) {
+  const rows = data.rows.filter((row) => isMeasured(row) && cost.of(row) > 0 && rankedError(row) > 0)
+    .sort((a, b) => cost.of(a) - cost.of(b));
+  if (rows.length === 0) return null;
+  const x = axis(rows.map(cost.of), 1.2, LEFT, RIGHT);
+  const y = axis(rows.map(rankedError), 1.15, BOTTOM, TOP);
+  const front = [];
+  for (const row of rows) {
+    if (!row.fronts[cost.front]) continue;
+    const at = x.at(cost.of(row)).toFixed(1);
+    if (front.length > 0) front.push(`${at},${front.at(-1).split(",")[1]}`);
+    front.push(`${at},${y.at(rankedError(row)).toFixed(1)}`);
+  }
+  const marks = rows.map((row) => mark(shapeOf(row.group), x.at(cost.of(row)), y.at(rankedError(row)),
+    (row.fronts[cost.front] ? "mark onfront" : "mark") + (fits(row) ? "" : " over"),
+    `${nameOf(row)}: ${percent(rankedError(row))} %, ${general(cost.of(row), 4)} ${cost.unit}`));
+  const attributes = { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `error against ${cost.title}` };
+  return node("figure", {}, svgNode("svg", attributes,
+    svgNode("text", { class: "title", x: LEFT, y: 14 }, cost.title), axes(x, y, cost.unit),
+    svgNode("polyline", { class: "front", points: front.join(" ") }), marks));
+}
+
+function legend() {
+  const lines = groups.map((group) => [shapeOf(group), "mark", group, group]);
+  if (data.budget) lines.push([null, "mark over", "beyond the budget", "pale: beyond the budget"]);
+  lines.push([null, "mark onfront", "on the front", "filled: on the front"]);
+  const height = 22 * lines.length + 12;
+  const attributes = { viewBox: `0 0 360 ${height}`, role: "img", "aria-label": "what marks stand for" };
+  return node("figure", {}, svgNode("svg", attributes, lines.flatMap(([shape, classes, title, text], i) => [
+    mark(shape, 14, 14 + 22 * i, classes, title), label(30, 18 + 22 * i, null, text)])));
+}
+
+/** A row on a front, its figures, warnings and command. */
+function frontEntry(row) {
+  const fronts = COSTS.filter((cost) => row.fronts[cost.front]).map((cost) => cost.title).join(", ");
+  const figures = `; ${milliseconds(row.bake_seconds)} ms to bake, ${mebibytes(row.gpu_bytes)} MiB on the GPU` +
+    (row.frame_ms === undefined ? "" : `, ${frameTime(row)} ms a frame`) + `; front of: ${fronts}` +
+    (fits(row) ? "" : "; beyond the budget");
+  const warnings = (row.warnings ?? []).flatMap((warning) => [node("br"), `Warning: ${warning}`]);
+  return [node("p", { class: "soft" }, node("b", {}, errorText(row)), figures, warnings), node("pre", {}, row.command)];
+}
+
+const code = (text) => node("code", {}, text);
+
+function measuredTable() {
+  const columns = [{ head: "settings", isText: true }, { head: "varied", isText: true },
+    ...["error", "\u00b1\u00a095\u00a0%", "centres", "midway", "between levels", "rendered", "bake, ms", "frame, ms",
+      "file, MiB", "GPU, MiB"].map((head) => ({ head }))];
+  const rows = data.rows.filter(isMeasured).map((row) => {
+    const name = row.view ? [code(row.bake), " ", code(row.view)] : [code(row.bake)];
+    const error = percent(row.relative_l1);
+    return [fits(row) ? name : node("s", {}, name), row.group, isOnFront(row) ? { best: error } : error,
+      percent(row.confidence_95), percent(row.centre), percent(row.midway), percent(row.between_levels),
+      percent(row.rendered_relative_l1), milliseconds(row.bake_seconds), frameTime(row), mebibytes(row.file_bytes),
+      mebibytes(row.gpu_bytes)];
+  });
+  return table(columns, rows, { class: "sortable" });
+}
+
+function othersTable() {
+  const columns = [...["baked with", "drawn with", "varied"].map((head) => ({ head, isText: true })),
+    ...["error", "\u00b1\u00a095\u00a0%", "rendered", "frame, ms"].map((head) => ({ head }))];
+  const rows = data.rows.filter((row) => !isMeasured(row)).map((row) => [code(row.bake), code(row.view), row.group,
+    percent(row.relative_l1), percent(row.confidence_95), percent(row.rendered_relative_l1), frameTime(row)]);
+  return table(columns, rows, { class: "sortable" });
+}
+
+function picture(png, ...caption) {
+  return node("figure", {}, node("img", { alt: "", src: `data:image/png;base64,${png}` }),
+    node("figcaption", {}, caption));
+}
+
+/** A click on a head sorts by that column, another the other way; cells without a number come last. */
+function makeSortable(sorted) {
+  const heads = [...sorted.rows[0].cells];
+  heads.forEach((head, column) => {
+    head.tabIndex = 0;
+    const sort = () => {
+      const up = head.getAttribute("aria-sort") !== "ascending";
+      heads.forEach((other) => other.removeAttribute("aria-sort"));
+      head.setAttribute("aria-sort", up ? "ascending" : "descending");
+      const isText = head.classList.contains("text");
+      const key = (row) => {
+        const text = row.cells[column].textContent, number = parseFloat(text);
+        return isText ? text : isNaN(number) ? Infinity * (up ? 1 : -1) : number;
+      };
+      const rows = [...sorted.rows].slice(1);
+      rows.sort((a, b) => (key(a) < key(b) ? -1 : key(a) > key(b) ? 1 : 0) * (up ? 1 : -1));
+      rows.forEach((row) => row.parentNode.append(row));
+    };
+    head.onclick = sort;
+    head.onkeydown = (event) => { if (event.key === "Enter") sort(); };
+  });
+}
+
+fillTemplate({ wholeSeconds: (seconds) => seconds.toFixed(0) });
+if (data.budget) byId("budget").append(budgetText());
+byId("choice").append(...choice());
+byId("plots").append(...COSTS.map(plot).filter(Boolean), legend());
+byId("fronts").append(...data.rows.filter(isOnFront).sort((a, b) => rankedError(a) - rankedError(b))
+  .flatMap(frontEntry));
+byId("rows").append(measuredTable());
+if (data.has_others) byId("others").append(othersTable());
+if (data.truth_picture) {
+  byId("pictures").append(picture(data.truth_picture, node("b", {}, "truth")));
+  for (const row of data.rows.filter((one) => one.picture))
+    byId("pictures").append(picture(row.picture, node("b", {}, `${percent(row.rendered_relative_l1)} % off`),
+      `: ${nameOf(row)}`));
+}
+for (const sortable of document.querySelectorAll("table.sortable")) makeSortable(sortable);
