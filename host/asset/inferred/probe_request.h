@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the host asks the GL runtime to measure: filter matrices of objects in one view, as a JSON file that
-// `multum-view --probe` reads (docs/FORMAT.md).
+// `multum-view probe` reads (docs/FORMAT.md).
 #pragma once
 
 #include <map>
