@@ -22,7 +22,7 @@ struct SceneFiles {
   std::string report() const { return folder + "/report.json"; }
 };
 
-/// Decisions with their numbers, and how multum-view draws each object: `multum-view --scene plan.json` reads it.
+/// Decisions with their numbers, and how multum-view draws each object: `multum-view scene plan.json` reads it.
 /// Files are named against the folder of results.
 nlohmann::json plan_json(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files);
 

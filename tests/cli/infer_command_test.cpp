@@ -51,8 +51,8 @@ class InferCommandTest : public CliTest {
   // Root mean square difference of the drawn frame and the ray-traced one, linear, where objects cover wholly.
   double frame_error(const std::string& sample, const std::string& file) const {
     const std::string frame = path("frame.exr");
-    const ProgramResult result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", path("out"), "--sample",
-                                              sample, "-o", frame, "--context", "osmesa"});
+    const ProgramResult result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "sample", path("out"),
+                                              "--at", sample, "-o", frame, "--context", "osmesa"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     const ExrLayers drawn = read_exr_channels(frame, {"R", "G", "B", "A"});
     const ExrLayers traced = read_exr_channels(path("renders/" + file), {"R", "G", "B"});

@@ -93,7 +93,7 @@ class SceneCommandTest : public CliTest {
         "sky.exr", 32, [](int, int y, int c) { return y < 8 ? 1.0f + static_cast<float>(c) : 0.1f; }, true);
   }
   static std::vector<std::string> viewer(const std::string& plan) {
-    return {std::string(MULTUM_BIN_DIR) + "/multum-view", "--scene", plan, "--context", "osmesa"};
+    return {std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", plan, "--context", "osmesa"};
   }
   // `repeat` 0: as the plan has it, from the nearest distance.
   std::vector<float> draw(const std::string& plan, double repeat = 0.0) const {
@@ -506,12 +506,11 @@ TEST_F(SceneCommandTest, WhatIsWrongIsRefused) {
   result = multum({"plan", write_scene(square)});
   expect_refusal(result, kInput, {"map_normal.png: ", "64 x 64", "environment"});
   const std::string view = std::string(MULTUM_BIN_DIR) + "/multum-view";
-  result = run_program({view, "--scene", path("none.json"), "-o", path("x.png")});
+  result = run_program({view, "scene", path("none.json"), "-o", path("x.png")});
   expect_refusal(result, kInput, {"none.json: ", "no such"});
   result = run_program({view, "--scene", path("bad.toml"), path("map.ndf.exr"), "-o", path("x.png")});
   expect_refusal(result, kUsage, {"--scene", "found", "map.ndf.exr"});
-  result =
-      run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "--scene", path("bad.toml"), "-o", path("x.png")});
+  result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", path("bad.toml"), "-o", path("x.png")});
   expect_refusal(result, kInput, {"bad.toml", "no plan"});
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view as texture inference uses it: --probe measures matrices into files, --sample draws what the manifest says
+// multum-view as texture inference uses it: probe measures matrices into files, sample draws what the manifest says
 // with textures from files, and A x of the one is the picture of the other.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
@@ -108,7 +108,7 @@ class InferredViewTest : public ::testing::Test {
   }
   void probe(const std::string& view, const std::vector<std::string>& options = {}) {
     write_probe_request(request(view), path("request.json"));
-    std::vector<std::string> arguments = {"--probe", path("request.json")};
+    std::vector<std::string> arguments = {"probe", path("request.json")};
     arguments.insert(arguments.end(), options.begin(), options.end());
     const ChildResult result = run_view(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.output;
@@ -131,7 +131,7 @@ class InferredViewTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-// ---- --probe
+// ---- probe
 
 std::vector<float> coverage_of(const FilterMatrix& matrix) {
   std::vector<float> coverage(kWidth * kHeight, 0.0f);
@@ -226,7 +226,7 @@ TEST_F(InferredViewTest, RequestsThatCannotBeMetLeaveNothing) {
     ProbeRequest changed = request("still");
     change(changed);
     write_probe_request(changed, file);
-    expect_refusal({"--probe", file}, code, parts);
+    expect_refusal({"probe", file}, code, parts);
   };
   refuse([](ProbeRequest& r) { r.tasks[1].object = "cup"; }, 3, {"scene.obj: ", "no object", "'cup'", "waves, board"});
   refuse([&](ProbeRequest& r) { r.geometry_file = path("none.obj"); }, 3, {"none.obj"});
@@ -239,13 +239,13 @@ TEST_F(InferredViewTest, RequestsThatCannotBeMetLeaveNothing) {
   EXPECT_EQ(read_bytes(path("scene.obj")), scene_obj());
   const std::string whole = read_bytes(file);
   write_bytes(file, whole.substr(0, whole.size() / 2));
-  expect_refusal({"--probe", file}, 3, {"request.json: ", "not a probe request"});
-  expect_refusal({"--probe", path("none.json")}, 3, {"none.json: ", "read"});
-  expect_refusal({"--probe", file, "more"}, 2, {"not expected", "more"});
-  expect_refusal({"--probe", file, "--threads", "0"}, 2, {"--threads"});
+  expect_refusal({"probe", file}, 3, {"request.json: ", "not a probe request"});
+  expect_refusal({"probe", path("none.json")}, 3, {"none.json: ", "read"});
+  expect_refusal({"probe", file, "more"}, 2, {"not expected", "more"});
+  expect_refusal({"probe", file, "--threads", "0"}, 2, {"--threads"});
 }
 
-// ---- --sample
+// ---- sample
 
 // Random halfs.
 InferredTexture random_texture(const TextureMapping& mapping, std::uint64_t seed) {
@@ -305,7 +305,7 @@ class InferredPictureTest : public InferredViewTest {
     write_inferred_manifest(manifest_, path("inferred.json"));
   }
   ChildResult draw(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), folder_.path());
+    arguments.insert(arguments.begin(), {"sample", folder_.path()});
     return run_view(arguments);
   }
   /// Adds A x of an object, times its coverage, and its coverage.
@@ -351,8 +351,8 @@ TEST_F(InferredPictureTest, PicturesAreMatrixTimesTexture) {
   add("still", "board", {"board_0"}, still);
   add("moved", "waves", {"waves_1"}, moved);
   add("moved", "board", {}, moved);  // black, and hides what is behind
-  const ChildResult result = draw({"--sample", "2,0", "-o", path("still.exr"), "--sample", "2,1", "-o",
-                                   path("moved.exr"), "--sample", "still", "-o", path("again.exr")});
+  const ChildResult result = draw({"--at", "2,0", "-o", path("still.exr"), "--at", "2,1", "-o", path("moved.exr"),
+                                   "--at", "still", "-o", path("again.exr")});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   expect_picture("still.exr", still);
   expect_picture("moved.exr", moved);
@@ -367,8 +367,8 @@ int srgb_code(double linear) {
 }
 
 TEST_F(InferredPictureTest, PngsAreSrgbOfTheSamePicture) {
-  ASSERT_EQ(draw({"--sample", "2,0", "-o", path("a.png"), "--sample", "2,0", "-o", path("a.exr")}).exit_code, 0);
-  ASSERT_EQ(draw({"--sample", "2,0", "-o", path("b.png"), "--exposure", "2.5"}).exit_code, 0);
+  ASSERT_EQ(draw({"--at", "2,0", "-o", path("a.png"), "--at", "2,0", "-o", path("a.exr")}).exit_code, 0);
+  ASSERT_EQ(draw({"--at", "2,0", "-o", path("b.png"), "--exposure", "2.5"}).exit_code, 0);
   const Floats linear = read_floats(path("a.exr"));
   for (const auto& [name, exposure] : {std::pair{"a.png", 1.0f}, std::pair{"b.png", 2.5f}}) {
     SCOPED_TRACE(name);
@@ -387,49 +387,81 @@ TEST_F(InferredPictureTest, PngsAreSrgbOfTheSamePicture) {
 }
 
 TEST_F(InferredPictureTest, TheThumbnailIsTheFirstSample) {
-  ASSERT_EQ(draw({"--sample", "still", "-o", path("still.png")}).exit_code, 0);
+  ASSERT_EQ(draw({"--at", "still", "-o", path("still.png")}).exit_code, 0);
   std::filesystem::create_directory(path("small"));
-  const ChildResult result = draw({"--thumbnails", path("small")});
+  const ChildResult result = run_view({"thumbnails", folder_.path(), "-o", path("small")});
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(read_floats(path("small/render.png")).values, read_floats(path("still.png")).values);
   EXPECT_FALSE(std::filesystem::exists(path("small/frame.png")));
 }
 
 TEST_F(InferredPictureTest, TheFolderMayBeNamedLastAndByItsManifest) {
-  const ChildResult last = run_view({"--sample", "still", "-o", path("a.exr"), folder_.path() + "/"});
+  const ChildResult last = run_view({"sample", "--at", "still", "-o", path("a.exr"), folder_.path() + "/"});
   EXPECT_EQ(last.exit_code, 0) << last.output;
-  const ChildResult manifest = run_view({path("inferred.json"), "--sample=2,0", "-o", path("b.exr")});
+  const ChildResult manifest = run_view({"sample", path("inferred.json"), "--at=2,0", "-o", path("b.exr")});
   EXPECT_EQ(manifest.exit_code, 0) << manifest.output;
   EXPECT_EQ(read_floats(path("a.exr")).values, read_floats(path("b.exr")).values);
+}
+
+// The options that stood for subcommands before there were any.
+TEST_F(InferredPictureTest, OldSpellingsDrawTheSameBytes) {
+  const auto expect_same = [&](const std::string& name, const std::vector<std::string>& command,
+                               const std::vector<std::string>& old) {
+    const ChildResult drawn = run_view(command);
+    ASSERT_EQ(drawn.exit_code, 0) << drawn.output;
+    const std::string bytes = read_bytes(path(name));
+    std::filesystem::remove(path(name));
+    const ChildResult as_before = run_view(old);
+    ASSERT_EQ(as_before.exit_code, 0) << as_before.output;
+    EXPECT_EQ(read_bytes(path(name)), bytes) << name;
+  };
+  const std::string folder = folder_.path();
+  expect_same("b.exr", {"sample", folder, "--at", "2,1", "-o", path("a.exr"), "--at", "2,0", "-o", path("b.exr")},
+              {folder, "--sample", "2,1", "-o", path("a.exr"), "--sample", "2,0", "-o", path("b.exr")});
+  expect_same("c.png", {"sample", folder, "--at", "still", "-o", path("c.png"), "--exposure", "2"},
+              {"--sample=still", "-o", path("c.png"), "--exposure", "2", folder + "/"});
+  std::filesystem::create_directory(path("small"));
+  expect_same("small/render.png", {"thumbnails", folder, "-o", path("small")}, {folder, "--thumbnails", path("small")});
+  write_probe_request(request("still"), path("request.json"));
+  expect_same("still_waves.filter.mtx", {"probe", path("request.json"), "--matrix-market"},
+              {"--probe", path("request.json"), "--matrix-market"});
+  const std::string a = path("a.exr");
+  std::filesystem::remove(a);
+  expect_refusal({folder, "--sample", "2,0", "--thumbnails", path("small"), "-o", a}, 2,
+                 {"--thumbnails", "--sample", "expected one of them"});
+  expect_refusal({folder, "--sample", "2,0", "-o", a, "--compare", "mip"}, 2,
+                 {"--compare", "--sample", "multum-view sample"});
+  expect_refusal({"--probe", path("request.json"), "more"}, 2, {"not expected", "more"});
+  expect_refusal({"--sample", "2,0", "-o", a}, 2, {"folder", "required"});
 }
 
 TEST_F(InferredPictureTest, WrongCommandLinesAreUsageErrors) {
   const auto refuse = [&](std::vector<std::string> arguments, const std::vector<std::string>& parts) {
     SCOPED_TRACE(parts.front());
-    arguments.insert(arguments.begin(), folder_.path());
+    arguments.insert(arguments.begin(), {"sample", folder_.path()});
     expect_refusal(arguments, 2, parts);
   };
   const std::string a = path("a.exr");
   for (const char* sample : {"9,9", "2", "2,0,0", "2, 0", "", "STILL"})
-    refuse({"--sample", sample, "-o", a}, {"view,motion", "2,0 to 2,1", "name", "still"});
-  refuse({"--sample", "2,0", "-o", a, "--sample", "7,7", "-o", path("b.exr")}, {"sample", "'7,7'"});
-  refuse({"--sample", "2,0", "--sample", "2,1", "-o", a}, {"2 --sample", "1 --output"});
-  refuse({"--sample", "2,0", "-o", a, "-o", path("b.exr")}, {"1 --sample", "2 --output"});
-  refuse({"--sample", "2,0"}, {"--output", "required"});
-  refuse({"--sample", "2,0", "-o", path("a.jpg")}, {"a.jpg", ".png or .exr"});
-  refuse({"--sample", "2,0", "-o", a, "--sample", "2,1", "-o", path("./a.exr")}, {"a.exr", "twice"});
-  refuse({"--sample", "2,0", "-o", a, "--exposure", "0"}, {"--exposure"});
+    refuse({"--at", sample, "-o", a}, {"view,motion", "2,0 to 2,1", "name", "still"});
+  refuse({"--at", "2,0", "-o", a, "--at", "7,7", "-o", path("b.exr")}, {"sample", "'7,7'"});
+  refuse({"--at", "2,0", "--at", "2,1", "-o", a}, {"2 samples", "1 --output"});
+  refuse({"--at", "2,0", "-o", a, "-o", path("b.exr")}, {"1 samples", "2 --output"});
+  refuse({"--at", "2,0"}, {"--output", "required"});
+  refuse({"--at", "2,0", "-o", path("a.jpg")}, {"a.jpg", ".png or .exr"});
+  refuse({"--at", "2,0", "-o", a, "--at", "2,1", "-o", path("./a.exr")}, {"a.exr", "twice"});
+  refuse({"--at", "2,0", "-o", a, "--exposure", "0"}, {"--exposure"});
   // Textures, whether they are read now or not.
   const std::string before = read_bytes(path("waves_1.exr"));
   for (const char* texture : {"waves_0.exr", "waves_1.exr"})
-    refuse({"--sample", "2,0", "-o", path(texture)}, {texture, "read"});
+    refuse({"--at", "2,0", "-o", path(texture)}, {texture, "read"});
   EXPECT_EQ(read_bytes(path("waves_1.exr")), before);
 }
 
 TEST_F(InferredPictureTest, FilesThatAreNotAsTheManifestSaysAreInputErrors) {
   const auto refuse = [&](const std::vector<std::string>& parts) {
     SCOPED_TRACE(parts.front());
-    expect_refusal({folder_.path(), "--sample", "2,0", "-o", path("a.exr")}, 3, parts);
+    expect_refusal({"sample", folder_.path(), "--at", "2,0", "-o", path("a.exr")}, 3, parts);
   };
   const auto with_bytes = [&](const std::string& name, const std::string& bytes,
                               const std::vector<std::string>& parts) {
@@ -456,17 +488,17 @@ TEST_F(InferredPictureTest, FilesThatAreNotAsTheManifestSaysAreInputErrors) {
   with_manifest([](InferredManifest& m) { m.objects[1].mesh = "cup"; }, {"no object", "'cup'", "waves, board"});
   with_manifest([](InferredManifest& m) { m.geometry_file = "none.obj"; }, {"none.obj: ", "opened"});
   with_manifest([](InferredManifest& m) { m.samples.clear(), m.objects.clear(); }, {"inferred.json: ", "no samples"});
-  expect_refusal({path("none"), "--sample", "2,0", "-o", path("a.exr")}, 3, {"none/inferred.json: ", "read"});
+  expect_refusal({"sample", path("none"), "--at", "2,0", "-o", path("a.exr")}, 3, {"none/inferred.json: ", "read"});
   std::filesystem::remove(path("waves_0.exr"));
   refuse({"waves_0.exr: ", "tiled EXR"});
-  expect_refusal({folder_.path(), "--sample", "2,0", "-o", path("none/a.exr")}, 4, {"none", "not exist"});
+  expect_refusal({"sample", folder_.path(), "--at", "2,0", "-o", path("none/a.exr")}, 4, {"none", "not exist"});
 }
 
 // Pictures that were drawn before the trouble are whole; there is no part of the others.
 TEST_F(InferredPictureTest, PicturesBeforeTheTroubleAreWhole) {
   std::filesystem::remove(path("waves_1.exr"));
   Names names = folder_.names();
-  const ChildResult result = draw({"--sample", "2,0", "-o", path("a.exr"), "--sample", "2,1", "-o", path("b.exr")});
+  const ChildResult result = draw({"--at", "2,0", "-o", path("a.exr"), "--at", "2,1", "-o", path("b.exr")});
   EXPECT_EQ(result.exit_code, 3) << result.output;
   EXPECT_NE(result.output.find("waves_1.exr"), std::string::npos) << result.output;
   names.insert("a.exr");

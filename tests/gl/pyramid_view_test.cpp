@@ -313,8 +313,8 @@ class PyramidModesTest : public ::testing::Test {
 TEST_F(PyramidModesTest, AColourPyramidOnThePlane) {
   write(make_pyramid(PyramidKind::kColour, 16, WrapMode::kPeriodic, [](int x, int y, int) { return (x ^ y) & 1; }),
         "a.exr");
-  const ChildResult result = view({"--mip", path("a.exr"), "--lookup", "nearest,truth,level,driver", "--samples", "16",
-                                   "--report", path("r.json")});
+  const ChildResult result = view({"pyramid", path("a.exr"), "--lookup", "nearest,truth,level,driver", "--samples",
+                                   "16", "--report", path("r.json")});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   std::ifstream file(path("r.json"));
   const nlohmann::json rows = nlohmann::json::parse(file)["pictures"];
@@ -325,7 +325,7 @@ TEST_F(PyramidModesTest, AColourPyramidOnThePlane) {
 
 TEST_F(PyramidModesTest, ASurfaceAtALevel) {
   write(make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return 0.01 * x; }), "h.exr");
-  const ChildResult result = view({"--lod", path("h.exr"), "--level", "1.5"});
+  const ChildResult result = view({"lod", path("h.exr"), "--level", "1.5"});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_NE(result.output.find("level 1.5: 6 x 6 points, 50 triangles"), std::string::npos) << result.output;
 }
@@ -334,18 +334,43 @@ TEST_F(PyramidModesTest, WrongSubjectsAreRefused) {
   write(make_pyramid(PyramidKind::kColour, 4, WrapMode::kPeriodic, [](int, int, int) { return 1; }), "a.exr");
   const std::string a = path("a.exr");
   expect_refusal({}, 2, {"file", "required"});
-  expect_refusal({"--mip", a, "--lod", a}, 2, {"expected one of"});
-  expect_refusal({a, "--mip", a}, 2, {"expected one of"});
-  expect_refusal({"--reflectance", a}, 2, {"expected --mesh"});
-  expect_refusal({"--mip", a, "--mesh", triangle()}, 2, {"found --mesh"});
-  expect_refusal({"--mip", a, "--compare", "truth"}, 2, {"--lookup"});
-  expect_refusal({"--mip", a, "--lookup", "best"}, 2, {"--lookup", "truth"});
-  expect_refusal({"--mip", a, "--shifts", "4"}, 2, {"truth", "--lookup"});
-  expect_refusal({"--lod", a}, 3, {"a.exr", "pyramid of colours"});
-  expect_refusal({"--reflectance", a, "--mesh", triangle()}, 3, {"a.exr", "pyramid of colours"});
-  expect_refusal({"--mip", path("none.exr")}, 3, {"none.exr"});
+  expect_refusal({"pyramid"}, 2, {"multum-view pyramid: ", "file", "required", "'multum-view pyramid --help'"});
+  expect_refusal({"pyramid", a, "--mesh", triangle()}, 2, {"a.exr", "found --mesh"});
+  expect_refusal({"pyramid", a, "--compare", "truth"}, 2, {"unknown option '--compare'"});
+  expect_refusal({"pyramid", a, "--lookup", "best"}, 2, {"--lookup", "truth"});
+  expect_refusal({"pyramid", a, "--shifts", "4"}, 2, {"truth", "--lookup"});
+  expect_refusal({"lod", a}, 3, {"a.exr", "pyramid of colours"});
+  expect_refusal({"pyramid", path("none.exr")}, 3, {"none.exr"});
   expect_refusal({a}, 3, {"a.exr", "'pyramid of colours'"});
-  expect_refusal({"--material", "a=b", "--mesh", triangle()}, 3, {"glTF"});
+  expect_refusal({"model", triangle(), "--material", "a=b"}, 3, {"glTF"});
+  write(make_pyramid(PyramidKind::kHeight, 4, WrapMode::kPeriodic, [](int, int, int) { return 1; }), "h.exr");
+  expect_refusal({"pyramid", path("h.exr")}, 3, {"h.exr", "pyramid of heights", "colours or reflected light"});
+}
+
+// The options that stood for subcommands before there were any.
+TEST_F(PyramidModesTest, OldSpellingsDrawTheSameBytes) {
+  write(make_pyramid(PyramidKind::kColour, 16, WrapMode::kPeriodic, [](int x, int y, int) { return (x ^ y) & 1; }),
+        "a.exr");
+  write(make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return 0.01 * x; }), "h.exr");
+  const std::string a = path("a.exr"), h = path("h.exr");
+  const auto drawn = [&](const std::vector<std::string>& arguments) {
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    const std::string bytes = testing::read_bytes(path("out.png"));
+    std::filesystem::remove(path("out.png"));
+    return bytes;
+  };
+  EXPECT_EQ(drawn({"--mip", a, "--lookup", "nearest,truth", "--samples", "4"}),
+            drawn({"pyramid", a, "--lookup", "nearest,truth", "--samples", "4"}));
+  EXPECT_EQ(drawn({"--lod", h, "--level=1.5", "--brdf", "lambert", "--up", "0,1,0"}),
+            drawn({"lod", h, "--level=1.5", "--brdf", "lambert", "--up", "0,1,0"}));
+  expect_refusal({"--mip", a, "--lod", a}, 2, {"--mip", "--lod", "expected one of them"});
+  expect_refusal({a, "--mip", a}, 2, {"a.exr", "--mip", "expected one of them"});
+  expect_refusal({"--reflectance", a}, 3, {"a.exr", "pyramid of colours"});
+  expect_refusal({"--reflectance", a, "--mesh", triangle()}, 3, {"a.exr", "pyramid of colours"});
+  expect_refusal({"--mip", a, "--compare", "truth"}, 2, {"--compare", "--mip", "'multum-view pyramid'"});
+  expect_refusal({"--mip", a, "--level", "2"}, 2, {"--level", "--mip", "'multum-view pyramid'"});
+  expect_refusal({"--material", "a=b"}, 2, {"--material", "expected --mesh"});
 }
 
 // Two triangles of two materials; only one has a map.
@@ -369,14 +394,17 @@ TEST_F(PyramidModesTest, AModelWithItsOwnMaterials) {
           R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
           R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}]})");
   const std::string map = path("map.ndf.exr");
-  const ChildResult result = view({"--mesh", path("m.gltf"), "--material", "red=" + map});
+  const ChildResult result = view({"model", path("m.gltf"), "--material", "red=" + map});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_NE(result.output.find("red: 1 triangles, " + map), std::string::npos) << result.output;
   EXPECT_NE(result.output.find("rough: 1 triangles, no map"), std::string::npos) << result.output;
+  const std::string bytes = testing::read_bytes(path("out.png"));
+  ASSERT_EQ(view({"--mesh", path("m.gltf"), "--material", "red=" + map}).exit_code, 0);
+  EXPECT_EQ(testing::read_bytes(path("out.png")), bytes) << "the old spelling";
   std::filesystem::remove(path("out.png"));
-  expect_refusal({"--mesh", path("m.gltf"), "--material", "blue=" + map}, 2, {"blue", "red, rough"});
-  expect_refusal({"--mesh", path("m.gltf"), "--material", "red"}, 2, {"--material", "NAME=FILE"});
-  expect_refusal({"--mesh", path("m.gltf"), "--material", "red=" + map, "--material", "red=" + map}, 2, {"twice"});
+  expect_refusal({"model", path("m.gltf"), "--material", "blue=" + map}, 2, {"blue", "red, rough"});
+  expect_refusal({"model", path("m.gltf"), "--material", "red"}, 2, {"--material", "NAME=FILE"});
+  expect_refusal({"model", path("m.gltf"), "--material", "red=" + map, "--material", "red=" + map}, 2, {"twice"});
 }
 
 }  // namespace

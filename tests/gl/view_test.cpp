@@ -41,9 +41,13 @@ class ViewTest : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  ChildResult view(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), {std::string(MULTUM_BIN_DIR) + "/multum-view", path("map.ndf.exr")});
+  static ChildResult run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum-view");
     return run_child(arguments);
+  }
+  ChildResult view(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), path("map.ndf.exr"));
+    return run(arguments);
   }
   void expect_refusal(const std::vector<std::string>& arguments, int code,
                       const std::vector<std::string>& parts) const {
@@ -369,10 +373,11 @@ TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
 }
 
 TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
-  const ChildResult result = view({"--animate",  path("frames"), "--frames",     "3",           "--brdf",
-                                   "ggx:0.5",    "--to-brdf",    "ggx:0.1",      "--light",     "0,0.5,1",
-                                   "--to-light", "0.5,0.5,1",    "--to-camera",  "0,1,2,0,4,0", "--size",
-                                   "16x12",      "--report",     path("r.json"), "--context",   "osmesa"});
+  const ChildResult result =
+      run({"animate",    path("map.ndf.exr"), "-o",          path("frames"), "--frames", "3",
+           "--brdf",     "ggx:0.5",           "--to-brdf",   "ggx:0.1",      "--light",  "0,0.5,1",
+           "--to-light", "0.5,0.5,1",         "--to-camera", "0,1,2,0,4,0",  "--size",   "16x12",
+           "--report",   path("r.json"),      "--context",   "osmesa"});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const char* name : {"frame_0000.png", "frame_0001.png", "frame_0002.png"})
     EXPECT_TRUE(fs::exists(folder_ / "frames" / name)) << name;
@@ -387,12 +392,19 @@ TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
   ASSERT_EQ(still.exit_code, 0) << still.output;
   EXPECT_EQ(hash_file(path("still.png")), hash_file((folder_ / "frames" / "frame_0000.png").string()));
   const std::string frames = path("more");
-  expect_refusal({"--animate", frames}, 2, {"--animate", "--to-camera", "--to-brdf"});
-  expect_refusal({"-o", path("out.png"), "--to-brdf", "ggx:0.1"}, 2, {"--to-camera", "--animate FOLDER"});
-  expect_refusal({"-o", path("out.png"), "--animate", frames, "--to-diffuse", "1"}, 2,
-                 {"--animate", "-o", "--pictures"});
-  expect_refusal({"--animate", frames, "--to-brdf", "ggx:0.1"}, 2, {"family", "--brdf"});
-  expect_refusal({"--animate", frames, "--to-light", "0,0,1", "--to-light", "0,1,1"}, 2, {"expected the 1 of"});
+  const auto refuse = [&](std::vector<std::string> arguments, const std::vector<std::string>& parts) {
+    arguments.insert(arguments.begin(), {"animate", path("map.ndf.exr"), "-o", frames});
+    const ChildResult refused = run(arguments);
+    EXPECT_EQ(refused.exit_code, 2) << refused.output;
+    testing::expect_says(refused.output, parts);
+    EXPECT_FALSE(fs::exists(frames));
+  };
+  refuse({}, {"animate", "--to-camera", "--to-brdf"});
+  refuse({"--to-brdf", "ggx:0.1"}, {"family", "--brdf"});
+  refuse({"--to-light", "0,0,1", "--to-light", "0,1,1"}, {"expected the 1 of"});
+  refuse({"--to-brdf", "ggx:0.1", "--scene", path("plan.json")}, {"--scene", "file"});
+  refuse({"--to-diffuse", "1", "--pictures", path("p")}, {"unknown option '--pictures'"});
+  expect_refusal({"-o", path("out.png"), "--to-brdf", "ggx:0.1"}, 2, {"--to-brdf", "'multum-view animate'"});
 }
 
 TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
@@ -720,9 +732,11 @@ TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   const auto make = [&](const std::string& source) {
     fs::remove_all(path("small"));
     fs::create_directory(path("small"));
-    std::vector<std::string> arguments = {"--thumbnails", path("small"), "--context", "osmesa"};
-    if (!source.empty()) arguments.insert(arguments.end(), {"--source", path(source)});
-    return view(arguments);
+    // As the service calls it.
+    std::vector<std::string> arguments = {"thumbnails", "--context=osmesa", "--output=" + path("small")};
+    if (!source.empty()) arguments.push_back("--source=" + path(source));
+    arguments.insert(arguments.end(), {"--", path("map.ndf.exr")});
+    return run(arguments);
   };
   const auto names = [&] {
     std::set<std::string> found;

@@ -101,7 +101,7 @@ void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
       "# The normal maps of {}, made by multum materials. Bake them: multum bake --manifest maps.toml\n\n[defaults]\n"
       "bumpformat = \"normal\"\ngreen = \"up\"  # as glTF has it\nunsigned = true\n",
       fs::path(o.model).filename().string());
-  std::string view = fmt::format("multum-view --mesh {} -o picture.png", o.model);
+  std::string view = fmt::format("multum-view model {} -o picture.png", o.model);
   std::size_t count = 0;
   for (std::size_t i = 0; i < model.materials.size(); ++i) {
     const GltfMaterial& material = model.materials[i];

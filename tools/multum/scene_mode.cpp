@@ -128,8 +128,8 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
   if (printing.quiet) return 0;
   write_shown(printing.out, report.to_text());
   for (const ObjectPlan& object : plan.objects)
-    print_shown(printing.out, "multum-view --scene %s --object %s -o %s.png\n", files.plan().c_str(),
-                object.name.c_str(), object.name.c_str());
+    print_shown(printing.out, "multum-view scene %s --object %s -o %s.png\n", files.plan().c_str(), object.name.c_str(),
+                object.name.c_str());
   return 0;
 }
 

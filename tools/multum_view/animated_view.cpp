@@ -55,20 +55,21 @@ gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene
   return scene;
 }
 
-std::string frame_path(const ViewOptions& options, int frame) {
-  return (std::filesystem::path(options.frames_folder) / fmt::format("frame_{:04}.png", frame)).string();
+std::string frame_path(const AnimationOptions& options, int frame) {
+  return (std::filesystem::path(options.folder) / fmt::format("frame_{:04}.png", frame)).string();
 }
 
-nlohmann::json draw_animation(const ViewOptions& options, PictureDrawer& drawer) {
+nlohmann::json draw_animation(const MapOptions& options, const ViewScenes& scenes, PictureDrawer& drawer) {
   nlohmann::json frames = nlohmann::json::array();
-  for (int frame = 0; frame < options.frame_count; ++frame) {
-    const double t = options.frame_count > 1 ? static_cast<double>(frame) / (options.frame_count - 1) : 0.0;
-    ViewOptions one = options;
-    one.output = frame_path(options, frame);
+  const int count = options.animation.frame_count;
+  OutputOptions output = options.picture.output;
+  for (int frame = 0; frame < count; ++frame) {
+    const double t = count > 1 ? static_cast<double>(frame) / (count - 1) : 0.0;
+    output.path = frame_path(options.animation, frame);
     write_shown(stdout, fmt::format("frame {}\n", frame));
-    const std::vector<NamedPicture> pictures = drawer.draw(scene_between(options.scene, options.last_scene, t));
+    const std::vector<NamedPicture> pictures = drawer.draw(scene_between(scenes.first, scenes.last, t));
     frames.push_back(print_table(pictures));
-    write_pictures(one, pictures);
+    write_pictures(output, pictures);
   }
   return frames;
 }

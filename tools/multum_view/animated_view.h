@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `multum-view --animate FOLDER`: frames between two scenes.
+// Draws the frames of `multum-view animate`, between two scenes.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,8 +14,8 @@ namespace multum {
 gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene& to, double t);
 
 /// FOLDER/frame_0000.png, ...: the options' picture or sheet of every frame. Returns a row for each, for the report.
-nlohmann::json draw_animation(const ViewOptions& options, PictureDrawer& drawer);
+nlohmann::json draw_animation(const MapOptions& options, const ViewScenes& scenes, PictureDrawer& drawer);
 
-std::string frame_path(const ViewOptions& options, int frame);
+std::string frame_path(const AnimationOptions& options, int frame);
 
 }  // namespace multum

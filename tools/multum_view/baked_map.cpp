@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "host/asset/pyramid/pyramid_file.h"
 #include "host/base/error.h"
@@ -15,54 +16,40 @@
 
 namespace multum {
 
-BakedMap read_baked_map(const std::string& path) {
-  BakedMap map{read_baked_header(path), std::nullopt, std::nullopt, std::nullopt};
-  switch (map.header.representation) {
-    case Representation::kMovmf:
-    case Representation::kGmm: map.lobes = read_movmf_mipmap(path); break;
-    case Representation::kMoments: map.moments = read_moment_mipmap(path); break;
-    case Representation::kSh: map.harmonics = read_sh_mipmap(path); break;
-  }
-  return map;
-}
-
 namespace {
+
+BakedLevels read_levels(const std::string& path, Representation representation) {
+  switch (representation) {
+    case Representation::kMovmf:
+    case Representation::kGmm: return read_movmf_mipmap(path);
+    case Representation::kMoments: return read_moment_mipmap(path);
+    case Representation::kSh: break;
+  }
+  return read_sh_mipmap(path);
+}
 
 template <typename Level>
 void drop_left_out(std::vector<Level>& levels, int first_level) {
   levels.erase(levels.begin(), levels.begin() + first_level);
 }
 
-void begin_at_first_level(BakedHeader& header) {
+template <typename Mipmap>
+void keep_stored(Mipmap& map) {
+  BakedHeader& header = map.header;
+  drop_left_out(map.levels, header.first_level);
   header.width = mip_level_size(header.width, header.first_level);
   header.height = mip_level_size(header.height, header.first_level);
   header.first_level = 0;
 }
 
-}  // namespace
+/// Makes the material of each representation.
+struct MaterialMaker {
+  const gl::GlFunctions& gl;
+  const ShadingOptions& options;
+  const gl::NormalImage& source;
 
-void keep_stored_levels(BakedMap& map) {
-  if (map.lobes) {
-    drop_left_out(map.lobes->levels, map.lobes->header.first_level);
-    map.lobes->header.first_level = 0;
-  } else if (map.moments) {
-    drop_left_out(map.moments->levels, map.moments->header.first_level);
-    begin_at_first_level(map.moments->header);
-  } else {
-    drop_left_out(map.harmonics->levels, map.harmonics->header.first_level);
-    begin_at_first_level(map.harmonics->header);
-  }
-}
-
-gl::NormalImage finest_normals(const BakedMap& map) {
-  if (map.lobes) return gl::finest_normals(*map.lobes);
-  return map.moments ? gl::finest_normals(*map.moments) : gl::finest_normals(*map.harmonics);
-}
-
-std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map, const ViewOptions& options,
-                                            const gl::NormalImage& source) {
-  if (map.lobes) {
-    std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, *map.lobes, options.anisotropy, &source);
+  std::unique_ptr<gl::Material> operator()(const MovmfMipmap& lobes) const {
+    std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, lobes, options.anisotropy, &source);
     material->set_formula(options.formula);
     material->set_shade_first(options.shade_first);
     if (!options.colour_map.empty())
@@ -70,69 +57,104 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
                                                           gl::PyramidLookup::kDriver, options.anisotropy));
     return material;
   }
-  if (map.harmonics) return std::make_unique<gl::ShMaterial>(gl, *map.harmonics, options.anisotropy, &source);
-  auto material = std::make_unique<gl::MomentMaterial>(gl, *map.moments, options.anisotropy, &source);
-  material->set_shading(options.moments.value_or(kDefaultMomentShading));
-  return material;
+  std::unique_ptr<gl::Material> operator()(const MomentMipmap& moments) const {
+    auto material = std::make_unique<gl::MomentMaterial>(gl, moments, options.anisotropy, &source);
+    material->set_shading(options.moments.value_or(kDefaultMomentShading));
+    return material;
+  }
+  std::unique_ptr<gl::Material> operator()(const ShMipmap& harmonics) const {
+    return std::make_unique<gl::ShMaterial>(gl, harmonics, options.anisotropy, &source);
+  }
+};
+
+}  // namespace
+
+BakedMap read_baked_map(const std::string& path) {
+  BakedHeader header = read_baked_header(path);
+  const Representation representation = header.representation;
+  return {std::move(header), read_levels(path, representation)};
+}
+
+void keep_stored_levels(BakedMap& map) {
+  std::visit([](auto& levels) { keep_stored(levels); }, map.levels);
+}
+
+gl::NormalImage finest_normals(const BakedMap& map) {
+  return std::visit([](const auto& levels) { return gl::finest_normals(levels); }, map.levels);
+}
+
+std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map,
+                                            const ShadingOptions& options, const gl::NormalImage& source) {
+  return std::visit(MaterialMaker{gl, options, source}, map.levels);
 }
 
 namespace {
 
+const char* held_by(Representation representation) {
+  return holds_lobes(representation)                  ? "lobes"
+         : representation == Representation::kMoments ? "moments"
+                                                      : "spherical harmonics";
+}
+
 // Tan's model is of one BRDF, and of lights that come from somewhere.
-void check_options_of_gaussians(const ViewOptions& options) {
+void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const char* found) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected it for files of lobes "
                                                "(--ndf vmf) or harmonics (--ndf sh)",
-                                               options.input, found));
+                                               file, found));
   };
-  if (options.scene.brdf.kind == BrdfKind::kGgx) refuse("--brdf ggx");
-  if (options.scene.brdf.kind == BrdfKind::kMeasured) refuse("a measured --brdf");
-  if (!options.environment.empty()) refuse("--environment");
-  if (options.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
+  if (brdf.kind == BrdfKind::kGgx) refuse("--brdf ggx");
+  if (brdf.kind == BrdfKind::kMeasured) refuse("a measured --brdf");
+  if (!options.light.environment.empty()) refuse("--environment");
+  if (options.shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
+}
+
+// Maps with a BRDF's width in: brute force and the paper's formula know one BRDF.
+void check_options_of_roughness(const std::string& file, const PictureOptions& options, bool compares) {
+  if (!options.material.brdfs.empty())
+    throw Error(ErrorCode::kUsage, file + ": has its BRDF's width in (multum:roughness), found --brdf, expected none");
+  if (!options.light.environment.empty() && compares)
+    throw Error(ErrorCode::kUsage, file +
+                                       ": has its BRDF's width in, found --environment with --compare, "
+                                       "expected lights: brute force knows one BRDF");
+  if (options.shading.formula == gl::LobeFormula::kPaper)
+    throw Error(ErrorCode::kUsage, file + ": has its BRDF's width in, found --formula paper, expected product");
 }
 
 }  // namespace
 
-void check_options_of(const ViewOptions& options, const BakedHeader& baked) {
-  if (options.basis.size() > 1 && options.basis.size() != static_cast<std::size_t>(baked.weight_count))
+void check_options_of(const std::string& file, const PictureOptions& options, const ViewScenes& scenes, bool compares,
+                      const BakedHeader& baked) {
+  const ShadingOptions& shading = options.shading;
+  if (scenes.basis.size() > 1 && scenes.basis.size() != static_cast<std::size_t>(baked.weight_count))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: holds {} weights, found {} of --brdf, expected one, or one a weight", options.input,
-                            baked.weight_count, options.basis.size()));
-  if (baked.has_roughness && options.has_brdf)
-    throw Error(ErrorCode::kUsage,
-                options.input + ": has its BRDF's width in (multum:roughness), found --brdf, expected none");
-  if (baked.has_roughness && !options.environment.empty() && !options.compare.empty())
-    throw Error(ErrorCode::kUsage, options.input +
-                                       ": has its BRDF's width in, found --environment with --compare, "
-                                       "expected lights: brute force knows one BRDF");
-  if (baked.has_roughness && options.formula == gl::LobeFormula::kPaper)
-    throw Error(ErrorCode::kUsage,
-                options.input + ": has its BRDF's width in, found --formula paper, expected product");
+                fmt::format("{}: holds {} weights, found {} of --brdf, expected one, or one a weight", file,
+                            baked.weight_count, scenes.basis.size()));
+  if (baked.has_roughness) check_options_of_roughness(file, options, compares);
   const auto refuse = [&](const char* option, const char* expected) {
-    const char* const held = holds_lobes(baked.representation)                  ? "lobes"
-                             : baked.representation == Representation::kMoments ? "moments"
-                                                                                : "spherical harmonics";
-    throw Error(ErrorCode::kUsage,
-                options.input + ": holds " + held + ", found " + option + ", expected it for " + expected);
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds {}, found {}, expected it for {}", file,
+                                               held_by(baked.representation), option, expected));
   };
-  if (!holds_lobes(baked.representation) && !options.colour_map.empty()) refuse("--colour-map", "files of lobes");
-  if (baked.has_colours && !options.colour_map.empty())
-    throw Error(ErrorCode::kUsage, options.input + ": has colours, found --colour-map, expected one of them");
-  if (baked.representation == Representation::kGmm) check_options_of_gaussians(options);
-  if (baked.representation != Representation::kMoments && options.moments) refuse("--moments", "files of moments");
-  if (baked.representation != Representation::kMovmf && options.formula == gl::LobeFormula::kPaper)
+  if (!holds_lobes(baked.representation) && !shading.colour_map.empty()) refuse("--colour-map", "files of lobes");
+  if (baked.has_colours && !shading.colour_map.empty())
+    throw Error(ErrorCode::kUsage, file + ": has colours, found --colour-map, expected one of them");
+  if (baked.representation == Representation::kGmm) check_options_of_gaussians(file, options, scenes.first.brdf);
+  if (baked.representation != Representation::kMoments && shading.moments) refuse("--moments", "files of moments");
+  if (baked.representation != Representation::kMovmf && shading.formula == gl::LobeFormula::kPaper)
     refuse("--formula paper", "lobes");
-  if (!holds_lobes(baked.representation) && options.shade_first) refuse("--shade-first", "lobes");
-  if (options.shade_first && baked.first_level > 0)
+  if (!holds_lobes(baked.representation) && shading.shade_first) refuse("--shade-first", "lobes");
+  if (shading.shade_first && baked.first_level > 0)
     refuse("--shade-first", "files that hold every level, baked without --first-level");
 }
 
-std::string environment_note(const ViewOptions& options, const BakedHeader& baked) {
-  const bool compares_lean = std::any_of(options.compare.begin(), options.compare.end(),
-                                         [](const std::string& name) { return name.starts_with("lean"); });
-  const bool draws_lean = baked.representation == Representation::kMoments &&
-                          options.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
-  if (options.environment.empty() || (!compares_lean && !draws_lean)) return "";
+std::string environment_note(const MapOptions& options, const BakedHeader& baked) {
+  const std::vector<std::string>& compared = options.comparison.pictures;
+  const bool compares_lean =
+      std::any_of(compared.begin(), compared.end(), [](const std::string& name) { return name.starts_with("lean"); });
+  const bool draws_lean =
+      baked.representation == Representation::kMoments &&
+      options.picture.shading.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
+  if (options.picture.light.environment.empty() || (!compares_lean && !draws_lean)) return "";
   return "--environment: lean and lean-jacobian are the same as toksvig in its light, one lobe of the mean normal";
 }
 

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of any representation: what reads it, what draws it, and the options that are for it alone. A new
-// representation is a member here and a branch of each function.
+// Reads a baked file of any representation, makes what draws it, and checks the options that are for it alone. A new
+// representation is an alternative of BakedLevels and an overload where its visitors need one.
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
+#include <variant>
 
 #include "host/asset/averages/moment_mipmap.h"
 #include "host/asset/averages/sh_mipmap.h"
 #include "host/asset/lobes/movmf_mipmap.h"
 #include "runtime_gl/materials/normal_material.h"
-#include "tools/multum_view/view_options.h"
+#include "tools/multum_view/view_scenes.h"
 
 namespace multum {
 
+using BakedLevels = std::variant<MovmfMipmap, MomentMipmap, ShMipmap>;  // lobes, moments, harmonics
+
 struct BakedMap {
-  BakedHeader header;
-  std::optional<MovmfMipmap> lobes;  // one of these
-  std::optional<MomentMipmap> moments;
-  std::optional<ShMipmap> harmonics;
+  BakedHeader header;  // as the file has it
+  BakedLevels levels;
 };
 
 BakedMap read_baked_map(const std::string& path);
@@ -30,15 +30,17 @@ void keep_stored_levels(BakedMap& map);
 gl::NormalImage finest_normals(const BakedMap& map);
 
 /// Shaded as the options say. `source`: used where the file leaves levels to it.
-std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map, const ViewOptions& options,
-                                            const gl::NormalImage& source);
+std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map,
+                                            const ShadingOptions& options, const gl::NormalImage& source);
 
-/// Throws Error(kUsage): an option is for files of another representation.
-void check_options_of(const ViewOptions& options, const BakedHeader& baked);
+/// Throws Error(kUsage) naming `file`: an option is for files of another representation. `compares`: --compare is
+/// given.
+void check_options_of(const std::string& file, const PictureOptions& options, const ViewScenes& scenes, bool compares,
+                      const BakedHeader& baked);
 
 /// A line where moments and LEAN are drawn in an environment, which sees no more of them than of Toksvig's normals;
 /// else empty.
-std::string environment_note(const ViewOptions& options, const BakedHeader& baked);
+std::string environment_note(const MapOptions& options, const BakedHeader& baked);
 
 /// Of files of moments, when no option says it: the one of least error on most maps, by the bakes' own measurements
 /// (docs/ALGORITHMS.md, "Moments").

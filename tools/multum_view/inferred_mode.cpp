@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view FOLDER --sample: one point of the parameter space, drawn with inferred textures.
+// multum-view sample: draws points of the parameter space with inferred textures.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <set>
 
@@ -14,7 +13,6 @@
 #include "host/mesh/object_mesh.h"
 #include "runtime_gl/animation/textured_renderer.h"
 #include "runtime_gl/context/headless_context.h"
-#include "tools/command_line/usage_error.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/object_meshes.h"
 #include "tools/multum_view/write_image.h"
@@ -23,14 +21,6 @@ namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct InferredOptions {
-  std::string folder;
-  std::vector<std::string> samples;  // "3,5"
-  std::vector<std::string> outputs;
-  std::string context = "auto";
-  float exposure = 1.0f;
-};
 
 // No picture takes the place of the manifest, the geometry or any texture, also of samples that are not drawn now.
 void check_outputs(const InferredManifest& manifest, const fs::path& folder, const std::vector<std::string>& outputs) {
@@ -126,34 +116,24 @@ class InferredScene {
 
 }  // namespace
 
-int run_inferred(int argc, char** argv) {
-  InferredOptions options;
-  CLI::App app(
-      "multum-view draws the objects of an animation with the textures that `multum infer` made.\n\n"
-      "  multum-view out/ --sample 3,5 -o frame.png\n"
-      "  multum-view out/ --sample 0,0 -o a.exr --sample 0,1 -o b.exr",
-      "multum-view");
-  app.failure_message(usage_error);
+void add_sample_options(CLI::App& app, SampleOptions& options) {
   app.add_option("folder", options.folder, "what multum infer wrote, or its inferred.json")->required();
-  app.add_option("--sample", options.samples, "index along each parameter, or a sample's name; may be repeated")
+  app.add_option("--at", options.samples,
+                 "sample to draw: its index along each parameter, e.g. 3,5, or its name; repeatable, with as many -o")
       ->required()
       ->allow_extra_args(false);  // or it takes the folder, where that comes last
   app.add_option("-o,--output", options.outputs, "picture of each sample: .png (sRGB) or .exr (linear floats)")
       ->required()
       ->allow_extra_args(false);
   app.add_option("--exposure", options.exposure, "brightness of a PNG")
-      ->check(CLI::Range(1e-6f, 1e6f))
+      ->check(number_in(1e-6f, 1e6f))
       ->capture_default_str();
-  app.add_option("--context", options.context, "auto, osmesa (software) or egl")
-      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
-      ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return print_parse_error(app, error);
-  }
+  add_context_option(app, options.context);
+}
+
+int draw_samples(const SampleOptions& options) {
   if (options.samples.size() != options.outputs.size())
-    throw Error(ErrorCode::kUsage, fmt::format("{} --sample and {} --output: expected one output for each sample",
+    throw Error(ErrorCode::kUsage, fmt::format("{} samples and {} --output: expected one output for each sample",
                                                options.samples.size(), options.outputs.size()));
   for (const std::string& output : options.outputs) check_picture_path(output);
   fs::path folder(options.folder);
@@ -163,7 +143,7 @@ int run_inferred(int argc, char** argv) {
   std::vector<std::size_t> samples;
   for (const std::string& sample : options.samples)
     samples.push_back(find_sample(manifest.samples, manifest.parameters, sample));
-  const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
+  const auto context = gl::make_headless_context(options.context);
   log_info(context->description());
   InferredScene scene(context->functions(), manifest, folder.string());
   for (std::size_t i = 0; i < samples.size(); ++i)

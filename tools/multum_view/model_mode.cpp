@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view --material: a glTF model with its own materials - base colour, metallic and roughness factors, as glTF's
+// multum-view model: draws a glTF model with its own materials - base colour, metallic and roughness factors, as glTF's
 // BRDF has them - and for each that is named the map that was baked of its normal texture.
 #include <fmt/format.h>
 
@@ -18,10 +18,12 @@
 #include "host/image/colour_map.h"
 #include "host/mesh/gltf_material.h"
 #include "runtime_gl/materials/normal_material.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum_view/baked_map.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/view_inputs.h"
 #include "tools/multum_view/view_outputs.h"
+#include "tools/multum_view/write_image.h"
 
 namespace multum {
 namespace {
@@ -108,20 +110,21 @@ gl::MeshData part_data(const TriangleMesh& mesh, int material) {
 
 class Model {
  public:
-  Model(const ViewOptions& options, const GltfMaterials& materials) : options_(options), materials_(materials) {
+  Model(const ModelOptions& options, const ViewScenes& scenes, const GltfMaterials& materials)
+      : picture_(options.picture), scenes_(scenes), materials_(materials) {
     files_ = parse_materials(options.materials);
     std::set<std::string> names;
     for (const GltfMaterial& material : materials.materials) names.insert(material.name);
     for (const auto& [name, file] : files_)
       if (names.count(name) == 0)
         throw Error(ErrorCode::kUsage, fmt::format("--material '{}': {} has no such material, expected one of: {}",
-                                                   name, options.mesh, fmt::join(names, ", ")));
+                                                   name, picture_.surface.mesh, fmt::join(names, ", ")));
   }
 
   const TriangleMesh& mesh(int uv_set) {
     const auto found = meshes_.find(uv_set);
     return found != meshes_.end() ? found->second
-                                  : meshes_.emplace(uv_set, read_mesh(options_.mesh, uv_set)).first->second;
+                                  : meshes_.emplace(uv_set, read_mesh(picture_.surface.mesh, uv_set)).first->second;
   }
 
   void upload(const gl::GlFunctions& gl) {
@@ -132,7 +135,7 @@ class Model {
       if (data.indices.empty()) continue;
       parts_.emplace_back(gl, data);
       objects_.push_back({&parts_.back(), make(gl, material),
-                          options_.has_brdf ? options_.scene.brdf : brdf_of(materials_, material)});
+                          !picture_.material.brdfs.empty() ? scenes_.first.brdf : brdf_of(materials_, material)});
       write_shown(stdout, fmt::format("{}: {} triangles, {}\n", material.name.empty() ? "no material" : material.name,
                                       data.indices.size() / 3,
                                       files_.count(material.name) > 0 ? files_.at(material.name) : "no map"));
@@ -148,17 +151,16 @@ class Model {
                                                                gl::NormalMaterial::Sampling::kNearest, 1.0f));
       return surfaces_.back().get();
     }
-    ViewOptions own = options_;
-    own.input = file->second;
-    const BakedMap map = read_baked_map(own.input);
-    check_options_of(own, map.header);
+    const BakedMap map = read_baked_map(file->second);
+    check_options_of(file->second, picture_, scenes_, false, map.header);
     if (map.header.first_level > 0)
-      throw Error(ErrorCode::kInput, own.input + ": holds no level 0, expected files of all levels for --material");
-    surfaces_.push_back(make_material(gl, map, own, {}));
+      throw Error(ErrorCode::kInput, file->second + ": holds no level 0, expected files of all levels for --material");
+    surfaces_.push_back(make_material(gl, map, picture_.shading, {}));
     return surfaces_.back().get();
   }
 
-  const ViewOptions& options_;
+  const PictureOptions& picture_;
+  const ViewScenes& scenes_;
   const GltfMaterials& materials_;
   std::map<std::string, std::string> files_;
   std::map<int, TriangleMesh> meshes_;  // by texture coordinate set
@@ -169,23 +171,52 @@ class Model {
 
 }  // namespace
 
-int run_model(ViewOptions& options) {
-  std::vector<std::string> outputs = {options.report};
-  for (const ViewOptions& view : views_of(options)) outputs.push_back(view.output);
-  check_paths_differ({options.mesh}, outputs);
-  const GltfMaterials materials = read_gltf_materials(options.mesh);
-  Model model(options, materials);
-  frame_mesh(model.mesh(0), options);
-  options.scene.uv_scale = options.repeat > 0.0f ? options.repeat : 1.0f;
-  options.scene.environment = read_environment(options);
-  const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options.context);
+void add_model_options(CLI::App& app, ModelOptions& options) {
+  PictureOptions& picture = options.picture;
+  app.add_option("model", picture.surface.mesh, "model to draw: glTF or GLB")->required();
+  add_material_map_option(app, options);
+  add_picture_option(app, picture.output)->required();
+  add_repeat_option(app, picture.surface);
+  add_camera_options(app, picture.camera);
+  add_distance_option(app, picture.camera);
+  add_light_options(app, picture.light);
+  add_environment_options(app, picture.light);
+  add_material_options(app, picture.material);
+  add_shading_options(app, picture.shading);
+  add_anisotropy_option(app, picture.shading);
+  add_output_options(app, picture.output);
+  add_context_option(app, picture.context);
+  add_decoding_option(app);
+}
+
+CLI::Option* add_material_map_option(CLI::App& app, ModelOptions& options) {
+  return app.add_option("--material", options.materials,
+                        "draw the material NAME with the map FILE that was baked for it, NAME=FILE.ndf.exr; once for "
+                        "each material (multum materials)");
+}
+
+int draw_model(const ModelOptions& options) {
+  const PictureOptions& picture = options.picture;
+  check_picture_path(picture.output.path);
+  ViewScenes scenes = make_scenes(picture);
+  std::vector<std::string> outputs = {picture.output.report};
+  for (const View& view : views_of(picture, scenes.first)) outputs.push_back(view.output.path);
+  const std::string& file = picture.surface.mesh;
+  check_paths_differ({file}, outputs);
+  const GltfMaterials materials = read_gltf_materials(file);
+  Model model(options, scenes, materials);
+  frame_mesh(model.mesh(0), file, picture.output, scenes);
+  scenes.first.uv_scale = picture.surface.repeat.value_or(1.0f);
+  scenes.first.environment = read_environment(picture.light);
+  const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(picture.context);
   log_info(context->description());
   model.upload(context->functions());
-  gl::Renderer renderer(context->functions(), options.width, options.height);
-  const nlohmann::json rows = draw_views(options, [&](const ViewOptions& view) -> std::vector<NamedPicture> {
-    return {{"multum", renderer.draw(model.objects(), view.scene), background_of(view, view.scene)}};
-  });
-  if (!options.report.empty()) write_report(options, context->description(), rows);
+  gl::Renderer renderer(context->functions(), picture.output.width(), picture.output.height());
+  const nlohmann::json rows =
+      draw_views(picture, scenes.first, [&](const gl::RenderScene& scene) -> std::vector<NamedPicture> {
+        return {{"multum", renderer.draw(model.objects(), scene), background_of(picture, scene)}};
+      });
+  if (!picture.output.report.empty()) write_report(picture, scenes.first, {context->description()}, rows);
   return 0;
 }
 

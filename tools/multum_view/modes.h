@@ -1,25 +1,87 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modes of multum-view besides drawing baked maps: each with a command line of its own.
+// Declares the subcommands of multum-view besides drawing baked maps (map_options.h): for each its options, a function
+// that adds them to its command line, and one that runs it and returns the exit code.
 #pragma once
 
-#include "tools/multum_view/view_options.h"
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/asset/pyramid/pyramid_file.h"
+#include "tools/multum_view/map_options.h"
 
 namespace multum {
 
-/// `multum-view --probe REQUEST.json`: measures filter matrices (host/asset/inferred/probe_request.h).
-int run_probe(int argc, char** argv);
+struct ProbeOptions {
+  std::string request;  // JSON (host/asset/inferred/probe_request.h)
+  gl::ContextBackend context = gl::ContextBackend::kAuto;
+  int threads = 0;  // of decoding; 0: all cores
+  bool matrix_market = false;
+};
+void add_probe_options(CLI::App& app, ProbeOptions& options);
+/// --threads, --matrix-market.
+void add_measuring_options(CLI::App& app, ProbeOptions& options);
+/// Measures filter matrices for texture inference.
+int measure_filter_matrices(const ProbeOptions& options);
 
-/// `multum-view FOLDER --sample V,P -o frame.png`: draws objects with the textures inferred for them.
-int run_inferred(int argc, char** argv);
+struct SampleOptions {
+  std::string folder;                // what multum infer wrote, or its inferred.json
+  std::vector<std::string> samples;  // "3,5", or a name
+  std::vector<std::string> outputs;  // one each
+  gl::ContextBackend context = gl::ContextBackend::kAuto;
+  float exposure = 1.0f;
+};
+void add_sample_options(CLI::App& app, SampleOptions& options);
+/// Draws objects with the textures inferred for them.
+int draw_samples(const SampleOptions& options);
 
-/// `multum-view RESULT --thumbnails FOLDER`: small pictures of a job's input and result, for the page of the service.
-int run_thumbnails(int argc, char** argv);
+struct ThumbnailOptions {
+  std::string result;  // *.ndf.exr, or what multum infer wrote
+  std::string folder;
+  std::string source, albedo;  // what was baked; empty: only the result is shown
+  gl::ContextBackend context = gl::ContextBackend::kAuto;
+};
+void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options);
+/// Draws small pictures of a job's input and result, for the page of the service.
+int draw_thumbnails(const ThumbnailOptions& options);
 
-/// --mip, --reflectance: a surface coloured straight from a pyramid.
-int run_pyramid(ViewOptions& options);
-/// --lod: a pyramid of heights or positions as a mesh of one level.
-int run_lod(ViewOptions& options);
-/// --material: a model with its own materials, each with a map baked for it.
-int run_model(ViewOptions& options);
+struct PyramidOptions {
+  std::string file;
+  std::optional<PyramidKind> expected;  // of the file; unset: colours or reflected light
+  SurfaceOptions surface;
+  CameraOptions camera;
+  OutputOptions output;
+  std::vector<std::string> lookups = {"level"};  // truth, nearest, bilinear, level, driver
+  std::optional<float> level_bias;               // unset: 0 for colours, the pixel's own width for reflected light
+  int shifts = 0;                                // pictures that flicker is measured on; 0: it is not
+  int samples = 256;                             // of the truth, per pixel
+  float anisotropy = 1.0f;
+  gl::ContextBackend context = gl::ContextBackend::kAuto;
+};
+void add_pyramid_options(CLI::App& app, PyramidOptions& options);
+/// --lookup, --level-bias, --shifts.
+void add_lookup_options(CLI::App& app, PyramidOptions& options);
+/// Draws a surface coloured straight from a pyramid.
+int draw_pyramid(const PyramidOptions& options);
+
+struct LodOptions {
+  std::string file;
+  float level = 0.0f;
+  PictureOptions picture;
+};
+void add_lod_options(CLI::App& app, LodOptions& options);
+CLI::Option* add_level_option(CLI::App& app, LodOptions& options);
+/// Draws a pyramid of heights or positions as a mesh of one level.
+int draw_lod(const LodOptions& options);
+
+struct ModelOptions {
+  PictureOptions picture;              // the model is the surface
+  std::vector<std::string> materials;  // NAME=FILE.ndf.exr
+};
+void add_model_options(CLI::App& app, ModelOptions& options);
+CLI::Option* add_material_map_option(CLI::App& app, ModelOptions& options);
+/// Draws a model with its own materials, each with a map baked for it.
+int draw_model(const ModelOptions& options);
 
 }  // namespace multum

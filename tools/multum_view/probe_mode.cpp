@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view --probe: the host's question in a file, filter matrices in files as the answer. A process of its own, so
-// that a driver's crash ends it alone.
+// multum-view probe: measures the filter matrices that a request in a file asks for, and writes them into files. A
+// process of its own, so that a driver's crash ends it alone.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -17,19 +17,11 @@
 #include "host/mesh/object_mesh.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/probe/filter_probe.h"
-#include "tools/command_line/usage_error.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/object_meshes.h"
 
 namespace multum {
 namespace {
-
-struct ProbeOptions {
-  std::string request;
-  std::string context = "auto";
-  int threads = 0;
-  bool matrix_market = false;
-};
 
 std::string matrices_hash(const std::vector<gl::PlacedMesh>& placed) {
   ContentHash hash;
@@ -56,7 +48,7 @@ std::vector<std::size_t> check_tasks(const ProbeRequest& request, const ProbeOpt
 void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
   const std::vector<ObjectMesh> meshes = read_object_meshes(request.geometry_file, request.uv_set);
   const std::vector<std::size_t> task_objects = check_tasks(request, options, meshes);
-  const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
+  const auto context = gl::make_headless_context(options.context);
   log_info(context->description());
   const gl::GlFunctions& gl = context->functions();
   const gl::FilterProbe probe(gl, request.width, request.height, request.supersampling);
@@ -94,26 +86,19 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
 
 }  // namespace
 
-int run_probe(int argc, char** argv) {
-  ProbeOptions options;
-  CLI::App app(
-      "multum-view --probe measures filter matrices for texture inference: what the GL's sampler makes of "
-      "every texel, pixel by pixel. `multum infer` starts it; docs/FORMAT.md describes the request.",
-      "multum-view");
-  app.failure_message(usage_error);
-  app.add_option("--probe", options.request, "request, JSON")->required();
-  app.add_option("--context", options.context, "auto, osmesa (software) or egl")
-      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "of decoding (default: all cores)")->check(CLI::Range(1, 1024));
+void add_probe_options(CLI::App& app, ProbeOptions& options) {
+  app.add_option("request", options.request, "request, JSON (docs/FORMAT.md)")->required();
+  add_measuring_options(app, options);
+  add_context_option(app, options.context);
+}
+
+void add_measuring_options(CLI::App& app, ProbeOptions& options) {
+  app.add_option("--threads", options.threads, "threads of decoding (default: all cores)")->check(CLI::Range(1, 1024));
   app.add_flag("--matrix-market", options.matrix_market, "also write each matrix as Matrix Market text: OUTPUT.mtx");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return print_parse_error(app, error);
-  }
+}
+
+int measure_filter_matrices(const ProbeOptions& options) {
   probe_all(read_probe_request(options.request), options);
-  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return 0;
 }
 

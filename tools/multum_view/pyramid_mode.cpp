@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view --mip, --reflectance: a surface coloured straight from a pyramid, looked up in several ways, beside the
-// truth; how much highlights flicker (Williams 1983, sections 3 and 4).
+// multum-view pyramid: draws a surface coloured straight from a pyramid, looked up in several ways, beside the truth,
+// and measures how much highlights flicker (Williams 1983, sections 3 and 4).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,9 +19,11 @@
 #include "host/mesh/mesh.h"
 #include "runtime_gl/pyramid/pyramid_renderer.h"
 #include "runtime_gl/render/picture_error.h"
+#include "tools/command_line/decoding_option.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/view_inputs.h"
 #include "tools/multum_view/view_outputs.h"
+#include "tools/multum_view/write_image.h"
 
 namespace multum {
 namespace {
@@ -61,15 +63,13 @@ std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const s
   }
 }
 
-/// The camera stands far off where the map's viewer is, unless the options say otherwise.
-void look_from_viewer(const TriangleMesh& mesh, const ReflectanceFrame& frame, ViewOptions& options) {
-  if (options.has_camera) return frame_mesh(mesh, options);
+/// Far off where the map's viewer is.
+gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame, gl::Camera camera) {
   glm::vec3 low = mesh.positions[0], high = low;
   for (const glm::vec3& p : mesh.positions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  gl::Camera& camera = options.scene.camera;
   constexpr float kFieldOfView = 8.0f;  // narrow, as from afar: the map knows one direction to the viewer
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
   const float distance = radius / std::sin(glm::radians(0.5f * kFieldOfView));
@@ -79,24 +79,25 @@ void look_from_viewer(const TriangleMesh& mesh, const ReflectanceFrame& frame, V
   camera.up = glm::vec3(frame.up);
   camera.near_distance = distance - 1.5f * radius;
   camera.far_distance = distance + 1.5f * radius;
+  return camera;
 }
 
 class PyramidPictures {
  public:
-  PyramidPictures(const ViewOptions& options, const gl::GlFunctions& gl, const Pyramid& pyramid,
-                  const gl::MeshData& mesh, std::optional<gl::PhongLights> lights)
+  PyramidPictures(const PyramidOptions& options, const gl::RenderScene& scene, const gl::GlFunctions& gl,
+                  const Pyramid& pyramid, const gl::MeshData& mesh, std::optional<gl::PhongLights> lights)
       : options_(options),
         gl_(gl),
         pyramid_(pyramid),
         mesh_(gl, mesh),
         by_normal_(pyramid.header.kind == PyramidKind::kReflectance),
         lights_(std::move(lights)),
-        renderer_(gl, options.width, options.height) {
-    scene_.camera = options.scene.camera;
-    scene_.uv_scale = options.scene.uv_scale;
+        renderer_(gl, options.output.width(), options.output.height()) {
+    scene_.camera = scene.camera;
+    scene_.uv_scale = scene.uv_scale;
     scene_.level_bias = options.level_bias.value_or(by_normal_ ? gl::kEqualVarianceBias : 0.0f);
     if (!by_normal_) return;
-    const ReflectanceFrame frame = parse_reflectance_frame(pyramid.header.map.provenance.settings, options.reflectance);
+    const ReflectanceFrame frame = parse_reflectance_frame(pyramid.header.map.provenance.settings, options.file);
     scene_.frame = {glm::vec3(frame.right), glm::vec3(frame.up), glm::vec3(frame.viewer)};
   }
 
@@ -128,7 +129,7 @@ class PyramidPictures {
     return *made;
   }
 
-  const ViewOptions& options_;
+  const PyramidOptions& options_;
   const gl::GlFunctions& gl_;
   const Pyramid& pyramid_;
   const gl::Mesh mesh_;
@@ -140,7 +141,7 @@ class PyramidPictures {
 };
 
 /// Of every lookup but the truth, over shifts along a slanted line of one pixel; in the order of the lookups.
-std::vector<double> measure_flicker(const ViewOptions& options, PyramidPictures& pictures) {
+std::vector<double> measure_flicker(const PyramidOptions& options, PyramidPictures& pictures) {
   std::vector<std::vector<FloatImage>> shifted(options.lookups.size());
   for (int k = 0; k < options.shifts; ++k) {
     const float t = static_cast<float>(k) / static_cast<float>(options.shifts) - 0.5f;
@@ -176,45 +177,108 @@ nlohmann::json print_rows(const std::vector<NamedPicture>& pictures, const std::
   return rows;
 }
 
+/// What the pyramid colours, with the camera that sees it.
+gl::MeshData make_surface(const PyramidOptions& options, const PyramidHeader& header, ViewScenes& scenes) {
+  PictureOptions picture;
+  picture.surface = options.surface;
+  picture.camera = options.camera;
+  picture.output = options.output;
+  scenes = make_scenes(picture);
+  if (header.kind != PyramidKind::kReflectance) return make_mesh(picture, scenes);
+  const TriangleMesh mesh = read_mesh(options.surface.mesh);
+  if (scenes.has_camera) {
+    frame_mesh(mesh, options.surface.mesh, options.output, scenes);
+  } else {
+    const ReflectanceFrame frame = parse_reflectance_frame(header.map.provenance.settings, options.file);
+    scenes.first.camera = viewer_camera(mesh, frame, scenes.first.camera);
+  }
+  return to_mesh_data(mesh);
+}
+
+void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
+  const bool by_normal = header.kind == PyramidKind::kReflectance;
+  if (!by_normal && header.kind != PyramidKind::kColour)
+    throw Error(ErrorCode::kInput, fmt::format("{}: found a pyramid of {}, expected one of colours or reflected light",
+                                               options.file, pyramid_kind_name(header.kind)));
+  if (by_normal && options.surface.mesh.empty())
+    throw Error(ErrorCode::kUsage, options.file + ": is a map over normals, for a surface, expected --mesh");
+  if (!by_normal && !options.surface.mesh.empty())
+    throw Error(ErrorCode::kUsage, options.file + ": is a pyramid of colours and lies on the plane, found --mesh");
+}
+
+void write_pyramid_report(const PyramidOptions& options, const std::string& path, const nlohmann::json& facts) {
+  nlohmann::json report = {{"software", std::string("multum-view ") + MULTUM_VERSION},
+                           {"truth_samples", options.samples},
+                           {"shifts", options.shifts},
+                           {"anisotropy", options.anisotropy}};
+  report.update(facts);
+  write_text_file(path, report.dump(2) + "\n");
+}
+
 }  // namespace
 
-int run_pyramid(ViewOptions& options) {
-  const bool by_normal = !options.reflectance.empty();
-  const std::string& path = by_normal ? options.reflectance : options.mip;
-  check_paths_differ({path}, {options.output, options.report});
+void add_lookup_options(CLI::App& app, PyramidOptions& options) {
+  app.add_option_function<std::string>(
+         "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
+         "look the pyramid up in these ways, a list of nearest, bilinear (finest level), level (the longer side of the "
+         "pixel), driver, and truth (supersampled)")
+      ->default_str("level");
+  app.add_option("--level-bias", options.level_bias,
+                 "number added to the level (default: 0 for colours, as the GL; -0.79 for reflected light, as wide as "
+                 "the pixel)")
+      ->check(number_in(-16.0f, 16.0f));
+  app.add_option("--shifts", options.shifts,
+                 "measure the flicker of reflected light against the truth over so many sub-pixel shifts")
+      ->check(CLI::Range(2, 256));
+}
+
+void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
+  app.add_option("file", options.file, "pyramid of multum mip, on the plane, or of multum reflectance, on the --mesh")
+      ->required();
+  add_picture_option(app, options.output)->required();
+  add_lookup_options(app, options);
+  app.add_option("--samples", options.samples, "samples per pixel of the truth")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str();
+  add_pictures_option(app, options.output);
+  add_mesh_option(app, options.surface);
+  add_repeat_option(app, options.surface);
+  add_camera_options(app, options.camera);
+  app.add_option("--anisotropy", options.anisotropy, "anisotropy of the driver's lookup")
+      ->check(number_in(1.0f, 16.0f))
+      ->capture_default_str();
+  add_output_options(app, options.output);
+  add_context_option(app, options.context);
+  add_decoding_option(app);
+}
+
+int draw_pyramid(const PyramidOptions& options) {
+  const std::string& report = options.output.report;
+  check_picture_path(options.output.path);
+  check_paths_differ({options.file}, {options.output.path, report});
   if (options.shifts > 0 && options.lookups.front() != "truth")
     throw Error(ErrorCode::kUsage, "--shifts measures flicker against the truth, expected truth in --lookup");
-  const Pyramid pyramid = read_pyramid(path, by_normal ? PyramidKind::kReflectance : PyramidKind::kColour);
+  const Pyramid pyramid = options.expected ? read_pyramid(options.file, *options.expected) : read_pyramid(options.file);
+  check_surface(options, pyramid.header);
   std::optional<gl::PhongLights> lights;
-  gl::MeshData mesh;
-  if (by_normal) {
-    lights = baked_lights(pyramid.header, path);
-    const TriangleMesh surface = read_mesh(options.mesh);
-    look_from_viewer(surface, parse_reflectance_frame(pyramid.header.map.provenance.settings, path), options);
-    mesh = to_mesh_data(surface);
-  } else {
-    mesh = make_mesh(options);
-  }
+  if (pyramid.header.kind == PyramidKind::kReflectance) lights = baked_lights(pyramid.header, options.file);
+  ViewScenes scenes;
+  const gl::MeshData mesh = make_surface(options, pyramid.header, scenes);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options.context);
   log_info(context->description());
-  PyramidPictures drawer(options, context->functions(), pyramid, mesh, lights);
+  PyramidPictures drawer(options, scenes.first, context->functions(), pyramid, mesh, lights);
   std::vector<NamedPicture> pictures;
   for (const std::string& name : options.lookups) pictures.push_back({name, {drawer.draw(name, {0.0f, 0.0f}), 0.0}});
   const std::vector<double> flickers = options.shifts > 0 ? measure_flicker(options, drawer) : std::vector<double>();
   const nlohmann::json rows = print_rows(pictures, flickers);
-  write_pictures(options, pictures);
-  if (!options.report.empty())
-    write_text_file(options.report, nlohmann::json{{"software", std::string("multum-view ") + MULTUM_VERSION},
-                                                   {"context", context->description()},
-                                                   {"pyramid", pyramid_kind_name(pyramid.header.kind)},
-                                                   {"truth", lights ? "shaded at every sample" : "the finest level"},
-                                                   {"truth_samples", options.samples},
-                                                   {"shifts", options.shifts},
-                                                   {"level_bias", drawer.level_bias()},
-                                                   {"anisotropy", options.anisotropy},
-                                                   {"pictures", rows}}
-                                            .dump(2) +
-                                        "\n");
+  write_pictures(options.output, pictures);
+  if (!report.empty())
+    write_pyramid_report(options, report,
+                         {{"context", context->description()},
+                          {"pyramid", pyramid_kind_name(pyramid.header.kind)},
+                          {"truth", lights ? "shaded at every sample" : "the finest level"},
+                          {"level_bias", drawer.level_bias()},
+                          {"pictures", rows}});
   return 0;
 }
 

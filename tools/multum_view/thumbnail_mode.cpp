@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view --thumbnails: what the service shows of a job, in one process, so that whatever a map or a driver does to
-// it ends the pictures alone. They are made from what is trusted most to what is trusted least: what comes after a
-// failure is missing, what came before it is there.
+// multum-view thumbnails: draws what the service shows of a job, in one process, so that whatever a map or a driver
+// does to it ends the pictures alone. They are made from what is trusted most to what is trusted least: what comes
+// after a failure is missing, what came before it is there.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "host/asset/inferred/inferred_texture.h"
@@ -20,7 +19,6 @@
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
-#include "tools/command_line/usage_error.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/view_inputs.h"
 #include "tools/multum_view/write_image.h"
@@ -38,14 +36,9 @@ constexpr int kLevelSide = 1024;
 // Texels of the truth, which is drawn from the whole map: a third of a gigabyte in all.
 constexpr std::int64_t kTruthTexelsMax = std::int64_t{1} << 24;
 
-struct ThumbnailOptions {
-  std::string result;
-  std::string folder;
-  std::string source, albedo;
-  std::string context = "auto";
-
-  std::string file(const char* name) const { return (fs::path(folder) / name).string(); }
-};
+std::string file_in(const ThumbnailOptions& options, const char* name) {
+  return (fs::path(options.folder) / name).string();
+}
 
 /// The levels that a picture of this size shows, as a map of their own, whatever finer ones there are.
 MovmfMipmap read_coarse_levels(const std::string& path) {
@@ -101,7 +94,7 @@ gl::NormalImage read_source(const ThumbnailOptions& options, const NormalMapSett
 
 void make_bake_thumbnails(const ThumbnailOptions& options) {
   const MovmfMipmap mipmap = read_coarse_levels(options.result);
-  const auto context = gl::make_headless_context(*gl::parse_context_backend(options.context));
+  const auto context = gl::make_headless_context(options.context);
   const gl::Mesh mesh(context->functions(), plane_data());
   gl::RenderScene scene;
   scene.uv_scale = kPlaneSize;
@@ -109,61 +102,40 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   gl::Renderer renderer(context->functions(), kWidth, kHeight);
   const auto baked = gl::make_lobe_material(context->functions(), mipmap, 1.0f);
   const gl::FloatImage render = renderer.draw(mesh, *baked, scene).image;
-  write_picture(options.file("render.png"), render, 1.0f);
+  write_picture(file_in(options, "render.png"), render, 1.0f);
   if (options.source.empty()) return;
 
   const NormalMapSettings settings = source_settings(options, mipmap);
-  write_png8(options.file("input.png"), read_small_picture(options.source, kInputSide));
+  write_png8(file_in(options, "input.png"), read_small_picture(options.source, kInputSide));
   // Nothing to compare with.
   if (mipmap.header.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
   const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
                                   gl::NormalMaterial::Sampling::kNearest, 1.0f);
   const gl::FloatImage truth = renderer.draw_truth(mesh, finest, scene, kSamples).image;
-  write_picture(options.file("error.png"), gl::difference_image(render, truth, gl::kDifferenceGain), 1.0f);
+  write_picture(file_in(options, "error.png"), gl::difference_image(render, truth, gl::kDifferenceGain), 1.0f);
 }
 
-/// A frame of the first sample, as multum-view --sample draws it.
+/// A frame of the first sample, as multum-view sample draws it.
 void make_infer_thumbnail(const ThumbnailOptions& options) {
   const InferredManifest manifest = read_inferred_manifest((fs::path(options.result) / kInferredManifestName).string());
   if (manifest.samples.empty()) throw Error(ErrorCode::kInput, options.result + ": has no samples, expected one");
-  const std::string frame = options.file("frame.png");
-  // In one word each: a name may begin with a dash.
-  std::vector<std::string> words = {"multum-view",
-                                    "--sample=" + manifest.samples.front().name,
-                                    "--output=" + frame,
-                                    "--context=" + options.context,
-                                    "--",
-                                    options.result};
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  if (run_inferred(static_cast<int>(arguments.size()), arguments.data()) != 0) return;
-  write_png8(options.file("render.png"), read_small_picture(frame, kInputSide));
+  const std::string frame = file_in(options, "frame.png");
+  draw_samples({options.result, {manifest.samples.front().name}, {frame}, options.context});
+  write_png8(file_in(options, "render.png"), read_small_picture(frame, kInputSide));
   fs::remove(frame);
 }
 
 }  // namespace
 
-int run_thumbnails(int argc, char** argv) {
-  ThumbnailOptions options;
-  CLI::App app(
-      "multum-view --thumbnails writes small pictures of a baked map into a folder: render.png and, if its source is\n"
-      "given and is still what was baked, input.png and error.png (four times as bright); of a folder of `multum\n"
-      "infer`, render.png.\n\n"
-      "  multum-view bricks.ndf.exr --thumbnails pictures/ --source bricks_normal.png",
-      "multum-view");
-  app.failure_message(usage_error);
+void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options) {
   app.add_option("result", options.result, "*.ndf.exr, or what multum infer wrote")->required();
-  app.add_option("--thumbnails", options.folder, "folder for the pictures, which is there")->required();
+  app.add_option("-o,--output", options.folder, "existing folder for the pictures")->required();
   app.add_option("--source", options.source, "normal map that the file was baked from");
   app.add_option("--albedo", options.albedo, "the source's colours");
-  app.add_option("--context", options.context, "auto, osmesa (software) or egl")
-      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
-      ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return print_parse_error(app, error);
-  }
+  add_context_option(app, options.context);
+}
+
+int draw_thumbnails(const ThumbnailOptions& options) {
   if (fs::is_directory(options.result)) make_infer_thumbnail(options);
   else make_bake_thumbnails(options);
   return 0;

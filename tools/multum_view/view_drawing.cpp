@@ -25,11 +25,12 @@ bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
 // Basis BRDFs one after another, each times its weight: what a surface reflects is their sum, whatever they are.
 template <typename Draw>
-gl::Picture draw_blended(const ViewOptions& options, gl::RenderScene scene, gl::Material& material, const Draw& draw) {
-  if (options.basis.size() <= 1) return draw(scene);
+gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, gl::Material& material,
+                         const Draw& draw) {
+  if (basis.size() <= 1) return draw(scene);
   gl::Picture sum{};
-  for (std::size_t k = 0; k < options.basis.size(); ++k) {
-    scene.brdf = options.basis[k];
+  for (std::size_t k = 0; k < basis.size(); ++k) {
+    scene.brdf = basis[k];
     material.set_basis(static_cast<int>(k));
     gl::Picture part = draw(scene);
     if (k == 0) {
@@ -47,9 +48,10 @@ gl::Picture draw_blended(const ViewOptions& options, gl::RenderScene scene, gl::
 
 }  // namespace
 
-std::shared_ptr<const gl::FloatImage> background_of(const ViewOptions& options, const gl::RenderScene& scene) {
-  if (scene.environment == nullptr || options.no_background) return nullptr;
-  return std::make_shared<const gl::FloatImage>(gl::environment_background(scene, options.width, options.height));
+std::shared_ptr<const gl::FloatImage> background_of(const PictureOptions& options, const gl::RenderScene& scene) {
+  if (scene.environment == nullptr || options.light.no_background) return nullptr;
+  return std::make_shared<const gl::FloatImage>(
+      gl::environment_background(scene, options.output.width(), options.output.height()));
 }
 
 gl::FloatImage shown_image(const NamedPicture& picture) {
@@ -57,56 +59,59 @@ gl::FloatImage shown_image(const NamedPicture& picture) {
   return gl::before_background(picture.picture.image, *picture.background);
 }
 
-PictureDrawer::PictureDrawer(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh,
-                             const BakedMap& map, const gl::NormalImage& source)
+PictureDrawer::PictureDrawer(const MapOptions& options, const std::vector<Brdf>& basis, const gl::GlFunctions& gl,
+                             const gl::Mesh& mesh, const BakedMap& map, const gl::NormalImage& source)
     : options_(options),
+      basis_(basis),
       mesh_(mesh),
-      renderer_(gl, options.width, options.height),
-      baked_(make_material(gl, map, options, source)) {
+      renderer_(gl, options.picture.output.width(), options.picture.output.height()),
+      baked_(make_material(gl, map, options.picture.shading, source)) {
   using gl::NormalMaterial;
   const auto truth =
-      options.truth_of_texels ? NormalMaterial::Sampling::kFootprint : NormalMaterial::Sampling::kNearest;
-  for (const std::string& name : options.compare) {
+      options.comparison.truth_of_texels ? NormalMaterial::Sampling::kFootprint : NormalMaterial::Sampling::kNearest;
+  for (const std::string& name : options.comparison.pictures) {
     if (name == "truth") finest_.emplace(gl, source, truth, 1.0f);
-    else if (!mipmapped_) mipmapped_.emplace(gl, source, NormalMaterial::Sampling::kMipmapped, options.anisotropy);
+    else if (!mipmapped_)
+      mipmapped_.emplace(gl, source, NormalMaterial::Sampling::kMipmapped, options.picture.shading.anisotropy);
   }
 }
 
 std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   std::vector<NamedPicture> pictures;
   const auto drawn = [&](gl::Material& material) {
-    return draw_blended(options_, scene, material,
+    return draw_blended(basis_, scene, material,
                         [&](const gl::RenderScene& one) { return renderer_.draw(mesh_, material, one); });
   };
   pictures.push_back({"multum", drawn(*baked_)});
-  for (const std::string& name : options_.compare) {
+  for (const std::string& name : options_.comparison.pictures) {
     if (name == "truth") {
       const std::unique_ptr<Progress> progress = make_terminal_progress(true);
-      progress->start(static_cast<std::uint64_t>(options_.samples) * std::max<std::size_t>(options_.basis.size(), 1));
+      progress->start(static_cast<std::uint64_t>(options_.comparison.samples) *
+                      std::max<std::size_t>(basis_.size(), 1));
       progress->stage("draw the truth");
       const auto draw = [&](const gl::RenderScene& one) {
-        return renderer_.draw_truth(mesh_, *finest_, one, options_.samples, progress.get());
+        return renderer_.draw_truth(mesh_, *finest_, one, options_.comparison.samples, progress.get());
       };
-      pictures.insert(pictures.begin(), {name, draw_blended(options_, scene, *finest_, draw)});
+      pictures.insert(pictures.begin(), {name, draw_blended(basis_, scene, *finest_, draw)});
     } else {
       mipmapped_->set_baseline(baseline_of(name));
       pictures.push_back({name, drawn(*mipmapped_)});
     }
   }
-  const std::shared_ptr<const gl::FloatImage> background = background_of(options_, scene);
+  const std::shared_ptr<const gl::FloatImage> background = background_of(options_.picture, scene);
   for (NamedPicture& picture : pictures) picture.background = background;
   return pictures;
 }
 
 /// Measured with Mesa 22.3.6: a plane seen from above, terrain of 403 x 344, averaged normals 85 % off with
 /// --anisotropy 4 and 60 % without; resized to 256 x 256, 65 and 66 %.
-void warn_of_wrong_anisotropy(const ViewOptions& options, const BakedHeader& baked, const std::string& renderer) {
-  if (options.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
+void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
+  if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;
   log_warning(
       fmt::format("{}: is {} x {} texels; this software renderer filters sizes that are no powers of two "
                   "wrongly with --anisotropy: leave it out for a right picture",
-                  options.input, baked.width, baked.height));
+                  options.file, baked.width, baked.height));
 }
 
 }  // namespace multum

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of a scene.
+// Draws the pictures of a scene.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ struct NamedPicture {
 };
 
 /// What a picture of the scene has behind it: the environment. Null: nothing, which is black.
-std::shared_ptr<const gl::FloatImage> background_of(const ViewOptions& options, const gl::RenderScene& scene);
+std::shared_ptr<const gl::FloatImage> background_of(const PictureOptions& options, const gl::RenderScene& scene);
 
 /// The picture with what is behind it.
 gl::FloatImage shown_image(const NamedPicture& picture);
@@ -27,14 +28,15 @@ gl::FloatImage shown_image(const NamedPicture& picture);
 class PictureDrawer {
  public:
   /// What is handed in must outlive it.
-  PictureDrawer(const ViewOptions& options, const gl::GlFunctions& gl, const gl::Mesh& mesh, const BakedMap& map,
-                const gl::NormalImage& source);
+  PictureDrawer(const MapOptions& options, const std::vector<Brdf>& basis, const gl::GlFunctions& gl,
+                const gl::Mesh& mesh, const BakedMap& map, const gl::NormalImage& source);
   /// The truth first, where it is asked for, then the baked map, then the baselines.
   std::vector<NamedPicture> draw(const gl::RenderScene& scene);
   std::vector<gl::ShaderVariant> variants() const { return renderer_.variants(); }
 
  private:
-  const ViewOptions& options_;
+  const MapOptions& options_;
+  const std::vector<Brdf>& basis_;
   const gl::Mesh& mesh_;
   gl::Renderer renderer_;
   std::unique_ptr<gl::Material> baked_;
@@ -42,6 +44,6 @@ class PictureDrawer {
 };
 
 /// `renderer`: how GL describes itself.
-void warn_of_wrong_anisotropy(const ViewOptions& options, const BakedHeader& baked, const std::string& renderer);
+void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer);
 
 }  // namespace multum

@@ -7,6 +7,7 @@
 #include <array>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
@@ -24,25 +25,25 @@ namespace multum {
 namespace {
 
 /// As the bake read it, unless the command line says otherwise.
-NormalMapSettings source_settings(const ViewOptions& options, const BakedHeader& baked) {
+NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
   settings.wrap_t = baked.wrap_t;
-  if (hash_file(options.source) == baked.provenance.source_hash) {
+  if (hash_file(options.source.normals) == baked.provenance.source_hash) {
     settings.repair_share_max = 1.0f;  // the bake took these very texels
   } else if (!baked.provenance.source_hash.empty()) {
     log_warning(fmt::format(
-        "{}: is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map", options.source,
-        options.input, baked.provenance.source_name, baked.provenance.source_hash,
+        "{}: is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map", options.source.normals,
+        options.file, baked.provenance.source_name, baked.provenance.source_hash,
         baked.first_level > 0 ? "the finest levels, the truth and the baselines" : "the truth and the baselines"));
   }
-  apply_reading(options.reading, settings);
+  apply_reading(options.source.reading, settings);
   return settings;
 }
 
 /// Warns of an albedo, roughness, gloss or weights map that is not the one of the bake, by what the file's settings
 /// state.
-void warn_of_another(const ViewOptions& options, const BakedHeader& baked, const char* key, const char* option,
+void warn_of_another(const std::string& file, const BakedHeader& baked, const char* key, const char* option,
                      const std::string& path, const std::string& ending) {
   const nlohmann::json settings = nlohmann::json::parse(baked.provenance.settings, nullptr, false);
   if (!settings.is_object() || !settings.contains(key) || !settings[key].is_string()) return;
@@ -51,42 +52,56 @@ void warn_of_another(const ViewOptions& options, const BakedHeader& baked, const
   log_warning(
       fmt::format("{}{}: {} is not what {} was baked with ({} {}): the truth and the baselines may show another "
                   "material",
-                  path, ending, option, options.input, key, stated));
+                  path, ending, option, file, key, stated));
 }
 
-/// Lengths of normals, colours and weights, as the bake had them.
-void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::NormalImage& image) {
-  ChannelFile roughness = parse_channel_file(options.gloss.empty() ? options.roughness : options.gloss);
-  roughness.is_gloss = !options.gloss.empty();
+ChannelFile roughness_file(const SourceOptions& source) {
+  ChannelFile file = parse_channel_file(source.gloss.empty() ? source.roughness : source.gloss);
+  file.is_gloss = !source.gloss.empty();
+  return file;
+}
+
+/// Throws Error(kUsage) unless the maps beside --source are those that the file was baked with.
+void check_materials(const MapOptions& options, const BakedHeader& baked, const ChannelFile& roughness,
+                     std::size_t brdf_count) {
   if (baked.has_roughness == roughness.path.empty())
     throw Error(ErrorCode::kUsage, fmt::format("{}: has {}roughness in, found {}, expected {} beside --source",
-                                               options.input, baked.has_roughness ? "" : "no ",
+                                               options.file, baked.has_roughness ? "" : "no ",
                                                roughness.path.empty() ? "no --roughness and no --gloss"
                                                : roughness.is_gloss   ? "--gloss"
                                                                       : "--roughness",
                                                baked.has_roughness ? "the map that it was baked with" : "none"));
-  if (options.basis.size() > 1 && options.weights.empty())
+  if (brdf_count > 1 && options.source.weights.empty())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: found {} of --brdf and no --weights, expected the map that it was baked with beside "
                             "--source",
-                            options.input, options.basis.size()));
+                            options.file, brdf_count));
+}
+
+/// Normals as the bake had them, shortened by roughness: planes all the way, texels once they are done.
+std::vector<glm::vec3> source_normals(const MapOptions& options, const BakedHeader& baked, NormalMap map,
+                                      const ChannelFile& roughness) {
+  std::array<std::vector<float>, 3> planes = {std::move(map.x), std::move(map.y), std::move(map.z)};
   if (!roughness.path.empty()) {
-    warn_of_another(options, baked, "roughness", roughness.is_gloss ? "--gloss" : "--roughness", roughness.path,
+    warn_of_another(options.file, baked, "roughness", roughness.is_gloss ? "--gloss" : "--roughness", roughness.path,
                     (roughness.channel.empty() ? "" : ":" + roughness.channel) + (roughness.is_gloss ? ", gloss" : ""));
-    PlaneStore normals(image.width, image.height);
-    std::array<std::vector<float>, 3> planes;
-    for (std::size_t p = 0; p < 3; ++p)
-      for (const glm::vec3& n : image.normals) planes[p].push_back(n[static_cast<glm::length_t>(p)]);
-    normals.write_rows(0, image.height, {planes[0].data(), planes[1].data(), planes[2].data()});
+    PlaneStore normals(map.width, map.height);
+    normals.write_rows(0, map.height, {planes[0].data(), planes[1].data(), planes[2].data()});
     shorten_by_roughness(normals, roughness, {}, 1);
     planes = normals.take_planes();
-    for (std::size_t i = 0; i < image.normals.size(); ++i)
-      image.normals[i] = {planes[0][i], planes[1][i], planes[2][i]};
-    image.has_roughness = true;
   }
-  if (!options.weights.empty()) {
-    warn_of_another(options, baked, "weights", "--weights", options.weights, "");
-    WeightMap map = read_weight_map(options.weights, image.width, image.height, {}, 1);
+  std::vector<glm::vec3> texels;
+  texels.reserve(planes[0].size());
+  for (std::size_t i = 0; i < planes[0].size(); ++i) texels.emplace_back(planes[0][i], planes[1][i], planes[2][i]);
+  return texels;
+}
+
+/// Colours and weights, as the bake had them.
+void add_materials(const MapOptions& options, const BakedHeader& baked, gl::NormalImage& image) {
+  const SourceOptions& source = options.source;
+  if (!source.weights.empty()) {
+    warn_of_another(options.file, baked, "weights", "--weights", source.weights, "");
+    WeightMap map = read_weight_map(source.weights, image.width, image.height, {}, 1);
     const auto count = static_cast<std::size_t>(map.count);
     image.weight_count = map.count;
     image.weights.resize(image.normals.size() * count);
@@ -96,9 +111,9 @@ void add_materials(const ViewOptions& options, const BakedHeader& baked, gl::Nor
         for (std::size_t i = 0; i < image.normals.size(); ++i) image.weights[i * count + k] = planes[k - 3 * t][i];
     }
   }
-  if (options.albedo.empty()) return;
-  warn_of_another(options, baked, "albedo", "--albedo", options.albedo, "");
-  const ColourMap colours = read_albedo_map(options.albedo, image.width, image.height, 1);
+  if (source.albedo.empty()) return;
+  warn_of_another(options.file, baked, "albedo", "--albedo", source.albedo, "");
+  const ColourMap colours = read_albedo_map(source.albedo, image.width, image.height, 1);
   for (std::size_t i = 0; i < colours.r.size(); ++i)
     image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
 }
@@ -114,8 +129,8 @@ gl::MeshData to_mesh_data(const TriangleMesh& mesh) {
   return data;
 }
 
-void frame_mesh(const TriangleMesh& mesh, ViewOptions& options) {
-  gl::RenderScene& scene = options.scene;
+void frame_mesh(const TriangleMesh& mesh, const std::string& file, const OutputOptions& output, ViewScenes& scenes) {
+  gl::RenderScene& scene = scenes.first;
   glm::vec3 low = mesh.positions[0];
   glm::vec3 high = low;
   for (const glm::vec3& p : mesh.positions) {
@@ -124,81 +139,62 @@ void frame_mesh(const TriangleMesh& mesh, ViewOptions& options) {
   }
   const glm::vec3 middle = 0.5f * (low + high);
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
-  if (!options.has_camera)
-    scene.camera = gl::frame_points(mesh.positions, options.up,
-                                    static_cast<float>(options.width) / static_cast<float>(options.height));
-  if (!options.has_last_camera) options.last_scene.camera = scene.camera;
-  if (options.has_camera || options.has_last_camera) {
+  if (!scenes.has_camera)
+    scene.camera = gl::frame_points(mesh.positions, scenes.up,
+                                    static_cast<float>(output.width()) / static_cast<float>(output.height()));
+  if (!scenes.has_last_camera) scenes.last.camera = scene.camera;
+  if (scenes.has_camera || scenes.has_last_camera) {
     scene.camera.near_distance = 0.05f * radius;
     scene.camera.far_distance = std::max({5.0f * radius, 4.0f * glm::length(scene.camera.eye - middle),
-                                          4.0f * glm::length(options.last_scene.camera.eye - middle)});
+                                          4.0f * glm::length(scenes.last.camera.eye - middle)});
   }
   const gl::Camera& camera = scene.camera;
-  log_info(fmt::format("{}: x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g}",
-                       options.mesh.empty() ? options.lod : options.mesh, low.x, high.x, low.y, high.y, low.z, high.z));
+  log_info(fmt::format("{}: x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g}", file, low.x, high.x, low.y,
+                       high.y, low.z, high.z));
   log_info(fmt::format("--camera {:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}: {:.6g} away from its target",
                        camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x, camera.target.y, camera.target.z,
                        camera.fov_y_degrees, glm::length(camera.eye - camera.target)));
 }
 
-std::vector<ViewOptions> views_of(const ViewOptions& options) {
-  if (options.distances.empty()) return {options};
-  std::vector<ViewOptions> views;
-  for (const float factor : options.distances) {
-    ViewOptions& one = views.emplace_back(options);
-    one.output = distant_path(options, factor);
-    if (!one.pictures.empty()) one.pictures += fmt::format("_{:g}", factor);
-    one.scene.camera = gl::moved_away(options.scene.camera, factor);
-    one.distances = {factor};
-  }
-  return views;
-}
-
-std::string distant_path(const ViewOptions& options, float factor) {
-  const std::size_t ending = options.output.rfind('.');
-  return fmt::format("{}_{:g}{}", options.output.substr(0, ending), factor, options.output.substr(ending));
-}
-
-gl::MeshData make_mesh(ViewOptions& options) {
-  gl::RenderScene& scene = options.scene;
-  if (options.mesh.empty()) {
-    scene.uv_scale = options.repeat > 0.0f ? options.repeat : kPlaneSize;
-    return to_mesh_data(make_plane(kPlaneSize));
-  }
-  scene.uv_scale = options.repeat > 0.0f ? options.repeat : 1.0f;
-  const TriangleMesh mesh = read_mesh(options.mesh);
-  frame_mesh(mesh, options);
+gl::MeshData make_mesh(const PictureOptions& options, ViewScenes& scenes) {
+  const std::string& file = options.surface.mesh;
+  scenes.first.uv_scale = options.surface.repeat.value_or(file.empty() ? kPlaneSize : 1.0f);
+  if (file.empty()) return to_mesh_data(make_plane(kPlaneSize));
+  const TriangleMesh mesh = read_mesh(file);
+  frame_mesh(mesh, file, options.output, scenes);
   return to_mesh_data(mesh);
 }
 
-bool needs_source(const ViewOptions& options, const BakedHeader& baked) {
-  return !options.compare.empty() || (baked.first_level > 0 && !options.stored_only);
+bool needs_source(const MapOptions& options, const BakedHeader& baked) {
+  return !options.comparison.pictures.empty() || (baked.first_level > 0 && !options.stored_only);
 }
 
-gl::NormalImage read_source(const ViewOptions& options, const BakedMap& map) {
+gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes, const BakedMap& map) {
   const BakedHeader& baked = map.header;
-  if (options.source.empty() && baked.first_level > 0)
+  const std::string& source = options.source.normals;
+  if (source.empty() && baked.first_level > 0)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
                             "baked from, which has the finer ones ({}, SHA-256 {})",
-                            options.input, levels_text(baked.first_level, baked.level_count()), baked.width,
+                            options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
                             baked.height, baked.provenance.source_name, baked.provenance.source_hash));
-  if (options.source.empty()) return finest_normals(map);
-  const NormalMap normals = read_normal_map(options.source, source_settings(options, baked), 1, nullptr);
-  log_info(options.source + ": " + normals.report.encoding);
-  for (const std::string& warning : normals.report.warnings) log_warning(options.source + ": " + warning);
+  if (source.empty()) return finest_normals(map);
+  NormalMap normals = read_normal_map(source, source_settings(options, baked), 1, nullptr);
+  log_info(source + ": " + normals.report.encoding);
+  for (const std::string& warning : normals.report.warnings) log_warning(source + ": " + warning);
   if (normals.width != baked.width || normals.height != baked.height)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", options.source, normals.width,
-                            normals.height, options.input, baked.width, baked.height));
+    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", source,
+                                               normals.width, normals.height, options.file, baked.width, baked.height));
+  const ChannelFile roughness = roughness_file(options.source);
+  check_materials(options, baked, roughness, scenes.basis.size());
   gl::NormalImage image{normals.width, normals.height, {}, {}, baked.wrap_s, baked.wrap_t};
-  for (std::size_t i = 0; i < normals.x.size(); ++i)
-    image.normals.emplace_back(normals.x[i], normals.y[i], normals.z[i]);
+  image.has_roughness = !roughness.path.empty();
+  image.normals = source_normals(options, baked, std::move(normals), roughness);
   add_materials(options, baked, image);
   return image;
 }
 
-std::shared_ptr<const EnvironmentLight> read_environment(const ViewOptions& options) {
+std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& options) {
   if (options.environment.empty()) return nullptr;
   const ColourMap colours = read_environment_map(options.environment);
   if (colours.clamped_count > 0)
@@ -209,14 +205,14 @@ std::shared_ptr<const EnvironmentLight> read_environment(const ViewOptions& opti
   return make_environment_light(std::move(map));
 }
 
-void warn_of_sources(const ViewOptions& options, const BakedHeader& baked) {
-  if (!needs_source(options, baked) && !options.source.empty())
-    log_warning(options.source + ": is not read without --compare: the baked map's picture does not need it");
-  if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.albedo.empty())
+void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
+  if (!needs_source(options, baked) && !options.source.normals.empty())
+    log_warning(options.source.normals + ": is not read without --compare: the baked map's picture does not need it");
+  if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
     log_warning(
         fmt::format("{}: has colours from level {} on; without --albedo the finer levels have those of level "
                     "{}, blurred",
-                    options.input, baked.first_level, baked.first_level));
+                    options.file, baked.first_level, baked.first_level));
 }
 
 }  // namespace multum

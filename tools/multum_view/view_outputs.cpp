@@ -22,12 +22,10 @@ namespace {
 
 bool has_truth(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "truth"; }
 
-const char* moment_shading_name(gl::MomentShading shading) {
-  switch (shading) {
-    case gl::MomentShading::kToksvig: return "toksvig";
-    case gl::MomentShading::kLean: return "lean";
-    case gl::MomentShading::kLeanJacobian: return "lean-jacobian";
-  }
+template <typename Value>
+std::string choice_name(const Choices<Value>& choices, Value value) {
+  for (const auto& [name, meaning] : choices)
+    if (meaning == value) return name;
   return "?";
 }
 
@@ -47,12 +45,12 @@ gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure
 }
 
 /// The file that a picture gets by itself: `what` is its name, or its name and "_difference".
-std::string picture_path(const ViewOptions& options, const std::string& what) {
-  return options.pictures + "_" + what + options.output.substr(options.output.rfind('.'));
+std::string picture_path(const OutputOptions& options, const std::string& what) {
+  return options.pictures + "_" + what + options.path.substr(options.path.rfind('.'));
 }
 
 /// Every picture, and what it is off by, in a file of its own.
-void write_each(const ViewOptions& options, const std::vector<NamedPicture>& pictures) {
+void write_each(const OutputOptions& options, const std::vector<NamedPicture>& pictures) {
   for (const NamedPicture& one : pictures) {
     write_picture(picture_path(options, one.name), shown_image(one), options.exposure);
     if (has_truth(pictures) && one.name != "truth")
@@ -83,12 +81,12 @@ nlohmann::json brdf_json(const Brdf& brdf) {
 }
 
 /// The sheet, and with --pictures each picture.
-void add_pictures(const ViewOptions& options, std::vector<std::string>& outputs) {
-  outputs.push_back(options.output);
+void add_pictures(const OutputOptions& options, const std::vector<std::string>& compared,
+                  std::vector<std::string>& outputs) {
+  outputs.push_back(options.path);
   if (options.pictures.empty()) return;
-  const bool compares_truth =
-      std::find(options.compare.begin(), options.compare.end(), "truth") != options.compare.end();
-  std::vector<std::string> names = options.compare;
+  const bool compares_truth = std::find(compared.begin(), compared.end(), "truth") != compared.end();
+  std::vector<std::string> names = compared;
   names.insert(names.begin(), "multum");
   for (const std::string& name : names) {
     outputs.push_back(picture_path(options, name));
@@ -98,24 +96,29 @@ void add_pictures(const ViewOptions& options, std::vector<std::string>& outputs)
 
 }  // namespace
 
-void check_outputs(const ViewOptions& options) {
+void check_outputs(const MapOptions& options, const ViewScenes& scenes) {
+  const PictureOptions& picture = options.picture;
   std::vector<std::string> outputs;
-  if (options.frames_folder.empty()) {
-    for (const ViewOptions& view : views_of(options)) add_pictures(view, outputs);
+  if (options.animation.folder.empty()) {
+    for (const View& view : views_of(picture, scenes.first))
+      add_pictures(view.output, options.comparison.pictures, outputs);
   } else {
-    make_folder(options.frames_folder);
-    for (int frame = 0; frame < options.frame_count; ++frame) outputs.push_back(frame_path(options, frame));
+    make_folder(options.animation.folder);
+    for (int frame = 0; frame < options.animation.frame_count; ++frame)
+      outputs.push_back(frame_path(options.animation, frame));
   }
-  for (const std::string& path : {options.report, options.shaders})
+  for (const std::string& path : {picture.output.report, options.shaders})
     if (!path.empty()) outputs.push_back(path);
-  check_paths_differ({options.input, options.source, options.albedo, parse_channel_file(options.roughness).path,
-                      parse_channel_file(options.gloss).path, options.weights, options.mesh, options.environment},
-                     outputs);
+  const SourceOptions& source = options.source;
+  check_paths_differ(
+      {options.file, source.normals, source.albedo, parse_channel_file(source.roughness).path,
+       parse_channel_file(source.gloss).path, source.weights, picture.surface.mesh, picture.light.environment},
+      outputs);
   for (const std::string& path : outputs) check_writable(path);
 }
 
-void write_pictures(const ViewOptions& options, const std::vector<NamedPicture>& pictures) {
-  write_picture(options.output, pictures.size() == 1 ? shown_image(pictures[0]) : compose(pictures, options.exposure),
+void write_pictures(const OutputOptions& options, const std::vector<NamedPicture>& pictures) {
+  write_picture(options.path, pictures.size() == 1 ? shown_image(pictures[0]) : compose(pictures, options.exposure),
                 options.exposure);
   if (!options.pictures.empty()) write_each(options, pictures);
 }
@@ -140,49 +143,50 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
   return rows;
 }
 
-nlohmann::json draw_views(const ViewOptions& options,
-                          const std::function<std::vector<NamedPicture>(const ViewOptions& view)>& draw) {
+nlohmann::json draw_views(const PictureOptions& options, const gl::RenderScene& scene,
+                          const std::function<std::vector<NamedPicture>(const gl::RenderScene& scene)>& draw) {
   nlohmann::json rows = nlohmann::json::array();
-  for (const ViewOptions& view : views_of(options)) {
+  for (const View& view : views_of(options, scene)) {
     const gl::Camera& camera = view.scene.camera;
-    if (!view.distances.empty())
-      write_shown(stdout, fmt::format("{}: {:g} times as far, {:.6g} away\n", view.output, view.distances[0],
+    if (view.distance)
+      write_shown(stdout, fmt::format("{}: {:g} times as far, {:.6g} away\n", view.output.path, *view.distance,
                                       glm::length(camera.eye - camera.target)));
-    const std::vector<NamedPicture> pictures = draw(view);
+    const std::vector<NamedPicture> pictures = draw(view.scene);
     for (nlohmann::json& row : print_table(pictures)) {
-      if (!view.distances.empty()) row["distance"] = view.distances[0];
+      if (view.distance) row["distance"] = *view.distance;
       rows.push_back(row);
     }
-    write_pictures(view, pictures);
+    write_pictures(view.output, pictures);
   }
   return rows;
 }
 
-void write_report(const ViewOptions& options, const std::string& context, const nlohmann::json& pictures) {
+void write_report(const PictureOptions& options, const gl::RenderScene& scene, const ReportFacts& facts,
+                  const nlohmann::json& pictures) {
+  const ShadingOptions& shading = options.shading;
   nlohmann::json report = {{"software", std::string("multum-view ") + MULTUM_VERSION},
-                           {"context", context},
-                           {"width", options.width},
-                           {"height", options.height},
-                           {"truth_samples", options.samples},
-                           {"truth_of", options.truth_of_texels ? "texels" : "pixel"},
+                           {"context", facts.context},
+                           {"width", options.output.width()},
+                           {"height", options.output.height()},
+                           {"truth_samples", facts.comparison.samples},
+                           {"truth_of", facts.comparison.truth_of_texels ? "texels" : "pixel"},
                            {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
-                           {"formula", options.formula == gl::LobeFormula::kProduct ? "product" : "paper"},
-                           {"moments", moment_shading_name(options.moments.value_or(kDefaultMomentShading))},
-                           {"anisotropy", options.anisotropy},
+                           {"formula", choice_name(kLobeFormulas, shading.formula)},
+                           {"moments", choice_name(kMomentShadings, shading.moments.value_or(kDefaultMomentShading))},
+                           {"anisotropy", shading.anisotropy},
                            {"pictures", pictures}};
-  if (options.brdf_is_in_map) report.update({{"brdf", "roughness-map"}});
-  else report.update(brdf_json(options.scene.brdf));
-  if (!options.environment.empty())
-    report["environment_mode"] =
-        options.scene.environment_mode == gl::EnvironmentMode::kHarmonics ? "sh" : "prefiltered";
-  write_text_file(options.report, report.dump(2) + "\n");
+  if (facts.brdf_is_in_map) report.update({{"brdf", "roughness-map"}});
+  else report.update(brdf_json(scene.brdf));
+  if (!options.light.environment.empty())
+    report["environment_mode"] = choice_name(kEnvironmentModes, scene.environment_mode);
+  write_text_file(options.output.report, report.dump(2) + "\n");
 }
 
-void write_shaders(const ViewOptions& options, const std::vector<gl::ShaderVariant>& variants) {
+void write_shaders(const std::string& path, const std::vector<gl::ShaderVariant>& variants) {
   nlohmann::json rows = nlohmann::json::array();
   for (const gl::ShaderVariant& variant : variants)
     rows.push_back({{"flags", variant.flags}, {"fragment", variant.fragment}, {"uniforms", variant.uniforms}});
-  write_text_file(options.shaders, rows.dump(2) + "\n");
+  write_text_file(path, rows.dump(2) + "\n");
 }
 
 }  // namespace multum

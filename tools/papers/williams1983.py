@@ -27,7 +27,7 @@ def colours(study):
                     "at the nearest texel it breaks into blocks and into noise; the pyramid is smooth in both.")
     study.testmap("picture")
     study.run("multum", "mip", study.path("picture_albedo.png"), "-o", study.path("picture.exr"))
-    rows = sheet(study, "colours", "the truth and three ways to look up", "--mip", study.path("picture.exr"),
+    rows = sheet(study, "colours", "the truth and three ways to look up", "pyramid", study.path("picture.exr"),
                  "--lookup", "truth,nearest,level,driver", "--size", "400x300", "--samples", str(study.samples))
     study.table(["lookup", "relative L1"],
                 [[row["name"], percent(row["relative_l1"])] for row in rows if "relative_l1" in row])
@@ -67,7 +67,7 @@ def highlights(study):
     found = []
     for size in ("28x28", "56x56"):
         rows = sheet(study, f"highlights_{size}", f"{size} pixels: the truth, the finest level, the curvature's level",
-                     "--reflectance", study.path("lights.exr"), "--mesh", ball, "--lookup", "truth,bilinear,level",
+                     "pyramid", study.path("lights.exr"), "--mesh", ball, "--lookup", "truth,bilinear,level",
                      "--shifts", "8", "--size", size, "--samples", str(min(study.samples, 64)))
         found += [[size, row["name"], percent(row["relative_l1"]), f"{row['flicker']:.3f}"]
                   for row in rows if "relative_l1" in row]
@@ -85,7 +85,7 @@ def levels_of_detail(study):
     shown = []
     for level in (0, 2, 3.5, 5):
         name = f"level{str(level).replace('.', '_')}"
-        study.run("multum-view", "--lod", study.path("lod.exr"), "--level", str(level), "-o", study.path(f"{name}.png"),
+        study.run("multum-view", "lod", study.path("lod.exr"), "--level", str(level), "-o", study.path(f"{name}.png"),
                   "--size", "400x240")
         shown.append((f"{name}.png", f"level {level}"))
     study.picture_files(shown)

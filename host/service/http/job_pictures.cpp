@@ -162,7 +162,7 @@ std::vector<std::string> JobPictures::command(const Job& job, const std::string&
   for (const std::string& root : roots_.inputs.roots()) words.push_back("--read=" + root);
   words.insert(words.end(), {"--read=" + fs::path(viewer).parent_path().string(), "--write=" + folder, "--", viewer});
   // Not the GPU, which bakes may be using.
-  words.insert(words.end(), {"--context=osmesa", "--thumbnails=" + folder});
+  words.insert(words.end(), {"thumbnails", "--context=osmesa", "--output=" + folder});
   const nlohmann::json parameters = nlohmann::json::parse(job.parameters);
   for (const auto& [parameter, option] : {std::pair("input", "--source="), std::pair("albedo", "--albedo=")}) {
     if (job.type != "bake" || !parameters.contains(parameter)) continue;

@@ -125,7 +125,7 @@ void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects, 
   };
   const std::unique_ptr<const std::string, decltype(remove)> request_file(&file, remove);
   write_probe_request(request, file);
-  std::vector<std::string> command = {settings_.viewer, "--probe", file, "--context", settings_.context};
+  std::vector<std::string> command = {settings_.viewer, "probe", file, "--context", settings_.context};
   if (settings_.threads > 0) {
     command.push_back("--threads");
     command.push_back(std::to_string(settings_.threads));

@@ -39,9 +39,9 @@ std::string frame_file(const AnimationJob& job, int sample) {
 
 void draw_frames(const AnimationJob& job, const FrameSettings& settings, const std::vector<int>& samples,
                  Progress* progress) {
-  std::vector<std::string> command = {settings.viewer, settings.output, "--context", settings.context};
+  std::vector<std::string> command = {settings.viewer, "sample", settings.output, "--context", settings.context};
   for (const int sample : samples) {
-    command.insert(command.end(), {"--sample", job.samples[static_cast<std::size_t>(sample)].name});
+    command.insert(command.end(), {"--at", job.samples[static_cast<std::size_t>(sample)].name});
     command.insert(command.end(), {"-o", settings.output + "/" + frame_file(job, sample)});
   }
   run_viewer(command, fmt::format("drawing {} frames from '{}'", samples.size(), settings.output), progress);

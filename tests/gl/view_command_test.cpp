@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view's subcommands: the help of each, the old options that stand for them, and what is refused. Those of
+// pyramids and of texture inference are in pyramid_view_test.cpp and inferred_view_test.cpp.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "host/base/processes/child_process.h"
+#include "tests/gl/test_maps.h"
+#include "tests/unit/base/test_folder.h"
+
+namespace multum {
+namespace {
+
+class ViewCommandTest : public ::testing::Test {
+ protected:
+  ViewCommandTest() {
+    write_movmf_mipmap(path("map.ndf.exr"), gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false).mipmap,
+                       {});
+  }
+  std::string path(const std::string& name) const { return folder_ / name; }
+  static ChildResult run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum-view");
+    return run_child(arguments);
+  }
+  /// The bytes of `name`, which the command draws.
+  std::string drawn(const std::string& name, std::vector<std::string> arguments) const {
+    std::filesystem::remove(path(name));
+    arguments.insert(arguments.end(), {"--context", "osmesa"});
+    const ChildResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return std::filesystem::exists(path(name)) ? testing::read_bytes(path(name)) : "";
+  }
+  void expect_refusal(const std::vector<std::string>& arguments, const std::vector<std::string>& parts) const {
+    const std::set<std::string> before = folder_.names();
+    const ChildResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.output;
+    testing::expect_says(result.output, parts);
+    EXPECT_EQ(folder_.names(), before);
+  }
+  /// Two objects of one map, as a scene's bake leaves them.
+  void write_plan() const {
+    nlohmann::json view = {{"file", "map.ndf.exr"},
+                           {"size", "32x24"},
+                           {"camera", "0,0,2,0,3,0,50"},
+                           {"repeat", 7.5},
+                           {"brdf", {"ggx:0.4,0.04,0.04,0.04"}},
+                           {"diffuse", {"0.2,0.3,0.4"}},
+                           {"specular", {"1,1,1"}},
+                           {"fixed-fresnel", "0.1,0.1,0.1"},
+                           {"light", {"0.3,0.8,0.5,2"}},
+                           {"point_light", {"0,2,1,3,2,1"}}};
+    nlohmann::json plan;
+    plan["objects"].push_back({{"name", "wall"}, {"view", view}});
+    view["light"] = {"0,0,1,2"};
+    plan["objects"].push_back({{"name", "floor"}, {"view", view}});
+    testing::write_bytes(path("plan.json"), plan.dump());
+  }
+  testing::TemporaryFolder folder_;
+};
+
+const std::vector<std::string> kObjectAsOptions = {
+    "--size",          "32x24",       "--camera",   "0,0,2,0,3,0,50",
+    "--repeat",        "7.5",         "--brdf",     "ggx:0.4,0.04,0.04,0.04",
+    "--diffuse",       "0.2,0.3,0.4", "--specular", "1,1,1",
+    "--fixed-fresnel", "0.1,0.1,0.1", "--light",    "0.3,0.8,0.5,2",
+    "--point-light",   "0,2,1,3,2,1"};
+
+TEST_F(ViewCommandTest, EverySubcommandHasItsOwnHelp) {
+  const std::map<std::string, std::vector<std::string>> parts = {
+      {"scene", {"Draw an object", "--object", "--output", "--brdf", "plan.json"}},
+      {"animate", {"Draw frames", "--to-camera", "--frames", "--scene"}},
+      {"sample", {"Draw samples", "--at", "--exposure"}},
+      {"pyramid", {"Draw a surface", "--lookup", "--shifts", "--mesh"}},
+      {"lod", {"Draw a pyramid of heights", "--level"}},
+      {"model", {"Draw a glTF model", "--material", "--distance"}},
+      {"probe", {"Measure filter matrices", "--matrix-market", "--threads"}},
+      {"thumbnails", {"Draw small pictures", "--source", "--albedo"}}};
+  const ChildResult all = run({"--help"});
+  ASSERT_EQ(all.exit_code, 0);
+  for (const auto& [command, said] : parts) {
+    SCOPED_TRACE(command);
+    const ChildResult help = run({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    testing::expect_says(help.output, said);
+    testing::expect_says(help.output, {"Usage: multum-view " + command, "multum-view " + command + " "});
+    EXPECT_NE(all.output.find("\n  " + command + " "), std::string::npos);
+  }
+}
+
+TEST_F(ViewCommandTest, HelpShowsNoOldSpelling) {
+  const std::string help = "\n" + run({"--help"}).output;
+  for (const char* old :
+       {"--scene", "--object", "--animate", "--frames", "--to-camera", "--sample", "--probe", "--threads",
+        "--thumbnails", "--mip", "--reflectance", "--lookup", "--shifts", "--lod", "--level", "--material"})
+    EXPECT_EQ(help.find(std::string("\n  ") + old + " "), std::string::npos) << old;
+}
+
+TEST_F(ViewCommandTest, APlanIsDrawnAsItsOptionsAre) {
+  write_plan();
+  const std::string picture = path("a.exr");
+  std::vector<std::string> plain = {path("map.ndf.exr"), "-o", picture};
+  plain.insert(plain.end(), kObjectAsOptions.begin(), kObjectAsOptions.end());
+  const std::string expected = drawn("a.exr", plain);
+  ASSERT_FALSE(expected.empty());
+  EXPECT_EQ(drawn("a.exr", {"scene", path("plan.json"), "--object", "wall", "-o", picture}), expected);
+  EXPECT_EQ(drawn("a.exr", {"--scene", path("plan.json"), "--object", "wall", "-o", picture}), expected);
+  EXPECT_EQ(drawn("a.exr", {"scene", path("plan.json"), "--object=floor", "--light", "0.3,0.8,0.5,2", "-o", picture}),
+            expected)
+      << "options replace what the plan says";
+  EXPECT_NE(drawn("a.exr", {"scene", path("plan.json"), "--object=floor", "-o", picture}), expected);
+}
+
+TEST_F(ViewCommandTest, OldSpellingsOfAnimateAndThumbnailsDrawTheSameBytes) {
+  write_plan();
+  const std::string map = path("map.ndf.exr"), frames = path("frames"), last = "frames/frame_0001.png";
+  EXPECT_EQ(drawn(last, {map, "--animate", frames, "--frames", "2", "--size", "16x12", "--to-diffuse", "1"}),
+            drawn(last, {"animate", map, "-o", frames, "--frames", "2", "--size", "16x12", "--to-diffuse", "1"}));
+  const std::string plan = path("plan.json");
+  EXPECT_EQ(
+      drawn(last, {"--scene", plan, "--object=wall", "--animate", frames, "--frames", "2", "--to-brdf", "ggx:0.1"}),
+      drawn(last,
+            {"animate", "--scene", plan, "--object=wall", "-o", frames, "--frames", "2", "--to-brdf", "ggx:0.1"}));
+  std::filesystem::create_directory(path("small"));
+  EXPECT_EQ(drawn("small/render.png", {map, "--thumbnails=" + path("small")}),
+            drawn("small/render.png", {"thumbnails", map, "-o", path("small")}));
+}
+
+TEST_F(ViewCommandTest, MixedModesAreRefused) {
+  write_plan();
+  const std::string map = path("map.ndf.exr"), plan = path("plan.json"), out = path("out.png");
+  expect_refusal({map, "--scene", plan, "-o", out}, {"map.ndf.exr", "--scene", "expected one of them"});
+  expect_refusal({map, "--animate", path("f"), "-o", out, "--to-diffuse", "1"}, {"--animate", "leave out -o"});
+  expect_refusal({map, "--animate", path("f"), "--pictures", path("p"), "--to-diffuse", "1"},
+                 {"--pictures", "--animate", "'multum-view animate'"});
+  expect_refusal({map, "--thumbnails", path("s"), "--animate", path("f")},
+                 {"--thumbnails", "--animate", "one of them"});
+  expect_refusal({"--mip", map, "--scene", plan, "-o", out}, {"--mip", "--scene", "expected one of them"});
+  expect_refusal({map, "-o", out, "--frames", "3"}, {"--frames", "'multum-view animate'"});
+  expect_refusal({map, "-o", out, "-o", path("b.png")}, {"--output", "found 2"});
+  expect_refusal({"--size", "8x8", "scene", plan, "-o", out}, {"--size", "before 'scene'"});
+  expect_refusal({map, "scene", plan, "-o", out}, {"map.ndf.exr", "before 'scene'"});
+  expect_refusal({"scene", plan, map, "-o", out}, {"multum-view scene", "not expected", "map.ndf.exr"});
+  expect_refusal({"animate", "-o", path("f"), "--to-diffuse", "1"}, {"no file", "--scene"});
+}
+
+TEST_F(ViewCommandTest, MisspeltNamesAreSuggested) {
+  const std::string out = path("out.png");
+  expect_refusal({"scen", "plan.json", "-o", out}, {"unknown subcommand 'scen'", "did you mean 'scene'", "thumbnails"});
+  expect_refusal({"prob"}, {"unknown subcommand 'prob'", "did you mean 'probe'"});
+  expect_refusal({"animated", "-o", out}, {"unknown subcommand 'animated'", "did you mean 'animate'"});
+  expect_refusal({path("map.ndf.exr"), "-o", out, "--compar", "mip"}, {"unknown option '--compar'", "'--compare'"});
+  expect_refusal({"sample", "out", "--ta=3,5", "-o", out}, {"multum-view sample: ", "'--ta'", "mean '--at'"});
+  expect_refusal({"lod", "a.exr", "-o", out, "--zzzzzzzz"},
+                 {"unknown option '--zzzzzzzz'", "'multum-view lod --help'"});
+}
+
+}  // namespace
+}  // namespace multum

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/command_line.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "host/base/error.h"
+#include "host/base/nearest_name.h"
+#include "tools/command_line/usage_error.h"
+#include "tools/multum_view/command_options.h"
+
+namespace multum {
+namespace {
+
+struct ViewCommand {
+  const char* name;
+  const char* description;
+  const char* examples;
+  void (*add)(CLI::App&, CommandOptions&);
+  int (*run)(const CommandOptions&);
+};
+
+void add_scene_options(CLI::App& app, CommandOptions& o) {
+  app.add_option("plan", o.map.plan, "plan.json, which says how each object is drawn; options replace what it says")
+      ->required();
+  add_object_option(app, o.map);
+  add_picture_option(app, o.map.picture.output)->required();
+  add_pictures_option(app, o.map.picture.output);
+  add_distance_option(app, o.map.picture.camera);
+  add_map_options(app, o.map);
+}
+
+void add_animate_options(CLI::App& app, CommandOptions& o) {
+  CLI::Option* const file = app.add_option("file", o.map.file, "baked map, *.ndf.exr");
+  app.add_option("--scene", o.map.plan, "plan.json of a scene, in the place of the file")->excludes(file);
+  add_object_option(app, o.map);
+  app.add_option("-o,--output", o.map.animation.folder, "folder for frame_0000.png and so on")->required();
+  add_animation_options(app, o.map.animation);
+  add_map_options(app, o.map);
+}
+
+int run_animate(const CommandOptions& o) {
+  if (o.map.file.empty() && o.map.plan.empty())
+    throw Error(ErrorCode::kUsage, "animate: found no file and no --scene, expected one of them");
+  return draw_map(o.map);
+}
+
+const ViewCommand kCommands[] = {
+    {"scene", "Draw an object of a scene as `multum bake scene.toml` left it",
+     "  multum-view scene out/plan.json --object wall -o wall.png", add_scene_options,
+     [](const CommandOptions& o) { return draw_map(o.map); }},
+    {"animate", "Draw frames between two cameras, lights or BRDFs, evenly; exponents and roughnesses by equal factors",
+     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60",
+     add_animate_options, run_animate},
+    {"sample", "Draw samples of an animation with the textures that `multum infer` made",
+     "  multum-view sample out/ --at 3,5 -o frame.png\n"
+     "  multum-view sample out/ --at 0,0 -o a.exr --at 0,1 -o b.exr",
+     [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
+     [](const CommandOptions& o) { return draw_samples(o.sample); }},
+    {"pyramid", "Draw a surface coloured straight from a pyramid, looked up in several ways",
+     "  multum-view pyramid bricks.exr --lookup truth,nearest,level,driver -o sheet.png\n"
+     "  multum-view pyramid lights.exr --mesh ball.obj --lookup truth,level --shifts 8 -o sheet.png",
+     [](CLI::App& app, CommandOptions& o) { add_pyramid_options(app, o.pyramid); },
+     [](const CommandOptions& o) { return draw_pyramid(o.pyramid); }},
+    {"lod", "Draw a pyramid of heights or positions as a mesh of one level of detail",
+     "  multum-view lod terrain.exr --level 2.5 -o view.png",
+     [](CLI::App& app, CommandOptions& o) { add_lod_options(app, o.lod); },
+     [](const CommandOptions& o) { return draw_lod(o.lod); }},
+    {"model", "Draw a glTF model with its own materials and the maps that were baked for them",
+     "  multum-view model ship.gltf --material hull=maps/1_hull.ndf.exr -o ship.png",
+     [](CLI::App& app, CommandOptions& o) { add_model_options(app, o.model); },
+     [](const CommandOptions& o) { return draw_model(o.model); }},
+    {"probe", "Measure filter matrices for texture inference: what the GL's sampler makes of every texel",
+     "  multum-view probe request.json          `multum infer` starts it; docs/FORMAT.md describes the request",
+     [](CLI::App& app, CommandOptions& o) { add_probe_options(app, o.probe); },
+     [](const CommandOptions& o) { return measure_filter_matrices(o.probe); }},
+    {"thumbnails", "Draw small pictures of a job's input and result, for the page of the service",
+     "  multum-view thumbnails bricks.ndf.exr -o pictures/ --source bricks_normal.png\n\n"
+     "Writes render.png and, if the source is given and is still what was baked, input.png and error.png (four times\n"
+     "as bright); of a folder of `multum infer`, render.png.",
+     [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
+     [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }}};
+
+const char* const kDescription =
+    "Render a baked map without a window, in software or on a GPU.\n\n"
+    "  multum-view bricks.ndf.exr -o frame.png\n"
+    "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean-jacobian -o sheet.png\n"
+    "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
+    "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n"
+    "  multum-view scene out/plan.json --object wall -o wall.png             what multum bake scene.toml made\n"
+    "  multum-view sample out/ --at 3,5 -o frame.png                         textures of `multum infer`\n\n"
+    "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.";
+
+void add_commands(CLI::App& app, CommandOptions& options) {
+  app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
+  app.require_subcommand(0, 1);
+  app.add_option("file", options.map.file, "baked map, *.ndf.exr");
+  app.add_option("-o,--output", options.outputs, "picture to write: .png (sRGB) or .exr (linear floats)")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_pictures_option(app, options.map.picture.output);
+  add_distance_option(app, options.map.picture.camera);
+  add_map_options(app, options.map);
+  add_alias_options(app, options);
+  for (const ViewCommand& command : kCommands) {
+    CLI::App* const added = app.add_subcommand(command.name, command.description);
+    added->footer(command.examples);
+    command.add(*added, options);
+  }
+}
+
+/// For a word that names no file, in the place of a subcommand; else empty.
+std::string misspelt_command(const std::string& word) {
+  std::error_code ignored;
+  if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
+    return "";
+  std::vector<std::string> names;
+  for (const ViewCommand& command : kCommands) names.emplace_back(command.name);
+  const std::string nearest = nearest_name(word, names);
+  if (nearest.empty()) return "";
+  return fmt::format("unknown subcommand '{}' (did you mean '{}'?), expected one of: {}", word, nearest,
+                     fmt::join(names, ", "));
+}
+
+/// CLI11's message; of an unknown option, the one that it was meant to be.
+std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
+  const std::vector<CLI::App*> chosen = app->get_subcommands();
+  const CLI::App& command = chosen.empty() ? *app : *chosen.front();
+  const std::string program = chosen.empty() ? app->get_name() : app->get_name() + " " + command.get_name();
+  std::string message = error.what();
+  const std::vector<std::string> left = app->remaining(true);
+  const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) {
+    return word.size() > 1 && word.front() == '-' && word != "--";
+  });
+  // A required option that is misspelt is missing first of all.
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  if ((code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError) && unknown != left.end()) {
+    std::vector<std::string> names;
+    for (const CLI::Option* const option : command.get_options())
+      if (!option->get_group().empty()) names.push_back(long_name(*option));
+    const std::string word = unknown->substr(0, unknown->find('='));
+    const std::string nearest = nearest_name(word, names);
+    message = fmt::format("unknown option '{}'", word);
+    if (!nearest.empty()) message += fmt::format(" (did you mean '{}'?)", nearest);
+  }
+  return fmt::format("{}: {}\nSee '{} --help'.\n", program, message, program);
+}
+
+/// The subcommand that runs; empty: a baked map is drawn. Options before a subcommand would be no part of it.
+std::string chosen_command(const CLI::App& app, CommandOptions& options) {
+  if (app.get_subcommands().empty()) return apply_aliases(app, options);
+  const std::string command = app.get_subcommands().front()->get_name();
+  for (const CLI::Option* const option : app.get_options())
+    if (option->count() > 0)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("found {} before '{}', expected the options of a subcommand behind it",
+                              option->get_positional() ? options.map.file : long_name(*option), command));
+  return command;
+}
+
+}  // namespace
+
+int run_view_command(int argc, char** argv) {
+  CommandOptions options;
+  CLI::App app(kDescription, "multum-view");
+  app.failure_message(view_usage_error);
+  add_commands(app, options);
+  std::string chosen;
+  try {
+    app.parse(argc, argv);
+    chosen = chosen_command(app, options);
+  } catch (const CLI::ParseError& error) {
+    const std::string message = app.get_subcommands().empty() ? misspelt_command(options.map.file) : "";
+    if (error.get_exit_code() != 0 && !message.empty()) throw Error(ErrorCode::kUsage, message);
+    return print_parse_error(app, error);
+  }
+  if (chosen.empty()) {
+    if (const std::string message = misspelt_command(options.map.file); !message.empty())
+      throw Error(ErrorCode::kUsage, message);
+  }
+  int code = 0;
+  if (chosen.empty()) code = draw_map(options.map);
+  for (const ViewCommand& command : kCommands)
+    if (chosen == command.name) code = command.run(options);
+  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  return code;
+}
+
+}  // namespace multum

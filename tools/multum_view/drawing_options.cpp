@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/drawing_options.h"
+
+#include "tools/command_line/choices.h"
+
+namespace multum {
+namespace {
+
+template <typename Value, typename Parse>
+CLI::Option* add_parsed(CLI::App& app, const std::string& option, Value& value, Parse parse, const std::string& help) {
+  return app.add_option_function<std::string>(
+      option, [option, &value, parse](const std::string& text) { value = parse(option, text); }, help);
+}
+
+template <typename Value, typename Parse>
+CLI::Option* add_parsed_list(CLI::App& app, const std::string& option, std::vector<Value>& values, Parse parse,
+                             const std::string& help) {
+  return app.add_option_function<std::vector<std::string>>(
+      option,
+      [option, &values, parse](const std::vector<std::string>& texts) {
+        for (const std::string& text : texts) values.push_back(parse(option, text));
+      },
+      help);
+}
+
+}  // namespace
+
+void add_mesh_option(CLI::App& app, SurfaceOptions& options) {
+  app.add_option("--mesh", options.mesh,
+                 "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "
+                 "horizon: x from -30 to 30, y from 0 to 60)");
+}
+
+void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
+  app.add_option("--repeat", options.repeat,
+                 "how often the map repeats across the plane or uv unit (default: 60, mesh 1)")
+      ->check(number_in(1e-6f, 1e6f));
+}
+
+void add_camera_options(CLI::App& app, CameraOptions& options) {
+  add_parsed(app, "--camera", options.place, parse_camera,
+             "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: the "
+             "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
+  add_parsed(app, "--up", options.up, parse_up,
+             "direction that is up in the picture, x,y,z (default: 0,0,1; with a mesh 0,1,0)");
+}
+
+void add_distance_option(CLI::App& app, CameraOptions& options) {
+  add_parsed(app, "--distance", options.distances, parse_distances,
+             "draw the mesh from near and far, a list of factors of the camera's distance; 1,5,25 writes "
+             "NAME_1.png, NAME_5.png and NAME_25.png for -o NAME.png");
+}
+
+void add_light_options(CLI::App& app, LightOptions& options) {
+  add_parsed_list(app, "--light", options.distant, parse_light,
+                  "direction towards a distant light: x,y,z[,irradiance]; up to 8 times");
+  add_parsed_list(app, "--point-light", options.points, parse_point_light,
+                  "place and intensity of a point light: x,y,z,i or x,y,z,r,g,b; up to 8 times");
+}
+
+void add_environment_options(CLI::App& app, LightOptions& options) {
+  app.add_option(
+      "--environment", options.environment,
+      "light from everywhere, seen behind what is drawn: an image over latitude and longitude, .exr or .hdr");
+  app.add_flag("--no-background", options.no_background, "draw black behind the surface, not the environment");
+  add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
+             "highlights of the environment: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for "
+             "broad BRDFs)")
+      ->default_str("prefiltered");
+}
+
+void add_material_options(CLI::App& app, MaterialOptions& options) {
+  using CLI::MultiOptionPolicy;
+  app.add_option(
+         "--brdf", options.brdfs,
+         "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or the file of "
+         "a measured one (.brdf text, .binary of MERL, .json of a fit); several times: basis BRDFs, which the "
+         "file's weights blend; files with roughness in have their own (default: blinn-phong:100)")
+      ->expected(1)
+      ->multi_option_policy(MultiOptionPolicy::TakeAll);
+  app.add_option("--brdf-terms", options.term_count,
+                 "vMF densities that GGX and measured facets are a sum of, over lobes: more is nearer and slower")
+      ->check(CLI::Range(1, kBrdfTermCountMax))
+      ->capture_default_str();
+  add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,
+                  "diffuse reflectance, grey or r,g,b (default: 0.5, or what was measured); several times: one for "
+                  "each --brdf")
+      ->expected(1)
+      ->multi_option_policy(MultiOptionPolicy::TakeAll);
+  add_parsed_list(app, "--specular", options.specular, parse_colour,
+                  "specular factor, grey or r,g,b (default: 0.1; 1 where Fresnel or a measurement is in it); several "
+                  "times: one for each --brdf")
+      ->expected(1)
+      ->multi_option_policy(MultiOptionPolicy::TakeAll);
+  add_parsed(app, "--fixed-fresnel", options.fixed_fresnel, parse_colour,
+             "replace the BRDF's Fresnel term at every angle by this number, grey or r,g,b, as a scene's plan may; "
+             "its code is left out");
+}
+
+void add_shading_options(CLI::App& app, ShadingOptions& options) {
+  add_choice(app, "--formula", options.formula, kLobeFormulas,
+             "combine lobe and BRDF by product (of mean cosines) or paper (Han 2007, eq. 20)");
+  app.add_flag("--shade-first", options.shade_first,
+               "shade the lobes of all eight texels of a trilinear footprint, then mix: what lobes of --unaligned "
+               "bakes need, slow");
+  add_choice(app, "--moments", options.moments, kMomentShadings,
+             "shade a file of moments by toksvig, lean or lean-jacobian (default: lean-jacobian)");
+  app.add_option("--colour-map", options.colour_map,
+                 "colours for a file of lobes that has none: a pyramid of multum mip, as a scene's bake leaves it");
+}
+
+void add_anisotropy_option(CLI::App& app, ShadingOptions& options) {
+  app.add_option("--anisotropy", options.anisotropy, "anisotropy of every filtered texture")
+      ->check(number_in(1.0f, 16.0f))
+      ->capture_default_str();
+}
+
+CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {
+  return app.add_option("-o,--output", options.path, "picture to write: .png (sRGB) or .exr (linear floats)");
+}
+
+void add_output_options(CLI::App& app, OutputOptions& options) {
+  add_parsed(app, "--size", options.size, parse_size, "size of each picture in pixels")->default_str("640x480");
+  app.add_option("--exposure", options.exposure, "brightness of a PNG")
+      ->check(number_in(1e-6f, 1e6f))
+      ->capture_default_str();
+  app.add_option("--report", options.report, "write errors, times and settings as JSON");
+}
+
+void add_context_option(CLI::App& app, gl::ContextBackend& context) {
+  add_choice(app, "--context", context, kContextBackends, "GL to draw with: auto, osmesa (software) or egl");
+}
+
+}  // namespace multum

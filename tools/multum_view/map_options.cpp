@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_view/map_options.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "host/base/error.h"
+#include "tools/command_line/decoding_option.h"
+#include "tools/command_line/parameter_options.h"
+#include "tools/multum_view/write_image.h"
+
+namespace multum {
+namespace {
+
+void add_source_options(CLI::App& app, SourceOptions& options) {
+  app.add_option("--source", options.normals,
+                 "normal map that the file was baked from, for the truth and the baselines (default: level 0 of the "
+                 "file) and, in files baked with --first-level, for the finest levels");
+  app.add_option("--albedo", options.albedo, "the source's colours");
+  CLI::Option* const roughness = app.add_option("--roughness", options.roughness,
+                                                "the source's roughness, FILE or FILE:CHANNEL, as the bake had it");
+  app.add_option("--gloss", options.gloss, "the same of a gloss map, roughness = 1 - gloss")->excludes(roughness);
+  app.add_option("--weights", options.weights, "the source's weights of basis BRDFs");
+}
+
+void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
+  app.add_option_function<std::string>(
+      "--compare", [&options](const std::string& text) { options.pictures = parse_compared("--compare", text); },
+      "also draw these beside it, of truth,mip,toksvig,lean,lean-jacobian; with truth: errors too");
+  app.add_option("--samples", options.samples,
+                 "samples per pixel of --compare truth, each drawn by itself: seconds in software, with a progress bar")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str();
+  app.add_option_function<std::string>(
+         "--truth-of", [&options](const std::string& text) { options.truth_of_texels = text == "texels"; },
+         "average the truth over the pixel, or over the texels that a trilinear filter takes there, so that "
+         "the error is that of the baked texels alone")
+      ->check(CLI::IsMember({"pixel", "texels"}))
+      ->default_str("pixel");
+}
+
+}  // namespace
+
+void add_map_options(CLI::App& app, MapOptions& options) {
+  PictureOptions& picture = options.picture;
+  add_comparison_options(app, options.comparison);
+  add_source_options(app, options.source);
+  app.add_flag("--stored-only", options.stored_only,
+               "draw the finest level of a file baked with --first-level where a finer one is asked for, without "
+               "--source");
+  add_mesh_option(app, picture.surface);
+  add_repeat_option(app, picture.surface);
+  add_camera_options(app, picture.camera);
+  add_light_options(app, picture.light);
+  add_environment_options(app, picture.light);
+  add_material_options(app, picture.material);
+  add_shading_options(app, picture.shading);
+  add_anisotropy_option(app, picture.shading);
+  add_output_options(app, picture.output);
+  add_context_option(app, picture.context);
+  app.add_option("--shaders", options.shaders,
+                 "write the shader variants that were drawn with as JSON: flags, text, and the uniforms that the "
+                 "driver kept");
+  add_parameter_options(app, options.source.reading,
+                        {"bumpformat", "green", "signed", "unsigned", "two_channel", "height_scale", "normal_scale",
+                         "fixnan", "repair_max"},
+                        false);
+  add_decoding_option(app);
+}
+
+void add_pictures_option(CLI::App& app, OutputOptions& options) {
+  app.add_option("--pictures", options.pictures,
+                 "also write each picture by itself: PREFIX_multum.png, PREFIX_truth.png, "
+                 "PREFIX_multum_difference.png, ...");
+}
+
+void add_animation_options(CLI::App& app, AnimationOptions& options) {
+  app.add_option("--frames", options.frame_count, "number of frames")
+      ->check(CLI::Range(2, 9999))
+      ->capture_default_str();
+  app.add_option_function<std::string>(
+      "--to-camera", [&](const std::string& text) { options.camera = parse_camera("--to-camera", text); },
+      "--camera of the last frame");
+  app.add_option_function<std::vector<std::string>>(
+      "--to-light",
+      [&](const std::vector<std::string>& texts) {
+        for (const std::string& text : texts) options.lights.push_back(parse_light("--to-light", text));
+      },
+      "--light of the last frame, as often as --light");
+  app.add_option_function<std::vector<std::string>>(
+      "--to-point-light",
+      [&](const std::vector<std::string>& texts) {
+        for (const std::string& text : texts)
+          options.point_lights.push_back(parse_point_light("--to-point-light", text));
+      },
+      "--point-light of the last frame, as often as --point-light");
+  app.add_option("--to-brdf", options.brdf, "--brdf of the last frame, of the same family");
+  app.add_option_function<std::string>(
+      "--to-diffuse", [&](const std::string& text) { options.diffuse = parse_colour("--to-diffuse", text); },
+      "--diffuse of the last frame");
+  app.add_option_function<std::string>(
+      "--to-specular", [&](const std::string& text) { options.specular = parse_colour("--to-specular", text); },
+      "--specular of the last frame");
+}
+
+void check_map_options(const MapOptions& options) {
+  const PictureOptions& picture = options.picture;
+  const SourceOptions& source = options.source;
+  if (!picture.camera.distances.empty() && picture.surface.mesh.empty())
+    throw Error(ErrorCode::kUsage, "--distance: goes with a mesh, found no --mesh");
+  if (options.comparison.truth_of_texels && picture.shading.anisotropy > 1.0f)
+    throw Error(ErrorCode::kUsage, "--truth-of texels: is the trilinear filter's; found --anisotropy, expected none");
+  for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
+                                     std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
+    if (!path->empty() && source.normals.empty())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} goes with --source: both describe the map that the file was baked from", option));
+  const bool has_frames = !options.animation.folder.empty();
+  if (has_frames != options.animation.changes_anything())
+    throw Error(ErrorCode::kUsage, has_frames ? "animate: say what changes: --to-camera, --to-light, --to-brdf, ..."
+                                              : "--to-camera, --to-light and the like go with multum-view animate");
+  if (!has_frames) check_picture_path(picture.output.path);
+}
+
+}  // namespace multum

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parses the values of multum-view's options, which command lines and plans of scenes write alike. Each function throws
+// Error(kUsage) that names `option`, what was found and what was expected.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/choices.h"
+#include "runtime_gl/context/headless_context.h"
+#include "runtime_gl/materials/moment_material.h"
+#include "runtime_gl/materials/movmf_material.h"
+#include "runtime_gl/render/scene.h"
+
+namespace multum {
+
+struct CameraPlace {
+  glm::vec3 eye, target;
+  std::optional<float> fov_y_degrees;  // 1..170; unset: as it was
+};
+
+struct PictureSize {
+  int width = 640;
+  int height = 480;
+};
+
+extern const Choices<gl::MomentShading> kMomentShadings;
+extern const Choices<gl::EnvironmentMode> kEnvironmentModes;
+extern const Choices<gl::LobeFormula> kLobeFormulas;
+extern const Choices<gl::ContextBackend> kContextBackends;
+
+/// Throws Error(kUsage): "--size '640x': expected ...".
+[[noreturn]] void refuse_value(const std::string& option, const std::string& found, const std::string& expected);
+
+glm::vec3 parse_colour(const std::string& option, const std::string& text);
+gl::Light parse_light(const std::string& option, const std::string& text);
+gl::PointLight parse_point_light(const std::string& option, const std::string& text);
+CameraPlace parse_camera(const std::string& option, const std::string& text);
+/// Unit.
+glm::vec3 parse_up(const std::string& option, const std::string& text);
+PictureSize parse_size(const std::string& option, const std::string& text);
+/// Factors of a camera's distance, each once: files are named after them.
+std::vector<float> parse_distances(const std::string& option, const std::string& text);
+/// What --compare draws, each once: two pictures of one name would share a file.
+std::vector<std::string> parse_compared(const std::string& option, const std::string& text);
+/// Lookups of a pyramid, each once, the truth first: the others are compared with it.
+std::vector<std::string> parse_lookups(const std::string& option, const std::string& text);
+
+/// A range check that refuses "nan", which CLI11's own lets pass.
+CLI::Validator number_in(float low, float high);
+
+}  // namespace multum

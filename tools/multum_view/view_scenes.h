@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Makes the scenes that the renderer draws from the options: cameras, lights, BRDFs.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tools/multum_view/map_options.h"
+
+namespace multum {
+
+struct ViewScenes {
+  gl::RenderScene first;
+  gl::RenderScene last;            // of frames; else as the first
+  std::vector<Brdf> basis;         // several: blended by the map's weights
+  glm::vec3 up{0.0f, 0.0f, 1.0f};  // unit; the camera's, also where the camera frames the mesh
+  bool has_camera = false;
+  bool has_last_camera = false;
+};
+
+/// Throws Error(kUsage) for cameras, lights and BRDFs that do not go together.
+ViewScenes make_scenes(const PictureOptions& options);
+/// Changes the last frame's scene as the options say.
+void change_last_scene(const AnimationOptions& options, ViewScenes& scenes);
+
+/// One picture of a scene: its camera, and the names of what it writes.
+struct View {
+  OutputOptions output;
+  gl::RenderScene scene;
+  std::optional<float> distance;  // the factor of --distance
+};
+
+/// One for each of --distance, or one; `scene` has its camera.
+std::vector<View> views_of(const PictureOptions& options, const gl::RenderScene& scene);
+
+}  // namespace multum
