@@ -148,7 +148,7 @@ TEST(AccuracyTruthTest, TakesEveryHighlight) {
     }
     for_each_average(finest, levels, texels, [&](int level, std::size_t slot, double one) {
       ASSERT_NEAR(highlight_scale(highlights[f]) * truth.at(slot, f), one, 1e-5 * one + 1e-12)
-          << highlights[f].name << " level " << level;
+          << highlights[f].id.text() << " level " << level;
     });
   }
 }
