@@ -235,7 +235,8 @@ TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
     parts.push_back(path() + ":" + line + ": ");
     expect_error(ErrorCode::kInput, parts, [&] { of_map("", map); });
   };
-  refused("target_error = 0.1\nsh_order = 3\nndf = \"sh\"", "7", {"map.sh_order", "exclude each other", "target_error"});
+  refused("target_error = 0.1\nsh_order = 3\nndf = \"sh\"", "7",
+          {"map.sh_order", "exclude each other", "target_error"});
   refused("target_error = 0.1\nbudget_ms = 5", "7", {"map.budget_ms", "beside", "target_error"});
   refused("target_error = 0", "6", {"map.target_error", "0"});
   refused("brdf = \"lambert\"", "6", {"map.brdf", "target_error", "budget_ms", "neither"});
