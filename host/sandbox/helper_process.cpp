@@ -22,7 +22,7 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/sanitizers.h"
-#include "host/base/processes/spawned_process.h"
+#include "host/base/processes/spawn_process.h"
 #include "host/sandbox/helper_service.h"
 
 namespace multum {

@@ -259,10 +259,10 @@ TEST_P(EnvironmentTest, DiffuseLightIsWithoutRoughness) {
   scene_.brdf.specular = glm::vec3(0.0f);
   const TestMap smooth = make_flat_map(4);
   TestMap rough = smooth;
-  rough.mipmap.has_roughness = true;
-  rough.mipmap.mean_cosine = 0.6f;
+  rough.mipmap.header.has_roughness = true;
+  rough.mipmap.header.mean_cosine = 0.6f;
   for (MovmfLevel& level : rough.mipmap.levels)
-    for (glm::vec4& lobe : level.lobes[0]) lobe.z *= rough.mipmap.mean_cosine;
+    for (glm::vec4& lobe : level.lobes[0]) lobe.z *= rough.mipmap.header.mean_cosine;
   const FloatImage expected = lobes(smooth, EnvironmentMode::kPrefiltered);
   EXPECT_LT(picture_error(lobes(rough, EnvironmentMode::kPrefiltered), expected).relative_l1, 1e-4);
 }

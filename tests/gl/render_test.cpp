@@ -300,7 +300,7 @@ TEST_P(RenderTest, TheFinestLevelsTakeTheirColoursFromTheAlbedoMap) {
       }
     colours = std::move(coarse);
   }
-  map.mipmap.encoding = StorageEncoding::kFloat;
+  map.mipmap.header.encoding = StorageEncoding::kFloat;
   const RenderScene scene = plain_scene();
   const FloatImage whole = movmf(map, scene);
   for (const int first_level : {1, 3})

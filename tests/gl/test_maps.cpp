@@ -72,9 +72,9 @@ TestMap make_noise_map(int size, float slope, WrapMode wrap) {
 TestMap make_one_lobe_map(NormalImage image) {
   TestMap map;
   map.image = std::move(image);
-  map.mipmap.wrap_s = map.image.wrap_s;
-  map.mipmap.wrap_t = map.image.wrap_t;
-  map.mipmap.encoding = StorageEncoding::kFloat;
+  map.mipmap.header.wrap_s = map.image.wrap_s;
+  map.mipmap.header.wrap_t = map.image.wrap_t;
+  map.mipmap.header.encoding = StorageEncoding::kFloat;
   std::vector<glm::vec4> texels;
   for (const glm::vec3& n : map.image.normals) texels.emplace_back(n, 1.0f);
   for (int s = map.image.width;; s /= 2) {
@@ -97,7 +97,7 @@ TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encodi
   const glm::vec3 tilts[2] = {{std::sin(angle), 0.0, std::cos(angle)}, {-std::sin(angle), 0.0, std::cos(angle)}};
   const glm::vec3 colours[2] = {{0.9f, 0.1f, 0.1f}, {0.1f, 0.1f, 0.9f}};
   TestMap map;
-  map.mipmap.encoding = encoding;
+  map.mipmap.header.encoding = encoding;
   map.image.width = map.image.height = size;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x) {
@@ -158,11 +158,11 @@ MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding) {
 }
 
 MovmfMipmap as_gaussians(MovmfMipmap mipmap) {
-  mipmap.representation = Representation::kGmm;
+  mipmap.header.representation = Representation::kGmm;
   for (MovmfLevel& level : mipmap.levels)
     for (auto& lobes : level.lobes)
       for (glm::vec4& lobe : lobes)
-        if (lobe.w > 0.0f && mipmap.has_roughness)
+        if (lobe.w > 0.0f && mipmap.header.has_roughness)
           lobe = lobe.w * glm::vec4(rough_point(glm::vec3(lobe) / lobe.w), 1.0f);
         else lobe.z = lobe.w > 0.0f ? (lobe.x * lobe.x + lobe.y * lobe.y) / lobe.w : 0.0f;
   quantize_movmf(mipmap, 1);

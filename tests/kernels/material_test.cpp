@@ -175,7 +175,7 @@ TEST_P(Families, WeightsOfEveryLobeAreThoseOfItsOwnNormals) {
       MovmfSettings settings = quick_settings(GetParam());
       settings.coarse_normals = coarse;
       const MovmfMipmap mipmap = bake(map, &weights, false, nullptr, settings);
-      ASSERT_EQ(mipmap.weight_count, 4);
+      ASSERT_EQ(mipmap.header.weight_count, 4);
       for (const MovmfLevel& level : mipmap.levels)
         for (std::size_t j = 0; j < level.lobes.size(); ++j)
           for (std::size_t i = 0; i < level.lobes[j].size(); ++i) {
@@ -395,7 +395,7 @@ TEST(Roughness, ErrorsAreThoseOfTheTable) {
       for (std::vector<float>* plane : {&map.x, &map.y, &map.z}) (*plane)[static_cast<std::size_t>(i)] *= c;
     }
     MovmfMipmap mipmap = bake(map, nullptr, true, nullptr, MovmfSettings{});
-    mipmap.encoding = StorageEncoding::kSnorm16;
+    mipmap.header.encoding = StorageEncoding::kSnorm16;
     quantize_movmf(mipmap, 2);
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
@@ -430,7 +430,7 @@ TEST(Roughness, OfNoisyNormalsAVaryingMapIsAsGoodAsAConstantOne) {
       for (std::vector<float>* plane : {&map.x, &map.y, &map.z}) (*plane)[static_cast<std::size_t>(i)] *= c;
     }
     MovmfMipmap mipmap = bake(map, nullptr, true);
-    mipmap.encoding = StorageEncoding::kSnorm16;
+    mipmap.header.encoding = StorageEncoding::kSnorm16;
     quantize_movmf(mipmap, 2);
     AccuracySettings accuracy;
     accuracy.samples_per_level = 200;

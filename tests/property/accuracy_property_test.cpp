@@ -43,7 +43,7 @@ ColourMap random_colours(unsigned seed, double contrast) {
 // One lobe a texel: the average of what it covers, in every level. So do the levels that a file leaves out look.
 MovmfMipmap average_lobes(const NormalMap& map, const ColourMap& albedo) {
   MovmfMipmap mipmap;
-  mipmap.encoding = StorageEncoding::kFloat;
+  mipmap.header.encoding = StorageEncoding::kFloat;
   for (int l = 0; l < mip_level_count(kWidth, kHeight); ++l) {
     MovmfLevel level{mip_level_size(kWidth, l), mip_level_size(kHeight, l), {{}}, {{}}};
     const auto average = [&](const std::vector<float>& plane) {

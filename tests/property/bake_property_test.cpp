@@ -98,7 +98,7 @@ TEST_P(BakePropertyTest, LevelsFromTheFirstOnAreTheSameBytes) {
     const MovmfMipmap coarse = bake(map, settings, &albedo);
     MovmfMipmap dropped = whole;
     drop_finer_levels(dropped, first_level);
-    EXPECT_EQ(coarse.first_level, first_level);
+    EXPECT_EQ(coarse.header.first_level, first_level);
     EXPECT_EQ(movmf_content_hash(coarse, 1), movmf_content_hash(dropped, 1)) << first_level;
     EXPECT_TRUE(coarse.levels[0].lobes[0].empty());
   }

@@ -47,7 +47,7 @@ std::vector<Value> cut(const std::vector<Value>& plane, int level) {
 std::map<std::string, double> region_errors(Device& device, const std::string& file, const NormalMap& map) {
   const MovmfMipmap whole = read_movmf_mipmap(file);
   MovmfMipmap part;
-  part.encoding = whole.encoding;
+  part.header.encoding = whole.header.encoding;
   for (int l = 0; kRegionSide >> l > 0; ++l) {
     MovmfLevel level{kRegionSide >> l, kRegionSide >> l, {}, {}};
     for (const auto& lobe : whole.levels[static_cast<std::size_t>(l)].lobes) level.lobes.push_back(cut(lobe, l));

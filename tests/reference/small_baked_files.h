@@ -41,10 +41,10 @@ inline std::size_t small_texels(int level) {
 inline void write_small_lobes(const std::string& path, Representation representation, const std::string& compression,
                               const std::string& measured_error = "[]") {
   MovmfMipmap mipmap;
-  mipmap.representation = representation;
-  mipmap.encoding = representation == Representation::kGmm ? StorageEncoding::kHalf : StorageEncoding::kSnorm16;
-  mipmap.provenance = small_header(representation, mipmap.encoding).provenance;
-  mipmap.provenance.measured_error = measured_error;
+  mipmap.header.representation = representation;
+  mipmap.header.encoding = representation == Representation::kGmm ? StorageEncoding::kHalf : StorageEncoding::kSnorm16;
+  mipmap.header.provenance = small_header(representation, mipmap.header.encoding).provenance;
+  mipmap.header.provenance.measured_error = measured_error;
   for (int l = 0; l < mip_level_count(kSmallWidth, kSmallHeight); ++l) {
     const bool is_finest = l == 0;
     MovmfLevel level{mip_level_size(kSmallWidth, l), mip_level_size(kSmallHeight, l), {}, {}};

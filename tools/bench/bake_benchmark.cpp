@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 // Every run of multum must give the pixels of the first: what is timed is then one piece of work.
 void check_same(std::string& first, const std::string& path) {
-  const std::string found = read_movmf_header(path).provenance.content_hash;
+  const std::string found = read_movmf_header(path).header.provenance.content_hash;
   if (first.empty()) first = found;
   if (found != first)
     throw Error(ErrorCode::kVerification,

@@ -67,9 +67,9 @@ std::string measure_once(const Workplace& at, const MovmfMipmap& mipmap, const c
     at.context.functions().Finish();
   }));
   const std::string hash = movmf_content_hash(found, at.threads);
-  if (hash != found.provenance.content_hash)
+  if (hash != found.header.provenance.content_hash)
     throw Error(ErrorCode::kVerification, fmt::format("{}: checksum of what was read is {}, expected {} as written",
-                                                      at.path, hash, found.provenance.content_hash));
+                                                      at.path, hash, found.header.provenance.content_hash));
   return hash;
 }
 
@@ -84,7 +84,7 @@ std::uint64_t texture_bytes(const MovmfMipmap& mipmap) {
   std::uint64_t texels = 0;
   for (const MovmfLevel& level : mipmap.levels) texels += level.lobes[0].size();
   return texels * static_cast<std::uint64_t>(mipmap.lobe_count()) *
-         (mipmap.encoding == StorageEncoding::kFloat ? 16 : 8);
+         (mipmap.header.encoding == StorageEncoding::kFloat ? 16 : 8);
 }
 
 }  // namespace
@@ -101,7 +101,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
   ContentHash all;
   for (const StorageEncoding encoding : kEncodings) {
     MovmfMipmap mipmap = baked;
-    mipmap.encoding = encoding;
+    mipmap.header.encoding = encoding;
     quantize_movmf(mipmap, threads);
     std::vector<FileTimes> times(std::size(kCompressions));
     for (int i = 0; i < options.repetitions; ++i)  // in turns

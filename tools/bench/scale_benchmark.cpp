@@ -35,7 +35,7 @@ Json run_size(const ScaleBenchmarkOptions& options, int size, const std::string&
   Json row = {{"size", size}, {"command", command_text(command)}};
   row.update(costs_json(costs));
   row["ns_per_texel"] = parse_spread(row["wall_s"]).median * 1e9 / (static_cast<double>(size) * size);
-  row["content_hash"] = read_movmf_header(baked).provenance.content_hash;
+  row["content_hash"] = read_movmf_header(baked).header.provenance.content_hash;
   return row;
 }
 

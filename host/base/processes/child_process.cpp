@@ -15,7 +15,7 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/sanitizers.h"
-#include "host/base/processes/spawned_process.h"
+#include "host/base/processes/spawn_process.h"
 #include "host/base/stopwatch.h"
 
 namespace multum {

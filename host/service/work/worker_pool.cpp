@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
-#include "host/base/processes/spawned_process.h"
+#include "host/base/processes/spawn_process.h"
 #include "host/service/service_log.h"
 
 namespace multum {

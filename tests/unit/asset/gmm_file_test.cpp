@@ -37,7 +37,7 @@ glm::vec4 gaussian(double a, const glm::dvec3& n, double variance) {
 MovmfMipmap random_gaussians(int width, int height, int lobe_count, bool colours, StorageEncoding encoding,
                              unsigned seed) {
   MovmfMipmap mipmap = testing::random_mipmap(width, height, lobe_count, colours, encoding, seed);
-  mipmap.representation = Representation::kGmm;
+  mipmap.header.representation = Representation::kGmm;
   std::mt19937 random(seed);
   for (MovmfLevel& level : mipmap.levels)
     for (auto& lobes : level.lobes)
@@ -82,9 +82,9 @@ TEST_P(GmmFileTest, WhatIsWrittenIsRead) {
     drop_finer_levels(mipmap, first_level);
     write(mipmap);
     const MovmfMipmap read = read_movmf_mipmap(path(), 2);
-    EXPECT_EQ(read.representation, Representation::kGmm);
+    EXPECT_EQ(read.header.representation, Representation::kGmm);
     if (first_level == 0) testing::expect_same_bits(read, mipmap);
-    EXPECT_EQ(read.provenance.content_hash, movmf_content_hash(mipmap, 1));
+    EXPECT_EQ(read.header.provenance.content_hash, movmf_content_hash(mipmap, 1));
     const BakedHeader header = read_baked_header(path());
     EXPECT_EQ(header.representation, Representation::kGmm);
     EXPECT_EQ(header.first_level, first_level);

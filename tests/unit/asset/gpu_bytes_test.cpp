@@ -13,9 +13,9 @@ TEST(GpuBytes, OfABakedFile) {
   // 8 x 4, 4 x 2, 2 x 1, 1 x 1: 43 texels.
   MovmfMipmap mipmap = testing::random_mipmap(8, 4, 3, false, StorageEncoding::kSnorm16, 1);
   EXPECT_EQ(movmf_gpu_bytes(mipmap), 43u * 3 * 8);
-  mipmap.encoding = StorageEncoding::kHalf;
+  mipmap.header.encoding = StorageEncoding::kHalf;
   EXPECT_EQ(movmf_gpu_bytes(mipmap), 43u * 3 * 8);
-  mipmap.encoding = StorageEncoding::kFloat;
+  mipmap.header.encoding = StorageEncoding::kFloat;
   EXPECT_EQ(movmf_gpu_bytes(mipmap), 43u * 3 * 16);
   drop_finer_levels(mipmap, 1);
   EXPECT_EQ(movmf_gpu_bytes(mipmap), 11u * 3 * 16);

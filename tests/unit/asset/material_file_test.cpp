@@ -48,10 +48,10 @@ class MaterialFileTest : public ::testing::TestWithParam<MaterialCase> {
     const MaterialCase& c = GetParam();
     MovmfMipmap mipmap = testing::random_mipmap(19, 13, 3, c.has_colours, c.encoding, 8);
     std::mt19937 random(9);
-    mipmap.representation = c.lobes;
-    mipmap.weight_count = c.weight_count;
-    mipmap.has_roughness = c.has_roughness;
-    mipmap.mean_cosine = c.has_roughness ? 0.75f : 1.0f;
+    mipmap.header.representation = c.lobes;
+    mipmap.header.weight_count = c.weight_count;
+    mipmap.header.has_roughness = c.has_roughness;
+    mipmap.header.mean_cosine = c.has_roughness ? 0.75f : 1.0f;
     for (MovmfLevel& level : mipmap.levels) {
       for (std::size_t j = 0; j < level.lobes.size(); ++j) {
         if (c.weight_count > 0) level.weights.emplace_back();
@@ -114,19 +114,19 @@ TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
   write_movmf_mipmap(path, mipmap, {.is_checked = false});
   const MovmfMipmap found = read_movmf_mipmap(path);
   testing::expect_same_bits(found, mipmap);
-  EXPECT_EQ(found.weight_count, mipmap.weight_count);
-  EXPECT_EQ(found.has_roughness, mipmap.has_roughness);
-  EXPECT_EQ(found.mean_cosine, mipmap.mean_cosine);
+  EXPECT_EQ(found.header.weight_count, mipmap.header.weight_count);
+  EXPECT_EQ(found.header.has_roughness, mipmap.header.has_roughness);
+  EXPECT_EQ(found.header.mean_cosine, mipmap.header.mean_cosine);
   for (std::size_t l = 0; l < mipmap.levels.size(); ++l)
     EXPECT_EQ(found.levels[l].weights, mipmap.levels[l].weights) << l;
-  EXPECT_EQ(found.provenance.content_hash, movmf_content_hash(mipmap, 2));
+  EXPECT_EQ(found.header.provenance.content_hash, movmf_content_hash(mipmap, 2));
   EXPECT_EQ(failed(path), std::set<std::string>{});
   EXPECT_EQ(read_baked_header(path).format_version(), GetParam().lobes == Representation::kGmm ? 2 : 4);
   // A length of the finest level, or a weight, changes the checksum.
   MovmfMipmap other = mipmap;
-  if (mipmap.weight_count > 0) other.levels[2].weights[1][0] += 0.5f;
+  if (mipmap.header.weight_count > 0) other.levels[2].weights[1][0] += 0.5f;
   else other.levels[0].lobes = found.levels[0].lobes, other.levels[1].lobes[0][3] *= 0.5f;
-  EXPECT_NE(movmf_content_hash(other, 2), found.provenance.content_hash);
+  EXPECT_NE(movmf_content_hash(other, 2), found.header.provenance.content_hash);
 }
 
 TEST_P(RoughLobesTest, FinestNormalsKeepTheirLengths) {
@@ -248,7 +248,7 @@ TEST_P(AveragesFileTest, MomentsComeBackAsTheyWere) {
 TEST_P(WeightsFileTest, VerifyNamesTheWeightThatCannotBe) {
   MovmfMipmap mipmap = lobes();
   const std::string path = folder_ / "a.exr";
-  const auto count = static_cast<std::size_t>(mipmap.weight_count);
+  const auto count = static_cast<std::size_t>(mipmap.header.weight_count);
   mipmap.levels[1].weights[2][5 * count] = -0.25f;
   write_movmf_mipmap(path, mipmap, {.is_checked = false});
   EXPECT_EQ(failed(path), std::set<std::string>{"weights"});
@@ -271,7 +271,7 @@ TEST(MaterialFile, EveryTestHasCases) {
 TEST(MaterialFile, WithoutMaterialsTheVersionIsTheOld) {
   MovmfMipmap mipmap = testing::random_mipmap(8, 8, 2, true, StorageEncoding::kHalf, 1);
   EXPECT_EQ(full_header(mipmap).format_version(), 3);
-  mipmap.weight_count = 1;
+  mipmap.header.weight_count = 1;
   EXPECT_EQ(full_header(mipmap).format_version(), 4);
 }
 

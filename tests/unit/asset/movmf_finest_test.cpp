@@ -93,7 +93,7 @@ TEST_P(FinestTest, RoundingAgainChangesNothing) {
 TEST_P(FinestTest, IsWhatLevelZeroOfAMipmapIsRoundedTo) {
   MovmfFinest rows = random_finest(random_, 33, 17, 3, true);
   MovmfMipmap mipmap;
-  mipmap.encoding = GetParam();
+  mipmap.header.encoding = GetParam();
   mipmap.levels.push_back(expand(rows, 3));
   quantize_movmf(mipmap, 2);
   quantize_movmf(rows, GetParam(), 1);

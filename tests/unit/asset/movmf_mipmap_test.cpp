@@ -43,16 +43,16 @@ TEST_P(MovmfRoundTripTest, BitForBitInEveryEncodingAndCompression) {
       write_movmf_mipmap(folder / "a.ndf.exr", mipmap, options);
       const MovmfMipmap found = read_movmf_mipmap(folder / "a.ndf.exr");
       expect_same_bits(found, mipmap);
-      EXPECT_EQ(found.encoding, encoding);
-      EXPECT_EQ(found.wrap_s, mipmap.wrap_s);
-      EXPECT_EQ(found.wrap_t, mipmap.wrap_t);
-      EXPECT_EQ(found.provenance.software, mipmap.provenance.software);
-      EXPECT_EQ(found.provenance.source_name, mipmap.provenance.source_name);
-      EXPECT_EQ(found.provenance.source_hash, mipmap.provenance.source_hash);
-      EXPECT_EQ(found.provenance.settings, mipmap.provenance.settings);
-      EXPECT_EQ(found.provenance.settings_hash, mipmap.provenance.settings_hash);
-      EXPECT_EQ(found.provenance.measured_error, mipmap.provenance.measured_error);
-      EXPECT_EQ(found.provenance.content_hash, movmf_content_hash(mipmap, 1));
+      EXPECT_EQ(found.header.encoding, encoding);
+      EXPECT_EQ(found.header.wrap_s, mipmap.header.wrap_s);
+      EXPECT_EQ(found.header.wrap_t, mipmap.header.wrap_t);
+      EXPECT_EQ(found.header.provenance.software, mipmap.header.provenance.software);
+      EXPECT_EQ(found.header.provenance.source_name, mipmap.header.provenance.source_name);
+      EXPECT_EQ(found.header.provenance.source_hash, mipmap.header.provenance.source_hash);
+      EXPECT_EQ(found.header.provenance.settings, mipmap.header.provenance.settings);
+      EXPECT_EQ(found.header.provenance.settings_hash, mipmap.header.provenance.settings_hash);
+      EXPECT_EQ(found.header.provenance.measured_error, mipmap.header.provenance.measured_error);
+      EXPECT_EQ(found.header.provenance.content_hash, movmf_content_hash(mipmap, 1));
     }
   }
 }
@@ -106,7 +106,7 @@ TEST_P(FirstLevelTest, WhatIsStoredIsReadBitForBitFromWhateverLevelOn) {
     quantize_movmf(dropped, 1);  // levels without texels are passed over, the others on their grid already
     write_movmf_mipmap(folder / "a.exr", dropped, {});
     const MovmfMipmap found = read_movmf_mipmap(folder / "a.exr");
-    EXPECT_EQ(found.first_level, first_level);
+    EXPECT_EQ(found.header.first_level, first_level);
     EXPECT_EQ(found.width(), c.width);
     EXPECT_EQ(found.height(), c.height);
     EXPECT_EQ(found.lobe_count(), c.lobes);
@@ -114,11 +114,11 @@ TEST_P(FirstLevelTest, WhatIsStoredIsReadBitForBitFromWhateverLevelOn) {
     expect_same_bits(found, dropped);
     for (int l = 0; l < level_count; ++l)
       EXPECT_EQ(found.levels[static_cast<std::size_t>(l)].lobes[0].empty(), l < first_level) << l;
-    EXPECT_EQ(found.provenance.content_hash, movmf_content_hash(dropped, 2));
-    EXPECT_NE(found.provenance.content_hash, hash) << "a level less, another checksum";
-    hash = found.provenance.content_hash;
+    EXPECT_EQ(found.header.provenance.content_hash, movmf_content_hash(dropped, 2));
+    EXPECT_NE(found.header.provenance.content_hash, hash) << "a level less, another checksum";
+    hash = found.header.provenance.content_hash;
     const MovmfMipmap header = read_movmf_header(folder / "a.exr");
-    EXPECT_EQ(header.first_level, first_level);
+    EXPECT_EQ(header.header.first_level, first_level);
     EXPECT_EQ(header.width(), c.width);
     const std::string last = std::to_string(level_count - 1), first = std::to_string(first_level);
     EXPECT_EQ(levels_text(header), (first == last ? "level " : "levels " + first + " to ") + last + " of 0 to " + last);

@@ -65,10 +65,11 @@ inline MovmfMipmap random_mipmap(int width, int height, int lobe_count, bool col
                                  unsigned seed) {
   std::mt19937 random(seed);
   MovmfMipmap mipmap;
-  mipmap.encoding = encoding;
-  mipmap.wrap_s = WrapMode::kClamp;
-  mipmap.wrap_t = WrapMode::kMirror;
-  mipmap.provenance = {"multum test", "map.png", std::string(64, 'a'), "{\"lobes\":4}", std::string(64, 'b'), "[]", ""};
+  mipmap.header.encoding = encoding;
+  mipmap.header.wrap_s = WrapMode::kClamp;
+  mipmap.header.wrap_t = WrapMode::kMirror;
+  mipmap.header.provenance = {"multum test", "map.png", std::string(64, 'a'), "{\"lobes\":4}", std::string(64, 'b'),
+                              "[]",          ""};
   const auto count = static_cast<std::size_t>(lobe_count);
   for (int l = 0; l < mip_level_count(width, height); ++l) {
     if (l == 0) {

@@ -114,7 +114,7 @@ TEST_P(MovmfVerifyTest, AFlippedBitInAnyTileFailsTheChecksum) {
 TEST_P(MovmfVerifyTest, AWrongChecksumNamesBoth) {
   const std::string path = write(make());
   std::string bytes = testing::read_bytes(path);
-  const std::string hash = read_movmf_header(path).provenance.content_hash;
+  const std::string hash = read_movmf_header(path).header.provenance.content_hash;
   bytes.replace(bytes.find(hash), 4, "0000");
   testing::write_bytes(path, bytes);
   EXPECT_EQ(failed(path), (Names{"checksum", "header"}));  // it is an attribute too

@@ -30,7 +30,7 @@ MovmfMipmap without_texels(MovmfMipmap mipmap) {
     for (auto& lobe : level.lobes) lobe.clear();
     for (auto& colour : level.colours) colour.clear();
   }
-  mipmap.provenance.measured_error = mipmap.provenance.content_hash = "not read";
+  mipmap.header.provenance.measured_error = mipmap.header.provenance.content_hash = "not read";
   return mipmap;
 }
 
@@ -38,7 +38,7 @@ MovmfMipmap without_texels(MovmfMipmap mipmap) {
 void write_in_portions(MovmfWriter& writer, const MovmfMipmap& mipmap, std::mt19937& random) {
   std::vector<int> next(mipmap.levels.size(), 0);
   std::vector<std::size_t> open;
-  for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < next.size(); ++l) open.push_back(l);
+  for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < next.size(); ++l) open.push_back(l);
   while (!open.empty()) {
     const std::size_t pick = random() % open.size(), l = open[pick];
     const MovmfLevel& level = mipmap.levels[l];
@@ -93,11 +93,11 @@ TEST_P(MovmfWriterTest, PortionsMakeTheSameFile) {
       const MovmfMipmap whole = read_movmf_mipmap(folder / "whole.exr"), rows = read_movmf_mipmap(folder / "rows.exr");
       expect_same_bits(whole, mipmap);
       expect_same_bits(rows, mipmap);
-      EXPECT_EQ(rows.provenance.content_hash, whole.provenance.content_hash);
-      EXPECT_EQ(rows.provenance.content_hash, movmf_content_hash(mipmap, 2));
-      EXPECT_EQ(rows.provenance.content_hash, writer.content_hash());
-      EXPECT_EQ(rows.provenance.measured_error, "[[0]]");
-      EXPECT_EQ(whole.provenance.measured_error, "[]");
+      EXPECT_EQ(rows.header.provenance.content_hash, whole.header.provenance.content_hash);
+      EXPECT_EQ(rows.header.provenance.content_hash, movmf_content_hash(mipmap, 2));
+      EXPECT_EQ(rows.header.provenance.content_hash, writer.content_hash());
+      EXPECT_EQ(rows.header.provenance.measured_error, "[[0]]");
+      EXPECT_EQ(whole.header.provenance.measured_error, "[]");
       std::filesystem::remove(folder / "rows.exr");
     }
   }
@@ -108,8 +108,8 @@ TEST_P(MovmfWriterTest, WhatIsKnownLastIsInEveryPart) {
   const TemporaryFolder folder;
   MovmfMipmap mipmap = rounded_mipmap(c, StorageEncoding::kSnorm16);
   // Names and values of attributes inside a value are no attributes.
-  mipmap.provenance.settings = "{\"multum:contentHash\":\"string\"}";
-  mipmap.provenance.measured_error = "[[0,\"centre\",\"lambert\",0.25]]";
+  mipmap.header.provenance.settings = "{\"multum:contentHash\":\"string\"}";
+  mipmap.header.provenance.measured_error = "[[0,\"centre\",\"lambert\",0.25]]";
   write_movmf_mipmap(folder / "a.exr", mipmap, {});
   Imf::MultiPartInputFile file((folder / "a.exr").c_str());
   const int levels = static_cast<int>(mipmap.levels.size());
@@ -121,10 +121,10 @@ TEST_P(MovmfWriterTest, WhatIsKnownLastIsInEveryPart) {
     const auto* error = file.header(part).findTypedAttribute<Imf::StringAttribute>("multum:measuredError");
     ASSERT_EQ(error != nullptr, part == 0);
     if (error != nullptr) {
-      EXPECT_EQ(error->value(), mipmap.provenance.measured_error);
+      EXPECT_EQ(error->value(), mipmap.header.provenance.measured_error);
     }
   }
-  EXPECT_EQ(read_movmf_header(folder / "a.exr").provenance.settings, mipmap.provenance.settings);
+  EXPECT_EQ(read_movmf_header(folder / "a.exr").header.provenance.settings, mipmap.header.provenance.settings);
 }
 
 TEST_P(MovmfWriterTest, RowsAreReadAsTheyWereWritten) {
@@ -241,7 +241,7 @@ TEST(MovmfWriterEndTest, APortionLargerThanTheQueue) {
                               {}});
   }
   writer.commit("");
-  EXPECT_EQ(read_movmf_header(folder / "a.exr").provenance.measured_error, "");
+  EXPECT_EQ(read_movmf_header(folder / "a.exr").header.provenance.measured_error, "");
   EXPECT_EQ(MovmfReader(folder / "a.exr").read_level(1, 511, 1).lobes[7][511], glm::vec4(0.0f, 0.0f, 0.125f, 0.125f));
 }
 

@@ -73,7 +73,7 @@ struct Variant {
 MovmfMipmap bake_stored(Device& device, const NormalMap& map, const ColourMap* albedo, const Variant& variant,
                         int threads, FitReport& report) {
   MovmfMipmap mipmap = bake_movmf(device, map, albedo, variant.settings, report, nullptr);
-  mipmap.encoding = variant.encoding;
+  mipmap.header.encoding = variant.encoding;
   quantize_movmf(mipmap, threads);
   return mipmap;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/base/processes/spawned_process.h"
+#include "host/base/processes/spawn_process.h"
 
 #include <fcntl.h>
 #include <spawn.h>
