@@ -73,7 +73,7 @@ TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
     const ProgramResult result = bake(std::to_string(first_level), "map");
     expect_says(result.out, {fmt::format("finer than {}", first_level), "not stored", "normal map"});
     const MovmfMipmap mipmap = read_movmf_mipmap(path("map.ndf.exr"));
-    EXPECT_EQ(mipmap.first_level, first_level);
+    EXPECT_EQ(mipmap.header.first_level, first_level);
     ASSERT_EQ(mipmap.levels.size(), whole.levels.size());
     for (std::size_t l = 0; l < whole.levels.size(); ++l)
       for (std::size_t j = 0; j < 4; ++j) {
@@ -471,8 +471,8 @@ TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
       0);
   for (const char* tile : {"rock_1001", "rock_1012"}) {
     EXPECT_EQ(multum({"verify", path(tile + std::string(".ndf.exr"))}).exit_code, 0);
-    EXPECT_EQ(read_movmf_mipmap(path(tile + std::string(".ndf.exr"))).provenance.content_hash,
-              read_movmf_mipmap(path("map.ndf.exr")).provenance.content_hash)
+    EXPECT_EQ(read_movmf_mipmap(path(tile + std::string(".ndf.exr"))).header.provenance.content_hash,
+              read_movmf_mipmap(path("map.ndf.exr")).header.provenance.content_hash)
         << "as if baked alone";
     EXPECT_EQ(nlohmann::json::parse(read_bytes(path(tile + std::string(".json"))))["launches"],
               nlohmann::json::parse(read_bytes(path("map.json")))["launches"])
@@ -540,7 +540,7 @@ TEST_F(BakeCommandTest, AFileKeepsTheHighlightOfGlossyTiltedFlats) {
                                        "--signed", "--green", "up", "--no-measure", "--quiet"});
     ASSERT_EQ(bake.exit_code, 0) << bake.err;
     const MovmfMipmap mipmap = read_movmf_mipmap(path("flat.ndf.exr"));
-    ASSERT_EQ(mipmap.encoding, StorageEncoding::kSnorm16) << "the default";
+    ASSERT_EQ(mipmap.header.encoding, StorageEncoding::kSnorm16) << "the default";
     for (const MovmfLevel& level : mipmap.levels)
       for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
         std::vector<glm::dvec4> lobes;

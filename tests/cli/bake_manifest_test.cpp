@@ -175,7 +175,7 @@ TEST_F(BakeManifestCommandTest, FlippedBitsAreDamage) {
 TEST_F(BakeManifestCommandTest, AWrongChecksumIsDamage) {
   bake_all();
   std::string bytes = read_bytes(path("out/b.ndf.exr"));
-  const std::string hash = read_movmf_header(path("out/b.ndf.exr")).provenance.content_hash;
+  const std::string hash = read_movmf_header(path("out/b.ndf.exr")).header.provenance.content_hash;
   for (std::size_t at = bytes.find(hash); at != std::string::npos; at = bytes.find(hash, at))
     bytes.replace(at, 4, "0000");
   write_bytes(path("out/b.ndf.exr"), bytes);
@@ -194,7 +194,7 @@ TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
   bake_all();
   std::string bytes = read_bytes(path("out/b.ndf.exr"));
   const std::string hash = header_hash_text(path("out/b.ndf.exr"));
-  const std::string stated = read_movmf_header(path("out/b.ndf.exr")).provenance.measured_error;
+  const std::string stated = read_movmf_header(path("out/b.ndf.exr")).header.provenance.measured_error;
   const std::size_t row = stated.find("\"blinn-phong:500\",", stated.find("[1,\"centre\",\"blinn-phong:500\""));
   const std::size_t figure = row + std::string("\"blinn-phong:500\",").size();
   std::string forged = stated;

@@ -19,7 +19,7 @@ class KernelLibraryTest : public CliTest {
       command.push_back(word);
     const ProgramResult result = run_program(command);
     EXPECT_EQ(result.exit_code, 0) << library << ": " << result.err;
-    return result.exit_code == 0 ? read_movmf_header(path(library + ".ndf.exr")).provenance.content_hash : "";
+    return result.exit_code == 0 ? read_movmf_header(path(library + ".ndf.exr")).header.provenance.content_hash : "";
   }
 };
 

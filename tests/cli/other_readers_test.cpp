@@ -67,7 +67,7 @@ TEST_F(OtherReadersTest, OiiotoolFindsEveryPartChannelAndAttribute) {
     ASSERT_NE(found, std::string::npos) << line << " is not in its place in\n" << info.out;
     at = found + line.size();
   }
-  const BakedProvenance from = read_movmf_header(path("map.ndf.exr")).provenance;
+  const BakedProvenance from = read_movmf_header(path("map.ndf.exr")).header.provenance;
   for (const std::string& attribute :
        {std::string("multum:representation: \"movmf\""), std::string("multum:formatVersion: 3\n"),
         std::string("multum:lobeCount: 3\n"), std::string("multum:hasColours: 1\n"),
@@ -142,8 +142,8 @@ class FloatStream {
 
 // What a level's arrays of read_lobes() must hold, from the lobes that host/asset reads.
 void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStream& python) {
-  const bool is_half = header.encoding == StorageEncoding::kHalf,
-             planar = header.representation == Representation::kGmm;
+  const bool is_half = header.header.encoding == StorageEncoding::kHalf,
+             planar = header.header.representation == Representation::kGmm;
   const std::size_t texels = level.lobes[0].size(), lobes = level.lobes.size();
   std::vector<double> sums(texels, 0.0);
   for (const auto& lobe : level.lobes)
@@ -173,7 +173,7 @@ void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStrea
   for (std::size_t j = 0; j < level.colours.size(); ++j)
     for (std::size_t i = 0; i < texels; ++i)
       for (int c = 0; c < 3; ++c) ASSERT_NO_FATAL_FAILURE(expect_feature(j, i, level.colours[j][i][c]));
-  const auto weights = static_cast<std::size_t>(header.weight_count);
+  const auto weights = static_cast<std::size_t>(header.header.weight_count);
   for (std::size_t j = 0; j < level.weights.size(); ++j)
     for (std::size_t i = 0; i < texels * weights; ++i)
       ASSERT_NO_FATAL_FAILURE(expect_feature(j, i / weights, level.weights[j][i]));
@@ -205,7 +205,7 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
     const std::string file = path(std::to_string(mipmaps.size()));
     std::filesystem::rename(path("map.ndf.exr"), file + ".ndf.exr");
     mipmaps.push_back(read_movmf_mipmap(file + ".ndf.exr"));
-    EXPECT_EQ(std::to_string(mipmaps.back().first_level), first_level);
+    EXPECT_EQ(std::to_string(mipmaps.back().header.first_level), first_level);
     command.insert(command.end(), {file + ".ndf.exr", file, first_level, std::to_string(mipmaps.back().levels.size())});
   }
   const ProgramResult read = run_program(command);
@@ -213,15 +213,15 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
   std::istringstream said(read.out);
   for (std::size_t i = 0; i < mipmaps.size(); ++i) {
     const MovmfMipmap& mipmap = mipmaps[i];
-    SCOPED_TRACE(mipmap.provenance.settings);
+    SCOPED_TRACE(mipmap.header.provenance.settings);
     std::string hash, stated_hash, finer;
     std::getline(said, hash), std::getline(said, stated_hash), std::getline(said, finer);
     EXPECT_EQ(hash.size(), 64u);
-    EXPECT_EQ(hash, mipmap.provenance.content_hash);
-    EXPECT_EQ(stated_hash, mipmap.provenance.content_hash);
+    EXPECT_EQ(hash, mipmap.header.provenance.content_hash);
+    EXPECT_EQ(stated_hash, mipmap.header.provenance.content_hash);
     EXPECT_NE(finer.find("normal map"), std::string::npos) << finer;
     FloatStream values(read_bytes(path(std::to_string(i))));
-    for (std::size_t l = static_cast<std::size_t>(mipmap.first_level); l < mipmap.levels.size(); ++l)
+    for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l)
       ASSERT_NO_FATAL_FAILURE(expect_level(mipmap.levels[l], mipmap, values));
     EXPECT_EQ(values.left(), 0u);
   }

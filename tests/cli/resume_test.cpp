@@ -51,7 +51,7 @@ class ResumeTest : public CliTest {
     std::ifstream in(path("report.json"));
     return nlohmann::json::parse(in).at("rows_resumed").get<std::uint64_t>();
   }
-  std::string content_hash() const { return read_movmf_header(path("map.ndf.exr")).provenance.content_hash; }
+  std::string content_hash() const { return read_movmf_header(path("map.ndf.exr")).header.provenance.content_hash; }
 };
 
 TEST_F(ResumeTest, AKilledBakeGoesOnFromItsFinishedRows) {
@@ -187,7 +187,7 @@ TEST_F(RegionTest, IsNearlyAsGoodAsAWholeBake) {
 
 TEST_F(RegionTest, OntoItselfAndTwiceIsRecognisedAsUnchanged) {
   ASSERT_EQ(bake("edited.png", "old.ndf.exr", region_).exit_code, 0);
-  const BakedProvenance from = read_movmf_header(path("old.ndf.exr")).provenance;
+  const BakedProvenance from = read_movmf_header(path("old.ndf.exr")).header.provenance;
   EXPECT_NE(from.settings.find("\"region\":[172,140,40,40]"), std::string::npos) << from.settings;
   EXPECT_EQ(from.source_name, "edited.png");
 }
@@ -196,7 +196,7 @@ TEST_F(RegionTest, OntoItselfAndTwiceIsRecognisedAsUnchanged) {
 TEST_F(RegionTest, ARegionThatMissesAnEditIsRefused) {
   const ProgramResult right = bake("edited.png", "auto.ndf.exr", {"--region", "auto", "--onto", path("old.ndf.exr")});
   ASSERT_EQ(right.exit_code, 0) << right.err;
-  const std::string settings = read_movmf_header(path("auto.ndf.exr")).provenance.settings;
+  const std::string settings = read_movmf_header(path("auto.ndf.exr")).header.provenance.settings;
   const std::size_t at = settings.find("\"region\":[") + 10;
   const std::string found = settings.substr(at, settings.find(']', at) - at);
   int x = 0, y = 0, width = 0, height = 0;
@@ -215,8 +215,8 @@ TEST_F(RegionTest, ARegionThatMissesAnEditIsRefused) {
     EXPECT_FALSE(std::filesystem::exists(path("new.ndf.exr")));
   }
   ASSERT_EQ(bake("edited.png", "new.ndf.exr", {"--region", found, "--onto", path("old.ndf.exr")}).exit_code, 0);
-  EXPECT_EQ(read_movmf_header(path("new.ndf.exr")).provenance.content_hash,
-            read_movmf_header(path("auto.ndf.exr")).provenance.content_hash);
+  EXPECT_EQ(read_movmf_header(path("new.ndf.exr")).header.provenance.content_hash,
+            read_movmf_header(path("auto.ndf.exr")).header.provenance.content_hash);
 }
 
 TEST_F(RegionTest, ColoursCountAsTheNormalsDo) {

@@ -138,8 +138,8 @@ TEST_F(ViewTest, RefusesWhatIsForAnotherRepresentation) {
 // alike.
 gl::TestMap with_roughness(float c) {
   gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
-  map.mipmap.has_roughness = true;
-  map.mipmap.mean_cosine = c;
+  map.mipmap.header.has_roughness = true;
+  map.mipmap.header.mean_cosine = c;
   for (MovmfLevel& level : map.mipmap.levels)
     for (auto& lobes : level.lobes)
       for (glm::vec4& lobe : lobes) lobe = glm::vec4(glm::vec3(lobe) * c, lobe.w);
@@ -148,7 +148,7 @@ gl::TestMap with_roughness(float c) {
 
 gl::TestMap with_weights() {
   gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kHalf, false);
-  map.mipmap.weight_count = 2;
+  map.mipmap.header.weight_count = 2;
   for (MovmfLevel& level : map.mipmap.levels)
     for (const auto& lobes : level.lobes) {
       std::vector<float>& weights = level.weights.emplace_back();
@@ -223,8 +223,8 @@ TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
   }
   // Far away, roughnesses of 0.3 and 0.7 by turns are 0.5, alpha^2 = 1/16, c = 31/32.
   gl::TestMap varied = plain;
-  varied.mipmap.has_roughness = true;
-  varied.mipmap.mean_cosine = 0.94f;
+  varied.mipmap.header.has_roughness = true;
+  varied.mipmap.header.mean_cosine = 0.94f;
   for (auto& lobes : varied.mipmap.levels[0].lobes)
     for (std::size_t i = 0; i < lobes.size(); ++i) {
       const auto c = static_cast<float>(mean_cosine_of_roughness(i / 16 % 2 == 0 ? 0.3 : 0.7));
@@ -506,8 +506,8 @@ TEST_F(ViewTest, SourceIsReadAsTheBakeReadIt) {
   MovmfMipmap baked = gl::make_one_lobe_map(image).mipmap;
   nlohmann::json json;
   add_reading_settings(settings, json);
-  baked.provenance.settings = json.dump();
-  baked.provenance.source_hash = hash_file(path("h.png"));
+  baked.header.provenance.settings = json.dump();
+  baked.header.provenance.source_hash = hash_file(path("h.png"));
   write_movmf_mipmap(path("map.ndf.exr"), baked, {});
   // Seen from above, near enough that texels are magnified: all that is left is the border between texels.
   const auto error = [&](const std::vector<std::string>& more, bool warns) {
@@ -561,9 +561,9 @@ class FirstLevelViewTest : public ViewTest {
     reading.bump_format = BumpFormat::kNormal;
     reading.green = GreenAxis::kUp;
     add_reading_settings(reading, settings);
-    map_.mipmap.provenance.settings = settings.dump();
-    map_.mipmap.provenance.source_name = "n.png";
-    map_.mipmap.provenance.source_hash = hash_file(path("n.png"));
+    map_.mipmap.header.provenance.settings = settings.dump();
+    map_.mipmap.header.provenance.source_name = "n.png";
+    map_.mipmap.header.provenance.source_hash = hash_file(path("n.png"));
   }
   void write_from(int first_level) {
     drop_finer_levels(map_.mipmap, first_level);
@@ -604,7 +604,7 @@ TEST_F(FirstLevelViewTest, TheNormalMapIsAskedForByName) {
   write_from(1);
   const std::string out = path("out.png");
   expect_refusal({"-o", out}, 2, {"map.ndf.exr: ", "levels 1 to 5 of 0 to 5", "32 x 32", "no --source"});
-  expect_refusal({"-o", out}, 2, {"(n.png, SHA-256 " + map_.mipmap.provenance.source_hash + ")"});
+  expect_refusal({"-o", out}, 2, {"(n.png, SHA-256 " + map_.mipmap.header.provenance.source_hash + ")"});
   expect_refusal({"-o", out, "--source", path("none.png")}, 3, {"none.png"});
   std::vector<std::uint16_t> flat;
   for (int i = 0; i < 16 * 16; ++i) flat.insert(flat.end(), {32768, 32768, 65535});
@@ -755,7 +755,7 @@ TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   EXPECT_EQ(names(), std::set<std::string>({"render.png", "input.png", "error.png"}));
 
   gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
-  map.mipmap.provenance.source_hash = std::string(64, '0');
+  map.mipmap.header.provenance.source_hash = std::string(64, '0');
   write_movmf_mipmap(path("map.ndf.exr"), map.mipmap, {});
   const ChildResult changed = make("flat.png");
   EXPECT_EQ(changed.exit_code, 3);
