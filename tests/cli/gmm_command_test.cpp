@@ -33,7 +33,7 @@ TEST_F(GmmCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   for (const auto& row : report["measured_error"]) EXPECT_LT(row["relative_l1"].get<double>(), 1.0) << row.dump();
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
   for (const char* line :
-       {"representation  gmm: 3 planar Gaussians a texel, with a colour each", "64 x 64, 7 levels",
+       {"representation  gmm: 3 planar Gaussians per texel, with a colour each", "64 x 64, 7 levels",
         "encoding        snorm16; variances down to 3.3e-05 survive it", "\"representation\":\"gmm\"", "\"lobes\":3"})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
   const ProgramResult verify = multum({"verify", path("map.ndf.exr")});

@@ -37,7 +37,7 @@ TEST(BakeSettingsTest, RefusalsNameTheSettingItsValueAndItsRange) {
   expect_refused({"--lobes", "9", "1 to 8"}, [](auto& s) { s.lobe_count = 9; });
   expect_refused({"--lobes", "0", "1 to 8"}, [](auto& s) { s.lobe_count = 0; });
   expect_refused({"--iterations", "0", "1 to 1000"}, [](auto& s) { s.iteration_count = 0; });
-  expect_refused({"settled", "0.2", "0 to 0.1"}, [](auto& s) { s.convergence_tolerance = 0.2f; });
+  expect_refused({"convergence_tolerance", "0.2", "0 to 0.1"}, [](auto& s) { s.convergence_tolerance = 0.2f; });
   expect_refused({"iterations_top", "1001", "1 to 1000"}, [](auto& s) { s.iteration_count_top = 1001; });
   expect_refused({"--align", "-1", "0 to 10"}, [](auto& s) { s.alignment = -1.0f; });
   expect_refused({"--align", "nan"}, [](auto& s) { s.alignment = std::nanf(""); });
