@@ -6,7 +6,7 @@
 #include "host/service/http/http_reply.h"
 #include "host/service/http/job_request.h"
 #include "host/service/service_settings.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

@@ -19,7 +19,7 @@
 #include "host/base/error.h"
 #include "host/base/shown_text.h"
 #include "host/service/http/http_client.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

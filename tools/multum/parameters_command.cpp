@@ -8,7 +8,7 @@
 
 #include "host/base/shown_text.h"
 #include "host/parameters/parameter_page.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

@@ -17,7 +17,7 @@
 #include "host/service/files/input_list.h"
 #include "host/service/ledger/ledger_rescue.h"
 #include "host/service/service.h"
-#include "host/service/work/worker_loop.h"
+#include "host/service/workers/worker_loop.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

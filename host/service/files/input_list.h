@@ -9,7 +9,7 @@
 
 #include "host/sandbox/confinement.h"
 #include "host/service/files/path_roots.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 
 namespace multum {
 

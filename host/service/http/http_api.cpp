@@ -30,7 +30,7 @@
 #include "host/service/http/result_archive.h"
 #include "host/service/http/web_files.h"
 #include "host/service/ledger/job_json.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 
 namespace multum {
 namespace {

@@ -16,7 +16,7 @@
 #include "host/service/http/http_server.h"
 #include "host/service/http/job_pictures.h"
 #include "host/service/service_settings.h"
-#include "host/service/work/dispatcher.h"
+#include "host/service/workers/dispatcher.h"
 
 namespace multum {
 

@@ -24,7 +24,7 @@
 #include "host/service/files/staging.h"
 #include "host/service/http/http_reply.h"
 #include "host/service/service_log.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 
 namespace multum {
 namespace {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/service/http/http_reply.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 
 namespace multum {
 namespace {

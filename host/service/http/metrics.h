@@ -7,7 +7,7 @@
 #include <string>
 
 #include "host/service/http/http_server.h"
-#include "host/service/work/dispatcher.h"
+#include "host/service/workers/dispatcher.h"
 
 namespace multum {
 

@@ -15,7 +15,7 @@
 #include "host/service/files/data_folder.h"
 #include "host/service/ledger/job_queue.h"
 #include "host/service/ledger/ledger_start.h"
-#include "host/service/work/dispatcher.h"
+#include "host/service/workers/dispatcher.h"
 
 namespace multum {
 namespace {

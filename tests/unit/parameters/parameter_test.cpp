@@ -16,7 +16,7 @@
 #include "host/parameters/infer_parameters.h"
 #include "host/parameters/pyramid_parameters.h"
 #include "host/scene/scene_file.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 #include "host/toml/parameter_keys.h"
 #include "tests/unit/base/test_folder.h"
 #include "tools/command_line/parameter_options.h"

@@ -10,7 +10,7 @@
 #include "host/base/error.h"
 #include "host/service/http/http_api.h"
 #include "host/service/http/openapi.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 
 namespace multum {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/service/work/dispatcher.h"
+#include "host/service/workers/dispatcher.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "host/service/files/staging.h"
 #include "host/service/ledger/job_json.h"
 #include "host/service/service_log.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 
 namespace multum {
 namespace {

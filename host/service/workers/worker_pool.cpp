@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/service/work/worker_pool.h"
+#include "host/service/workers/worker_pool.h"
 
 #include <fmt/format.h>
 #include <sys/socket.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/service/work/fault_injection.h"
+#include "host/service/workers/fault_injection.h"
 
 #include <chrono>
 #include <csignal>

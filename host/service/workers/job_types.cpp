@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/service/work/job_types.h"
+#include "host/service/workers/job_types.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -16,7 +16,7 @@
 #include "host/service/ledger/job_queue.h"
 #include "host/service/ledger/queue_thread.h"
 #include "host/service/service_settings.h"
-#include "host/service/work/worker_pool.h"
+#include "host/service/workers/worker_pool.h"
 
 namespace multum {
 

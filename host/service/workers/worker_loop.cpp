@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/service/work/worker_loop.h"
+#include "host/service/workers/worker_loop.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -23,8 +23,8 @@
 #include "host/service/files/path_roots.h"
 #include "host/service/files/result_copy.h"
 #include "host/service/files/staging.h"
-#include "host/service/work/fault_injection.h"
-#include "host/service/work/job_types.h"
+#include "host/service/workers/fault_injection.h"
+#include "host/service/workers/job_types.h"
 
 namespace multum {
 namespace {
