@@ -146,7 +146,7 @@ BakeReport unchanged_report(const BakeJob& job) {
 }
 
 BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& device, Progress* progress) {
-  window_bytes(asked);  // too little memory is told first
+  const std::uint64_t memory_bytes = window_bytes(asked);  // too little memory is told first
   check_job(asked);
   const std::string asked_settings = all_settings_json(asked);
   if (!asked.force && find_output_state(asked, asked_settings).finding == OutputFinding::kInPlace)
@@ -172,7 +172,7 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   report.stored_only = job.stored_only;
   report.device = device.info().name;
   const MovmfSettings fitting = fitting_settings(job, header.wrap_s, header.wrap_t);
-  ndf_bake(job.representation).bake({job, device, source, header, fitting, window_bytes(job), clock}, report, progress);
+  ndf_bake(job.representation).bake({job, device, source, header, fitting, memory_bytes, clock}, report, progress);
   before.report_since(device, report);
   warn_of_diffuse_error(job, report);
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
