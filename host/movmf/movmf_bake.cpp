@@ -153,11 +153,6 @@ void validate(const MovmfSettings& settings, int map_width, int map_height) {
                                                settings.first_level, level_max, map_width, map_height));
 }
 
-std::uint64_t movmf_bake_units(int width, int height, int first_level) {
-  return static_cast<std::uint64_t>(mip_level_count(width, height) - first_level) * static_cast<std::uint64_t>(width) *
-         static_cast<std::uint64_t>(height);
-}
-
 void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
                 FitReport& report, Progress* progress) {
   const PlaneStore& normals = *inputs.normals;

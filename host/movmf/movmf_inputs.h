@@ -47,6 +47,9 @@ struct MovmfBakeInputs : MapInputs {
 };
 
 /// Units of progress that a bake of lobes advances by.
-std::uint64_t movmf_bake_units(int width, int height, int first_level = 0);
+inline std::uint64_t movmf_bake_units(int width, int height, int first_level = 0) {
+  return static_cast<std::uint64_t>(mip_level_count(width, height) - first_level) * static_cast<std::uint64_t>(width) *
+         static_cast<std::uint64_t>(height);
+}
 
 }  // namespace multum

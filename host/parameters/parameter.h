@@ -48,7 +48,7 @@ struct Parameter {
   double low = 0.0, high = 0.0;
   bool low_excluded = false, zero_excluded = false;
   // "texels", "ms"; of texts, files and long choices their form, "FILE[:CHANNEL]"; empty: none.
-  std::string unit = {};                                                 // "texels", "ms"; empty: none
+  std::string unit = {};
   std::string default_text = {};                                         // as a command line has it; empty: none
   std::vector<std::string> choices = {};                                 // in the order in which they are shown
   std::vector<std::pair<std::string, std::string>> former_choices = {};  // a former name of a choice, and the choice

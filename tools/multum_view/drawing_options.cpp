@@ -23,6 +23,35 @@ CLI::Option* add_parsed_list(CLI::App& app, const std::string& option, std::vect
       help);
 }
 
+void add_environment_options(CLI::App& app, LightOptions& options) {
+  app.add_option(
+      "--environment", options.environment,
+      "light from everywhere, seen behind what is drawn: an image over latitude and longitude, .exr or .hdr");
+  app.add_flag("--no-background", options.no_background, "draw black behind the surface, not the environment");
+  add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
+             "highlights of the environment: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for "
+             "broad BRDFs)")
+      ->default_str("prefiltered");
+}
+
+void add_shading_options(CLI::App& app, ShadingOptions& options) {
+  add_choice(app, "--formula", options.formula, kLobeFormulas,
+             "combine lobe and BRDF by product (of mean cosines) or paper (Han 2007, eq. 20)");
+  app.add_flag("--shade-first", options.shade_first,
+               "shade the lobes of all eight texels of a trilinear footprint, then mix: what lobes of --unaligned "
+               "bakes need, slow");
+  add_choice(app, "--moments", options.moments, kMomentShadings,
+             "shade a file of moments by toksvig, lean or lean-jacobian (default: lean-jacobian)");
+  app.add_option("--colour-map", options.colour_map,
+                 "colours for a file of lobes that has none: a pyramid of multum mip, as a scene's bake leaves it");
+}
+
+void add_anisotropy_option(CLI::App& app, ShadingOptions& options) {
+  app.add_option("--anisotropy", options.anisotropy, "anisotropy of every filtered texture")
+      ->check(number_in(1.0f, 16.0f))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_mesh_option(CLI::App& app, SurfaceOptions& options) {
@@ -58,17 +87,6 @@ void add_light_options(CLI::App& app, LightOptions& options) {
                   "place and intensity of a point light: x,y,z,i or x,y,z,r,g,b; up to 8 times");
 }
 
-void add_environment_options(CLI::App& app, LightOptions& options) {
-  app.add_option(
-      "--environment", options.environment,
-      "light from everywhere, seen behind what is drawn: an image over latitude and longitude, .exr or .hdr");
-  app.add_flag("--no-background", options.no_background, "draw black behind the surface, not the environment");
-  add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
-             "highlights of the environment: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for "
-             "broad BRDFs)")
-      ->default_str("prefiltered");
-}
-
 void add_material_options(CLI::App& app, MaterialOptions& options) {
   using CLI::MultiOptionPolicy;
   app.add_option(
@@ -97,24 +115,6 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
              "its code is left out");
 }
 
-void add_shading_options(CLI::App& app, ShadingOptions& options) {
-  add_choice(app, "--formula", options.formula, kLobeFormulas,
-             "combine lobe and BRDF by product (of mean cosines) or paper (Han 2007, eq. 20)");
-  app.add_flag("--shade-first", options.shade_first,
-               "shade the lobes of all eight texels of a trilinear footprint, then mix: what lobes of --unaligned "
-               "bakes need, slow");
-  add_choice(app, "--moments", options.moments, kMomentShadings,
-             "shade a file of moments by toksvig, lean or lean-jacobian (default: lean-jacobian)");
-  app.add_option("--colour-map", options.colour_map,
-                 "colours for a file of lobes that has none: a pyramid of multum mip, as a scene's bake leaves it");
-}
-
-void add_anisotropy_option(CLI::App& app, ShadingOptions& options) {
-  app.add_option("--anisotropy", options.anisotropy, "anisotropy of every filtered texture")
-      ->check(number_in(1.0f, 16.0f))
-      ->capture_default_str();
-}
-
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {
   return app.add_option("-o,--output", options.path, "picture to write: .png (sRGB) or .exr (linear floats)");
 }
@@ -129,6 +129,16 @@ void add_output_options(CLI::App& app, OutputOptions& options) {
 
 void add_context_option(CLI::App& app, gl::ContextBackend& context) {
   add_choice(app, "--context", context, kContextBackends, "GL to draw with: auto, osmesa (software) or egl");
+}
+
+void add_rendering_options(CLI::App& app, PictureOptions& options) {
+  add_light_options(app, options.light);
+  add_environment_options(app, options.light);
+  add_material_options(app, options.material);
+  add_shading_options(app, options.shading);
+  add_anisotropy_option(app, options.shading);
+  add_output_options(app, options.output);
+  add_context_option(app, options.context);
 }
 
 }  // namespace multum

@@ -75,16 +75,14 @@ void add_camera_options(CLI::App& app, CameraOptions& options);
 void add_distance_option(CLI::App& app, CameraOptions& options);
 /// --light, --point-light.
 void add_light_options(CLI::App& app, LightOptions& options);
-void add_environment_options(CLI::App& app, LightOptions& options);
 /// --brdf, --diffuse, ...
 void add_material_options(CLI::App& app, MaterialOptions& options);
-/// --formula, --shade-first, --moments, --colour-map.
-void add_shading_options(CLI::App& app, ShadingOptions& options);
-void add_anisotropy_option(CLI::App& app, ShadingOptions& options);
 /// -o for a picture.
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options);
 /// --report, --size, --exposure.
 void add_output_options(CLI::App& app, OutputOptions& options);
 void add_context_option(CLI::App& app, gl::ContextBackend& context);
+/// Adds what every drawn baked map has: lights, an environment, materials, ways to shade, outputs but -o, the GL.
+void add_rendering_options(CLI::App& app, PictureOptions& options);
 
 }  // namespace multum

@@ -52,13 +52,7 @@ void add_map_options(CLI::App& app, MapOptions& options) {
   add_mesh_option(app, picture.surface);
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);
-  add_light_options(app, picture.light);
-  add_environment_options(app, picture.light);
-  add_material_options(app, picture.material);
-  add_shading_options(app, picture.shading);
-  add_anisotropy_option(app, picture.shading);
-  add_output_options(app, picture.output);
-  add_context_option(app, picture.context);
+  add_rendering_options(app, picture);
   app.add_option("--shaders", options.shaders,
                  "write the shader variants that were drawn with as JSON: flags, text, and the uniforms that the "
                  "driver kept");

@@ -179,13 +179,7 @@ void add_model_options(CLI::App& app, ModelOptions& options) {
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);
   add_distance_option(app, picture.camera);
-  add_light_options(app, picture.light);
-  add_environment_options(app, picture.light);
-  add_material_options(app, picture.material);
-  add_shading_options(app, picture.shading);
-  add_anisotropy_option(app, picture.shading);
-  add_output_options(app, picture.output);
-  add_context_option(app, picture.context);
+  add_rendering_options(app, picture);
   add_decoding_option(app);
 }
 

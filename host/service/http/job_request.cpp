@@ -36,7 +36,7 @@ Value value_of(const Json& object, const char* key, Value fallback, const Is& is
   return found->get<Value>();
 }
 
-auto whole_between(std::int64_t least, std::int64_t most) {
+auto integer_between(std::int64_t least, std::int64_t most) {
   return [=](const Json& value) {
     if (!value.is_number_integer()) return false;
     if (value.is_number_unsigned() && value.get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX)) return false;
@@ -48,7 +48,7 @@ bool is_plain(const Json& value) { return value.is_string() && is_plain_text(val
 
 bool is_id_list(const Json& value) {
   return value.is_array() && value.size() <= 1000 &&
-         std::all_of(value.begin(), value.end(), whole_between(1, INT64_MAX));
+         std::all_of(value.begin(), value.end(), integer_between(1, INT64_MAX));
 }
 
 // A name without a slash at its start lies among the results that can be downloaded, and nowhere else.
@@ -135,14 +135,14 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
     throw Refusal{400, "usage", fmt::format("queue is \"{}\", expected one of {}", s.queue, fmt::join(names, ", "))};
   }
   s.label = value_of<std::string>(json, "label", "", is_text, "a text of up to 1000 characters");
-  s.priority = value_of<int>(json, "priority", 0, whole_between(-1000, 1000), "an integer from -1000 to 1000");
+  s.priority = value_of<int>(json, "priority", 0, integer_between(-1000, 1000), "an integer from -1000 to 1000");
   s.needs = value_of<std::vector<std::int64_t>>(json, "needs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
-  s.attempt_max = value_of<int>(json, "attempt_max", 5, whole_between(1, 100), "an integer from 1 to 100");
+  s.attempt_max = value_of<int>(json, "attempt_max", 5, integer_between(1, 100), "an integer from 1 to 100");
   s.memory_bytes =
-      value_of<std::int64_t>(json, "memory_bytes", type.memory_bytes, whole_between(0, 1LL << 50), "bytes");
+      value_of<std::int64_t>(json, "memory_bytes", type.memory_bytes, integer_between(0, 1LL << 50), "bytes");
   s.device = value_of<std::string>(json, "device", "", is_text, "a device's name");
   if (json.contains("deadline_s"))
-    s.deadline = now + 1000 * value_of<std::int64_t>(json, "deadline_s", 0, whole_between(1, 100000000),
+    s.deadline = now + 1000 * value_of<std::int64_t>(json, "deadline_s", 0, integer_between(1, 100000000),
                                                      "seconds from now, 1 to 100000000");
   request.again = value_of<bool>(
       json, "again", false, [](const Json& v) { return v.is_boolean(); }, "true or false");
@@ -182,7 +182,7 @@ PurgeRequest parse_purge(const Json& json) {
   PurgeRequest request;
   request.jobs =
       value_of<std::vector<std::int64_t>>(json, "jobs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
-  const auto age = value_of<std::int64_t>(json, "finished_before_s", -1, whole_between(0, 10000000000), "seconds");
+  const auto age = value_of<std::int64_t>(json, "finished_before_s", -1, integer_between(0, 10000000000), "seconds");
   if (age >= 0) request.finished_before_s = age;
   return request;
 }
