@@ -269,6 +269,8 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(multum({"bake", path("map_normal.png")}), kUsage, {"--output", "required", "multum bake --help"});
   expect_failure(multum({"bake", path("map_normal.png"), "-o", path("out/a.exr"), "--cheap"}), kUsage,
                  {"--cheap", "multum bake --help"});
+  expect_failure(multum({"bake", path("map_normal.png"), "-o", path("out/a.exr"), "--lobs", "3"}), kUsage,
+                 {"unknown option '--lobs'", "'--lobes'", "multum bake --help"});
   expect_failure(multum({"bake", path("map_normal.png"), "-o"}), kUsage, {"--output"});
   expect_failure(multum({"info"}), kUsage, {"file", "required", "multum info --help"});
   expect_failure(multum({"verify"}), kUsage, {"file", "required", "multum verify --help"});

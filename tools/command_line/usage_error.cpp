@@ -1,19 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/command_line/usage_error.h"
 
+#include <algorithm>
 #include <sstream>
 #include <vector>
 
 #include "host/base/error.h"
+#include "host/base/nearest_name.h"
 #include "host/base/shown_text.h"
 
 namespace multum {
+
+std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
+  const std::vector<std::string> left = app.remaining(true);
+  const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) {
+    return word.size() > 1 && word.front() == '-' && word != "--";
+  });
+  // A required option that is misspelt is missing first of all.
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  if ((code != CLI::ExitCodes::ExtrasError && code != CLI::ExitCodes::RequiredError) || unknown == left.end())
+    return error.what();
+  const std::vector<const CLI::App*> chosen = app.get_subcommands([](const CLI::App* one) { return one->parsed(); });
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : (chosen.empty() ? app : *chosen.front()).get_options())
+    if (!option->get_group().empty() && !option->get_lnames().empty())  // those in the help
+      names.push_back("--" + option->get_lnames().front());
+  const std::string word = unknown->substr(0, unknown->find('='));
+  const std::string nearest = nearest_name(word, names);
+  return "unknown option '" + word + "'" + (nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
+}
 
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   const std::vector<CLI::App*> chosen = app->get_subcommands();
   const auto is_shown = [](const CLI::App* command) { return !command->get_group().empty(); };  // in the help
   const std::vector<const CLI::App*> commands = app->get_subcommands(is_shown);
-  std::string text = app->get_name() + ": " + error.what();
+  std::string text = app->get_name() + ": " + parse_error_text(*app, error);
   if (chosen.empty() && !commands.empty()) {
     const std::vector<std::string> unknown = app->remaining();
     text = app->get_name() + (unknown.empty() ? ": no command given" : ": unknown command '" + unknown.front() + "'");

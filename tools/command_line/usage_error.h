@@ -8,6 +8,9 @@
 
 namespace multum {
 
+/// CLI11's message; of an unknown option, its name and the one that it was meant to be.
+std::string parse_error_text(const CLI::App& app, const CLI::Error& error);
+
 /// For CLI::App::failure_message(); the app has the program's name.
 std::string usage_error(const CLI::App* app, const CLI::Error& error);
 

@@ -126,28 +126,10 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// CLI11's message; of an unknown option, the one that it was meant to be.
 std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
   const std::vector<CLI::App*> chosen = app->get_subcommands();
-  const CLI::App& command = chosen.empty() ? *app : *chosen.front();
-  const std::string program = chosen.empty() ? app->get_name() : app->get_name() + " " + command.get_name();
-  std::string message = error.what();
-  const std::vector<std::string> left = app->remaining(true);
-  const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) {
-    return word.size() > 1 && word.front() == '-' && word != "--";
-  });
-  // A required option that is misspelt is missing first of all.
-  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
-  if ((code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError) && unknown != left.end()) {
-    std::vector<std::string> names;
-    for (const CLI::Option* const option : command.get_options())
-      if (!option->get_group().empty()) names.push_back(long_name(*option));
-    const std::string word = unknown->substr(0, unknown->find('='));
-    const std::string nearest = nearest_name(word, names);
-    message = fmt::format("unknown option '{}'", word);
-    if (!nearest.empty()) message += fmt::format(" (did you mean '{}'?)", nearest);
-  }
-  return fmt::format("{}: {}\nSee '{} --help'.\n", program, message, program);
+  const std::string program = app->get_name() + (chosen.empty() ? "" : " " + chosen.front()->get_name());
+  return fmt::format("{}: {}\nSee '{} --help'.\n", program, parse_error_text(*app, error), program);
 }
 
 /// The subcommand that runs; empty: a baked map is drawn. Options before a subcommand would be no part of it.
