@@ -144,7 +144,7 @@ def make_page(folder, steps, bakes, views):
             (percent(error[m]), "best" if error[m] == min(error.values()) else "") if m in error else "-"
             for m in methods]])
     total = [[{"bake": "bake ", "view": "view "}.get(s["kind"], "") + s["name"], f"{s['seconds']:.1f}"] for s in steps]
-    samples = sorted({view["truth_samples"] for view in views.values()})
+    samples = sorted({one["samples"] for view in views.values() for one in view["pictures"] if "samples" in one})
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>multum: the demo</title><style>{STYLE}</style></head><body>

@@ -44,6 +44,15 @@ TexelPlane weight_plane(const NormalImage& image) {
   return plane;
 }
 
+ShaderParts reference_shader_parts(NormalMaterial::Sampling sampling) {
+  using Sampling = NormalMaterial::Sampling;
+  ShaderParts parts{{"MULTUM_TRUTH"}, {shader_common_footprint_glsl, shader_surface_normals_glsl}};
+  if (sampling == Sampling::kInterpolated) parts.flags.push_back("MULTUM_INTERPOLATED");
+  if (sampling == Sampling::kBlended || sampling == Sampling::kFootprint) parts.flags.push_back("MULTUM_DRAWN_TEXEL");
+  if (sampling == Sampling::kFootprint) parts.flags.push_back("MULTUM_FOOTPRINT");
+  return parts;
+}
+
 ShaderParts baseline_shader_parts(Baseline baseline) {
   switch (baseline) {
     case Baseline::kMip: return {{"MULTUM_MIP"}, {shader_surface_normals_glsl}};
@@ -108,12 +117,13 @@ NormalImage finest_normals(const ShMipmap& mipmap) {
 }
 
 NormalMaterial::NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy)
-    : samples_footprint_(sampling == Sampling::kFootprint), wrap_s_(image.wrap_s), wrap_t_(image.wrap_t) {
+    : sampling_(sampling), wrap_s_(image.wrap_s), wrap_t_(image.wrap_t) {
   MULTUM_CHECK(image.normals.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   MULTUM_CHECK(image.albedo.empty() || image.albedo.size() == image.normals.size());
   const bool mipmapped = sampling == Sampling::kMipmapped;
-  const int level_count = sampling == Sampling::kNearest ? 1 : mip_level_count(image.width, image.height);
-  const SamplerSettings sampler{image.wrap_s, image.wrap_t, sampling != Sampling::kNearest, anisotropy};
+  const bool has_levels = mipmapped || sampling == Sampling::kFootprint;
+  const int level_count = has_levels ? mip_level_count(image.width, image.height) : 1;
+  const SamplerSettings sampler{image.wrap_s, image.wrap_t, has_levels, anisotropy};
   TexelPlane normals{image.width, image.height, {}};
   TexelPlane slopes{image.width, image.height, {}};
   TexelPlane roughness{image.width, image.height, {}};
@@ -145,10 +155,7 @@ void NormalMaterial::set_baseline(Baseline baseline) {
 }
 
 ShaderParts NormalMaterial::shader_parts() const {
-  ShaderParts parts = slopes_.has_value()  ? baseline_shader_parts(baseline_)
-                      : samples_footprint_ ? ShaderParts{{"MULTUM_TRUTH", "MULTUM_FOOTPRINT"},
-                                                         {shader_common_footprint_glsl, shader_surface_normals_glsl}}
-                                           : ShaderParts{{"MULTUM_TRUTH"}, {shader_surface_normals_glsl}};
+  ShaderParts parts = slopes_.has_value() ? baseline_shader_parts(baseline_) : reference_shader_parts(sampling_);
   if (albedo_.has_value()) parts.flags.push_back("MULTUM_COLOURS");
   if (has_roughness_) parts.flags.push_back(roughness_.has_value() ? "MULTUM_ROUGHNESS_MAP" : "MULTUM_ROUGHNESS");
   add_basis_flag(parts);

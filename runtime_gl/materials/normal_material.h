@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The finest normals as textures, for the ground truth and for what users have today: averaged normals (with Toksvig's
-// rule) and slope moments (LEAN, Olano and Baker 2010). All in RGBA32F: a baseline's errors are its own, not storage's.
+// The finest normals as textures, for reference pictures and for what users have today: averaged normals (with
+// Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All in RGBA32F: a baseline's errors are its own, not
+// storage's.
 #pragma once
 
 #include <optional>
@@ -41,9 +42,11 @@ enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 class NormalMaterial : public Material {
  public:
-  /// kNearest: level 0 alone, nearest texel (truth). kFootprint: a texel that the trilinear filter would average (the
-  /// truth of exact distributions, common/footprint.glsl). kMipmapped: box-filtered mips, trilinear (baselines).
-  enum class Sampling { kNearest, kFootprint, kMipmapped };
+  /// References: kNearest: level 0 alone, its texels as facets. kBlended: one of the four texels around, drawn by
+  /// their bilinear weights (what the filter of level 0 averages). kInterpolated: the normal between the four.
+  /// kFootprint: a texel that the scene's TextureFilter averages (exact distributions, common/footprint.glsl).
+  /// Baselines: kMipmapped: box-filtered mips.
+  enum class Sampling { kNearest, kBlended, kInterpolated, kFootprint, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 
   /// Of what is mipmapped.
@@ -52,7 +55,7 @@ class NormalMaterial : public Material {
   const char* name() const override { return slopes_.has_value() ? "baseline" : "truth"; }
   ShaderParts shader_parts() const override;
   bool samples_light() const override { return !slopes_.has_value(); }
-  bool samples_footprint() const override { return samples_footprint_; }
+  bool samples_footprint() const override { return sampling_ == Sampling::kFootprint; }
   int bind(const ShaderProgram& shader) const override;
   int weight_count() const override { return weight_count_; }
 
@@ -67,7 +70,7 @@ class NormalMaterial : public Material {
   // normals.
   std::optional<Texture> roughness_;
   Baseline baseline_ = Baseline::kMip;
-  bool samples_footprint_;
+  Sampling sampling_;
   WrapMode wrap_s_, wrap_t_;
 };
 

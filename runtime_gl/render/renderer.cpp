@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -15,18 +16,21 @@
 namespace multum::gl {
 namespace {
 
-// Roberts' R2 sequence: multiples of 1/g and 1/g^2, g^3 = g + 1, shifted by one half. Evenly spread for every count.
-glm::vec2 jitter_offset(int sample) {
-  const double x = 0.5 + 0.7548776662466927 * (sample + 1);
-  const double y = 0.5 + 0.5698402909980532 * (sample + 1);
-  return {static_cast<float>(x - static_cast<int>(x) - 0.5), static_cast<float>(y - static_cast<int>(y) - 0.5)};
-}
-
 void append(const ShaderParts& parts, ShaderSources& sources) {
   sources.flags.insert(sources.flags.end(), parts.flags.begin(), parts.flags.end());
   for (const std::string text : parts.texts)
     if (std::find(sources.fragment.begin(), sources.fragment.end(), text) == sources.fragment.end())
       sources.fragment.push_back(text);
+}
+
+void append_filter(const TextureFilter& filter, ShaderSources& sources) {
+  MULTUM_CHECK(filter.taps >= 1 && filter.taps <= kTapCountMax);
+  if (filter.is_drivers) {
+    sources.flags.push_back("MULTUM_DRIVER_FILTER");
+    return;
+  }
+  if (filter.taps > 1) sources.flags.push_back("MULTUM_TAPS " + std::to_string(filter.taps));
+  if (filter.taps > 1 && filter.shades_taps) sources.flags.push_back("MULTUM_SHADE_TAPS");
 }
 
 }  // namespace
@@ -36,7 +40,11 @@ Renderer::Renderer(const GlFunctions& gl, int width, int height)
 
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene) {
   ShaderSources sources{
-      material.name(), {}, {shader_scene_vert}, {shader_common_movmf_shading_glsl, shader_common_reflection_glsl}};
+      material.name(),
+      {},
+      {shader_scene_vert},
+      {shader_common_movmf_shading_glsl, shader_common_texture_filter_glsl, shader_common_reflection_glsl}};
+  append_filter(scene.filter, sources);
   append(brdf_shader_parts(scene.brdf), sources);
   append(environment_shader_parts(scene, material.samples_light()), sources);
   append(material.shader_parts(), sources);
@@ -69,6 +77,7 @@ std::vector<ShaderVariant> Renderer::variants() const {
 void Renderer::set_scene(const ShaderProgram& shader, const Material& material, const RenderScene& scene) {
   shader.set_vec3("u_eye", glm::value_ptr(scene.camera.eye), 1);
   shader.set("u_uv_scale", scene.uv_scale);
+  shader.set("u_level_bias", scene.filter.level_bias);
   brdf_.set(shader, scene.brdf, material.zonal_order());
   set_lights(shader, scene);
   environment_.set(shader, scene, material.samples_light(), {framebuffer_.width(), framebuffer_.height()},
@@ -76,9 +85,9 @@ void Renderer::set_scene(const ShaderProgram& shader, const Material& material, 
   check_gl(gl_, "setting the scene's uniforms");
 }
 
-void Renderer::draw_once(const ShaderProgram& shader, const Mesh& mesh, const RenderScene& scene,
-                         glm::vec2 jitter) const {
-  const glm::mat4 matrix = view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), jitter);
+void Renderer::draw_shifted(const ShaderProgram& shader, const Mesh& mesh, const RenderScene& scene,
+                            glm::vec2 offset) const {
+  const glm::mat4 matrix = view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), offset);
   shader.set_mat4("u_view_projection", glm::value_ptr(matrix));
   framebuffer_.clear_depth();
   mesh.draw();
@@ -113,6 +122,19 @@ Picture Renderer::draw(const Mesh& mesh, const Material& material, const RenderS
   return draw({{&mesh, &material, scene.brdf}}, scene);
 }
 
+FloatImage Renderer::draw_once(const Mesh& mesh, const Material& material, const RenderScene& scene) {
+  const ShaderProgram& shader = program(material, scene);
+  set_scene(shader, material, scene);
+  framebuffer_.bind();
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.Disable(GL_BLEND);
+  framebuffer_.clear_colour();
+  shader.use();
+  draw_shifted(shader, mesh, scene, glm::vec2(0.0f));
+  check_gl(gl_, "drawing");
+  return framebuffer_.read();
+}
+
 Picture Renderer::draw(const std::vector<SceneObject>& objects, const RenderScene& scene) {
   std::vector<RenderScene> scenes(objects.size(), scene);
   std::vector<const ShaderProgram*> shaders;
@@ -126,7 +148,7 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const RenderScen
   framebuffer_.bind();
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
-  std::array<double, 4> times{}, draw_times{};
+  std::array<double, kFramesOfDraw> times{}, draw_times{};
   DrawTimer timer(gl_);
   for (std::size_t frame = 0; frame < times.size(); ++frame) {
     gl_.Finish();
@@ -163,37 +185,58 @@ void Renderer::accumulate(const ShaderProgram& adder) const {
   gl_.Enable(GL_DEPTH_TEST);
 }
 
-Picture Renderer::draw_truth(const Mesh& mesh, const Material& material, const RenderScene& scene, int sample_count,
-                             Progress* progress) {
-  MULTUM_CHECK(sample_count > 0);
+Picture Renderer::draw_reference(const Mesh& mesh, const Material& material, const RenderScene& scene,
+                                 const ReferenceSampling& sampling, Progress* progress) {
+  MULTUM_CHECK(sampling.sample_count >= 0 && sampling.sample_count <= kReferenceSampleCountMax);
+  MULTUM_CHECK(sampling.sample_count > 0 || sampling.noise_max > 0.0);
   const ShaderProgram& shader = program(material, scene);
   if (adder_ == nullptr)
     adder_ = std::make_unique<ShaderProgram>(
         gl_, ShaderSources{"accumulate", {}, {shader_full_screen_vert}, {shader_accumulate_frag}});
   set_scene(shader, material, scene);
-  sum_.clear_colour();
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
   gl_.Finish();
   const Stopwatch stopwatch;
-  for (int i = 0; i < sample_count; ++i) {
-    framebuffer_.bind();
-    framebuffer_.clear_colour();
-    material.bind(shader);
-    if (material.samples_light()) environment_.set_sample(shader, scene, i);
-    shader.use();
-    draw_once(shader, mesh, scene, material.samples_footprint() ? glm::vec2(0.0f) : jitter_offset(i));
-    accumulate(*adder_);
-    if (progress == nullptr) continue;
-    // Else samples would be counted that the driver has only queued.
-    if (i % 8 == 7) gl_.Finish();
-    progress->advance(1);
+  const bool is_fixed = sampling.sample_count > 0;
+  // Two batches at least, so that there is a measure of the noise.
+  const int batch = is_fixed ? std::min(kReferenceBatch, (sampling.sample_count + 1) / 2) : kReferenceBatch;
+  const int count_max = is_fixed ? sampling.sample_count : kReferenceSampleCountMax;
+  ReferenceSum sum(framebuffer_.width(), framebuffer_.height());
+  double share_done = 0.0;
+  for (int begin = 0; begin < count_max;) {
+    const int end = std::min(begin + batch, count_max);
+    sum_.clear_colour();
+    for (int i = begin; i < end; ++i) {
+      framebuffer_.bind();
+      framebuffer_.clear_colour();
+      material.bind(shader);
+      if (material.samples_light()) environment_.set_sample(shader, scene, i);
+      shader.use();
+      draw_shifted(shader, mesh, scene,
+                   material.samples_footprint() ? glm::vec2(0.0f) : reference_offset(sampling.filter, i));
+      accumulate(*adder_);
+    }
+    sum.add(sum_.read(), end - begin);
+    const bool is_pair = (end / batch) % 2 == 0 || end == count_max;
+    begin = end;
+    const double noise = sum.noise();
+    const bool is_done = end == count_max || (!is_fixed && is_pair && noise <= sampling.noise_max);
+    // The noise falls about as the count to the power 3/4 does.
+    const double share = is_done    ? 1.0
+                         : is_fixed ? static_cast<double>(end) / count_max
+                                    : std::min(0.99, std::pow(sampling.noise_max / noise, 4.0 / 3.0));
+    const auto units = static_cast<std::uint64_t>(kReferenceUnits * std::max(share, share_done)) -
+                       static_cast<std::uint64_t>(kReferenceUnits * share_done);
+    share_done = std::max(share, share_done);
+    progress_advance(progress, units);
+    if (is_done) break;
   }
-  gl_.Finish();
   const double time = 1e3 * stopwatch.seconds();
-  check_gl(gl_, "drawing the truth");
-  Picture picture{sum_.read(), time};
-  for (float& value : picture.image.rgba) value /= static_cast<float>(sample_count);
+  check_gl(gl_, "drawing the reference");
+  Picture picture{sum.mean(), time};
+  picture.sample_count = sum.sample_count();
+  picture.noise = sum.noise();
   return picture;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a mesh under a camera into a linear float picture: the baked map, the ground truth, or a baseline.
+// Draws a mesh under a camera into a linear float picture: the baked map, the reference, or a baseline.
 // Deterministic: same input, same bytes on one device.
 #pragma once
 
@@ -15,14 +15,18 @@
 #include "runtime_gl/materials/material.h"
 #include "runtime_gl/render/brdf_shading.h"
 #include "runtime_gl/render/environment_shading.h"
+#include "runtime_gl/render/reference_sampling.h"
 #include "runtime_gl/render/scene.h"
 
 namespace multum::gl {
 
 struct Picture {
   FloatImage image;
-  double frame_time_ms;       // glFinish to glFinish of one frame, the median of 3 after a first one; truth: all passes
-  double draw_time_ms = 0.0;  // what the driver's own clock says that drawing took (GL_TIME_ELAPSED); truth: 0
+  // glFinish to glFinish of one frame, the median of 3 after a first one; of a reference: all samples
+  double frame_time_ms;
+  double draw_time_ms = 0.0;  // what the driver's own clock says that drawing took (GL_TIME_ELAPSED); reference: 0
+  int sample_count = 0;       // of a reference, per pixel
+  double noise = 0.0;         // of a reference (ReferenceSum::noise)
 };
 
 /// One of several things in a picture.
@@ -42,6 +46,9 @@ struct ShaderVariant {
 /// The fragment shader of a material, a BRDF and lights: each text once, and the flags of all.
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
+constexpr int kFramesOfDraw = 4;       // that Renderer::draw times, the first of which compiles
+constexpr int kReferenceUnits = 1000;  // of progress, per reference picture
+
 class Renderer {
  public:
   Renderer(const GlFunctions& gl, int width, int height);
@@ -49,11 +56,12 @@ class Renderer {
   /// Compiles what the material, the BRDF and the lights need, the first time that they meet.
   Picture draw(const Mesh& mesh, const Material& material, const RenderScene& scene);
   Picture draw(const std::vector<SceneObject>& objects, const RenderScene& scene);
-  /// The mean of `sample_count` pictures, each shifted by a fraction of a pixel (low-discrepancy
-  /// sequence, box filter of one pixel). Of the finest map's normals: the BRDF at every sample's own normal.
-  /// Counts samples in `progress`.
-  Picture draw_truth(const Mesh& mesh, const Material& material, const RenderScene& scene, int sample_count,
-                     Progress* progress = nullptr);
+  /// The same picture, drawn once and not timed.
+  FloatImage draw_once(const Mesh& mesh, const Material& material, const RenderScene& scene);
+  /// The mean of many pictures, each shifted by a fraction of a pixel. Of the finest map's normals: the BRDF at every
+  /// sample's own normal. Counts kReferenceUnits in `progress`.
+  Picture draw_reference(const Mesh& mesh, const Material& material, const RenderScene& scene,
+                         const ReferenceSampling& sampling, Progress* progress = nullptr);
   /// Of all that was drawn, but for how pictures are added up.
   std::vector<ShaderVariant> variants() const;
 
@@ -65,7 +73,7 @@ class Renderer {
   const ShaderProgram& program(const Material& material, const RenderScene& scene);
   void accumulate(const ShaderProgram& adder) const;
   void set_scene(const ShaderProgram& shader, const Material& material, const RenderScene& scene);
-  void draw_once(const ShaderProgram& shader, const Mesh& mesh, const RenderScene& scene, glm::vec2 jitter) const;
+  void draw_shifted(const ShaderProgram& shader, const Mesh& mesh, const RenderScene& scene, glm::vec2 offset) const;
 
   const GlFunctions& gl_;
   Framebuffer framebuffer_;

@@ -14,6 +14,9 @@
 namespace multum::gl {
 
 constexpr int kLightCountMax = 8;  // of each kind
+constexpr int kTapCountMax = 16;
+constexpr int kTapCountDefault = 4;
+constexpr float kLevelBiasDefault = -0.5f;
 
 struct Light {
   glm::vec3 direction{0.3f, 0.8f, 0.5f};  // towards the light, any length > 0
@@ -31,6 +34,14 @@ enum class EnvironmentMode {
   kPrefiltered,  // mips convolved with vMFs, by the spread of what is reflected
 };
 
+/// How mip-mapped textures are looked up over a pixel (shaders/common/texture_filter.glsl). Defaults: docs/FILTER.md.
+struct TextureFilter {
+  int taps = kTapCountDefault;           // trilinear lookups along the longer axis at most, 1..kTapCountMax
+  float level_bias = kLevelBiasDefault;  // added to the level of detail, -4..4
+  bool shades_taps = false;              // each tap is shaded by itself; else what they return is averaged first
+  bool is_drivers = false;               // the driver's own sampler instead: its anisotropy, no bias
+};
+
 struct RenderScene {
   Camera camera;
   std::vector<Light> lights = std::vector<Light>(1);
@@ -39,6 +50,7 @@ struct RenderScene {
   EnvironmentMode environment_mode = EnvironmentMode::kPrefiltered;
   glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit; what lies up in the map. With +Z, its middle lies along +Y
   Brdf brdf;
+  TextureFilter filter;
   float uv_scale = 1.0f;  // repeats of the map per unit of uv
 };
 

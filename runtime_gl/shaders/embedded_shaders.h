@@ -10,6 +10,7 @@ extern const char* const shader_common_moment_shading_glsl;
 extern const char* const shader_common_footprint_glsl;
 extern const char* const shader_common_reflection_glsl;
 extern const char* const shader_common_sh_shading_glsl;
+extern const char* const shader_common_texture_filter_glsl;
 extern const char* const shader_common_pyramid_glsl;
 extern const char* const shader_common_vmf_zonal_glsl;
 extern const char* const shader_brdf_blinn_phong_glsl;

@@ -5,6 +5,7 @@
 //
 // Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_TRUTH averages it over
 // samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
+// MULTUM_SHADE_TAPS: each tap of the texture's filter is shaded by itself, and what comes of them averaged.
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;
@@ -17,5 +18,15 @@ layout(location = 0) out vec4 o_colour;
 void main() {
   mat3 to_world = multum_tangent_frame(v_normal, v_tangent);
   vec3 v = normalize(u_eye - v_position) * to_world;
-  o_colour = vec4(multum_lights(multum_fetch_surface(v_st), to_world, v_position, v), 1.0);
+  MultumFootprint footprint = multum_surface_footprint(v_st);
+#ifdef MULTUM_SHADE_TAPS
+  MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
+  vec2 place = v_st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < footprint.tap_count; ++i)
+    sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, v_position, v);
+  o_colour = vec4(sum / float(footprint.tap_count), 1.0);
+#else
+  o_colour = vec4(multum_lights(multum_fetch_surface(v_st, footprint), to_world, v_position, v), 1.0);
+#endif
 }

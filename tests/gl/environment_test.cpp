@@ -69,7 +69,7 @@ class EnvironmentTest : public testing::TestWithParam<ContextBackend> {
   }
   FloatImage truth(const TestMap& map, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
-    return renderer_->draw_truth(*mesh_, material, scene_, samples).image;
+    return renderer_->draw_reference(*mesh_, material, scene_, {samples}).image;
   }
   std::unique_ptr<HeadlessContext> context_;
   std::unique_ptr<Mesh> mesh_;

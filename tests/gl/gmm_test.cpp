@@ -39,7 +39,7 @@ class GmmTest : public testing::TestWithParam<ContextBackend> {
   }
   FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
-    return renderer_->draw_truth(*mesh_, material, scene, samples).image;
+    return renderer_->draw_reference(*mesh_, material, scene, {samples}).image;
   }
   std::unique_ptr<HeadlessContext> context_;
   std::unique_ptr<Mesh> mesh_;

@@ -49,7 +49,7 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
   }
   FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
-    return renderer_->draw_truth(*mesh_, material, scene, samples).image;
+    return renderer_->draw_reference(*mesh_, material, scene, {samples}).image;
   }
   FloatImage moments(const TestMap& map, const MomentMipmap& mipmap, const RenderScene& scene, MomentShading shading) {
     MomentMaterial material(context_->functions(), mipmap, 1.0f, &map.image);
@@ -105,7 +105,7 @@ TEST_P(RenderTest, TheTruthOfTexelsIsWhatTheFilterAverages) {
     scene.uv_scale = wrap == WrapMode::kBlack ? 1.0f : 9.0f;  // a repeat ends at the near border of the plane
     scene.brdf.specular = glm::vec3(0.0f);
     const NormalMaterial texels(context_->functions(), map.image, NormalMaterial::Sampling::kFootprint, 1.0f);
-    const FloatImage drawn = renderer_->draw_truth(*mesh_, texels, scene, 512).image;
+    const FloatImage drawn = renderer_->draw_reference(*mesh_, texels, scene, {512}).image;
     const FloatImage filtered = baseline(map, scene, Baseline::kMip);
     EXPECT_LT(picture_error(drawn, filtered).relative_l1, 0.01) << wrap_mode_name(wrap);
     EXPECT_GT(picture_error(truth(map, scene, 64), filtered).relative_l1, 0.03) << "the pixel's truth is another";
@@ -392,7 +392,7 @@ TEST_P(RenderTest, NearerSurfacesHideWhatLiesBehind) {
   const TestMap map = make_flat_map(4);
   const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
   const Mesh mesh(context_->functions(), two);
-  const FloatImage image = renderer_->draw_truth(mesh, material, distant_scene(), 4).image;
+  const FloatImage image = renderer_->draw_reference(mesh, material, distant_scene(), {4}).image;
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) ASSERT_LE(image.rgba[i], 1.0f);
 }
 

@@ -55,7 +55,7 @@ class ShRenderTest : public testing::TestWithParam<ContextBackend> {
   }
   FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
-    return renderer_->draw_truth(*mesh_, material, scene, samples).image;
+    return renderer_->draw_reference(*mesh_, material, scene, {samples}).image;
   }
   FloatImage lobes(const TestMap& map, const RenderScene& scene) {
     return renderer_->draw(*mesh_, MovmfMaterial(context_->functions(), map.mipmap, 1.0f), scene).image;

@@ -15,6 +15,7 @@
 #include "tools/bench/documents/benchmarks_document.h"
 #include "tools/bench/documents/result_file.h"
 #include "tools/bench/em_benchmark.h"
+#include "tools/bench/filter_benchmark.h"
 #include "tools/bench/frames_benchmark.h"
 #include "tools/bench/inference_benchmark.h"
 #include "tools/bench/load_benchmark.h"
@@ -165,6 +166,23 @@ Benchmark add_frames(CLI::App& app, FramesBenchmarkOptions& frames) {
   return {command, "", [&frames](Progress* progress) { return run_frames_benchmark(frames, progress); }};
 }
 
+Benchmark add_filters(CLI::App& app, FilterBenchmarkOptions& filters) {
+  CLI::App* command = app.add_subcommand("filters", "errors, flicker and frame times over taps, level bias and lobes");
+  command->add_option("--maps", filters.maps, "folder of normal maps (default: the four-quarter map)")
+      ->check(CLI::ExistingDirectory);
+  command->add_option("--maps-max", filters.maps_max, "of these, in the order of their names")
+      ->check(CLI::Range(1, 100000));
+  add_side(*command, "--size", filters.map_size, "side of the four-quarter map");
+  command->add_option("--reference-noise", filters.noise_max, "of reference pictures, relative L1")
+      ->check(CLI::Range(1e-4, 1.0))
+      ->capture_default_str();
+  command->add_option("--device", filters.device, kDeviceHelp);
+  command->add_option("--folder", filters.folder, "where bakes go for the time being (default: $TMPDIR, /tmp)")
+      ->check(CLI::ExistingDirectory);
+  add_choice(*command, "--context", filters.context, kContexts, "who gives the GL context");
+  return {command, "", [&filters](Progress* progress) { return run_filter_benchmark(filters, progress); }};
+}
+
 CLI::App* add_on_gpu(CLI::App& app, OnGpuOptions& options, std::string& from) {
   CLI::App* command = app.add_subcommand(
       "on-gpu", "measure everything that a GPU does with multum: OUTPUT.json and OUTPUT.md, written after each step");
@@ -233,10 +251,12 @@ int run(int argc, char** argv) {
   LoadBenchmarkOptions load;
   InferenceBenchmarkOptions infer;
   FramesBenchmarkOptions frames;
+  FilterBenchmarkOptions filters;
   OnGpuOptions on_gpu;
   std::string on_gpu_from;
-  std::vector<Benchmark> benchmarks = {add_em(app, em),     add_bake(app, bake),   add_scale(app, scale),
-                                       add_load(app, load), add_infer(app, infer), add_frames(app, frames)};
+  std::vector<Benchmark> benchmarks = {add_em(app, em),          add_bake(app, bake),   add_scale(app, scale),
+                                       add_load(app, load),      add_infer(app, infer), add_frames(app, frames),
+                                       add_filters(app, filters)};
   for (Benchmark& benchmark : benchmarks)
     benchmark.command->add_option("--json", benchmark.json, "write the result here too, for multum-bench document");
   AccuracyDocumentOptions accuracy;

@@ -52,7 +52,8 @@ void move_pyramid(CommandOptions& o) {
   o.pyramid.surface = o.map.picture.surface;
   o.pyramid.camera = o.map.picture.camera;
   o.pyramid.output = o.map.picture.output;
-  o.pyramid.samples = o.map.comparison.samples;
+  if (o.map.comparison.sampling.sample_count > 0) o.pyramid.samples = o.map.comparison.sampling.sample_count;
+  o.pyramid.level_bias = o.map.picture.shading.level_bias;
   o.pyramid.anisotropy = o.map.picture.shading.anisotropy;
   o.pyramid.context = o.map.picture.context;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/drawing_options.h"
 
+#include <fmt/format.h>
+
 #include "tools/command_line/choices.h"
 
 namespace multum {
@@ -46,10 +48,28 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
                  "colours for a file of lobes that has none: a pyramid of multum mip, as a scene's bake leaves it");
 }
 
-void add_anisotropy_option(CLI::App& app, ShadingOptions& options) {
-  app.add_option("--anisotropy", options.anisotropy, "anisotropy of every filtered texture")
+void add_filter_options(CLI::App& app, ShadingOptions& options) {
+  CLI::Option* const taps =
+      app.add_option("--taps", options.filter.taps,
+                     "trilinear lookups of every texture along a pixel's longer axis, at most; 1: none but one")
+          ->check(CLI::Range(1, gl::kTapCountMax))
+          ->capture_default_str();
+  CLI::Option* const bias =
+      add_level_bias_option(app, options.level_bias, "added to the mip level that is looked up: below 0 is sharper")
+          ->default_str(fmt::format("{:g}", gl::kLevelBiasDefault));
+  CLI::Option* const shade =
+      app.add_flag("--shade-taps", options.filter.shades_taps, "shade each of --taps by itself, then average: slower");
+  app.add_option_function<float>(
+         "--anisotropy",
+         [&options](const float& anisotropy) {
+           options.anisotropy = anisotropy;
+           options.filter.is_drivers = true;
+         },
+         "leave filtering to the driver, with this anisotropy; drivers differ")
       ->check(number_in(1.0f, 16.0f))
-      ->capture_default_str();
+      ->excludes(taps)
+      ->excludes(bias)
+      ->excludes(shade);
 }
 
 }  // namespace
@@ -127,6 +147,10 @@ void add_output_options(CLI::App& app, OutputOptions& options) {
   app.add_option("--report", options.report, "write errors, times and settings as JSON");
 }
 
+CLI::Option* add_level_bias_option(CLI::App& app, std::optional<float>& bias, const std::string& help) {
+  return app.add_option("--level-bias", bias, help)->check(number_in(-16.0f, 16.0f));
+}
+
 void add_context_option(CLI::App& app, gl::ContextBackend& context) {
   add_choice(app, "--context", context, kContextBackends, "GL to draw with: auto, osmesa (software) or egl");
 }
@@ -136,7 +160,7 @@ void add_rendering_options(CLI::App& app, PictureOptions& options) {
   add_environment_options(app, options.light);
   add_material_options(app, options.material);
   add_shading_options(app, options.shading);
-  add_anisotropy_option(app, options.shading);
+  add_filter_options(app, options.shading);
   add_output_options(app, options.output);
   add_context_option(app, options.context);
 }

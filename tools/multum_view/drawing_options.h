@@ -43,7 +43,9 @@ struct ShadingOptions {
   bool shade_first = false;                  // lobes are shaded before they are filtered
   std::optional<gl::MomentShading> moments;  // of files of moments; unset: kDefaultMomentShading
   std::string colour_map;                    // a pyramid of multum mip: the colours of all lobes; empty: the file's own
-  float anisotropy = 1.0f;                   // of every filtered texture
+  gl::TextureFilter filter;                  // of every mip-mapped texture; its bias is `level_bias`
+  std::optional<float> level_bias;           // unset: kLevelBiasDefault; -16..16
+  float anisotropy = 1.0f;                   // of the driver's filter; 1..16
 };
 
 struct OutputOptions {
@@ -81,6 +83,8 @@ void add_material_options(CLI::App& app, MaterialOptions& options);
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options);
 /// --report, --size, --exposure.
 void add_output_options(CLI::App& app, OutputOptions& options);
+/// --level-bias.
+CLI::Option* add_level_bias_option(CLI::App& app, std::optional<float>& bias, const std::string& help);
 void add_context_option(CLI::App& app, gl::ContextBackend& context);
 /// Adds what every drawn baked map has: lights, an environment, materials, ways to shade, outputs but -o, the GL.
 void add_rendering_options(CLI::App& app, PictureOptions& options);

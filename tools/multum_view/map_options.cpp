@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "tools/command_line/choices.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum_view/write_image.h"
@@ -14,9 +15,10 @@ namespace multum {
 namespace {
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
-  app.add_option("--source", options.normals,
-                 "normal map that the file was baked from, for the truth and the baselines (default: level 0 of the "
-                 "file) and, in files baked with --first-level, for the finest levels");
+  app.add_option(
+      "--source", options.normals,
+      "normal map that the file was baked from, for the reference and the baselines (default: level 0 of the "
+      "file) and, in files baked with --first-level, for the finest levels");
   app.add_option("--albedo", options.albedo, "the source's colours");
   CLI::Option* const roughness = app.add_option("--roughness", options.roughness,
                                                 "the source's roughness, FILE or FILE:CHANNEL, as the bake had it");
@@ -27,16 +29,35 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
 void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
   app.add_option_function<std::string>(
       "--compare", [&options](const std::string& text) { options.pictures = parse_compared("--compare", text); },
-      "also draw these beside it, of truth,mip,toksvig,lean,lean-jacobian; with truth: errors too");
-  app.add_option("--samples", options.samples,
-                 "samples per pixel of --compare truth, each drawn by itself: seconds in software, with a progress bar")
-      ->check(CLI::Range(1, 65536))
-      ->capture_default_str();
+      "also draw these beside it, of reference (or truth),mip,toksvig,lean,lean-jacobian; with reference: errors too");
+  CLI::Option* const samples =
+      app.add_option("--samples", options.sampling.sample_count,
+                     "samples per pixel of the reference (default: as many as --reference-noise takes)")
+          ->check(CLI::Range(1, gl::kReferenceSampleCountMax));
+  app.add_option("--reference-noise", options.sampling.noise_max,
+                 "draw the reference until its noise, in relative L1, is at most this; seconds in software, with a "
+                 "progress bar")
+      ->check(number_in(1e-5f, 1.0f))
+      ->capture_default_str()
+      ->excludes(samples);
+  add_choice(app, "--pixel-filter", options.sampling.filter, kPixelFilters,
+             "how the reference weighs what lies around a pixel's middle: box (its own area), tent (2 pixels wide) or "
+             "gaussian (standard deviation 1/2 pixel)")
+      ->default_str("box");
+  CLI::Option* const texels =
+      add_choice(app, "--reference-texels", options.reference, kReferenceTexels,
+                 "between the middles of the finest texels the reference has the nearest one, a blend of the light of "
+                 "the four around, or their interpolated normal: nearest, blended or interpolated")
+          ->default_str("nearest");
   app.add_option_function<std::string>(
-         "--truth-of", [&options](const std::string& text) { options.truth_of_texels = text == "texels"; },
-         "average the truth over the pixel, or over the texels that a trilinear filter takes there, so that "
-         "the error is that of the baked texels alone")
+         "--reference-of,--truth-of",
+         [&options](const std::string& text) {
+           if (text == "texels") options.reference = gl::NormalMaterial::Sampling::kFootprint;
+         },
+         "average the reference over the pixel, or over the texels that the filter takes there, so that the error is "
+         "that of the baked texels alone")
       ->check(CLI::IsMember({"pixel", "texels"}))
+      ->excludes(texels)
       ->default_str("pixel");
 }
 
@@ -103,8 +124,10 @@ void check_map_options(const MapOptions& options) {
   const SourceOptions& source = options.source;
   if (!picture.camera.distances.empty() && picture.surface.mesh.empty())
     throw Error(ErrorCode::kUsage, "--distance: goes with a mesh, found no --mesh");
-  if (options.comparison.truth_of_texels && picture.shading.anisotropy > 1.0f)
-    throw Error(ErrorCode::kUsage, "--truth-of texels: is the trilinear filter's; found --anisotropy, expected none");
+  if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
+    throw Error(ErrorCode::kUsage,
+                "--reference-of texels: averages what --taps and --level-bias look up; found --anisotropy, the "
+                "driver's own filter, expected none");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())

@@ -4,6 +4,8 @@
 
 #include "host/parameters/bake_parameters.h"
 #include "host/parameters/parameter_values.h"
+#include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/render/reference_sampling.h"
 #include "tools/multum_view/drawing_options.h"
 
 namespace multum {
@@ -20,8 +22,10 @@ struct SourceOptions {
 
 struct ComparisonOptions {
   std::vector<std::string> pictures;  // of truth, mip, toksvig, lean, lean-jacobian
-  int samples = 256;                  // of the truth, per pixel
-  bool truth_of_texels = false;       // the truth averages over what a trilinear filter does, not over the pixel
+  gl::ReferenceSampling sampling;
+  gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // kFootprint: --truth-of texels
+
+  bool is_of_texels() const { return reference == gl::NormalMaterial::Sampling::kFootprint; }
 };
 
 struct AnimationOptions {

@@ -60,7 +60,7 @@ struct PyramidOptions {
   gl::ContextBackend context = gl::ContextBackend::kAuto;
 };
 void add_pyramid_options(CLI::App& app, PyramidOptions& options);
-/// --lookup, --level-bias, --shifts.
+/// --lookup, --shifts.
 void add_lookup_options(CLI::App& app, PyramidOptions& options);
 /// Draws a surface coloured straight from a pyramid.
 int draw_pyramid(const PyramidOptions& options);

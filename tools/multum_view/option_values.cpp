@@ -24,6 +24,13 @@ const Choices<gl::LobeFormula> kLobeFormulas = {{"product", gl::LobeFormula::kPr
 const Choices<gl::ContextBackend> kContextBackends = {
     {"auto", gl::ContextBackend::kAuto}, {"osmesa", gl::ContextBackend::kOsmesa}, {"egl", gl::ContextBackend::kEgl}};
 
+const Choices<gl::PixelFilter> kPixelFilters = {
+    {"box", gl::PixelFilter::kBox}, {"tent", gl::PixelFilter::kTent}, {"gaussian", gl::PixelFilter::kGaussian}};
+const Choices<gl::NormalMaterial::Sampling> kReferenceTexels = {
+    {"nearest", gl::NormalMaterial::Sampling::kNearest},
+    {"blended", gl::NormalMaterial::Sampling::kBlended},
+    {"interpolated", gl::NormalMaterial::Sampling::kInterpolated}};
+
 void refuse_value(const std::string& option, const std::string& found, const std::string& expected) {
   throw Error(ErrorCode::kUsage, option + " '" + found + "': expected " + expected);
 }
@@ -131,7 +138,13 @@ std::vector<float> parse_distances(const std::string& option, const std::string&
 }
 
 std::vector<std::string> parse_compared(const std::string& option, const std::string& text) {
-  return parse_words(option, text, {"truth", "mip", "toksvig", "lean", "lean-jacobian"});
+  std::vector<std::string> names =
+      parse_words(option, text, {"reference", "truth", "mip", "toksvig", "lean", "lean-jacobian"});
+  std::replace(names.begin(), names.end(), std::string("reference"), std::string("truth"));
+  std::vector<std::string> once;
+  for (const std::string& name : names)
+    if (std::find(once.begin(), once.end(), name) == once.end()) once.push_back(name);
+  return once;
 }
 
 std::vector<std::string> parse_lookups(const std::string& option, const std::string& text) {

@@ -13,6 +13,8 @@
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
+#include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/render/reference_sampling.h"
 #include "runtime_gl/render/scene.h"
 
 namespace multum {
@@ -31,6 +33,8 @@ extern const Choices<gl::MomentShading> kMomentShadings;
 extern const Choices<gl::EnvironmentMode> kEnvironmentModes;
 extern const Choices<gl::LobeFormula> kLobeFormulas;
 extern const Choices<gl::ContextBackend> kContextBackends;
+extern const Choices<gl::PixelFilter> kPixelFilters;
+extern const Choices<gl::NormalMaterial::Sampling> kReferenceTexels;
 
 /// Throws Error(kUsage): "--size '640x': expected ...".
 [[noreturn]] void refuse_value(const std::string& option, const std::string& found, const std::string& expected);

@@ -223,10 +223,6 @@ void add_lookup_options(CLI::App& app, PyramidOptions& options) {
          "look the pyramid up in these ways, a list of nearest, bilinear (finest level), level (the longer side of the "
          "pixel), driver, and truth (supersampled)")
       ->default_str("level");
-  app.add_option("--level-bias", options.level_bias,
-                 "number added to the level (default: 0 for colours, as the GL; -0.79 for reflected light, as wide as "
-                 "the pixel)")
-      ->check(number_in(-16.0f, 16.0f));
   app.add_option("--shifts", options.shifts,
                  "measure the flicker of reflected light against the truth over so many sub-pixel shifts")
       ->check(CLI::Range(2, 256));
@@ -237,6 +233,9 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
       ->required();
   add_picture_option(app, options.output)->required();
   add_lookup_options(app, options);
+  add_level_bias_option(app, options.level_bias,
+                        "number added to the level (default: 0 for colours, as the GL; -0.79 for reflected light, as "
+                        "wide as the pixel)");
   app.add_option("--samples", options.samples, "samples per pixel of the truth")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();

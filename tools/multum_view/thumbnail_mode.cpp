@@ -111,7 +111,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   if (mipmap.header.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
   const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
                                   gl::NormalMaterial::Sampling::kNearest, 1.0f);
-  const gl::FloatImage truth = renderer.draw_truth(mesh, finest, scene, kSamples).image;
+  const gl::FloatImage truth = renderer.draw_reference(mesh, finest, scene, {kSamples}).image;
   write_picture(file_in(options, "error.png"), gl::difference_image(render, truth, gl::kDifferenceGain), 1.0f);
 }
 

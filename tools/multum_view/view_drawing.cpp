@@ -41,6 +41,8 @@ gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, 
     for (std::size_t i = 0; i < sum.image.rgba.size(); ++i)
       if (i % 4 != 3) sum.image.rgba[i] += part.image.rgba[i];
     sum.frame_time_ms += part.frame_time_ms;
+    sum.sample_count = std::max(sum.sample_count, part.sample_count);
+    sum.noise = std::max(sum.noise, part.noise);
   }
   material.set_basis(std::nullopt);
   return sum;
@@ -67,10 +69,8 @@ PictureDrawer::PictureDrawer(const MapOptions& options, const std::vector<Brdf>&
       renderer_(gl, options.picture.output.width(), options.picture.output.height()),
       baked_(make_material(gl, map, options.picture.shading, source)) {
   using gl::NormalMaterial;
-  const auto truth =
-      options.comparison.truth_of_texels ? NormalMaterial::Sampling::kFootprint : NormalMaterial::Sampling::kNearest;
   for (const std::string& name : options.comparison.pictures) {
-    if (name == "truth") finest_.emplace(gl, source, truth, 1.0f);
+    if (name == "truth") finest_.emplace(gl, source, options.comparison.reference, 1.0f);
     else if (!mipmapped_)
       mipmapped_.emplace(gl, source, NormalMaterial::Sampling::kMipmapped, options.picture.shading.anisotropy);
   }
@@ -86,11 +86,10 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   for (const std::string& name : options_.comparison.pictures) {
     if (name == "truth") {
       const std::unique_ptr<Progress> progress = make_terminal_progress(true);
-      progress->start(static_cast<std::uint64_t>(options_.comparison.samples) *
-                      std::max<std::size_t>(basis_.size(), 1));
-      progress->stage("draw the truth");
+      progress->start(static_cast<std::uint64_t>(gl::kReferenceUnits) * std::max<std::size_t>(basis_.size(), 1));
+      progress->stage("draw the reference");
       const auto draw = [&](const gl::RenderScene& one) {
-        return renderer_.draw_truth(mesh_, *finest_, one, options_.comparison.samples, progress.get());
+        return renderer_.draw_reference(mesh_, *finest_, one, options_.comparison.sampling, progress.get());
       };
       pictures.insert(pictures.begin(), {name, draw_blended(basis_, scene, *finest_, draw)});
     } else {

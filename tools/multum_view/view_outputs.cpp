@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "host/base/files/atomic_file.h"
@@ -80,6 +81,23 @@ nlohmann::json brdf_json(const Brdf& brdf) {
   return {};
 }
 
+// One sample has no measure of its noise.
+nlohmann::json noise_json(double noise) { return std::isfinite(noise) ? nlohmann::json(noise) : nlohmann::json(); }
+
+std::string reference_line(const gl::Picture& reference) {
+  const std::string noise =
+      std::isfinite(reference.noise) ? fmt::format("{:.2f} % of itself", 100.0 * reference.noise) : "unknown";
+  return fmt::format("the reference has {} samples per pixel; its noise is {}\n", reference.sample_count, noise);
+}
+
+nlohmann::json filter_json(const ShadingOptions& shading) {
+  if (shading.filter.is_drivers) return {{"of", "driver"}, {"anisotropy", shading.anisotropy}};
+  return {{"of", "multum"},
+          {"taps", shading.filter.taps},
+          {"level_bias", shading.level_bias.value_or(gl::kLevelBiasDefault)},
+          {"shades_taps", shading.filter.shades_taps}};
+}
+
 /// The sheet, and with --pictures each picture.
 void add_pictures(const OutputOptions& options, const std::vector<std::string>& compared,
                   std::vector<std::string>& outputs) {
@@ -137,9 +155,14 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
       l1 = fmt::format("{:.2f} %", 100.0 * error.relative_l1);
       rmse = fmt::format("{:.5f}", error.rmse);
     }
+    if (one.name == "truth") {
+      row["samples"] = one.picture.sample_count;
+      row["noise_relative_l1"] = noise_json(one.picture.noise);
+    }
     write_shown(stdout, fmt::format("{:10} {:>12} {:>10} {:>10.1f}\n", one.name, l1, rmse, one.picture.frame_time_ms));
     rows.push_back(row);
   }
+  if (has_truth(pictures)) write_shown(stdout, reference_line(pictures[0].picture));
   return rows;
 }
 
@@ -168,12 +191,12 @@ void write_report(const PictureOptions& options, const gl::RenderScene& scene, c
                            {"context", facts.context},
                            {"width", options.output.width()},
                            {"height", options.output.height()},
-                           {"truth_samples", facts.comparison.samples},
-                           {"truth_of", facts.comparison.truth_of_texels ? "texels" : "pixel"},
+                           {"truth_of", facts.comparison.is_of_texels() ? "texels" : "pixel"},
+                           {"pixel_filter", choice_name(kPixelFilters, facts.comparison.sampling.filter)},
                            {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
                            {"formula", choice_name(kLobeFormulas, shading.formula)},
                            {"moments", choice_name(kMomentShadings, shading.moments.value_or(kDefaultMomentShading))},
-                           {"anisotropy", shading.anisotropy},
+                           {"filter", filter_json(shading)},
                            {"pictures", pictures}};
   if (facts.brdf_is_in_map) report.update({{"brdf", "roughness-map"}});
   else report.update(brdf_json(scene.brdf));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One finest texel of those that the trilinear filter averages at a place, drawn with the weight that it has there:
-// level by the fraction of the level of detail, texel of that level by the bilinear weights, finest texel evenly among
+// One finest texel of those that the texture's filter averages at a place, drawn with the weight that it has there: tap
+// evenly among those of the footprint, level by the fraction of the level of detail, texel of that level by the bilinear weights, finest texel evenly among
 // those that it covers. The mean of many is what a filter of exact distributions would give: a truth whose only
 // difference from a baked map is what the map's texels cannot say.
 uniform int u_wrap_s, u_wrap_t;  // 0 black, 1 clamp, 2 periodic, 3 mirror
@@ -12,10 +12,10 @@ uint multum_hash(uint v) {  // Jarzynski and Olano 2020, "pcg"
   return (word >> 22u) ^ word;
 }
 
-// The n-th of five coordinates of Roberts' sequence, g^6 = g + 1, shifted by the pixel's own hash. The products are
+// The n-th of six coordinates of Roberts' sequence, g^7 = g + 1, shifted by the pixel's own hash. The products are
 // taken modulo 2^32 in whole numbers: in floats they would lose their fractions.
 float multum_random(int n) {
-  const uint steps[5] = uint[5](3785032107u, 3335640777u, 2939605023u, 2590590015u, 2283013049u);  // 2^32 / g^(n+1)
+  const uint steps[6] = uint[6](3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u);  // 2^32 / g^(n+1)
   uint pixel = multum_hash(uint(gl_FragCoord.x) + multum_hash(uint(gl_FragCoord.y) + multum_hash(uint(n))));
   return float((pixel + uint(u_sample) * steps[n]) >> 8u) / 16777216.0;
 }
@@ -30,13 +30,14 @@ int multum_wrapped(int i, int size, int mode) {
 }
 
 // Of the finest level; MULTUM_NO_TEXEL beyond a black border.
-ivec2 multum_footprint_texel(sampler2D map, vec2 st) {
+ivec2 multum_footprint_texel(sampler2D map, vec2 st, MultumFootprint footprint) {
   ivec2 size = textureSize(map, 0);
   float level_max = floor(log2(float(max(size.x, size.y))) + 1e-4);
-  float lod = clamp(textureQueryLod(map, st).y, 0.0, level_max);
+  float lod = clamp(footprint.level, 0.0, level_max);
   int level = int(lod) + (multum_random(0) < fract(lod) ? 1 : 0);
   ivec2 level_size = max(size >> level, ivec2(1));
-  vec2 place = st * vec2(level_size) - 0.5;
+  float tap = floor(multum_random(5) * float(footprint.tap_count)) - 0.5 * float(footprint.tap_count - 1);
+  vec2 place = (st + tap * footprint.tap_step) * vec2(level_size) - 0.5;
   ivec2 texel = ivec2(floor(place)) + ivec2(lessThan(vec2(multum_random(1), multum_random(2)), fract(place)));
   texel = ivec2(multum_wrapped(texel.x, level_size.x, u_wrap_s), multum_wrapped(texel.y, level_size.y, u_wrap_t));
   if (min(texel.x, texel.y) < 0) return MULTUM_NO_TEXEL;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the parts of a scene's fragment shader say to each other. Texts are put together in this order:
 //
-//   common/movmf_shading.glsl, this file, one of brdf/, light/environment*.glsl if there is an environment, one of
+//   common/movmf_shading.glsl, common/texture_filter.glsl, this file, one of brdf/, light/environment*.glsl if there is an environment, one of
 //   surface/, light/lights.glsl, scene.frag
 //
 // A BRDF times the cosine is k_d / pi albedo (1 - F) max(n.l, 0) + k_s F f(n.h) V max(n.l, 0). A file of brdf/ has
@@ -24,7 +24,8 @@
 // A file of surface/ is a representation of the normals under a fragment:
 //
 //   struct MultumSurface                                 what was fetched
-//   MultumSurface multum_fetch_surface(vec2 st)          once a fragment
+//   MultumFootprint multum_surface_footprint(vec2 st)    of its textures
+//   MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint)   what the filter returns there
 //   MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h)   of light from l; in it are albedo,
 //                                                        amplitudes, f, V and cosines; k_d / pi, k_s and F are not
 //   MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v)   of light from everywhere, with

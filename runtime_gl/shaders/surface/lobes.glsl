@@ -4,7 +4,7 @@
 // MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a
 // mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times weight k of the lobes.
 // MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes before filtering: what
-// lobes that are not aligned need.
+// lobes that are not aligned need; taps are shaded one by one then, too.
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours[MULTUM_LOBE_COUNT];
@@ -57,15 +57,27 @@ struct MultumSurface {
 #define MULTUM_TINTED(surface, j, light) (light)
 #endif
 
+MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_lobes[0], st); }
+
+#ifdef MULTUM_MEAN_COLOURS
+vec3 multum_mean_colour(vec2 st, MultumFootprint footprint) {
+  ivec2 from = textureSize(u_lobes[0], 0), to = textureSize(u_mean_colours, 0);
+  return multum_filtered(u_mean_colours, st, multum_footprint_on(footprint, from, to)).rgb;
+}
+#endif
+
 #ifdef MULTUM_SHADE_FIRST
-MultumSurface multum_fetch_surface(vec2 st) {
+#ifndef MULTUM_SHADE_TAPS
+#define MULTUM_SHADE_TAPS
+#endif
+MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumSurface surface;
 #ifdef MULTUM_MEAN_COLOURS
-  surface.albedo = texture(u_mean_colours, st).rgb;
+  surface.albedo = multum_mean_colour(st, footprint);
 #endif
   ivec2 size = textureSize(u_lobes[0], 0);
   int level_max = textureQueryLevels(u_lobes[0]) - 1;
-  float lod = clamp(textureQueryLod(u_lobes[0], st).y, 0.0, float(level_max));
+  float lod = clamp(footprint.level, 0.0, float(level_max));
   for (int k = 0; k < 8; ++k) {  // k = 4 coarser + 2 below + right
     int level = min(int(lod) + (k >> 2), level_max);
     vec2 level_size = vec2(max(size >> level, ivec2(1)));
@@ -90,15 +102,16 @@ MultumSurface multum_fetch_surface(vec2 st) {
   return surface;
 }
 #else
-MultumSurface multum_fetch_surface(vec2 st) {
+MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumSurface surface;
 #ifdef MULTUM_MEAN_COLOURS
-  surface.albedo = texture(u_mean_colours, st).rgb;
+  surface.albedo = multum_mean_colour(st, footprint);
 #endif
 #ifdef MULTUM_NORMAL_MAP
   float share = 1.0;  // of the stored lobes
-  vec4 normal = texture(u_normal_map, st);
-  vec4 finest = multum_movmf_normal_map(normal.xyz, textureQueryLod(u_lobes[0], st).y);
+  MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_lobes[0], 0), textureSize(u_normal_map, 0));
+  vec4 normal = multum_filtered(u_normal_map, st, on_map);
+  vec4 finest = multum_movmf_normal_map(normal.xyz, footprint.level);
   share -= finest.w;
   finest.w *= normal.w;  // beyond a black border there is no material
 #endif
@@ -109,16 +122,16 @@ MultumSurface multum_fetch_surface(vec2 st) {
   float mean_weight = 0.0;
 #endif
   MULTUM_EACH_LOBE(j) {
-    vec4 lobe = texture(u_lobes[j], st);
+    vec4 lobe = multum_filtered(u_lobes[j], st, footprint);
 #ifdef MULTUM_COLOURS
     // Colours are premultiplied: T(a c) / T(a) is the lobe's colour.
-    vec3 colour = texture(u_colours[j], st).rgb;
+    vec3 colour = multum_filtered(u_colours[j], st, footprint).rgb;
     surface.albedos[j] = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
     mean_colour += colour;
 #endif
 #ifdef MULTUM_BASIS
     // Shading is linear in (a r, a): weights are amplitudes.
-    float weight = texture(u_weights[j], st)[MULTUM_BASIS];
+    float weight = multum_filtered(u_weights[j], st, footprint)[MULTUM_BASIS];
     mean_weight += weight;
     lobe *= weight / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
@@ -133,7 +146,7 @@ MultumSurface multum_fetch_surface(vec2 st) {
 #endif
   surface.lobes[MULTUM_LOBE_COUNT] = finest;
 #if defined(MULTUM_ALBEDO_MAP)
-  surface.albedos[MULTUM_LOBE_COUNT] = texture(u_albedo_map, st).rgb;
+  surface.albedos[MULTUM_LOBE_COUNT] = multum_filtered(u_albedo_map, st, on_map).rgb;
 #elif defined(MULTUM_COLOURS)
   surface.albedos[MULTUM_LOBE_COUNT] = mean_colour;  // of the first stored level, the finest that is known
 #endif

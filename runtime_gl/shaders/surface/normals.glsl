@@ -3,7 +3,8 @@
 //   MULTUM_TRUTH  the finest map's nearest texel        MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP    averaged normal, normalised           MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// and MULTUM_FOOTPRINT (TRUTH: not the nearest texel but one that the trilinear filter averages), MULTUM_ROUGHNESS
+// and, of TRUTH, not the nearest texel but MULTUM_DRAWN_TEXEL, one drawn from the four around, or with MULTUM_FOOTPRINT
+// from all that the texture's filter averages; or MULTUM_INTERPOLATED, the normal between the four; MULTUM_ROUGHNESS
 // (lengths of normals are a BRDF's width; TRUTH: of each its own), MULTUM_ROUGHNESS_MAP (not TRUTH: unit normals, the
 // width from a roughness map that is averaged as it is, as in an engine), MULTUM_BASIS k (all is times weight k),
 // MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored are the normal map's, by Toksvig's rule: it has no
@@ -45,10 +46,39 @@ struct MultumSurface {
 #endif
 };
 
-#ifdef MULTUM_FOOTPRINT
-MultumSurface multum_fetch_surface(vec2 st) {
+#if defined(MULTUM_TRUTH) && !defined(MULTUM_FOOTPRINT)
+// The finest level at one place: no filter but that between its texels.
+MultumFootprint multum_surface_footprint(vec2 st) { return MultumFootprint(vec2(0.0), 1, 0.0); }
+#else
+MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_normals, st); }
+#endif
+
+#ifdef MULTUM_INTERPOLATED
+// The direction between four texels, and between their lengths, which roughness is in.
+vec4 multum_interpolated_normal(vec2 st) {
+  ivec2 size = textureSize(u_normals, 0);
+  vec2 place = st * vec2(size) - 0.5;
+  vec2 share = fract(place);
+  vec3 sum = vec3(0.0);
+  float lengths = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 corner = ivec2(k & 1, k >> 1);
+    ivec2 texel = ivec2(floor(place)) + corner;
+    texel = ivec2(multum_wrapped(texel.x, size.x, u_wrap_s), multum_wrapped(texel.y, size.y, u_wrap_t));
+    if (min(texel.x, texel.y) < 0) continue;
+    vec2 weights = mix(1.0 - share, share, vec2(corner));
+    vec3 n = weights.x * weights.y * texelFetch(u_normals, texel, 0).xyz;
+    sum += n;
+    lengths += length(n);
+  }
+  return vec4(sum * (lengths / max(length(sum), 1e-12)), 0.0);
+}
+#endif
+
+#ifdef MULTUM_DRAWN_TEXEL
+MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumSurface surface = MultumSurface(vec4(0.0), vec3(1.0), 1.0);
-  ivec2 texel = multum_footprint_texel(u_normals, st);
+  ivec2 texel = multum_footprint_texel(u_normals, st, footprint);
   if (texel == MULTUM_NO_TEXEL) return surface;
   surface.normal = texelFetch(u_normals, texel, 0);
 #ifdef MULTUM_COLOURS
@@ -60,29 +90,34 @@ MultumSurface multum_fetch_surface(vec2 st) {
   return surface;
 }
 #else
-MultumSurface multum_fetch_surface(vec2 st) {
+MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumSurface surface;
-  surface.normal = texture(u_normals, st);
+#ifdef MULTUM_INTERPOLATED
+  surface.normal = multum_interpolated_normal(st);
+#else
+  surface.normal = multum_filtered(u_normals, st, footprint);
+#endif
   surface.albedo = vec3(1.0);
 #ifdef MULTUM_COLOURS
-  surface.albedo = texture(u_albedo, st).rgb;
+  surface.albedo = multum_filtered(u_albedo, st, footprint).rgb;
 #endif
 #ifdef MULTUM_LEAN
-  surface.slopes = texture(u_slopes, st);
+  surface.slopes = multum_filtered(u_slopes, st, footprint);
 #endif
   surface.weight = 1.0;
 #ifdef MULTUM_BASIS
-  surface.weight = texture(u_weights, st)[MULTUM_BASIS];
+  surface.weight = multum_filtered(u_weights, st, footprint)[MULTUM_BASIS];
 #endif
 #ifdef MULTUM_ROUGHNESS_MAP
-  surface.roughness = texture(u_roughness, st).r;
+  surface.roughness = multum_filtered(u_roughness, st, footprint).r;
 #endif
 #ifdef MULTUM_NORMAL_MAP
-  vec3 mean = texture(u_normal_map, st).xyz;
-  surface.finest = vec4(mean, multum_movmf_normal_map(mean, textureQueryLod(u_normals, st).y).w);
+  MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_normals, 0), textureSize(u_normal_map, 0));
+  vec3 mean = multum_filtered(u_normal_map, st, on_map).xyz;
+  surface.finest = vec4(mean, multum_movmf_normal_map(mean, footprint.level).w);
   surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
 #ifdef MULTUM_ALBEDO_MAP
-  surface.finest_albedo = texture(u_albedo_map, st).rgb;
+  surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;
 #endif
 #endif
   return surface;

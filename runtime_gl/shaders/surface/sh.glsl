@@ -36,9 +36,12 @@ struct MultumSurface {
 #endif
 };
 
-MultumSurface multum_fetch_surface(vec2 st) {
+MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_harmonics, st); }
+
+MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumSurface surface;
-  for (int i = 0; i < MULTUM_SH_PARTS; ++i) surface.parts[i] = texture(u_harmonics, vec3(st, float(i)));
+  for (int i = 0; i < MULTUM_SH_PARTS; ++i)
+    surface.parts[i] = multum_filtered(u_harmonics, st, float(i), footprint);
   surface.share = surface.material = 1.0;
 #ifdef MULTUM_BLACK_S
   surface.material *= step(abs(st.x - 0.5), 0.5);
@@ -47,18 +50,20 @@ MultumSurface multum_fetch_surface(vec2 st) {
   surface.material *= step(abs(st.y - 0.5), 0.5);
 #endif
 #ifdef MULTUM_BASIS
-  surface.material *= texture(u_weights, st)[MULTUM_BASIS];
+  surface.material *= multum_filtered(u_weights, st, footprint)[MULTUM_BASIS];
 #endif
   surface.albedo = vec3(1.0);
 #ifdef MULTUM_COLOURS
-  surface.albedo = texture(u_colours, st).rgb;
+  surface.albedo = multum_filtered(u_colours, st, footprint).rgb;
 #endif
 #ifdef MULTUM_NORMAL_MAP
-  surface.finest = multum_movmf_normal_map(texture(u_normal_map, st).xyz, textureQueryLod(u_harmonics, st).y);
+  MultumFootprint on_map =
+      multum_footprint_on(footprint, textureSize(u_harmonics, 0).xy, textureSize(u_normal_map, 0));
+  surface.finest = multum_movmf_normal_map(multum_filtered(u_normal_map, st, on_map).xyz, footprint.level);
   surface.share -= surface.finest.w;
   surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
 #ifdef MULTUM_ALBEDO_MAP
-  surface.finest_albedo = texture(u_albedo_map, st).rgb;
+  surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;
 #endif
 #endif
   surface.share *= surface.material;

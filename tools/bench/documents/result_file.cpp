@@ -10,6 +10,7 @@
 #include "tools/bench/bake_benchmark.h"
 #include "tools/bench/build_info.h"
 #include "tools/bench/em_benchmark.h"
+#include "tools/bench/filter_benchmark.h"
 #include "tools/bench/frames_benchmark.h"
 #include "tools/bench/inference_benchmark.h"
 #include "tools/bench/load_benchmark.h"
@@ -22,8 +23,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::pair<const char*, ResultView (*)(const Json&)> kViews[] = {
-    {"em", view_em},     {"bake", view_bake},       {"scale", view_scale},
-    {"load", view_load}, {"infer", view_inference}, {"frames", view_frames}};
+    {"em", view_em},           {"bake", view_bake},     {"scale", view_scale},    {"load", view_load},
+    {"infer", view_inference}, {"frames", view_frames}, {"filters", view_filters}};
 
 }  // namespace
 

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the samples of a reference picture lie within their pixel, and how noisy their mean is.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "runtime_gl/gl/framebuffer.h"
+
+namespace multum::gl {
+
+/// How a pixel weighs what lies around its middle. Box: its own area, 1 pixel wide. Tent: 2 pixels wide. Gaussian:
+/// standard deviation 1/2 pixel, cut off at 1.5 pixels.
+enum class PixelFilter { kBox, kTent, kGaussian };
+
+constexpr double kReferenceNoise = 0.005;        // relative L1
+constexpr int kReferenceSampleCountMax = 65536;  // where the noise stays above what is asked for
+constexpr int kReferenceBatch = 64;              // samples between looks at the noise
+
+struct ReferenceSampling {
+  int sample_count = 0;                // per pixel, 1 to kReferenceSampleCountMax; 0: as many as `noise_max` takes
+  double noise_max = kReferenceNoise;  // relative L1, > 0
+  PixelFilter filter = PixelFilter::kBox;
+};
+
+/// From the pixel's middle, in pixels: Roberts' R2 sequence, multiples of 1/g and 1/g^2, g^3 = g + 1, which is evenly
+/// spread for every count, taken through the inverse of the filter's distribution in each direction.
+glm::vec2 reference_offset(PixelFilter filter, int sample);
+
+/// Sums batches of samples in double, in two halves that alternate. The halves' difference measures the noise of the
+/// whole: for independent errors the mean of both is off by half of what they differ by.
+class ReferenceSum {
+ public:
+  ReferenceSum(int width, int height);
+
+  /// `sum`: of `sample_count` pictures.
+  void add(const FloatImage& sum, int sample_count);
+  int sample_count() const { return counts_[0] + counts_[1]; }
+  /// Relative L1 of the RGB of all pixels: sum |a - b| / 2 over sum (a + b) / 2, a and b the means of the halves;
+  /// infinite before the second batch. 0 where everything is black.
+  double noise() const;
+  FloatImage mean() const;
+
+ private:
+  int width_, height_;
+  std::array<std::vector<double>, 2> halves_;
+  std::array<int, 2> counts_{};
+  int next_ = 0;
+};
+
+}  // namespace multum::gl

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lookups of mip-mapped textures over the area that a pixel covers, the same on every driver: N trilinear lookups
+// ("taps") along the longer of the two lengths by which a pixel's coordinates grow, at the level of the shorter one, as
+// the example of GL_EXT_texture_filter_anisotropic has it. Textures of lobes, moments and harmonics are linear in the
+// normals, so the mean of taps is what a wider filter would return.
+//
+//   longer, shorter   of |d(s, t)/dx| and |d(s, t)/dy|, in texels of level 0
+//   N                 ceil(longer / shorter), at most MULTUM_TAPS
+//   level             log2(max(shorter, longer / N)) + u_level_bias
+//   tap i of 0..N-1   at ((i + 1) / (N + 1) - 1/2) times the longer derivative from the middle
+//
+// The extension's example takes the level of longer / N, which for ratios just above a whole number is up to an octave
+// finer than the shorter length: it sparkles across. With one tap this is the trilinear filter of OpenGL 4.5, section
+// 8.14. u_level_bias < 0 sharpens: at -0.79 a trilinear lookup of a square footprint has the variance of the pixel's
+// own box (docs/WILLIAMS.md, "The factor").
+//
+// MULTUM_DRIVER_FILTER leaves all of this to the driver's sampler instead.
+#ifndef MULTUM_TAPS
+#define MULTUM_TAPS 1
+#endif
+
+struct MultumFootprint {
+  vec2 tap_step;  // between neighbouring taps, in st
+  int tap_count;
+  float level;  // before it is clamped; negative where the texture is magnified
+};
+
+uniform float u_level_bias;
+
+// `along_x`, `along_y`: derivatives of st along a row and a column of pixels, in texels of level 0; `size`: level 0's.
+MultumFootprint multum_footprint_of(vec2 along_x, vec2 along_y, vec2 size) {
+  float length_x = length(along_x), length_y = length(along_y);
+  float longer = max(length_x, length_y), shorter = min(length_x, length_y);
+  // A ratio that is a whole number but for rounding must not cost one more tap.
+  float ratio = min(longer / max(shorter, 1e-20), float(MULTUM_TAPS));
+  int count = max(int(ceil(ratio - 1e-3)), 1);
+  float width = max(max(shorter, longer / float(count)), 1e-15);
+  vec2 axis = (length_x > length_y ? along_x : along_y) / size;
+  return MultumFootprint(axis / float(count + 1), count, log2(width) + u_level_bias);
+}
+
+#ifdef MULTUM_DRIVER_FILTER
+// Of what the driver will do the level alone is known.
+MultumFootprint multum_footprint(sampler2D map, vec2 st) {
+  return MultumFootprint(vec2(0.0), 1, textureQueryLod(map, st).y);
+}
+
+MultumFootprint multum_footprint(sampler2DArray map, vec2 st) {
+  return MultumFootprint(vec2(0.0), 1, textureQueryLod(map, st).y);
+}
+
+vec4 multum_filtered(sampler2D map, vec2 st, MultumFootprint footprint) { return texture(map, st); }
+vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint footprint) {
+  return texture(map, vec3(st, layer));
+}
+#else
+// Takes derivatives: call it where every fragment does.
+MultumFootprint multum_footprint(sampler2D map, vec2 st) {
+  vec2 size = vec2(textureSize(map, 0));
+  return multum_footprint_of(dFdx(st) * size, dFdy(st) * size, size);
+}
+
+MultumFootprint multum_footprint(sampler2DArray map, vec2 st) {
+  vec2 size = vec2(textureSize(map, 0).xy);
+  return multum_footprint_of(dFdx(st) * size, dFdy(st) * size, size);
+}
+
+#if MULTUM_TAPS == 1
+vec4 multum_filtered(sampler2D map, vec2 st, MultumFootprint footprint) { return textureLod(map, st, footprint.level); }
+vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint footprint) {
+  return textureLod(map, vec3(st, layer), footprint.level);
+}
+#else
+vec4 multum_filtered(sampler2D map, vec2 st, MultumFootprint footprint) {
+  vec2 place = st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
+  vec4 sum = vec4(0.0);
+  for (int i = 0; i < footprint.tap_count; ++i)
+    sum += textureLod(map, place + float(i) * footprint.tap_step, footprint.level);
+  return sum / float(footprint.tap_count);
+}
+
+vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint footprint) {
+  vec2 place = st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
+  vec4 sum = vec4(0.0);
+  for (int i = 0; i < footprint.tap_count; ++i)
+    sum += textureLod(map, vec3(place + float(i) * footprint.tap_step, layer), footprint.level);
+  return sum / float(footprint.tap_count);
+}
+#endif
+#endif
+
+// The footprint on another texture over the same coordinates: levels are counted from its own finest.
+MultumFootprint multum_footprint_on(MultumFootprint footprint, ivec2 from_size, ivec2 to_size) {
+  float octaves = log2(float(max(to_size.x, to_size.y)) / float(max(from_size.x, from_size.y)));
+  return MultumFootprint(footprint.tap_step, footprint.tap_count, footprint.level + octaves);
+}
