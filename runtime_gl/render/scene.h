@@ -16,7 +16,7 @@ namespace multum::gl {
 constexpr int kLightCountMax = 8;  // of each kind
 constexpr int kTapCountMax = 16;
 constexpr int kTapCountDefault = 4;
-constexpr float kLevelBiasDefault = -0.5f;
+constexpr float kLevelBiasDefault = -0.25f;
 
 struct Light {
   glm::vec3 direction{0.3f, 0.8f, 0.5f};  // towards the light, any length > 0

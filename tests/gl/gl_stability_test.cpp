@@ -75,6 +75,13 @@ bool is_of(const GlslCase& c, const Formula& f) {
 
 // What takes pictures to see.
 const std::map<std::string, std::string> kByPictures = {
+    {"texture_filter.glsl multum_footprint", "TextureFilterTest, TapsAreTheirsInDouble"},
+    {"texture_filter.glsl multum_filtered", "TextureFilterTest, TapsAreTheirsInDouble"},
+    {"lobes.glsl multum_surface_footprint", "TextureFilterTest, AFlatMapIsTheSameByEveryFilter"},
+    {"lobes.glsl multum_mean_colour", "TextureFilterTest, ColoursOfAnotherSizeHaveTheirOwnLevel"},
+    {"normals.glsl multum_surface_footprint", "TextureFilterTest, TapsAreTheirsInDouble"},
+    {"normals.glsl multum_interpolated_normal", "TextureFilterTest, ReferencesBetweenTexels"},
+    {"sh.glsl multum_surface_footprint", "TextureFilterTest, AFlatMapIsTheSameByEveryFilter"},
     {"lobes.glsl multum_fetch_surface", "RenderTest, TwoTiltsEqualTruthWhereMipsFail"},
     {"normals.glsl multum_fetch_surface", "RenderTest, MomentsEqualTheBaselines"},
     {"sh.glsl multum_fetch_surface", "ShRenderTest, AFlatMapIsItsBrdfCutOff"},

@@ -403,22 +403,21 @@ std::uint32_t hash(std::uint32_t v) {
 
 // The pixel's own number is that of the element.
 void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  constexpr std::uint32_t kSteps[] = {3785032107u, 3335640777u, 2939605023u, 2590590015u, 2283013049u};
+  constexpr std::uint32_t kSteps[] = {3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u};
   for (const int sample : {0, 1, 1000003, 2147483647}) {
     GlslInputs inputs;
-    for (std::uint32_t i = 0; i < 100; ++i) inputs.emplace_back(glm::vec4(), glm::vec4(static_cast<float>(i % 5)));
+    for (std::uint32_t i = 0; i < 100; ++i) inputs.emplace_back(glm::vec4(), glm::vec4(static_cast<float>(i % 6)));
     const std::vector<glm::vec4> found =
         evaluate_glsl(gl, edits, "vec4(multum_random(int(b.x)), 0.0, 0.0, 0.0)", inputs, footprint_variant(sample, 0));
     for (std::uint32_t i = 0; i < 100; ++i) {
-      const std::uint32_t n = i % 5, place = hash(i + hash(hash(n))) + static_cast<std::uint32_t>(sample) * kSteps[n];
+      const std::uint32_t n = i % 6, place = hash(i + hash(hash(n))) + static_cast<std::uint32_t>(sample) * kSteps[n];
       worst.add(static_cast<double>(found[i].x), static_cast<double>(place >> 8u) / 16777216.0, 1.0,
                 fmt::format("sample {}, coordinate {}", sample, n));
     }
   }
 }
 
-// Texels that a filter mixes at one place, inside and far outside, are the only ones that are drawn. All pixels have
-// the same place, so that the level is the finest.
+// Texels that a filter mixes at one place, inside and far outside, are the only ones that are drawn.
 void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kWidth = 37, kHeight = 21;
   constexpr WrapMode kModes[] = {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror};
@@ -433,7 +432,8 @@ void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstErr
         program.set_vec2("u_place", &st.x);
       };
       for (const glm::vec4& found : evaluate_glsl(
-               gl, edits, "vec4(vec2(multum_footprint_texel(map, u_place)), 0.0, 0.0)", GlslInputs(64), variant)) {
+               gl, edits, "vec4(vec2(multum_footprint_texel(map, u_place, MultumFootprint(vec2(0.0), 1, 0.0))), 0.0, 0.0)",
+               GlslInputs(64), variant)) {
         bool is_one = false;
         for (int corner = 0; corner < 4; ++corner) {
           const glm::vec2 place = st * glm::vec2(kWidth, kHeight) - 0.5f;
@@ -446,6 +446,77 @@ void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstErr
                   fmt::format("mode {}, ({}, {}): texel ({}, {})", mode, st.x, st.y, found.x, found.y));
       }
     }
+}
+
+// What the shader does with two derivatives, in double.
+glm::dvec4 exact_footprint(const glm::dvec4& a, int taps_max, double size, double bias) {
+  const glm::dvec2 along_x(a.x, a.y), along_y(a.z, a.w);
+  const double x = glm::length(along_x), y = glm::length(along_y), longer = std::max(x, y), shorter = std::min(x, y);
+  const double ratio = shorter > 0.0 ? longer / shorter : longer > 0.0 ? 1e30 : 0.0;
+  const double count = std::max(std::ceil(std::min(ratio, static_cast<double>(taps_max)) - 1e-3), 1.0);
+  const glm::dvec2 step = (x > y ? along_x : along_y) / (size * count);
+  const double width = count == 1.0 ? longer : std::max(shorter, longer / count * std::exp2(-0.75));
+  return glm::dvec4(step, count, std::log2(std::max(width, 1e-15)) + bias);
+}
+
+ShaderHarnessInput filter_variant(int taps_max, float bias) {
+  ShaderHarnessInput variant;
+  variant.flags = {"MULTUM_TAPS " + std::to_string(taps_max)};
+  variant.set_uniforms = [bias](const ShaderProgram& program) { program.set("u_level_bias", bias); };
+  return variant;
+}
+
+// Round, long, one-dimensional and empty footprints; ratios just beside whole numbers.
+void footprints_of_no_width(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  constexpr float kSize = 64.0f, kBias = -0.5f;
+  for (const int taps_max : {1, 4, 16}) {
+    GlslComparison c{"test_footprint(a)", {}, {}};
+    for (const float x : {0.0f, 1e-12f, 0.25f, 1.0f, 3.0f, 1e4f})
+      for (const float ratio : {0.0f, 0.05f, 0.3333333f, 0.5f, 0.52f, 1.0f}) {
+        c.inputs.push_back({{x, 0.0f, 0.0f, ratio * x}, {}});
+        c.inputs.push_back({{0.6f * ratio * x, 0.8f * ratio * x, -0.8f * x, 0.6f * x}, {}});
+      }
+    c.variant = filter_variant(taps_max, kBias);
+    c.variant.formulas =
+        "vec4 test_footprint(vec4 a) {\n  MultumFootprint f = multum_footprint_of(a.xy, a.zw, vec2(64.0));\n"
+        "  return vec4(f.tap_step, float(f.tap_count), f.level);\n}\n";
+    c.exact = [=](const glm::dvec4& a, const glm::dvec4&) {
+      return exact_footprint(a, taps_max, static_cast<double>(kSize), static_cast<double>(kBias));
+    };
+    compare_glsl(gl, edits, c, worst);
+  }
+}
+
+// Of the first level of a map that keeps every second octave.
+void footprints_on_another_size(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"test_other(a)", {}, {}};
+  for (const float from : {1.0f, 37.0f, 64.0f, 4096.0f})
+    for (const float to : {1.0f, 16.0f, 148.0f, 4096.0f}) c.inputs.push_back({{from, to, 1.5f, 0.0f}, {}});
+  c.variant = filter_variant(4, 0.0f);
+  c.variant.formulas =
+      "vec4 test_other(vec4 a) {\n  MultumFootprint f = multum_footprint_on(MultumFootprint(vec2(0.1, 0.2), 3, a.z),\n"
+      "      ivec2(int(a.x), 1), ivec2(1, int(a.y)));\n"
+      "  return vec4(f.tap_step, float(f.tap_count), f.level);\n}\n";
+  c.exact = [](const glm::dvec4& a, const glm::dvec4&) {
+    return glm::dvec4(static_cast<double>(0.1f), static_cast<double>(0.2f), 3.0, a.z + std::log2(a.y / a.x));
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+std::vector<GlslCase> filter_cases() {
+  const std::string file = "texture_filter.glsl";
+  return {
+      {{"glsl-footprints-of-no-width", file, "a length of 0 divides, and has no logarithm", "lengths of at least 1e-15",
+        2e-4, "absolute, of steps, taps and levels", "the GL's log2, of numbers down to 1e-15"},
+       {glsl_edit("log2(max(width, 1e-15))", "log2(width)")},
+       footprints_of_no_width,
+       {"multum_footprint_of"}},
+      {{"glsl-footprints-on-another-size", file, "the level of one texture taken for another's",
+        "the octaves between their longer sides are added", 1e-4, "absolute, of levels", "the GL's log2"},
+       {glsl_edit("footprint.level + octaves", "footprint.level")},
+       footprints_on_another_size,
+       {"multum_footprint_on"}},
+  };
 }
 
 std::vector<GlslCase> planar_cases() {
@@ -573,7 +644,7 @@ std::vector<GlslCase> glsl_common_cases() {
        footprints_of_one_place,
        {"multum_footprint_texel"}},
   };
-  for (auto* part : {planar_cases, moment_cases, harmonic_cases})
+  for (auto* part : {filter_cases, planar_cases, moment_cases, harmonic_cases})
     for (GlslCase& c : part()) cases.push_back(std::move(c));
   return cases;
 }

@@ -27,7 +27,8 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
       "  vec4 b = texelFetch(u_b, p, 0);\n  o = " +
       input.expression + ";\n}\n";
   const std::string formulas = edited_source(
-      std::string(shader_common_movmf_shading_glsl) + shader_common_reflection_glsl + shader_brdf_blinn_phong_glsl +
+      std::string(shader_common_movmf_shading_glsl) + shader_common_texture_filter_glsl +
+          shader_common_reflection_glsl + shader_brdf_blinn_phong_glsl +
           shader_brdf_torrance_sparrow_glsl + shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl +
           shader_brdf_terms_glsl + shader_common_vmf_zonal_glsl + shader_common_gmm_shading_glsl +
           shader_common_moment_shading_glsl + input.formulas,
